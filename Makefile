@@ -10,7 +10,7 @@ WERROR  ?= -Werror
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
-	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev
+	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
@@ -165,7 +165,14 @@ $(BUILD)/generated/embedded.h: $(EMBEDDED) Makefile
 		sed -e 's/\\/\\\\/g' -e 's/"/\\"/g' -e 's/^/"/' -e 's/$$/\\n"/' "$$f"; \
 		echo '},'; \
 	done; echo '};'; } > $@
-$(SERVER_OBJ): | $(BUILD)/generated/embedded.h
+# The dashboard: its files, and Chart.js of Debian's libjs-chart.js.
+DASHBOARD := $(sort $(wildcard client/dashboard/*.html client/dashboard/*.css client/dashboard/*.js \
+	client/dashboard/*.svg client/dashboard/*/*.js))
+CHART_JS  ?= /usr/share/javascript/chart.js/chart.min.js
+$(BUILD)/generated/dashboard.h: client/dashboard/embed $(CHART_JS) $(DASHBOARD)
+	@mkdir -p $(@D)
+	@client/dashboard/embed $(CHART_JS) $(DASHBOARD) >$@.part && mv $@.part $@
+$(SERVER_OBJ): | $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 $(call obj,$(TEST_SRC)): | $(BUILD)/generated/embedded.h
 
 $(BUILD)/liboriel.a: $(CORE_OBJ) $(API_OBJ)
@@ -298,7 +305,7 @@ run-tests:
 
 LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
-lint: deps-lint $(BUILD)/generated/embedded.h
+lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 	@clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
 	@$(MAKE) --no-print-directory -j$(JOBS) all

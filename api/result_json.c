@@ -158,6 +158,18 @@ static json_t *warnings_to_json(const struct orl_result *result)
     return warnings;
 }
 
+static json_t *course_to_json(const struct orl_outcome *outcome)
+{
+    json_t *course = json_array();
+    for (uint32_t i = 0; i < outcome->n_course; i++)
+        if (append(course, json_pack("{s:f, s:f}", "seconds", outcome->course[i].seconds, "error",
+                                     outcome->course[i].error))) {
+            json_decref(course);
+            return NULL;
+        }
+    return course;
+}
+
 json_t *orl_outcome_to_json(const struct orl_outcome *outcome)
 {
     if (!outcome->asked)
@@ -169,9 +181,10 @@ json_t *orl_outcome_to_json(const struct orl_outcome *outcome)
                                     outcome->goal.at)
                         : json_pack("{s:f, s:f}", "relative_error", outcome->goal.relative_error,
                                     "at", outcome->goal.at);
-    return json_pack("{s:o, s:b, s:o, s:I, s:s}", "asked", asked, "met", (int)outcome->met,
+    return json_pack("{s:o, s:b, s:o, s:I, s:s, s:o}", "asked", asked, "met", (int)outcome->met,
                      "achieved", orl_json_from_real(outcome->achieved), "rounds",
-                     (json_int_t)outcome->rounds, "why", outcome->why);
+                     (json_int_t)outcome->rounds, "why", outcome->why, "course",
+                     course_to_json(outcome));
 }
 
 /* A run that came to nothing predicts nothing. */

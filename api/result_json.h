@@ -9,7 +9,8 @@
  *      "views": [{"name", "hdr", "png", "error_hdr" and "error_png" where errors are known,
  *                 "seconds"}], "health": {...}, "warnings": ["..."],
  *      "dark" of a job with a sky: whether that gives no light,
- *      "accuracy": {"asked", "met", "achieved", "rounds", "why"} of a job with a goal,
+ *      "accuracy": {"asked", "met", "achieved", "rounds", "why",
+ *                   "course": [{"seconds", "error"}]} of a job with a goal,
  *      "cost": {"seconds": as timings_s, "rays", "photons",
  *               "next": {"error", "halve_s", "one_percent_s", "model"}}}
  *

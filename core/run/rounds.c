@@ -367,6 +367,20 @@ static int tell_of_views(struct orl_run_state *state)
     return 0;
 }
 
+/* One more point of how the error fell. */
+static void note_course(struct orl_outcome *outcome, double seconds)
+{
+    if (!isfinite(outcome->achieved))
+        return;
+    if (outcome->n_course == ORL_COURSE) {
+        outcome->n_course = ORL_COURSE / 2;
+        for (uint32_t i = 1; i < outcome->n_course; i++)
+            outcome->course[i] = outcome->course[2 * i];
+    }
+    outcome->course[outcome->n_course].seconds = seconds;
+    outcome->course[outcome->n_course++].error = outcome->achieved;
+}
+
 /* The outcome so far, and what comes next. */
 static int settle(struct rounds *r, struct orl_error *err)
 {
@@ -397,6 +411,7 @@ static int settle(struct rounds *r, struct orl_error *err)
     else
         go_on_for_error(r, &parts);
     result->total_s = now_s(r) - state->started_s;
+    note_course(&result->outcome, result->total_s);
     if (code == 0 && state->env->round_ready)
         state->env->round_ready(state->env->ctx, result);
     return code;

@@ -129,12 +129,17 @@ void orl_reply_stopping(struct orl_request *request)
     orl_reply_header(request, "Retry-After", "10");
 }
 
+void orl_reply_bytes(struct orl_request *request, const char *type, const char *data, size_t size)
+{
+    set_response(
+        request, 200,
+        MHD_create_response_from_buffer(size, (void *)(uintptr_t)data, MHD_RESPMEM_PERSISTENT),
+        type);
+}
+
 void orl_reply_text(struct orl_request *request, const char *type, const char *text)
 {
-    set_response(request, 200,
-                 MHD_create_response_from_buffer(strlen(text), (void *)(uintptr_t)text,
-                                                 MHD_RESPMEM_PERSISTENT),
-                 type);
+    orl_reply_bytes(request, type, text, strlen(text));
 }
 
 void orl_reply_owned_text(struct orl_request *request, const char *type, char *text)

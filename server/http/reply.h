@@ -31,6 +31,8 @@ void orl_reply_not_found(struct orl_request *request, const char *what);
 void orl_reply_stopping(struct orl_request *request);
 /* Constant text. */
 void orl_reply_text(struct orl_request *request, const char *type, const char *text);
+/* Constant bytes. */
+void orl_reply_bytes(struct orl_request *request, const char *type, const char *data, size_t size);
 /* Text that it takes; NULL (out of memory) becomes a 503. */
 void orl_reply_owned_text(struct orl_request *request, const char *type, char *text);
 /* A file, by descriptor, which it takes. */

@@ -15,6 +15,11 @@ void orl_handle_metrics(struct orl_request *request); /* handle_metrics.c */
 void orl_handle_openapi(struct orl_request *request);
 void orl_handle_limits(struct orl_request *request);
 
+/* handle_dashboard.c: does the client want the page rather than the index? Then it gets that */
+bool orl_dashboard_is_wanted(const struct orl_request *request);
+void orl_dashboard_reply(struct orl_request *request);
+void orl_handle_dashboard_file(struct orl_request *request);
+
 /* handle_scenes.c, handle_bsdfs.c: uploads; handle_stored_lists.c: all of them */
 void orl_handle_scene_list(struct orl_request *request);
 void orl_handle_bsdf_list(struct orl_request *request);
@@ -33,6 +38,9 @@ void orl_handle_job_cancel(struct orl_request *request);
 void orl_handle_job_delete(struct orl_request *request);
 void orl_handle_job_result(struct orl_request *request);
 void orl_handle_job_file(struct orl_request *request);
+
+/* handle_document.c: what was asked for */
+void orl_handle_job_document(struct orl_request *request);
 
 /* handle_plans.c */
 void orl_handle_plan_post(struct orl_request *request);

@@ -10,6 +10,7 @@ static const char *const scene_types[] = {"multipart/form-data", "application/js
 
 static const struct orl_route table[] = {
     {"GET", "/", ORL_SCOPE_OPEN, orl_handle_index, 0, NULL, false},
+    {"GET", "/dashboard/{}/{*}", ORL_SCOPE_OPEN, orl_handle_dashboard_file, 0, NULL, false},
     {"GET", "/healthz", ORL_SCOPE_OPEN, orl_handle_health, 0, NULL, false},
     {"GET", "/readyz", ORL_SCOPE_OPEN, orl_handle_ready, 0, NULL, false},
     {"GET", "/metrics", ORL_SCOPE_READ, orl_handle_metrics, 0, NULL, false},
@@ -31,6 +32,7 @@ static const struct orl_route table[] = {
     {"GET", "/v1/jobs/{}", ORL_SCOPE_READ, orl_handle_job_get, 0, NULL, false},
     {"DELETE", "/v1/jobs/{}", ORL_SCOPE_SUBMIT, orl_handle_job_delete, 0, NULL, false},
     {"POST", "/v1/jobs/{}/cancel", ORL_SCOPE_SUBMIT, orl_handle_job_cancel, 4096, NULL, false},
+    {"GET", "/v1/jobs/{}/document", ORL_SCOPE_READ, orl_handle_job_document, 0, NULL, false},
     {"GET", "/v1/jobs/{}/events", ORL_SCOPE_READ, orl_handle_job_events, 0, NULL, false},
     {"GET", "/v1/jobs/{}/result", ORL_SCOPE_READ, orl_handle_job_result, 0, NULL, false},
     {"GET", "/v1/jobs/{}/files/{*}", ORL_SCOPE_READ, orl_handle_job_file, 0, NULL, true},

@@ -8,6 +8,7 @@ been provoked is listed at the end and fails the test.
 import io
 import json
 import os
+import re
 import socket
 import sqlite3
 import time
@@ -51,6 +52,7 @@ def service(daemon):
                  "/v1/session"):
         daemon.ask("GET", path, want=200)
         daemon.ask("HEAD", path, want=200)
+    dashboard(daemon)
     limits = daemon.ask("GET", "/v1/limits").json
     schemas = daemon.contract.document["components"]["schemas"]
     false_color, heat_map = (schemas[name]["properties"] for name in ("FalseColor", "HeatMap"))
@@ -59,6 +61,22 @@ def service(daemon):
                               ("scale_divisions", heat_map["divisions"]["maximum"]),
                               ("heat_map_thresholds", heat_map["thresholds"]["maxItems"])):
         assert limits[bound] == documented, (bound, limits[bound], documented)
+
+
+def dashboard(daemon):
+    """The page by its Accept, plain and packed, and the files that it names."""
+    browser = {"Accept": "text/html,application/xml;q=0.9,*/*;q=0.8"}
+    page = daemon.ask("GET", "/", headers=browser, want=200)
+    files = set(re.findall('/dashboard/[^"]+', page.body.decode()))
+    assert {name.rsplit(".", 1)[1] for name in files} == {"css", "js", "svg"}, files
+    folder = min(files).rsplit("/", 1)[0]
+    for path in ("/", folder + "/index.html", *files):
+        tag = daemon.ask("GET", path, headers=browser, want=200).headers["etag"]
+        packed = daemon.ask("GET", path, headers={**browser, "Accept-Encoding": "gzip"}, want=200)
+        assert (packed.headers["etag"] == tag) == ("content-encoding" not in packed.headers)
+        daemon.ask("GET", path, headers={**browser, "If-None-Match": tag}, want=304)
+        daemon.ask("HEAD", path, headers=browser, want=200)
+    assert daemon.ask("GET", "/", headers={"Accept": "*/*"}).json["service"] == "oriel"
 
 
 def scenes(daemon):
@@ -159,6 +177,8 @@ def renders(daemon):
     job = daemon.wait(path)
     assert job["state"] == "succeeded", job
     results(daemon, path, job)
+    tag = daemon.ask("GET", path + "/document", want=200).headers["etag"]
+    daemon.ask("GET", path + "/document", headers={"If-None-Match": tag}, want=304)
     daemon.ask("POST", path + "/cancel", want=409)
     daemon.ask("DELETE", path, want=204)
     eye = {"name": "eye", "view": "-vta -vp 2 2 1.5 -vd 0 -1 0 -vh 180 -vv 180", "width": 24,

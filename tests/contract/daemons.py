@@ -30,7 +30,10 @@ class Answer:
 
     def __init__(self, status, headers, body):
         self.status, self.body = status, body
-        self.headers = {name.lower(): value for name, value in headers}
+        self.headers = {}
+        for name, value in headers:  # of one name, as RFC 9110, 5.3 joins them
+            before = self.headers.get(name.lower())
+            self.headers[name.lower()] = "%s, %s" % (before, value) if before else value
 
     @property
     def json(self):

@@ -63,7 +63,7 @@ def pages_let_in(daemon):
         method, template = verb(daemon.contract, operation), operation[1]
         answer = daemon.ask(method, url_of(template), headers=page)
         assert answer.headers["access-control-allow-origin"] == page["Origin"], (method, template)
-        assert answer.headers["vary"] == "Origin" and answer.status != 403
+        assert answer.headers["vary"].endswith("Origin") and answer.status != 403
         assert "vary" in daemon.ask(method, url_of(template)).headers
 
 
@@ -93,7 +93,7 @@ def tokens(daemon):
         assert (needs is None) == (operation.get("security") == []), (method, template)
         daemon.header = {}
         if needs is None:
-            assert daemon.ask(method, path).status < 400
+            assert daemon.ask(method, path).status in (200, 204, 404)
             continue
         daemon.ask(method, path, want=401)
         daemon.header = {"Authorization": "Bearer oriel_0123456789abcdef_" + "A" * 43}

@@ -222,12 +222,19 @@ struct orl_view_result {
 };
 
 /* How a job with a goal ended. */
+enum { ORL_COURSE = 48 };
 struct orl_outcome {
     bool asked, met;
     struct orl_goal goal; /* the job's */
     uint32_t rounds;
     double achieved;       /* relative error at the goal's share, as estimated; NaN: not known */
     char why[ORL_WHY_MAX]; /* why it ended, and what would help where the goal is not met */
+    /* How the error fell: after rounds, the first and the latest among them, seconds since the
+     * run's start. Where there are more than fit every second one is left out. */
+    struct {
+        double seconds, error;
+    } course[ORL_COURSE];
+    uint32_t n_course;
 };
 
 /* What the run took, beside its times, and what more would: seconds of whole runs like it. */

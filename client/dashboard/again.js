@@ -1,0 +1,19 @@
+// Documents made of a job's document: the same, and one with half the error.
+
+const named = (document, addition) => (document.name ? { name: `${document.name}${addition}`.slice(0, 100) } : {});
+
+export const changed = (document) => ({ ...document });
+
+// What it came to says what half of it is; counts give way to the accuracy.
+export function halved(document, result) {
+  const { photons, gather_samples: samples, pixel_samples: paths, accuracy, ...rest } = document;
+  const found = result.cost.next.error;
+  if (accuracy?.dgp_error) {
+    const dgp_error = accuracy.dgp_error / 2;
+    return { ...rest, ...named(document, ', half the error'), accuracy: { dgp_error } };
+  }
+  const relative_error = Number((found / 2).toPrecision(3));
+  const at = accuracy?.at;
+  const title = document.name?.replace(/, to [0-9.]+ %$/, '');
+  return { ...rest, ...named({ name: title }, `, to ${Number((100 * relative_error).toPrecision(3))} %`), accuracy: { relative_error, ...(at ? { at } : {}) } };
+}

@@ -1,0 +1,121 @@
+// The parts of a job's page that say what it did: stages, plan, maps, health, files.
+
+import { filePath } from './api.js';
+import { h } from './dom.js';
+import { NONE, bytes, count, duration, fullMoment, isOver, moment, number, percent, shortId, stageName, stateName } from './format.js';
+import { EFFECTS, MAPS, TECHNIQUES, boundWords, healthWords } from './words.js';
+
+const ORDER = ['load', 'bvh', 'plan', 'photons', 'maps', 'render'];
+const YEAR_ORDER = ['load', 'skies', 'paths', 'sun', 'hours'];
+
+export function section(id, title, ...children) {
+  return h('section', { 'aria-labelledby': id }, h('h2', { id }, title), ...children);
+}
+
+export function facts(pairs) {
+  return h('dl', { class: 'facts' }, pairs.filter(([, value]) => value !== null && value !== undefined && value !== '')
+    .map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))));
+}
+
+export function jobFacts(job) {
+  const took = job.started && job.finished ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
+  return facts([
+    ['Kind', job.kind === 'annual' ? 'Year of daylight' : job.kind === 'study' ? 'Study' : 'Render'],
+    ['Technique', job.technique && TECHNIQUES[job.technique]],
+    ['Scene', h('a', { class: 'mono', href: `#/jobs?scene=${job.scene}` }, shortId(job.scene))],
+    ['Tags', job.tags.length ? job.tags.map((tag, i) => [i ? ', ' : '', h('a', { href: `#/jobs?${new URLSearchParams({ tag })}` }, tag)]) : null],
+    ['Submitted', h('span', { title: fullMoment(job.created) }, moment(job.created))],
+    ['Took', took === null ? null : duration(took)],
+    ['Threads', job.threads && String(job.threads)],
+    ['Client', job.client.replace(/^(token|name|address):/, '')],
+    ['Attempts', job.attempts > 1 ? String(job.attempts) : null],
+    ['Id', h('span', { class: 'mono wrap' }, job.id)],
+  ]);
+}
+
+// A line in proportion to seconds once it has ended; while it runs, how far it has come.
+export function stages(job) {
+  const times = job.timings_s;
+  const order = (job.kind === 'annual' && times && 'skies' in times) ? YEAR_ORDER : ORDER;
+  const total = times ? order.reduce((sum, stage) => sum + (times[stage] || 0), 0) : 0;
+  const at = order.indexOf(job.stage);
+  const rows = order.map((stage, i) => {
+    const seconds = times?.[stage];
+    const words = times ? duration(seconds) : i < at ? 'done' : i === at ? `${Math.round(job.stage_percent || 0)}\u202f%` : '';
+    return h('li', { class: times || i < at ? 'done' : i === at ? 'now' : 'later', 'aria-current': !times && i === at ? 'step' : null },
+      h('span', { class: 'stage-bar', 'aria-hidden': 'true' }, bar(times ? seconds / total : i < at ? 1 : i === at ? (job.stage_percent || 0) / 100 : 0)),
+      h('span', {}, stageName(stage)), h('span', { class: 'n' }, words));
+  });
+  return h('ol', { class: 'stages' }, rows);
+}
+
+function bar(share) {
+  const node = h('span', {});
+  node.style.inlineSize = `${100 * Math.min(1, Math.max(0, share || 0))}%`;
+  return node;
+}
+
+function planRow(decision) {
+  const cost = decision.simulated
+    ? (decision.cost_s > 0 ? duration(decision.cost_s) : NONE)
+    : [decision.saved_s > 0 ? `saves ${duration(decision.saved_s)}` : '', boundWords(decision.bound)].filter(Boolean).join(', ') || NONE;
+  return h('tr', { class: decision.simulated ? '' : 'out', role: 'row' },
+    h('th', { scope: 'row', role: 'rowheader' }, EFFECTS[decision.effect] || decision.effect),
+    h('td', { role: 'cell' }, decision.simulated ? 'Yes' : 'No', decision.wish !== 'auto' && h('span', { class: 'quiet' }, ` (${decision.wish === 'force' ? 'forced' : 'skipped'})`)),
+    h('td', { class: 'why', role: 'cell' }, decision.why), h('td', { class: 'n', role: 'cell' }, cost));
+}
+
+export function plan(plan) {
+  const effects = [...plan.effects].sort((a, b) => b.simulated - a.simulated);
+  return section('plan', 'Plan',
+    h('p', {}, `${TECHNIQUES[plan.technique][0].toUpperCase()}${TECHNIQUES[plan.technique].slice(1)}: ${plan.why}.`),
+    h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-labelledby': 'plan' },
+      h('table', { class: 'plan', role: 'table' },
+        h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, ['Effect of light', 'Simulated', 'Why'].map((word) => h('th', { scope: 'col', role: 'columnheader' }, word)), h('th', { scope: 'col', role: 'columnheader', class: 'n' }, 'Cost, or what is lost'))),
+        h('tbody', { role: 'rowgroup' }, effects.map(planRow)))));
+}
+
+export function maps(list) {
+  return section('maps', 'Maps',
+    h('ul', { class: 'lines' }, list.map((map) => h('li', {},
+      h('strong', {}, MAPS[map.kind] || map.kind),
+      h('span', {}, `${count(map.stored)} stored, ${bytes(map.bytes)}`),
+      h('span', { class: 'quiet' }, map.cached ? `found ready${map.seconds > 0 ? `, ${duration(map.seconds)} saved` : ''}`
+        : map.reused > 0 ? `${count(map.reused)} taken over, the rest in ${duration(map.seconds)}` : `built in ${duration(map.seconds)}`)))));
+}
+
+export function warnings(list) {
+  return section('warnings', list.length === 1 ? 'Warning' : 'Warnings', h('ul', { class: 'warnings' }, list.map((text) => h('li', {}, text))));
+}
+
+export function health(found) {
+  const { sound, lines, work } = healthWords(found);
+  return section('health', 'Health', sound ? h('p', {}, lines[0], ' ', h('span', { class: 'quiet' }, work)) : [h('ul', { class: 'warnings' }, lines.map((text) => h('li', {}, text))), h('p', { class: 'quiet' }, `Of ${work}.`)]);
+}
+
+export function files(job) {
+  const listed = job.files || (job.links.files || []).map((link) => ({ name: decodeURIComponent(link.split('/').pop()) }));
+  if (!listed.length) return [];
+  return section('files', 'Files',
+    h('ul', { class: 'files' }, listed.map((file) => h('li', {},
+      h('a', { href: filePath(job.id, file.name), target: '_blank', rel: 'noopener' }, file.name), file.bytes !== undefined && h('span', { class: 'quiet n' }, bytes(file.bytes))))));
+}
+
+// Many sensors in a few numbers.
+export function sensorFigures(sensors) {
+  const values = sensors.map((one) => one.illuminance_lx).filter(Number.isFinite).sort((a, b) => a - b);
+  if (!values.length) return [];
+  const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+  const lit = values.filter((value) => value >= 300).length / values.length;
+  return facts([
+    ['Sensors', count(values.length)], ['Mean', `${number(mean)}\u202flx`], ['Median', `${number(values[values.length >> 1])}\u202flx`],
+    ['Least', `${number(values[0])}\u202flx`], ['Most', `${number(values.at(-1))}\u202flx`], ['At 300\u202flx or more', percent(lit, 3)],
+  ]);
+}
+
+export function headline(job) {
+  if (job.state === 'queued') return job.queue_position === 1 ? 'Waiting, next in the queue' : `Waiting, place ${job.queue_position} in the queue`;
+  if (job.state === 'running') return job.eta_s === null ? 'Running' : `Running, about ${duration(job.eta_s)} left`;
+  if (job.state === 'cancelling') return 'Stopping';
+  return isOver(job.state) ? `${stateName(job.state)} ${moment(job.finished)}` : stateName(job.state);
+}

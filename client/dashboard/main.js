@@ -1,0 +1,146 @@
+// The page's frame: which page is shown, whether the daemon answers, who is signed in.
+
+import { explain, signals } from './api.js';
+import { fill, h, setAttr, setText } from './dom.js';
+import { Stream } from './events.js';
+import { JobsPage } from './jobs_page.js';
+import { Session, SignInPage } from './session.js';
+import { Store } from './store.js';
+
+const NAV = [['#/jobs', 'Jobs']];
+const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', refused: '', off: '' };
+
+// What is only at times of use comes when it is used.
+const ROUTES = [
+  [/^\/jobs$/, (app, params) => new JobsPage(app, params)],
+  [/^\/jobs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./job_page.js')).JobPage(app, id)],
+];
+
+class App {
+  session = new Session();
+  stream = new Stream('/v1/events');
+  store = new Store(this.stream);
+  main = document.getElementById('main');
+  banner = document.getElementById('banner');
+  page = null;
+  shown = {};
+
+  constructor() {
+    addEventListener('hashchange', () => this.route());
+    signals.addEventListener('signed-out', () => this.#leave());
+    this.stream.addEventListener('state', () => this.#showLink());
+    this.stream.addEventListener('reset', () => this.#checkVersion());
+  }
+
+  async begin() {
+    try {
+      await this.session.look();
+      this.enter();
+    } catch (error) {
+      this.#notice(explain(error));
+      setTimeout(() => this.begin(), 2000);
+    }
+  }
+
+  enter() {
+    this.#notice('');
+    if (this.session.open) this.stream.start();
+    this.#showFrame();
+    this.route();
+  }
+
+  #leave() {
+    if (!this.session.needed || !this.session.signedIn) return;
+    this.session.signedIn = false;
+    this.stream.stop();
+    this.#showFrame();
+    this.route();
+  }
+
+  async #signOut() {
+    this.stream.stop();
+    try {
+      await this.session.signOut();
+    } catch (error) {
+      this.#notice(explain(error));
+    }
+    location.hash = '#/jobs';
+    this.enter();
+  }
+
+  #showFrame() {
+    const { session } = this;
+    const path = location.hash.slice(1).split('?')[0] || '/jobs';
+    document.body.classList.toggle('closed', !session.open);
+    fill(document.getElementById('nav'), [session.open, path], () => session.open && NAV.map(([href, words]) =>
+      h('li', {}, h('a', { href, 'aria-current': path.startsWith(href.slice(1)) ? 'page' : null }, words))));
+    fill(document.getElementById('who'), [session.signedIn, session.name], () => session.signedIn && [
+      h('span', { class: 'quiet' }, session.name),
+      h('button', { type: 'button', class: 'plain', onclick: () => this.#signOut() }, 'Sign out')]);
+  }
+
+  #showLink() {
+    const { state } = this.stream;
+    const link = document.getElementById('link');
+    setText(link, LINK_WORDS[state]);
+    setAttr(link, 'data-state', state);
+    clearTimeout(this.lateWord);
+    if (state === 'lost') {
+      const since = new Intl.DateTimeFormat('en-GB', { timeStyle: 'medium' }).format(new Date());
+      this.lateWord = setTimeout(() => this.#notice(`The daemon does not answer. What is here is as of ${since}; it goes on by itself.`), 1500);
+    }
+    if (state === 'live') this.#notice('');
+    if (state === 'refused') this.session.look().then(() => this.enter(), () => {});
+  }
+
+  // A daemon started anew may bring another page.
+  async #checkVersion() {
+    const answer = await fetch(new URL('icon.svg', import.meta.url), { cache: 'no-store' }).catch(() => null);
+    if (answer && answer.status === 404)
+      this.#notice('The daemon has been renewed, and this page with it.', h('button', { type: 'button', onclick: () => location.reload() }, 'Load it'));
+  }
+
+  #notice(text, ...more) {
+    this.banner.hidden = !text;
+    this.banner.replaceChildren(text, ...more);
+  }
+
+  async route() {
+    const [path, query] = (location.hash.slice(1) || '/jobs').split('?');
+    const turn = (this.turn = {});
+    const first = !this.page;
+    let page;
+    if (this.session.open) {
+      const found = ROUTES.find(([pattern]) => pattern.test(path));
+      if (!found) {
+        location.replace('#/jobs');
+        return;
+      }
+      try {
+        page = await found[1](this, new URLSearchParams(query), ...found[0].exec(path).slice(1));
+      } catch (error) {
+        this.#notice(explain(error));
+        return;
+      }
+    } else {
+      page = new SignInPage(this);
+    }
+    if (turn !== this.turn) {
+      page.close();
+      return;
+    }
+    this.page?.close();
+    this.page = page;
+    this.main.replaceChildren(page.node);
+    this.setTitle(page.title);
+    this.#showFrame();
+    scrollTo(0, 0);
+    if (!first) page.node.querySelector('h1')?.focus({ preventScroll: true });
+  }
+
+  setTitle(title) {
+    document.title = title ? `${title} \u2013 Oriel` : 'Oriel';
+  }
+}
+
+new App().begin();

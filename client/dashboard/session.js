@@ -1,0 +1,75 @@
+// Signing in with a token for a cookie, and out; what one may do then.
+
+import { Problem, ask, explain, get } from './api.js';
+import { h } from './dom.js';
+
+const SCOPES = ['read', 'submit', 'admin'];
+
+export class Session {
+  needed = false;
+  signedIn = false;
+  scope = null;
+  name = null;
+
+  async look() {
+    this.#take(await get('/v1/session'));
+  }
+
+  #take({ needed, signed_in: signedIn, scope, token }) {
+    Object.assign(this, { needed, signedIn, scope, name: token });
+  }
+
+  get open() {
+    return !this.needed || this.signedIn;
+  }
+
+  may(scope) {
+    return !this.needed || SCOPES.indexOf(this.scope) >= SCOPES.indexOf(scope);
+  }
+
+  async signIn(token) {
+    this.#take(await (await ask('/v1/session', { method: 'POST', headers: { Authorization: `Bearer ${token}` } })).json());
+  }
+
+  async signOut() {
+    await ask('/v1/session', { method: 'DELETE' });
+    this.signedIn = false;
+  }
+}
+
+const REFUSALS = { 401: 'This daemon knows no such token. It may have been removed, or mistyped.' };
+
+export class SignInPage {
+  title = 'Sign in';
+
+  constructor(app) {
+    this.app = app;
+    this.field = h('input', { id: 'token', type: 'password', autocomplete: 'current-password', spellcheck: 'false', required: true, 'aria-describedby': 'token-help token-fault' });
+    this.fault = h('p', { id: 'token-fault', class: 'fault', role: 'alert' });
+    this.button = h('button', { type: 'submit', class: 'main' }, 'Sign in');
+    this.node = h('div', { class: 'page narrow' },
+      h('h1', { tabindex: -1 }, 'Sign in'),
+      h('form', { onsubmit: (event) => this.#submit(event) },
+        h('label', { for: 'token' }, 'Access token'), this.field,
+        h('p', { id: 'token-help', class: 'quiet' }, 'Whoever runs the daemon makes one:'),
+        h('pre', {}, 'orield token add studio --scope submit'),
+        this.fault, this.button));
+  }
+
+  close() {}
+
+  async #submit(event) {
+    event.preventDefault();
+    this.button.disabled = true;
+    this.fault.textContent = '';
+    try {
+      await this.app.session.signIn(this.field.value.trim());
+      this.field.value = '';
+      this.app.enter();
+    } catch (error) {
+      this.fault.textContent = (error instanceof Problem && REFUSALS[error.status]) || explain(error);
+      this.field.select();
+    }
+    this.button.disabled = false;
+  }
+}

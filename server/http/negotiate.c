@@ -1,0 +1,62 @@
+#include "http/negotiate.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+#include <strings.h>
+
+/* How closely a range names it: 3 by its name, 2 by its type, 1 as anything; 0: not at all. */
+static int closeness(const char *range, size_t length, const char *name)
+{
+    const char *slash = strchr(name, '/');
+    const size_t type = slash ? (size_t)(slash - name) + 1 : 0;
+    if (length == strlen(name) && strncasecmp(range, name, length) == 0)
+        return 3;
+    if (slash && length == type + 1 && range[type] == '*' && strncasecmp(range, name, type) == 0)
+        return 2;
+    if (slash)
+        return length == 3 && memcmp(range, "*/*", 3) == 0;
+    return length == 1 && *range == '*';
+}
+
+/* "0.8" and the like; 0 for what is none. */
+static double read_weight(const char *text)
+{
+    int thousandths = 0, place = 100;
+    if (*text == '1')
+        return 1;
+    if (text[0] != '0' || text[1] != '.')
+        return 0;
+    for (text += 2; *text >= '0' && *text <= '9'; text++, place /= 10)
+        thousandths += place * (*text - '0');
+    return thousandths / 1000.0;
+}
+
+/* Of the parameters from here to the range's end. */
+static double find_weight(const char *text, const char *end)
+{
+    while ((text = memchr(text, ';', (size_t)(end - text)))) {
+        text++;
+        text += strspn(text, " \t");
+        if (text + 2 < end && strncasecmp(text, "q=", 2) == 0)
+            return read_weight(text + 2);
+    }
+    return 1;
+}
+
+double orl_negotiate_weight(const char *header, const char *name)
+{
+    double weight = 0;
+    int best = 0;
+    for (const char *at = header; at && *at; at += *at == ',') {
+        at += strspn(at, " \t");
+        const char *end = at + strcspn(at, ",");
+        const int close = closeness(at, strcspn(at, ",; \t"), name);
+        if (close > best) {
+            best = close;
+            weight = find_weight(at, end);
+        }
+        at = end;
+    }
+    return weight;
+}

@@ -1,0 +1,20 @@
+#include "process/page_files.h"
+
+#include <string.h>
+
+/* As of carried.c: gcc and clang take literals of any length. */
+#pragma GCC diagnostic ignored "-Woverlength-strings"
+#include "dashboard.h"
+
+const char *orl_page_version(void)
+{
+    return page_version;
+}
+
+const struct orl_page_file *orl_page_file_find(const char *name)
+{
+    for (size_t i = 0; i < sizeof page_files / sizeof *page_files; i++)
+        if (strcmp(page_files[i].name, name) == 0)
+            return &page_files[i];
+    return NULL;
+}
