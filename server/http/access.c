@@ -12,6 +12,7 @@
 #include "http/router.h"
 #include "http/sessions.h"
 #include "http/tokens.h"
+#include "process/times.h"
 
 static bool is_forwarded(const struct orl_request *request)
 {
@@ -117,28 +118,37 @@ static bool know_by_token(struct orl_request *request, const char *header)
     return known || orl_access_refuse(request, true);
 }
 
-/* By a cookie, or else a signed link. */
-static bool know_otherwise(struct orl_request *request)
+/* By a cookie. *ret_refusal is set where there is one, which is not heard. */
+static int know_by_session(struct orl_request *request, bool *ret_known, const char **ret_refusal,
+                           struct orl_error *err)
 {
     struct orl_session_row session;
+    bool found = false;
+    const int rc = orl_session_find(request, &session, &found, err);
+    if (rc || !found)
+        return rc;
+    *ret_refusal = orl_session_refusal(request);
+    *ret_known = !*ret_refusal;
+    request->holder = session.token;
+    return 0;
+}
+
+/* By a signed link, whatever page shows it, or else by a cookie, which the browser may have sent
+ * along. */
+static bool know_otherwise(struct orl_request *request)
+{
+    const bool shown = orl_link_is_shown(request);
+    const char *refusal = shown ? "the link is not as it was signed, or its time is over" : NULL;
     struct orl_error err;
     bool known = false;
-    int rc = orl_session_find(request, &session, &known, &err);
-    if (rc == 0 && known) {
-        const char *refusal = orl_session_refusal(request);
-        request->holder = session.token;
-        return !refusal || refuse(request, refusal);
-    }
-    const bool shown = orl_link_is_shown(request);
-    if (rc == 0 && shown)
-        rc = orl_link_check(request, &request->holder, &known, &err);
+    int rc = shown ? orl_link_check(request, &request->holder, &known, &err) : 0;
+    if (rc == 0 && !known)
+        rc = know_by_session(request, &known, &refusal, &err);
     if (rc) {
         orl_reply_error(request, &err);
         return false;
     }
-    return known ||
-           (shown ? refuse(request, "the link is not as it was signed, or its time is over")
-                  : orl_access_refuse(request, false));
+    return known || (refusal ? refuse(request, refusal) : orl_access_refuse(request, false));
 }
 
 bool orl_access_check_token(struct orl_request *request)
@@ -151,4 +161,34 @@ bool orl_access_check_token(struct orl_request *request)
     snprintf(request->token, sizeof request->token, "%s", request->holder.name);
     return request->holder.scope >= request->route->scope ||
            refuse_scope(request, request->holder.scope);
+}
+
+struct orl_admission orl_access_admission(struct orl_request *request)
+{
+    struct orl_admission admission = {.token = ""};
+    struct orl_session_row session = {.hash = "none"}; /* it may just have ended */
+    struct orl_error err;
+    bool found = false;
+    memcpy(admission.token, request->holder.id, sizeof admission.token);
+    if (!admission.token[0] || orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION))
+        return admission;
+    orl_session_find(request, &session, &found, &err);
+    memcpy(admission.session, session.hash, sizeof admission.session);
+    return admission;
+}
+
+bool orl_access_holds(struct orl_http_context *context, const struct orl_admission *admission)
+{
+    struct orl_session_row session;
+    struct orl_token_row token;
+    struct orl_error err;
+    bool found = true;
+    int rc = 0;
+    if (admission->session[0])
+        rc = orl_session_row_find(context->db, admission->session, orl_time_now_ms(), &session,
+                                  &found, &err);
+    else if (admission->token[0])
+        rc = orl_token_row_find(context->db, context->token_finder, admission->token, &token,
+                                &found, &err);
+    return rc || found;
 }

@@ -7,6 +7,7 @@
 #define ORL_SERVER_HTTP_ACCESS_H
 
 #include "http/request.h"
+#include "store/sessions.h"
 
 /* Before the route is known: false, with a 403 made, for another site's page. Fills
  * request->cross_origin. */
@@ -14,10 +15,20 @@ bool orl_access_check_origin(struct orl_request *request);
 
 /*
  * By the route's scope: false, with a 401 or 403 made (RFC 6750), when the Authorization header has
- * no token that may do this, nor, without such a header, a cookie (sessions.h) or a signed link
- * (links.h) speaks for one. Fills request->token with the token's name, and request->holder.
+ * no token that may do this, nor, without such a header, a signed link (links.h) or a cookie
+ * (sessions.h) speaks for one. Fills request->token with the token's name, and request->holder.
  */
 bool orl_access_check_token(struct orl_request *request);
+
+/* What let a request in, for whatever of it goes on when its headers are long forgotten. */
+struct orl_admission {
+    char token[ORL_TOKEN_ID];       /* "": none was needed */
+    char session[ORL_SESSION_HASH]; /* "": the token itself was sent */
+};
+/* Of one that no link let in. */
+struct orl_admission orl_access_admission(struct orl_request *request);
+/* Would it do so still? Where the database does not say, yes. */
+bool orl_access_holds(struct orl_http_context *context, const struct orl_admission *admission);
 
 /* A 401: there is no token, or an unknown one. Returns false. */
 bool orl_access_refuse(struct orl_request *request, bool has_token);

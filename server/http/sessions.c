@@ -11,7 +11,7 @@
 #include "process/limits.h"
 #include "process/times.h"
 
-enum { SECRET_BYTES = 32, SECRET_TEXT = 44, HASH_BYTES = 32, HASH_TEXT = 65, NAME = 40 };
+enum { SECRET_BYTES = 32, SECRET_TEXT = 44, HASH_BYTES = 32, NAME = 40 };
 
 static bool is_secure(const struct orl_request *request)
 {
@@ -38,15 +38,15 @@ static void write_cookie(const struct orl_request *request, const char *value, u
              is_secure(request) ? "; Secure" : "", age_s);
 }
 
-static void hash_secret(const char *secret, char ret_hash[HASH_TEXT])
+static void hash_secret(const char *secret, char ret_hash[ORL_SESSION_HASH])
 {
     unsigned char hash[HASH_BYTES];
     crypto_generichash(hash, sizeof hash, (const unsigned char *)secret, strlen(secret), NULL, 0);
-    sodium_bin2hex(ret_hash, HASH_TEXT, hash, sizeof hash);
+    sodium_bin2hex(ret_hash, ORL_SESSION_HASH, hash, sizeof hash);
 }
 
 /* False without a cookie that could be one. */
-static bool read_cookie(const struct orl_request *request, char ret_hash[HASH_TEXT])
+static bool read_cookie(const struct orl_request *request, char ret_hash[ORL_SESSION_HASH])
 {
     static const char allowed[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
@@ -62,7 +62,7 @@ static bool read_cookie(const struct orl_request *request, char ret_hash[HASH_TE
 int orl_session_find(struct orl_request *request, struct orl_session_row *ret_row, bool *ret_found,
                      struct orl_error *err)
 {
-    char hash[HASH_TEXT];
+    char hash[ORL_SESSION_HASH];
     *ret_found = false;
     if (request->cross_origin || !read_cookie(request, hash))
         return 0;
@@ -85,7 +85,7 @@ int orl_session_begin(struct orl_request *request, const struct orl_token_row *t
                       struct orl_error *err)
 {
     unsigned char secret[SECRET_BYTES];
-    char text[SECRET_TEXT], hash[HASH_TEXT];
+    char text[SECRET_TEXT], hash[ORL_SESSION_HASH];
     const int64_t now_ms = orl_time_now_ms();
     randombytes_buf(secret, sizeof secret);
     sodium_bin2base64(text, sizeof text, secret, sizeof secret,
@@ -103,7 +103,7 @@ int orl_session_begin(struct orl_request *request, const struct orl_token_row *t
 int orl_session_end(struct orl_request *request, bool all, char ret_cookie[ORL_SESSION_COOKIE],
                     struct orl_error *err)
 {
-    char hash[HASH_TEXT];
+    char hash[ORL_SESSION_HASH];
     write_cookie(request, "", 0, ret_cookie);
     return read_cookie(request, hash) ? orl_session_row_remove(request->context->db, hash, all, err)
                                       : 0;

@@ -6,7 +6,7 @@
 #include "process/times.h"
 #include "server.h"
 
-enum { LOOK_MS = 250, HEARTBEAT_S = 15 };
+enum { LOOK_MS = 250, HEARTBEAT_S = 15, ADMISSION_S = 5 };
 
 /* ---- The timer ------------------------------------------------------------------------------ */
 
@@ -18,6 +18,15 @@ static void resume(struct orl_event_stream *stream)
     MHD_resume_connection(stream->connection);
 }
 
+/* Has what let it in ended meanwhile? */
+static void ask_for_admission(struct orl_event_stream *stream, double now_s)
+{
+    if (now_s - stream->asked_s < ADMISSION_S)
+        return;
+    stream->asked_s = now_s;
+    stream->over = !orl_access_holds(&stream->source->server->context, &stream->admission);
+}
+
 static void look(uv_timer_t *timer)
 {
     struct orl_event_source *source = timer->data;
@@ -25,7 +34,8 @@ static void look(uv_timer_t *timer)
     source->calls->look(source);
     for (struct orl_event_stream *stream = source->streams; stream; stream = stream->next) {
         stream->beat = now_s - stream->active_s >= source->heartbeat_s;
-        if (stream->beat || source->calls->has_news(stream))
+        ask_for_admission(stream, now_s);
+        if (stream->beat || stream->over || source->calls->has_news(stream))
             resume(stream);
     }
     if (!source->streams)
@@ -48,7 +58,7 @@ static ssize_t read_stream(void *ctx, uint64_t position, char *buffer, size_t ma
     struct orl_event_source *source = stream->source;
     (void)position;
     if (!stream->sending) {
-        if (!source->calls->next(stream, &stream->sending))
+        if (stream->over || !source->calls->next(stream, &stream->sending))
             return MHD_CONTENT_READER_END_OF_STREAM;
         if (!stream->sending && stream->beat) {
             stream->sending = source->heartbeat;
@@ -93,10 +103,13 @@ struct MHD_Response *orl_event_stream_open(struct orl_event_source *source,
                                            struct orl_request *request)
 {
     enum { BLOCK = 1024 };
+    const double now_s = orl_time_steady_s();
     *stream = (struct orl_event_stream){.source = source,
                                         .connection = request->connection,
                                         .client = orl_client_ref(request),
-                                        .active_s = orl_time_steady_s(),
+                                        .admission = orl_access_admission(request),
+                                        .asked_s = now_s,
+                                        .active_s = now_s,
                                         .next = source->streams,
                                         .link = &source->streams};
     if (source->streams)

@@ -6,7 +6,7 @@
  * one source share its timer, which looks four times a second, and once more when it is woken,
  * whether there is something to say. A text that has been begun is sent to its end; a slow client
  * delays nobody. In silence a comment goes out now and then, which also finds clients that have
- * gone.
+ * gone. A stream ends within seconds of the token or session that let it in.
  *
  * Threads: the loop thread only.
  */
@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <uv.h>
 
+#include "http/access.h"
 #include "http/request.h"
 #include "resources/event_text.h"
 
@@ -28,9 +29,11 @@ struct orl_event_stream {
     struct MHD_Connection *connection;
     struct orl_client *client; /* counted there; or NULL */
     struct orl_event_text *sending;
-    size_t sent;     /* of it */
+    size_t sent; /* of it */
+    struct orl_admission admission;
+    double asked_s;  /* when that was last looked at */
     double active_s; /* when something was last begun */
-    bool suspended, beat;
+    bool suspended, beat, over;
     struct orl_event_stream *next, **link;
 };
 

@@ -46,6 +46,7 @@ int orl_session_row_find(struct orl_db *db, const char *hash, int64_t now_ms,
     int rc = 0;
     const int step = sqlite3_step(stmt);
     if (step == SQLITE_ROW) {
+        snprintf(ret_row->hash, sizeof ret_row->hash, "%s", hash);
         ret_row->token = orl_token_row_read(stmt);
         ret_row->expires_ms = sqlite3_column_int64(stmt, 5);
     } else if (step != SQLITE_DONE) {

@@ -7,8 +7,11 @@
 
 #include "store/tokens.h"
 
+enum { ORL_SESSION_HASH = 65 };
+
 struct orl_session_row {
-    struct orl_token_row token; /* whose it is */
+    char hash[ORL_SESSION_HASH]; /* of the cookie's secret, hexadecimal */
+    struct orl_token_row token;  /* whose it is */
     int64_t expires_ms;
 };
 

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <poll.h>
 #include <signal.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -13,6 +14,7 @@
 #include <string.h>
 #include <sys/wait.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "support/certificate.h"
 #include "support/daemon.h"
@@ -252,6 +254,56 @@ static void test_sessions_end(void **state)
     expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401);
 }
 
+static int open_stream(struct fixture *f, const char *path, const char *credential)
+{
+    char request[400], text[1000];
+    const int fd = daemon_dial(&f->daemon);
+    const int size =
+        snprintf(request, sizeof request, "GET %s HTTP/1.0\r\n%s%s\r\n", path, f->host, credential);
+    assert_int_equal(write(fd, request, (size_t)size), size);
+    assert_true(read(fd, text, sizeof text) > 12);
+    assert_int_equal(strncmp(text + 8, " 200", 4), 0);
+    return fd;
+}
+
+/* Reads it to its end; false when that has not come after so many seconds. */
+static bool ends_within(int fd, int seconds)
+{
+    struct pollfd wait = {fd, POLLIN, 0};
+    const time_t last = time(NULL) + seconds;
+    char text[4096];
+    do {
+        if (poll(&wait, 1, seconds > 0 ? 1000 : 0) == 1 && read(fd, text, sizeof text) <= 0)
+            return true;
+    } while (time(NULL) < last);
+    return false;
+}
+
+/* What is streamed to whom is over with what opened the stream, and goes on for others. */
+static void test_streams_end(void **state)
+{
+    struct fixture *f = *state;
+    char token[160], cookie[160], other[160], said[100];
+    make_token(&f->daemon, "screen", "read", token);
+    sign_in(f, token, cookie);
+    sign_in(f, token, other);
+    const int first = open_stream(f, "/v1/events", cookie);
+    const int second = open_stream(f, "/v1/events", other);
+    const int third = open_stream(f, "/v1/events", token);
+    const int fourth = open_stream(f, "/v1/events", f->submit);
+    expect(f, "DELETE /v1/session", f->own, cookie, NULL, 204);
+    assert_true(ends_within(first, 60));
+    assert_false(ends_within(second, 0));
+    say(&f->daemon, "remove screen", said, sizeof said);
+    assert_true(ends_within(second, 60));
+    assert_true(ends_within(third, 60));
+    assert_false(ends_within(fourth, 0));
+    close(first);
+    close(second);
+    close(third);
+    close(fourth);
+}
+
 /* So many browsers of one token; with one more the oldest is out. */
 static void test_bounded(void **state)
 {
@@ -347,6 +399,10 @@ static void test_links(void **state)
     /* A page of another site may show it: that is what it is for. */
     snprintf(headers, sizeof headers, "%sSec-Fetch-Site: cross-site\r\n", f->host);
     expect(f, link, headers, "", NULL, 200);
+    /* Also where the browser sends the cookie along, as to another port of the same host. */
+    snprintf(headers, sizeof headers, "%sSec-Fetch-Site: same-site\r\n", f->host);
+    expect(f, link, headers, cookie, NULL, 200);
+    expect(f, "GET /v1/jobs", headers, cookie, NULL, 403);
     make_link(f, f->submit, "absent.png", 60, link);
     expect(f, link, f->host, "", NULL, 404);
     make_link(f, f->submit, "a b/\xc3\xa4?&#.png", 60,
@@ -482,6 +538,7 @@ int main(void)
         cmocka_unit_test(test_no_way_in),
         cmocka_unit_test(test_forged_by_other_pages),
         cmocka_unit_test(test_sessions_end),
+        cmocka_unit_test(test_streams_end),
         cmocka_unit_test(test_bounded),
         cmocka_unit_test(test_elsewhere),
         cmocka_unit_test(test_cookie_over_tls),
