@@ -14,6 +14,7 @@ const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', 
 const ROUTES = [
   [/^\/jobs$/, (app, params) => new JobsPage(app, params)],
   [/^\/jobs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./job_page.js')).JobPage(app, id)],
+  [/^\/view\/([0-9a-f]+)\/(.+)$/, async (app, params, id, file) => new (await import('./viewer/viewer_page.js')).ViewerPage(app, id, decodeURIComponent(file))],
 ];
 
 class App {
@@ -73,7 +74,7 @@ class App {
     const path = location.hash.slice(1).split('?')[0] || '/jobs';
     document.body.classList.toggle('closed', !session.open);
     fill(document.getElementById('nav'), [session.open, path], () => session.open && NAV.map(([href, words]) =>
-      h('li', {}, h('a', { href, 'aria-current': path.startsWith(href.slice(1)) ? 'page' : null }, words))));
+      h('li', {}, h('a', { href, 'aria-current': path.startsWith(href.slice(1)) || (href === '#/jobs' && path.startsWith('/view/')) ? 'page' : null }, words))));
     fill(document.getElementById('who'), [session.signedIn, session.name], () => session.signedIn && [
       h('span', { class: 'quiet' }, session.name),
       h('button', { type: 'button', class: 'plain', onclick: () => this.#signOut() }, 'Sign out')]);

@@ -1,0 +1,23 @@
+// Fetches and decodes pictures beside the page: {id, picture, errors} in, the decoded one out. The
+// standard error of a pixel's luma, where there is one, becomes its fourth number.
+
+import { decode, luma, survey } from './hdr.js';
+
+async function fetchPicture(address) {
+  const answer = await fetch(address, { cache: 'no-cache' });
+  if (answer.ok) return decode(await answer.arrayBuffer());
+  const problem = await answer.json().catch(() => ({}));
+  throw new Error(problem.detail || `HTTP ${answer.status}`);
+}
+
+onmessage = async ({ data: { id, picture, errors } }) => {
+  try {
+    const [found, spread] = await Promise.all([fetchPicture(picture), errors ? fetchPicture(errors).catch(() => null) : null]);
+    const known = spread && spread.width === found.width && spread.height === found.height;
+    const seen = survey(found.pixels);
+    for (let i = 0; i < found.pixels.length; i += 4) found.pixels[i + 3] = known ? luma(spread.pixels, i) : 0;
+    postMessage({ id, picture: { ...found, knowsErrors: !!known, ...seen } }, [found.pixels.buffer]);
+  } catch (error) {
+    postMessage({ id, fault: String(error.message || error) });
+  }
+};

@@ -1,0 +1,55 @@
+// A decoded picture, and what is asked of it: a pixel, a region.
+
+import { filePath } from '../api.js';
+import { EFFICACY, luma } from './hdr.js';
+
+let worker = null, last = 0;
+const waiting = new Map();
+
+function ask(message) {
+  if (!worker) {
+    worker = new Worker(new URL('hdr_worker.js', import.meta.url), { type: 'module' });
+    worker.onmessage = ({ data }) => {
+      const { resolve, reject } = waiting.get(data.id);
+      waiting.delete(data.id);
+      if (data.fault) reject(new Error(data.fault));
+      else resolve(data.picture);
+    };
+  }
+  return new Promise((resolve, reject) => {
+    const id = ++last;
+    waiting.set(id, { resolve, reject });
+    worker.postMessage({ id, ...message });
+  });
+}
+
+// file: NAME.hdr of a job; its errors come along where the job has them.
+export async function load(job, file, hasErrors) {
+  const errors = hasErrors ? filePath(job, file.replace(/\.hdr$/, '.error.hdr')) : null;
+  return new Picture(await ask({ picture: filePath(job, file), errors }));
+}
+
+export class Picture {
+  constructor(found) {
+    Object.assign(this, found);
+  }
+
+  // In cd/m2, or lx of a view of irradiance: {value, error}, error NaN where it is not known.
+  at([x, y]) {
+    const i = 4 * (y * this.width + x);
+    return { value: EFFICACY * luma(this.pixels, i), error: this.knowsErrors ? EFFICACY * this.pixels[i + 3] : NaN };
+  }
+
+  region(from, to) {
+    const [left, right] = [from[0], to[0]].sort((a, b) => a - b), [low, high] = [from[1], to[1]].sort((a, b) => a - b);
+    let sum = 0, least = Infinity, most = 0, count = 0;
+    for (let y = low; y <= high; y++)
+      for (let x = left; x <= right; x++, count++) {
+        const { value } = this.at([x, y]);
+        sum += value;
+        least = Math.min(least, value);
+        most = Math.max(most, value);
+      }
+    return { mean: sum / count, least, most, count };
+  }
+}
