@@ -12,6 +12,8 @@ PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-
 	libsqlite3-dev libexpat1-dev libpng-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
 	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind
+# Of the dashboard's tests: Node and npm where there are none (others than Debian's do).
+PACKAGES_BROWSER := chromium $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm)
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
 PACKAGES_PERF  := $(PACKAGES_CHECK) wrk
@@ -72,7 +74,7 @@ SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
 .PHONY: all help clean check demo torture lint format asan tsan bench bench-scale load check-perf table2 gallery \
-	calibration annual study tests deps-build deps-check deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
+	calibration annual study tests deps-build deps-check deps-browser deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
 help:
@@ -86,6 +88,7 @@ help:
 ## make lint       formatting, boundaries, clang-tidy, and a build with clang
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
+## make browser    the dashboard's tests alone, in Chromium; screenshots in build/browser
 ## make stability  the 48 hard cases in their long form, as a table of measured values and bounds
 ## make cie171     CIE 171:2006, cases 5.4 to 5.14, as a table of references and results
 ## make oracles    skies, the white furnace, the moved office: the same kind of table
@@ -127,6 +130,7 @@ define install_packages
 endef
 deps-build: ; $(call install_packages,$(PACKAGES_BUILD))
 deps-check: ; $(call install_packages,$(PACKAGES_CHECK))
+deps-browser: ; $(call install_packages,$(PACKAGES_BROWSER))
 deps-lint:  ; $(call install_packages,$(PACKAGES_LINT))
 deps-demo:  ; $(call install_packages,$(PACKAGES_DEMO))
 deps-perf:  ; $(call install_packages,$(PACKAGES_PERF))
@@ -208,9 +212,20 @@ $(BUILD)/tests/%.so: tests/torture/%.c
 	$(call say,LD,$@)
 	$(Q)$(CC) $(STD) $(WARNINGS) $(WERROR) -O1 -shared -fPIC -o $@ $<
 
-check: deps-check
-	@$(MAKE) --no-print-directory -j$(JOBS) tests
-	@tests/run $(BUILD) $(TEST_BIN)
+# What tests/browser takes, as its package-lock.json has it.
+BROWSER_LOCK := tests/browser/package.json tests/browser/package-lock.json
+$(BUILD)/browser/ready: $(BROWSER_LOCK)
+	@mkdir -p $(@D); cp $(BROWSER_LOCK) $(@D)
+	$(call say,NPM,$(@D))
+	$(Q)cd $(@D) && npm ci --ignore-scripts --no-audit --no-fund --silent && touch $(@F)
+
+check: deps-check deps-browser
+	@$(MAKE) --no-print-directory -j$(JOBS) tests $(BUILD)/browser/ready
+	@tests/run $(BUILD) tests/browser/run $(TEST_BIN)
+.PHONY: browser
+browser: deps-check deps-browser
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/browser/ready
+	@tests/run $(BUILD) tests/browser/run
 
 # The figure for coverage comes from a second build with counters, and from the suites that look at
 # the core: what users run is what the tests themselves are about. Nothing else waits for it.

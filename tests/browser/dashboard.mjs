@@ -1,0 +1,281 @@
+// The dashboard as a user sees it. Each case has the lines "ok N - name" or "not ok N - name".
+
+import assert from 'node:assert/strict';
+import { Browser } from './browser.mjs';
+import { Daemon, SENSORS, VIEW } from './daemon.mjs';
+import { luminance } from './rgbe.mjs';
+
+const build = process.argv[2] || 'build';
+const browser = new Browser(build);
+const cases = [];
+const only = process.argv[3]; // a part of a case's name
+const test = (name, run) => cases.push([name, run]);
+let daemon;
+
+// A page that has done nothing it must not when the case ends.
+async function visit(options, run) {
+  const visited = await browser.open(options.daemon || daemon, options);
+  try {
+    await run(visited.page, visited);
+    assert.deepEqual(visited.faults, []);
+  } finally {
+    await visited.close();
+  }
+}
+
+const row = (page, name) => page.getByRole('row', { name });
+const words = (text) => ({ name: text, sensors: SENSORS, technique: 'backward', gather_samples: 8 });
+const LONG = { accuracy: { deadline_s: 3600 }, sensors: SENSORS };
+const CASE_S = 240; // a machine may be busy; an idle one takes a minute for all of them
+
+test('an empty list says how to begin', () => visit({}, async (page) => {
+  await page.getByText('No jobs yet').waitFor();
+  assert.equal(await page.title(), 'Jobs \u2013 Oriel');
+  assert.equal(await page.getByRole('status').innerText(), 'Live');
+  assert.deepEqual(await browser.audit(page), []);
+}));
+
+test('the page takes less than 150 kB', () => visit({}, async (page) => {
+  await page.goto('about:blank');
+  const client = await page.context().newCDPSession(page);
+  let bytes = 0;
+  await client.send('Network.enable');
+  client.on('Network.loadingFinished', (event) => { bytes += event.encodedDataLength; });
+  await client.send('Network.setCacheDisabled', { cacheDisabled: true });
+  const id = await daemon.submit({ ...words('weighed'), accuracy: { relative_error: 0.01 }, gather_samples: undefined, technique: 'auto' });
+  await daemon.wait(id);
+  await page.goto(`${daemon.url}/#/jobs/${id}`);
+  await page.getByRole('heading', { name: 'Plan' }).waitFor();
+  await page.waitForTimeout(300);
+  process.stdout.write(`# ${bytes} bytes transferred, with Chart.js\n`);
+  assert.ok(bytes > 10000 && bytes < 150000, `${bytes} bytes`);
+}));
+
+test('a job that comes is seen at once, and its end', () => visit({}, async (page) => {
+  await page.getByRole('status').getByText('Live').waitFor();
+  await daemon.submit(words('comes later'));
+  await row(page, 'comes later').waitFor();
+  await row(page, 'comes later').getByText('Succeeded').waitFor();
+}));
+
+test('the error falls while one looks on', () => visit({}, async (page) => {
+  await daemon.submit({ name: 'falls', tags: ['tagged'], sensors: SENSORS, accuracy: { relative_error: 0.02 } });
+  await page.getByRole('link', { name: 'falls' }).click();
+  const chart = page.locator('canvas');
+  await chart.waitFor();
+  const [, from, to] = /from (\S+)\s% to (\S+)\s% after .* the goal is 2\s%/.exec(await chart.getAttribute('aria-label'));
+  assert.ok(Number(to) < Number(from), `from ${from} to ${to}`);
+  assert.ok(parseFloat(await page.locator('.figure strong').innerText()) <= Number(to));
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'job-falling');
+}));
+
+test('a job that runs is cancelled', () => visit({}, async (page) => {
+  const id = await daemon.submit({ name: 'endless', ...LONG });
+  await page.getByRole('link', { name: 'endless' }).click();
+  await page.locator('.state').getByText('Running').waitFor();
+  await browser.keep(page, 'job-running');
+  await page.getByRole('button', { name: 'Cancel' }).click();
+  await page.getByText('It was cancelled before its end.').waitFor();
+  assert.equal((await daemon.wait(id)).state, 'cancelled');
+}));
+
+test('a job that has ended shows pictures, plan and health, and is run again', () => visit({}, async (page) => {
+  const id = await daemon.submit({ name: 'shown', sensors: SENSORS, views: [VIEW], accuracy: { relative_error: 0.2 } });
+  await daemon.wait(id);
+  await page.goto(`${daemon.url}/#/jobs/${id}`);
+  for (const title of ['Error', 'Sensors', 'Pictures', 'Plan', 'Health', 'Time', 'Files']) await page.getByRole('heading', { name: title, exact: true }).waitFor();
+  const image = page.getByAltText('Picture of the view north');
+  await page.waitForFunction((node) => node.naturalWidth === 64, await image.elementHandle());
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'job-done');
+  await page.getByRole('button', { name: /Halve the error/ }).click();
+  await page.getByRole('heading', { name: /shown, to .* %/ }).waitFor();
+  const halved = await daemon.ask('GET', `/v1/jobs/${page.url().split('/').pop()}/document`);
+  const before = await daemon.ask('GET', `/v1/jobs/${id}/result`);
+  assert.ok(Math.abs(halved.accuracy.relative_error / before.cost.next.error - 0.5) < 0.01);
+  assert.deepEqual(halved.sensors, SENSORS);
+}));
+
+test('the viewer tells the light of a pixel, with its error, and wipes between two jobs', () => visit({}, async (page) => {
+  const document = { sensors: SENSORS, views: [VIEW], technique: 'backward', pixel_samples: 16 };
+  const ids = [await daemon.submit({ ...document, name: 'one' }), await daemon.submit({ ...document, name: 'other', seed: 2 })];
+  for (const id of ids) await daemon.wait(id);
+  await page.goto(`${daemon.url}/#/jobs/${ids[0]}`);
+  await page.getByAltText('Picture of the view north').click();
+  const readout = page.locator('#readout');
+  const place = [VIEW.width / 2, VIEW.height / 2];
+  await readout.getByText(`x ${place[0]}, y ${place[1]}:`).waitFor();
+  const shown = async (name) => parseFloat(new RegExp(`${name}([0-9.\u202f]+) \u00b1`).exec(await readout.innerText())[1].replace(/\u202f/g, ''));
+  const truth = [];
+  for (const id of ids) truth.push(luminance(await daemon.bytes(`/v1/jobs/${id}/files/north.hdr`), ...place));
+  near(await shown(': '), truth[0]);
+  await page.getByLabel('Beside it (B)').selectOption({ label: 'other, backward' });
+  await readout.getByText('B \u2212 A').waitFor();
+  near(await shown('A '), truth[0]);
+  near(await shown('B '), truth[1]);
+  const colors = () => page.evaluate(() => {
+    const gl = document.querySelector('canvas').getContext('webgl2'), bytes = new Uint8Array(8);
+    for (const i of [0, 1]) {
+      const one = new Uint8Array(4);
+      gl.readPixels(Math.round(gl.drawingBufferWidth * (0.45 + 0.1 * i)), gl.drawingBufferHeight >> 1, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, one);
+      bytes.set(one, 4 * i);
+    }
+    return [...bytes];
+  });
+  const before = await colors();
+  assert.ok(before[3] === 255 && before[0] > 0, `${before}`);
+  await page.getByLabel('False colours').check();
+  await page.getByRole('img', { name: /^Scale from 0 to/ }).waitFor();
+  assert.notDeepEqual(await colors(), before);
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'viewer');
+  await page.locator('canvas').first().focus();
+  await page.keyboard.press('ArrowRight');
+  await readout.getByText(`x ${place[0] + 1}, y ${place[1]}:`).waitFor();
+}));
+
+const near = (value, wanted) => assert.ok(Math.abs(value / wanted - 1) < 0.005, `${value}, not ${wanted}`);
+
+test('a job that failed says why', () => visit({ mayFail: (url, text) => url.endsWith('/ffffffff') && text.includes('404') }, async (page) => {
+  const id = await daemon.submit({ name: 'dark', sensors: [[1, 1, -4, 0, 0, -1]], technique: 'backward', gather_samples: 8 });
+  const { state } = await daemon.wait(id);
+  assert.equal(state, 'failed');
+  await page.goto(`${daemon.url}/#/jobs/${id}`);
+  await page.locator('.notice').getByText(/no light/i).waitFor();
+  await page.goto(`${daemon.url}/#/jobs?state=failed`);
+  await row(page, 'dark').waitFor();
+  assert.equal(await page.getByRole('row').count(), 2);
+  await page.goto(`${daemon.url}/#/jobs/ffffffff`);
+  await page.getByText('There is no such job').waitFor();
+}));
+
+test('a daemon that is killed comes back, and nothing is lost', () => visit({ mayFail: () => true }, async (page) => {
+  const id = await daemon.submit({ name: 'survives', ...LONG });
+  await row(page, 'survives').waitFor();
+  await daemon.wait(id, (job) => job.state === 'running');
+  await daemon.stop('SIGKILL');
+  await page.getByText('The daemon does not answer.').waitFor();
+  await browser.keep(page, 'daemon-away');
+  await daemon.start();
+  await daemon.submit(words('after the restart'));
+  await page.getByRole('alert').waitFor({ state: 'hidden' });
+  await row(page, 'after the restart').waitFor();
+  await row(page, 'survives').getByText(/Rendering|Photons/).waitFor();
+  assert.equal(await page.getByRole('status').innerText(), 'Live');
+  await daemon.ask('POST', `/v1/jobs/${id}/cancel`);
+  await row(page, 'survives').getByText('Cancelled').waitFor();
+  await row(page, 'after the restart').getByText('Succeeded').waitFor();
+}));
+
+test('with tokens one signs in, and out', async () => {
+  const guarded = new Daemon(build);
+  const token = guarded.token('studio', 'submit'), reader = guarded.token('board', 'read');
+  await guarded.start('--tokens', 'always');
+  guarded.bearer = token;
+  try {
+    await visit({ daemon: guarded, mayFail: (url, text) => text.includes('401') }, async (page) => {
+      await page.getByLabel('Access token').fill('oriel_0123456789abcdef_' + 'A'.repeat(43));
+      await page.getByRole('button', { name: 'Sign in' }).click();
+      await page.getByText('This daemon knows no such token.').waitFor();
+      assert.deepEqual(await browser.audit(page), []);
+      await browser.keep(page, 'sign-in');
+      await page.getByLabel('Access token').fill(token);
+      await page.keyboard.press('Enter');
+      await page.getByText('No jobs yet').waitFor();
+      const id = await guarded.submit({ name: 'guarded', sensors: SENSORS, views: [VIEW], technique: 'backward' });
+      await page.getByRole('link', { name: 'guarded' }).click();
+      const image = page.getByAltText('Picture of the view north');
+      await page.waitForFunction((node) => node.naturalWidth === 64, await image.elementHandle());
+      await guarded.wait(id);
+      await page.getByRole('button', { name: 'Run again' }).waitFor();
+      assert.equal(await page.evaluate(() => document.cookie), '');
+      await page.getByRole('button', { name: 'Sign out' }).click();
+      await page.getByLabel('Access token').fill(reader);
+      await page.keyboard.press('Enter');
+      await page.getByRole('link', { name: 'guarded' }).click();
+      await page.locator('.state').getByText('Succeeded').waitFor();
+      assert.equal(await page.getByRole('button', { name: 'Run again' }).count(), 0);
+    });
+  } finally {
+    await guarded.remove();
+  }
+});
+
+test('a thousand jobs are listed as one scrolls, in light and dark, on a phone, by the keyboard', async () => {
+  const crowd = await new Daemon(build).start();
+  try {
+    await crowd.submit({ name: 'holds the queue', ...LONG });
+    for (let i = 0; i < 1000; i += 40) await Promise.all(Array.from({ length: 40 }, (_, k) => crowd.submit({ ...words(`one of many ${i + k}`), seed: i + k })));
+    await visit({ daemon: crowd }, (page) => scrollThrough(page));
+    for (const [name, options] of [['light', {}], ['dark', { scheme: 'dark' }], ['phone', { width: 390, height: 844 }]])
+      await visit({ daemon: crowd, ...options }, (page) => look(page, name));
+    await visit({ daemon: crowd }, (page) => walk(page));
+  } finally {
+    await crowd.remove();
+  }
+});
+
+async function scrollThrough(page) {
+  await page.getByText(/of more shown/).waitFor();
+  for (let last = 0; ;) {
+    await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+    const rows = await page.locator('tbody tr').count();
+    if (rows === 1001) return;
+    if (rows === last) await page.waitForTimeout(30);
+    last = rows;
+  }
+}
+
+async function look(page, name) {
+  await page.getByText(/of more shown/).waitFor();
+  assert.deepEqual(await browser.audit(page), []);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true, 'nothing beside the page');
+  await page.screenshot({ path: `${browser.folder}/jobs-${name}.png` });
+}
+
+async function walk(page) {
+  await page.getByText(/of more shown/).waitFor();
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.className), 'skip');
+  const focused = () => page.evaluate(() => document.activeElement.textContent);
+  for (let i = 0; i < 20 && !(await focused()).startsWith('one of many'); i++) await page.keyboard.press('Tab');
+  const name = await focused();
+  await page.keyboard.press('Enter');
+  await page.getByRole('heading', { name }).waitFor();
+  assert.equal(await page.evaluate(() => document.activeElement.tagName), 'H1');
+}
+
+// No case leaves the daemon busy.
+async function calm() {
+  for (const state of ['queued', 'running'])
+    for (const job of (await daemon.ask('GET', `/v1/jobs?fields=summary&state=${state}`)).jobs) await daemon.ask('POST', `/v1/jobs/${job.id}/cancel`);
+}
+
+async function main() {
+  let failed = 0, number = 0;
+  daemon = await new Daemon(build).start();
+  await browser.start();
+  process.stdout.write(`1..${cases.length}\n`);
+  for (const [name, run] of cases.filter(([one]) => !only || one.includes(only))) {
+    const began = performance.now();
+    let fault = null;
+    try {
+      await Promise.race([run(), new Promise((_, reject) => { setTimeout(() => reject(new Error(`it takes longer than ${CASE_S} s`)), 1000 * CASE_S).unref(); })]);
+    } catch (error) {
+      fault = error;
+      failed++;
+      await calm().catch(() => {});
+    }
+    process.stdout.write(`${fault ? 'not ok' : 'ok'} ${++number} - ${name}\n# ${((performance.now() - began) / 1000).toFixed(1)} s\n`);
+    if (fault) process.stdout.write(`${String(fault.stack || fault).replace(/^/gm, '# ')}\n`);
+  }
+  await browser.stop();
+  await daemon.remove();
+  process.exitCode = failed ? 1 : 0;
+}
+
+main().catch((error) => {
+  process.stdout.write(`not ok 0 - ${error.stack}\n`);
+  process.exit(1);
+});
