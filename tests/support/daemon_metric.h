@@ -1,0 +1,10 @@
+/* One figure of a daemon's metrics. Fails the running test where there is none of that name. */
+#ifndef ORL_TESTS_SUPPORT_DAEMON_METRIC_H
+#define ORL_TESTS_SUPPORT_DAEMON_METRIC_H
+
+#include "support/daemon.h"
+
+/* name: with its labels, if it has any. */
+double daemon_metric(struct daemon *daemon, const char *name);
+
+#endif
