@@ -97,6 +97,7 @@ help:
 ##                 is there: a table, and build/bench.json
 ## make bench-scale  how that grows with photons, threads and little memory
 ## make load       how the daemon bears many clients, idle and while all cores render: a table
+## make eta        what ten jobs were said to take still, beside what they took: a table
 ## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
@@ -246,10 +247,13 @@ asan: deps-check
 	@ASAN_OPTIONS=detect_leaks=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 		UBSAN_OPTIONS=print_stacktrace=1 TEST_TIMEOUT=900 \
 		$(MAKE) --no-print-directory BUILD=$(BUILD)/asan MODE=asan run-tests
+# Validation runs on one thread, but for programs that name `threads`.
+THREADED_BIN := $(filter-out $(BUILD)/tests/validation/%,$(TEST_BIN)) \
+	$(patsubst %.c,$(BUILD)/%,$(shell grep -l threads tests/validation/*.c))
 tsan: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/tsan MODE=tsan tests
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/tests/tsan.supp TEST_TIMEOUT=900 \
-		$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan MODE=tsan run-tests
+		$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan MODE=tsan run-threaded
 
 HARD_CASES := 48
 # Parts may fail by themselves; all are run.
@@ -314,9 +318,11 @@ $(FUZZ_TARGETS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/obj/tests/fuzz/driver_%.o \
 		$(BUILD)/liboriel.a
 	$(call say,LD,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive -lmicrohttpd -lsqlite3 $(API_LIBS) $(CORE_LIBS)
-.PHONY: run-tests
+.PHONY: run-tests run-threaded
 run-tests:
 	@tests/run $(BUILD) $(TEST_BIN)
+run-threaded:
+	@tests/run $(BUILD) $(THREADED_BIN)
 
 LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
@@ -353,6 +359,11 @@ check-perf: deps-perf
 table2 gallery calibration annual: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
+
+.PHONY: eta
+eta: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/eta.py $(BUILD)
 
 .PHONY: glare
 GLARE_BIN := $(BUILD)/tests/validation/test_glare_errors

@@ -1,3 +1,5 @@
+#include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,13 +12,28 @@ struct rendering {
     struct orl_run_state *state;
     const struct orl_renderer *renderer;
     size_t first; /* sensor of this round */
+    double share; /* of the stage: the sensors' */
+    uint64_t samples;
+    atomic_uint_fast64_t taken; /* of the sensors' samples */
 };
+
+static void tell_sensors(const struct rendering *rendering)
+{
+    const double taken = (double)atomic_load(&rendering->taken);
+    orl_run_progress(rendering->state,
+                     rendering->share * taken / fmax((double)rendering->samples, 1));
+}
 
 static void compute_sensor(void *arg, size_t index, uint32_t member)
 {
-    const struct rendering *rendering = arg;
-    if (!atomic_load_explicit(rendering->state->env->cancel, memory_order_relaxed))
-        rendering->renderer->sensor(rendering->renderer->ctx, rendering->first + index, member);
+    struct rendering *rendering = arg;
+    const struct orl_run_state *state = rendering->state;
+    if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
+        return;
+    rendering->renderer->sensor(rendering->renderer->ctx, rendering->first + index, member);
+    atomic_fetch_add(&rendering->taken, orl_run_sensor_samples(state, rendering->first + index));
+    if (member == 0) /* the lead, which alone tells */
+        tell_sensors(rendering);
 }
 
 uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)
@@ -60,8 +77,8 @@ void orl_run_mind_rare_light(struct orl_result *result, const struct orl_sensor 
     }
 }
 
-/* Rounds of some sensors, so that progress and cancelling are heard in between. */
-static int render_sensors(struct rendering *rendering, double share, struct orl_error *err)
+/* Rounds of some sensors, so that cancelling is heard in between. */
+static int render_sensors(struct rendering *rendering, struct orl_error *err)
 {
     enum { ROUND = 128 };
     struct orl_run_state *state = rendering->state;
@@ -78,9 +95,11 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
         !result->interval_95_lx || !state->rays)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     result->n_sensors = n;
+    for (size_t i = 0; i < n; i++)
+        rendering->samples += orl_run_sensor_samples(state, i);
     if (!state->take_film && state->env->sensors_kept &&
         state->env->sensors_kept(state->env->ctx, result)) {
-        orl_run_progress(state, share);
+        orl_run_progress(state, rendering->share);
         return 0;
     }
     for (rendering->first = 0; rendering->first < n; rendering->first += ROUND) {
@@ -88,7 +107,7 @@ static int render_sensors(struct rendering *rendering, double share, struct orl_
         orl_crew_for(state->env->crew, count, compute_sensor, rendering);
         if (atomic_load(state->env->cancel))
             return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while computing sensors");
-        orl_run_progress(state, share * (double)(rendering->first + count) / (double)n);
+        tell_sensors(rendering);
     }
     const struct orl_renderer *renderer = rendering->renderer;
     const int code = renderer->sensors ? renderer->sensors(renderer->ctx, err) : 0;
@@ -168,19 +187,28 @@ static bool is_kept(const struct orl_run_state *state, size_t index)
     return true;
 }
 
+static double pixels_of(const struct orl_view_request *view)
+{
+    return (double)view->width * view->height;
+}
+
 static int render_views(struct rendering *rendering, double before, struct orl_error *err)
 {
     struct orl_run_state *state = rendering->state;
     const size_t n = state->job->n_views;
+    double all = 0, told = before;
     int code = 0;
     if (n == 0)
         return 0;
     state->result->views = calloc(n, sizeof *state->result->views);
     if (!state->result->views)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < n; i++)
+        all += pixels_of(&state->job->views[i]);
     for (size_t i = 0; i < n && code == 0; i++) {
-        struct view_progress progress = {state, before + (1 - before) * (double)i / (double)n,
-                                         (1 - before) / (double)n};
+        const double share = (1 - before) * pixels_of(&state->job->views[i]) / fmax(all, 1);
+        struct view_progress progress = {state, told, share};
+        told += share;
         if (is_kept(state, i))
             continue;
         code = render_view(rendering, i, &progress, err);
@@ -193,12 +221,12 @@ static int render_views(struct rendering *rendering, double before, struct orl_e
 int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
                    struct orl_error *err)
 {
-    struct rendering rendering = {.state = state, .renderer = renderer};
-    const double sensors_share = state->job->n_views == 0 ? 1 : state->n_sensors == 0 ? 0 : 0.2;
+    struct rendering rendering = {
+        .state = state, .renderer = renderer, .share = orl_run_sensors_share(state)};
     orl_run_enter(state, ORL_STAGE_RENDER);
-    int code = render_sensors(&rendering, sensors_share, err);
+    int code = render_sensors(&rendering, err);
     if (code == 0)
-        code = render_views(&rendering, sensors_share, err);
+        code = render_views(&rendering, rendering.share, err);
     for (uint32_t i = 0; i < orl_crew_size(state->env->crew); i++)
         orl_health_add(&state->result->health, &state->searches[i].health);
     return code;

@@ -178,6 +178,8 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 /* What the job is going to cost, roughly, once its sensors are known; and again when its photons
  * are: into state->cost_s. */
 void orl_run_guess_costs(struct orl_run_state *state);
+/* The part of the render stage that is the sensors'. */
+double orl_run_sensors_share(const struct orl_run_state *state);
 /* And so what the whole of it will take, into the foresight of its plan. */
 void orl_run_foresee(struct orl_run_state *state);
 

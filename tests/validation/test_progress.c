@@ -19,8 +19,9 @@
 static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GLOSS;
 
 struct log {
-    double now, first, last, photons, rise;
-    unsigned calls, falls, of_photons;
+    double now, first, last;
+    double told[ORL_STAGE_COUNT], rise[ORL_STAGE_COUNT]; /* of the stage: the last, and the most */
+    unsigned calls, falls, of[ORL_STAGE_COUNT];
 };
 
 static double now_s(void *ctx)
@@ -36,11 +37,9 @@ static void take(void *ctx, enum orl_stage stage, double stage_fraction, double 
     log->falls += job_fraction < log->last;
     log->last = job_fraction;
     log->calls++;
-    if (stage != ORL_STAGE_PHOTONS)
-        return;
-    log->of_photons++;
-    log->rise = fmax(log->rise, stage_fraction - log->photons);
-    log->photons = stage_fraction;
+    log->of[stage]++;
+    log->rise[stage] = fmax(log->rise[stage], stage_fraction - log->told[stage]);
+    log->told[stage] = stage_fraction;
 }
 
 static struct log follow(uint64_t caustic, struct orl_goal goal)
@@ -57,7 +56,7 @@ static struct log follow(uint64_t caustic, struct orl_goal goal)
                                                         .ctx = &log});
     orl_result_done(&r);
     print_message("%u reports, %u of photons; from %.3f to %.3f, falls: %u\n", log.calls,
-                  log.of_photons, log.first, log.last, log.falls);
+                  log.of[ORL_STAGE_PHOTONS], log.first, log.last, log.falls);
     assert_true(log.calls > 5 && log.falls == 0);
     assert_true(log.first < 0.1 && log.last == 1);
     return log;
@@ -69,8 +68,46 @@ static void test_photons_move(void **state)
 {
     (void)state;
     const struct log log = follow(40000, (struct orl_goal){0});
-    assert_true(log.of_photons > 8);
-    assert_true(log.photons > 0.99 && log.rise < 0.5);
+    assert_true(log.of[ORL_STAGE_PHOTONS] > 8);
+    assert_true(log.told[ORL_STAGE_PHOTONS] > 0.99 && log.rise[ORL_STAGE_PHOTONS] < 0.5);
+}
+
+/*
+ * Every sensor and every tile of a picture that is done is told of, on one thread. A tile is a
+ * sixth of this picture, a sensor an eighth of them or less; by photon maps a picture is first
+ * looked over.
+ */
+static void test_rendering_moves(void **state)
+{
+    static const enum orl_technique techniques[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_BACKWARD};
+    struct orl_sensor sensors[8];
+    (void)state;
+    for (int i = 0; i < 8; i++)
+        sensors[i] = room_sensors[i % ROOM_SENSORS];
+    for (int i = 0; i < 4; i++) {
+        struct log log = {.now = 0};
+        struct scene_run run = {.scene = scene,
+                                .samples = 64,
+                                .technique = techniques[i / 2],
+                                .pixel_samples = 4,
+                                .now_s = now_s,
+                                .progress = take,
+                                .ctx = &log};
+        if (i % 2 == 0) {
+            run.sensors = sensors;
+            run.n_sensors = 8;
+        } else {
+            run.view = "-vtv -vp 2 4.5 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 -vv 45";
+            run.width = 96;
+            run.height = 64;
+        }
+        struct orl_result r = scene_run(&run);
+        orl_result_done(&r);
+        print_message("%d: %u reports, %.3f at once\n", i, log.of[ORL_STAGE_RENDER],
+                      log.rise[ORL_STAGE_RENDER]);
+        assert_true(log.of[ORL_STAGE_RENDER] >= 6);
+        assert_true(log.rise[ORL_STAGE_RENDER] < 0.3);
+    }
 }
 
 static void test_a_goal_moves(void **state)
@@ -82,6 +119,7 @@ static void test_a_goal_moves(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_photons_move),
+                                       cmocka_unit_test(test_rendering_moves),
                                        cmocka_unit_test(test_a_goal_moves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

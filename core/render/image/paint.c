@@ -1,12 +1,16 @@
 #include "render/image/paint.h"
 
+#include <stdatomic.h>
+
 enum { TILES_A_ROUND = 64 };
 
 struct tiles {
     const struct orl_painting *painting;
     orl_paint_tile *paint;
     void *ctx;
-    size_t first, across;
+    size_t first, across, all;
+    atomic_size_t done;
+    double before; /* of the view */
 };
 
 /* Whether a view that is cut off in the distance has something before that. */
@@ -40,33 +44,38 @@ static uint32_t least(uint32_t a, uint32_t b)
 
 static void paint_tile(void *arg, size_t index, uint32_t member)
 {
-    const struct tiles *tiles = arg;
+    struct tiles *tiles = arg;
     const struct orl_painting *painting = tiles->painting;
     const size_t tile = tiles->first + index;
     const uint32_t x = (uint32_t)(tile % tiles->across) * ORL_PAINT_TILE;
     const uint32_t y = (uint32_t)(tile / tiles->across) * ORL_PAINT_TILE;
     const struct orl_tile at = {x, y, least(x + ORL_PAINT_TILE, painting->film->width),
                                 least(y + ORL_PAINT_TILE, painting->film->height)};
-    if (!orl_paint_cancelled(painting->env))
-        tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
+    if (orl_paint_cancelled(painting->env))
+        return;
+    tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
+    const size_t done = atomic_fetch_add(&tiles->done, 1) + 1;
+    if (member == 0) /* the lead, which alone tells */
+        painting->env->progress(painting->env->ctx, tiles->before + (1 - tiles->before) *
+                                                                        (double)done /
+                                                                        (double)tiles->all);
 }
 
 int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *paint, void *ctx,
                     double before)
 {
     const struct orl_film *film = painting->film;
-    struct tiles tiles = {.painting = painting, .paint = paint, .ctx = ctx};
+    struct tiles tiles = {.painting = painting, .paint = paint, .ctx = ctx, .before = before};
     tiles.across = (film->width + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE;
-    const size_t all = tiles.across * ((film->height + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE);
-    for (tiles.first = 0; tiles.first < all; tiles.first += TILES_A_ROUND) {
-        const size_t left = all - tiles.first;
+    tiles.all = tiles.across * ((film->height + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE);
+    for (tiles.first = 0; tiles.first < tiles.all; tiles.first += TILES_A_ROUND) {
+        const size_t left = tiles.all - tiles.first;
         orl_crew_for(painting->env->crew, left < TILES_A_ROUND ? left : TILES_A_ROUND, paint_tile,
                      &tiles);
         if (orl_paint_cancelled(painting->env))
             return ORL_ERR_CANCELLED;
-        painting->env->progress(painting->env->ctx,
-                                before + (1 - before) * (double)tiles.first / (double)all);
     }
+    painting->env->progress(painting->env->ctx, 1);
     return 0;
 }
 
