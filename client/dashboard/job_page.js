@@ -111,7 +111,9 @@ export class JobPage {
     const names = job.files?.map((file) => file.name) || (job.links.files || []).map((link) => decodeURIComponent(link.split('/').pop()));
     this.pictures.show(job.evicted ? [] : names, this.version);
     const sensors = result?.sensors?.length ? result.sensors : null;
-    fill(this.sensors, sensors && this.resultKey, () => sensors && parts.section('sensors', 'Sensors', parts.sensorFigures(sensors)));
+    const underSkies = result?.skies?.some((sky) => sky.illuminance_lx.length > 0);
+    fill(this.sensors, (sensors || underSkies) && this.resultKey, () => (sensors || underSkies) && parts.section('sensors', 'Sensors',
+      sensors && parts.sensorFigures(sensors), h('p', { class: 'after' }, h('a', { href: `#/sensors/${job.id}` }, 'Heat map, threshold and table'))));
     const warnings = result?.warnings?.length ? result.warnings : job.warnings || [];
     fill(this.warnings, warnings, () => (warnings.length ? parts.warnings(warnings) : []));
     fill(this.plan, result?.plan, () => (result?.plan ? parts.plan(result.plan) : []));

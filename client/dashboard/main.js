@@ -7,7 +7,7 @@ import { JobsPage } from './jobs_page.js';
 import { Session, SignInPage } from './session.js';
 import { Store } from './store.js';
 
-const NAV = [['#/jobs', 'Jobs']];
+const NAV = [['#/jobs', 'Jobs', 'read'], ['#/new', 'New job', 'submit']];
 const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', refused: '', off: '' };
 
 // What is only at times of use comes when it is used.
@@ -15,6 +15,8 @@ const ROUTES = [
   [/^\/jobs$/, (app, params) => new JobsPage(app, params)],
   [/^\/jobs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./job_page.js')).JobPage(app, id)],
   [/^\/view\/([0-9a-f]+)\/(.+)$/, async (app, params, id, file) => new (await import('./viewer/viewer_page.js')).ViewerPage(app, id, decodeURIComponent(file))],
+  [/^\/sensors\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./sensors/sensors_page.js')).SensorsPage(app, id)],
+  [/^\/new$/, async (app, params) => new (await import('./new/new_page.js')).NewPage(app, params)],
 ];
 
 class App {
@@ -73,8 +75,8 @@ class App {
     const { session } = this;
     const path = location.hash.slice(1).split('?')[0] || '/jobs';
     document.body.classList.toggle('closed', !session.open);
-    fill(document.getElementById('nav'), [session.open, path], () => session.open && NAV.map(([href, words]) =>
-      h('li', {}, h('a', { href, 'aria-current': path.startsWith(href.slice(1)) || (href === '#/jobs' && path.startsWith('/view/')) ? 'page' : null }, words))));
+    fill(document.getElementById('nav'), [session.open, session.scope, path], () => session.open && NAV.filter(([, , scope]) => session.may(scope)).map(([href, words]) =>
+      h('li', {}, h('a', { href, 'aria-current': path.startsWith(href.slice(1)) || (href === '#/jobs' && /^\/(view|sensors)\//.test(path)) ? 'page' : null }, words))));
     fill(document.getElementById('who'), [session.signedIn, session.name], () => session.signedIn && [
       h('span', { class: 'quiet' }, session.name),
       h('button', { type: 'button', class: 'plain', onclick: () => this.#signOut() }, 'Sign out')]);

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { Browser } from './browser.mjs';
-import { Daemon, SENSORS, VIEW } from './daemon.mjs';
+import { Daemon, ROOM, SENSORS, VIEW } from './daemon.mjs';
 import { luminance } from './rgbe.mjs';
 
 const build = process.argv[2] || 'build';
@@ -136,6 +136,45 @@ test('the viewer tells the light of a pixel, with its error, and wipes between t
 }));
 
 const near = (value, wanted) => assert.ok(Math.abs(value / wanted - 1) < 0.005, `${value}, not ${wanted}`);
+
+// As a file manager would: browsers let scripts fill a DataTransfer, too.
+async function drop(page, files) {
+  const transfer = await page.evaluateHandle((all) => {
+    const made = new DataTransfer();
+    for (const [name, text] of all) made.items.add(new File([text], name));
+    return made;
+  }, files);
+  await page.dispatchEvent('.drop', 'drop', { dataTransfer: transfer });
+}
+
+test('a scene that is dropped becomes a job, and its sensors a map', () => visit({ path: '/#/new', mayFail: (url, text) => url.endsWith('/v1/scenes') && text.includes('400') }, async (page) => {
+  await page.locator('.drop').waitFor();
+  await drop(page, [['wrong.rad', 'void plastic grey 0 0 5 .5 .5\n']]);
+  await page.locator('.notice').getByText(/wrong.rad, line 2/).waitFor();
+  await drop(page, [['room.rad', ROOM.split('void glow')[0]], ['note.txt', 'of no use']]);
+  await page.getByRole('heading', { name: 'Sky' }).waitFor();
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'new-job');
+  await page.getByLabel('Apart').fill('1');
+  await page.getByText('12 sensors').waitFor();
+  await page.getByLabel('Render a view').uncheck();
+  await page.getByLabel('Relative error').fill('20');
+  await page.getByLabel('What people call it').fill('dropped');
+  await page.getByRole('button', { name: 'What will it take?' }).click();
+  await page.getByRole('heading', { name: 'Plan' }).waitFor();
+  await page.getByRole('button', { name: 'Submit' }).click();
+  await page.getByRole('heading', { name: 'dropped' }).waitFor();
+  const id = page.url().split('/').pop();
+  assert.equal((await daemon.wait(id)).state, 'succeeded');
+  await page.getByRole('link', { name: 'Heat map' }).click();
+  const { sensors } = await daemon.ask('GET', `/v1/jobs/${id}/result`);
+  const values = sensors.map((one) => one.illuminance_lx).sort((a, b) => a - b);
+  await page.getByLabel('Threshold, lx as a number').fill(String((values[2] + values[3]) / 2));
+  await page.getByText('75\u202f%').first().waitFor();
+  assert.equal(await page.locator('table.sensors tbody tr').count(), 12);
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'sensors');
+}));
 
 test('a job that failed says why', () => visit({ mayFail: (url, text) => url.endsWith('/ffffffff') && text.includes('404') }, async (page) => {
   const id = await daemon.submit({ name: 'dark', sensors: [[1, 1, -4, 0, 0, -1]], technique: 'backward', gather_samples: 8 });

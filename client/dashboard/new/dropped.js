@@ -1,0 +1,33 @@
+// What was dropped or chosen, as the body of an upload: a zip as it is, anything else as a zip of it.
+
+import { zip } from './zip.js';
+
+async function filesOf(entry, path) {
+  if (entry.isFile) return [{ name: path + entry.name, file: await new Promise((resolve, reject) => entry.file(resolve, reject)) }];
+  const reader = entry.createReader(), found = [];
+  for (;;) {
+    const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+    if (!some.length) break;
+    for (const one of some) found.push(...await filesOf(one, `${path}${entry.name}/`));
+  }
+  return found;
+}
+
+// Of a drop: entries have to be asked for before anything is waited for.
+export async function ofDrop(transfer) {
+  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  if (!entries.length) return ofChoice(transfer.files);
+  return (await Promise.all(entries.map((entry) => filesOf(entry, '')))).flat();
+}
+
+export const ofChoice = (files) => [...files].map((file) => ({ name: file.webkitRelativePath || file.name, file }));
+
+// {body, names}: names as the service will know them, without a folder that holds all.
+export async function upload(found) {
+  if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, names: [] };
+  const files = [];
+  for (const { name, file } of found) files.push({ name, bytes: new Uint8Array(await file.arrayBuffer()) });
+  const top = files[0].name.split('/')[0];
+  const inOne = files.every(({ name }) => name.startsWith(`${top}/`));
+  return { body: zip(files), names: files.map(({ name }) => (inOne ? name.slice(top.length + 1) : name)) };
+}

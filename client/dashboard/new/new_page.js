@@ -1,0 +1,193 @@
+// A new job: a scene dropped or chosen, its sky, what is asked for, how exactly; what it will take.
+
+import { Problem, explain, get, post } from '../api.js';
+import { h, setText } from '../dom.js';
+import { bytes, count, duration, moment, number, shortId } from '../format.js';
+import * as parts from '../job_parts.js';
+import { documentOf, gridOf } from './document.js';
+import { ofChoice, ofDrop, upload } from './dropped.js';
+
+const SKIES = [['own', 'The scene\u2019s own'], ['overcast', 'CIE overcast'], ['clear', 'CIE clear'], ['perez', 'Measured (Perez)'], ['weather', 'Weather file of the scene']];
+
+function field(name, label, value, more = {}) {
+  const id = `f-${name}`;
+  return h('div', { class: 'field' }, h('label', { for: id }, label), h('input', { id, name, type: 'number', step: 'any', required: true, value, ...more }));
+}
+
+function radio(name, value, label, checked) {
+  return h('label', { class: 'check' }, h('input', { type: 'radio', name, value, checked }), label);
+}
+
+// Shown while the choice is one of those; what is not shown is not checked either.
+function when(name, values, ...children) {
+  return h('fieldset', { class: 'when', 'data-name': name, 'data-values': values }, children);
+}
+
+export class NewPage {
+  title = 'New job';
+  scene = null;
+
+  constructor(app, params) {
+    this.app = app;
+    this.notice = h('div', { role: 'alert' });
+    this.sceneWords = h('div', {});
+    this.planPlace = h('div', { 'aria-live': 'polite' });
+    this.form = h('form', { hidden: true, onsubmit: (event) => this.#submit(event), onchange: () => this.#settle(), oninput: () => this.#settle() });
+    this.node = h('div', { class: 'page new' }, h('h1', { tabindex: -1 }, 'New job'), this.#scenePart(), this.notice, this.sceneWords, this.form, this.planPlace);
+    this.#listScenes(params.get('scene'));
+  }
+
+  close() {}
+
+  #scenePart() {
+    const choose = (id, label, more) => [h('input', { id, type: 'file', class: 'unseen', ...more, onchange: (event) => this.#take(ofChoice(event.target.files)) }), h('label', { for: id, class: 'button' }, label)];
+    this.drop = h('div', { class: 'drop' }, h('p', {}, h('strong', {}, 'Drop a folder or a zip of a Radiance scene here')),
+      h('p', { class: 'quiet' }, 'Materials, geometry, BSDFs, weather: all that its files refer to.'),
+      h('div', { class: 'controls' }, choose('folder', 'Choose a folder', { webkitdirectory: true }), choose('files', 'Choose files or a zip', { multiple: true })));
+    this.drop.addEventListener('dragover', (event) => { event.preventDefault(); this.drop.classList.add('over'); });
+    this.drop.addEventListener('dragleave', () => this.drop.classList.remove('over'));
+    this.drop.addEventListener('drop', (event) => { event.preventDefault(); this.drop.classList.remove('over'); this.#take(ofDrop(event.dataTransfer)); });
+    this.scenes = h('select', { id: 'scene', onchange: (event) => event.target.value && this.#choose(event.target.value) }, h('option', { value: '' }, 'one that is here already'));
+    this.known = h('p', { class: 'known', hidden: true }, h('label', { for: 'scene' }, 'Or'), ' ', this.scenes);
+    return h('section', { 'aria-label': 'Scene' }, this.drop, this.known);
+  }
+
+  async #listScenes(chosen) {
+    const { scenes } = await get('/v1/scenes').catch(() => ({ scenes: [] }));
+    this.known.hidden = !scenes.length;
+    this.scenes.append(...scenes.map((one) => h('option', { value: one.id, selected: one.id === chosen }, `${shortId(one.id)}, ${bytes(one.bytes)}, ${moment(one.created_at)}, ${count(one.jobs)} job${one.jobs === 1 ? '' : 's'}`)));
+    if (chosen) this.#choose(chosen);
+  }
+
+  #say(error) {
+    this.notice.replaceChildren(...(error ? [h('p', { class: 'notice' }, typeof error === 'string' ? error : explain(error))] : []));
+  }
+
+  async #take(found) {
+    this.#say('');
+    this.sceneWords.replaceChildren(h('p', { class: 'quiet' }, 'Reading, sending and checking\u2026'));
+    try {
+      const { body, names } = await upload(await found);
+      this.names = names;
+      const answer = await fetch('/v1/scenes', { method: 'POST', body, headers: { 'Content-Type': 'application/zip', Accept: 'application/json' } });
+      const scene = await answer.json();
+      if (!answer.ok) throw new Problem(answer.status, scene);
+      this.#show(scene);
+    } catch (error) {
+      this.sceneWords.replaceChildren();
+      this.form.hidden = true;
+      this.#say(error);
+    }
+  }
+
+  async #choose(id) {
+    this.#say('');
+    try {
+      this.names = [];
+      this.#show(await get(`/v1/scenes/${id}`));
+    } catch (error) {
+      this.#say(error);
+    }
+  }
+
+  #show(scene) {
+    this.scene = scene;
+    const { surfaces, materials, sources, bsdfs, bounds } = scene.summary;
+    const extent = bounds.min.every(Number.isFinite) ? bounds.min.map((low, i) => number(bounds.max[i] - low)).join(' \u00d7 ') : '';
+    this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'job-main' }, parts.facts([
+      ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', count(bsdfs)], ['Suns and skies', count(sources)], ['Extent', extent], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]]))));
+    this.form.replaceChildren(...this.#fields(sources > 0, bounds));
+    this.form.hidden = false;
+    this.planPlace.replaceChildren();
+    this.#settle();
+  }
+
+  #skyPart(own) {
+    const weather = (this.names || []).filter((name) => /\.(epw|wea)$/i.test(name));
+    const kinds = SKIES.filter(([kind]) => (kind === 'own') === own);
+    return parts.section('sky', 'Sky', h('div', { class: 'fields' },
+      h('div', { class: 'field' }, h('label', { for: 'f-sky' }, 'Light from'), h('select', { id: 'f-sky', name: 'sky' }, kinds.map(([kind, words]) => h('option', { value: kind }, words)))),
+      when('sky', 'overcast', field('diffuse', 'Outside, lx', 10000, { min: 1 })),
+      when('sky', 'weather', h('div', { class: 'field' }, h('label', { for: 'f-weather' }, 'File'), h('input', { id: 'f-weather', name: 'weather', type: 'text', required: true, value: weather[0] || '' }))),
+      when('sky', 'clear perez weather', h('div', { class: 'field' }, h('label', { for: 'f-date' }, 'Day'), h('input', { id: 'f-date', name: 'date', type: 'date', required: true, value: `${new Date().getFullYear()}-03-21` })),
+        h('div', { class: 'field' }, h('label', { for: 'f-time' }, 'Standard time'), h('input', { id: 'f-time', name: 'time', type: 'time', required: true, value: '12:00' }))),
+      when('sky', 'clear perez', field('latitude', 'Latitude, \u00b0', 50), field('longitude', 'Longitude, \u00b0 east', 10), field('zone', 'Time zone, h east', 1)),
+      when('sky', 'perez', field('direct_w', 'Direct normal, W/m\u00b2', 600), field('diffuse_w', 'Diffuse horizontal, W/m\u00b2', 150))));
+  }
+
+  #fields(own, { min, max }) {
+    const height = Number.isFinite(min[2]) ? Number((min[2] + 0.85).toFixed(2)) : 0.85;
+    const size = Math.max(max[0] - min[0], max[1] - min[1]) || 4;
+    const spacing = Number((size / 12).toPrecision(1));
+    const edge = (value) => (Number.isFinite(value) ? Number(value.toFixed(2)) : 0);
+    const eye = [(min[0] + max[0]) / 2, min[1] + 0.25 * (max[1] - min[1]), height + 0.4].map((value) => Number(value.toFixed(2))).join(' ');
+    this.submit = h('button', { type: 'submit', class: 'main' }, 'Submit');
+    this.ask = h('button', { type: 'button', onclick: () => this.#plan() }, 'What will it take?');
+    return [
+      this.#skyPart(own),
+      parts.section('sensors-asked', 'Illuminance', h('div', { class: 'fields' },
+        h('div', { class: 'field' }, h('label', { for: 'f-sensors' }, 'Sensors'), h('select', { id: 'f-sensors', name: 'sensors' },
+          h('option', { value: 'grid' }, 'On a grid over the scene'), h('option', { value: 'rows' }, 'These'), h('option', { value: 'none' }, 'None'))),
+        when('sensors', 'grid', field('spacing', 'Apart', spacing, { min: 0.01 }), field('height', 'At height', height),
+          field('left', 'x from', edge(min[0])), field('right', 'x to', edge(max[0])), field('low', 'y from', edge(min[1])), field('high', 'y to', edge(max[1]))),
+        when('sensors', 'rows', h('div', { class: 'field wide' }, h('label', { for: 'f-rows' }, 'x y z dx dy dz, a line each'), h('textarea', { id: 'f-rows', name: 'rows', rows: 4, required: true }))))),
+      parts.section('view-asked', 'View', h('div', { class: 'fields' }, h('label', { class: 'check' }, h('input', { type: 'checkbox', name: 'with_view', id: 'with-view', checked: true }), 'Render a view'),
+        when('with_view', 'on', h('div', { class: 'field' }, h('label', { for: 'f-view-name' }, 'Name'), h('input', { id: 'f-view-name', name: 'view_name', type: 'text', required: true, value: 'view' })),
+          field('width', 'Width', 600, { min: 1, max: 16384, step: 1 }), field('view_height', 'Height', 450, { min: 1, max: 16384, step: 1 }),
+          h('div', { class: 'field wide' }, h('label', { for: 'f-view' }, 'Radiance view'), h('input', { id: 'f-view', name: 'view', type: 'text', required: true, value: `-vtv -vp ${eye} -vd 0 1 0 -vh 75 -vv 60` }))))),
+      parts.section('goal-asked', 'Accuracy', h('div', { class: 'fields' },
+        h('div', { class: 'pair-of' }, radio('goal', 'error', 'An error', true), radio('goal', 'deadline', 'A time', false)),
+        when('goal', 'error', field('error', 'Relative error, %', 5, { min: 0.01 })), when('goal', 'deadline', field('deadline', 'Seconds', 60, { min: 0.1 })))),
+      parts.section('names', 'Name', h('div', { class: 'fields' },
+        h('div', { class: 'field wide' }, h('label', { for: 'f-name' }, 'What people call it'), h('input', { id: 'f-name', name: 'name', type: 'text', maxlength: 100 })),
+        h('div', { class: 'field wide' }, h('label', { for: 'f-tags' }, 'Tags, by commas'), h('input', { id: 'f-tags', name: 'tags', type: 'text' })))),
+      h('div', { class: 'controls send' }, this.submit, this.ask, this.counted = h('span', { class: 'quiet' })),
+    ];
+  }
+
+  // What the choices leave to be filled in.
+  #settle() {
+    const form = new FormData(this.form);
+    for (const part of this.form.querySelectorAll('.when')) {
+      const on = part.dataset.values.split(' ').includes(String(form.get(part.dataset.name)));
+      part.hidden = part.disabled = !on;
+    }
+    setText(this.counted, form.get('sensors') === 'grid' ? `${count(gridOf(form).length)} sensors` : '');
+  }
+
+  get document() {
+    return documentOf(new FormData(this.form), this.scene);
+  }
+
+  async #plan() {
+    if (!this.form.reportValidity()) return;
+    this.#say('');
+    this.ask.disabled = true;
+    try {
+      const { plans } = await post('/v1/plans', this.document);
+      const { plan, warnings } = plans[0];
+      const seconds = plan.effects.reduce((most, one) => Math.max(most, one.cost_s || 0), 0);
+      const foreseen = plan.foresight?.job_s ?? null;
+      this.planPlace.replaceChildren(h('div', { class: 'job-main' },
+        h('p', { class: 'figure' }, h('strong', {}, duration(foreseen ?? seconds)), h('span', {}, foreseen === null ? ' for its dearest effect, on one thread; rounds to the accuracy asked for come on top' : ' foreseen for all of it')),
+        warnings.length ? parts.warnings(warnings) : [], parts.plan(plan)));
+      this.planPlace.scrollIntoView({ block: 'nearest' });
+    } catch (error) {
+      this.#say(error);
+    }
+    this.ask.disabled = false;
+  }
+
+  async #submit(event) {
+    event.preventDefault();
+    this.#say('');
+    this.submit.disabled = true;
+    try {
+      const job = await post('/v1/jobs', this.document);
+      location.hash = `#/jobs/${job.id}`;
+    } catch (error) {
+      this.#say(error);
+      this.submit.disabled = false;
+    }
+  }
+}
