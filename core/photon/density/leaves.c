@@ -43,6 +43,9 @@ struct estimate {
     bool crowded; /* it is not what one sees */
 };
 
+/* Squared cells: the spread of photons that are on one spot. */
+static const float spot = 4;
+
 enum { MOST_TRIES = 4, PLACES = 8, COARSE = 1, CROWDED = 2 };
 /* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word.
  */
@@ -110,8 +113,9 @@ uint64_t orl_leaves_bytes(const struct orl_leaves *leaves)
  * Puts the query at a place drawn from those that the leaf serves, on its own surface: what the
  * leaf says is then right on average, whatever the shapes of leaves. Amid their photons it would be
  * low by half a percent where photons fall evenly, by how squares of the map's order hold sixteen
- * of them. At the site itself where that is a photon, or where no place is found. Returns how far
- * from the site, in metres.
+ * of them. At the site itself where that is a photon, where no place is found, and of a spot about
+ * as small as a cell, beside which their discs leave nothing. Returns how far from the site, in
+ * metres.
  */
 static double ask_somewhere(const struct orl_leaves *leaves, uint32_t leaf,
                             struct orl_density_query *query, struct orl_footing *footing)
@@ -119,8 +123,9 @@ static double ask_somewhere(const struct orl_leaves *leaves, uint32_t leaf,
     const struct orl_photon_map *map = leaves->map;
     const struct orl_leaf_center *site = orl_leaf_sites_of(leaves->sites, leaf);
     const struct orl_vec3 point = orl_leaf_center_point(map, site);
+    const bool stays = site->at_photon || site->spread2 < spot;
     struct orl_random random = orl_random_stream(map->header->count, ORL_PURPOSE_LEAF, leaf);
-    for (int i = 0; i < PLACES && !site->at_photon; i++) {
+    for (int i = 0; i < PLACES && !stays; i++) {
         struct orl_leaf_center place;
         if (!orl_leaf_sites_draw(leaves->sites, leaf, &random, &place))
             continue;
