@@ -7,7 +7,7 @@ import { JobsPage } from './jobs_page.js';
 import { Session, SignInPage } from './session.js';
 import { Store } from './store.js';
 
-const NAV = [['#/jobs', 'Jobs', 'read'], ['#/new', 'New job', 'submit']];
+const NAV = [['#/jobs', 'Jobs', 'read'], ['#/new', 'New job', 'submit'], ['#/cache', 'Cache', 'read'], ['#/operations', 'Operations', 'read']];
 const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', refused: '', off: '' };
 
 // What is only at times of use comes when it is used.
@@ -17,6 +17,8 @@ const ROUTES = [
   [/^\/view\/([0-9a-f]+)\/(.+)$/, async (app, params, id, file) => new (await import('./viewer/viewer_page.js')).ViewerPage(app, id, decodeURIComponent(file))],
   [/^\/sensors\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./sensors/sensors_page.js')).SensorsPage(app, id)],
   [/^\/new$/, async (app, params) => new (await import('./new/new_page.js')).NewPage(app, params)],
+  [/^\/cache$/, async (app) => new (await import('./cache_page.js')).CachePage(app)],
+  [/^\/operations$/, async () => new (await import('./operations_page.js')).OperationsPage()],
 ];
 
 class App {

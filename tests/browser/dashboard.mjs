@@ -176,6 +176,26 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
   await browser.keep(page, 'sensors');
 }));
 
+test('what is kept is listed and removed, and the daemon says how it fares', () => visit({}, async (page) => {
+  const id = await daemon.submit({ name: 'by photons', sensors: SENSORS, technique: 'gather', photons: { global: 5000 }, gather_samples: 16 });
+  await daemon.wait(id);
+  await page.getByRole('link', { name: 'Cache' }).click();
+  const remove = page.getByRole('button', { name: /^Remove Global photons/ });
+  await remove.waitFor();
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'cache');
+  page.once('dialog', (dialog) => dialog.accept());
+  await remove.click();
+  await remove.waitFor({ state: 'detached' });
+  const { maps } = await daemon.ask('GET', '/v1/maps');
+  assert.equal(maps.filter((map) => map.kind === 'global').length, 0);
+  await page.getByRole('link', { name: 'Operations' }).click();
+  await page.getByText(/^Takes jobs/).waitFor();
+  await page.getByRole('meter', { name: 'Kept on disk' }).waitFor();
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'operations');
+}));
+
 test('a job that failed says why', () => visit({ mayFail: (url, text) => url.endsWith('/ffffffff') && text.includes('404') }, async (page) => {
   const id = await daemon.submit({ name: 'dark', sensors: [[1, 1, -4, 0, 0, -1]], technique: 'backward', gather_samples: 8 });
   const { state } = await daemon.wait(id);
