@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 
+import bounds
 import breaks
 import cases
 import every
@@ -21,7 +22,14 @@ import observed
 from daemons import Daemon, is_sanitized
 from recorder import Contract
 
-MORE = (((), (observed.metrics,)), ((), (breaks.breaks,)))
+# With options, what is asked of a daemon, in this order.
+DAEMONS = (((), (cases.service, cases.scenes, cases.plans, cases.bsdfs, cases.renders, cases.skies,
+                 cases.accuracy, cases.studies, cases.years, cases.ended_events, cases.all_events,
+                 cases.failures, cases.refusals, bounds.damage)),
+           ((), (bounds.waiting,)),
+           (("--storage-budget", "64K"), (bounds.storage,)),
+           ((), (observed.metrics,)),
+           ((), (breaks.breaks,)))
 BUILD = os.environ.get("ORIEL_BUILD", "build")
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -63,7 +71,7 @@ def with_full_disk(contract):
         daemon = Daemon(contract, "--threads", "1", "--tokens", "always", environment={
             "LD_PRELOAD": os.path.abspath(os.path.join(BUILD, "tests", "faulty.so")),
             "FAULTY": control.name})
-        cases.full_disk(daemon, fill)
+        bounds.full_disk(daemon, fill)
         daemon.end()
 
 
@@ -71,7 +79,7 @@ def run(contract):
     with open(os.path.join(HERE, "../../api/openapi.yaml")) as stream:
         text = stream.read()
     whole = (every.things_unknown, every.strays, every.web_pages, every.bodies_refused)
-    for i, (options, group) in enumerate(cases.DAEMONS + MORE):
+    for i, (options, group) in enumerate(DAEMONS):
         daemon = Daemon(contract, "--threads", "1", *options)
         assert daemon.ask("GET", "/openapi.yaml", want=200).body.decode() == text
         for part in (whole if i == 0 else ()) + group:
@@ -86,10 +94,10 @@ def run(contract):
     visited.end()
     guarded = Daemon(contract, "--tokens", "always", "--storage-budget", "16M")
     every.tokens(guarded)
-    cases.too_much_under_way(guarded)
+    bounds.too_much_under_way(guarded)
     cases.sessions(guarded)
     guarded.end()
-    every.stopping(Daemon(contract), cases.busy_upload)
+    every.stopping(Daemon(contract), bounds.busy_upload)
 
 
 def main():
