@@ -5,6 +5,7 @@ import { fill, h, say, setAttr, setText } from './dom.js';
 import { ErrorChart } from './error_chart.js';
 import { duration, fullMoment, isOver, jobName, percent, stateName } from './format.js';
 import { changed, halved } from './again.js';
+import { ofKind } from './job_kinds.js';
 import * as parts from './job_parts.js';
 import { Pictures } from './pictures.js';
 import { GOALS } from './words.js';
@@ -31,7 +32,7 @@ export class JobPage {
       h('div', { class: 'head' }, h('div', {}, this.heading, this.state), this.actions),
       this.bar, place('notice'),
       h('div', { class: 'job' },
-        h('div', { class: 'job-main' }, place('accuracy'), place('sensors'), this.pictures.node, place('kind'), place('warnings'), place('plan'), place('health')),
+        h('div', { class: 'job-main' }, place('accuracy'), place('sensors'), place('kind'), this.pictures.node, place('warnings'), place('plan'), place('health')),
         h('div', { class: 'job-side' }, place('facts'), place('stages'), place('maps'), place('files'))));
     this.bar.hidden = true;
     this.heard = new AbortController();
@@ -109,11 +110,13 @@ export class JobPage {
     this.#showNotice();
     this.#showAccuracy();
     const names = job.files?.map((file) => file.name) || (job.links.files || []).map((link) => decodeURIComponent(link.split('/').pop()));
+    this.pictures.drawn = job.kind !== 'render';
     this.pictures.show(job.evicted ? [] : names, this.version);
     const sensors = result?.sensors?.length ? result.sensors : null;
     const underSkies = result?.skies?.some((sky) => sky.illuminance_lx.length > 0);
     fill(this.sensors, (sensors || underSkies) && this.resultKey, () => (sensors || underSkies) && parts.section('sensors', 'Sensors',
       sensors && parts.sensorFigures(sensors), h('p', { class: 'after' }, h('a', { href: `#/sensors/${job.id}` }, 'Heat map, threshold and table'))));
+    fill(this.kind, result && this.resultKey, () => ofKind(job, result));
     const warnings = result?.warnings?.length ? result.warnings : job.warnings || [];
     fill(this.warnings, warnings, () => (warnings.length ? parts.warnings(warnings) : []));
     fill(this.plan, result?.plan, () => (result?.plan ? parts.plan(result.plan) : []));

@@ -7,10 +7,11 @@ const FORMS = [[/\.false\.png$/, 'False colours'], [/\.lines\.png$/, 'Isolines']
 const ASIDE = /^(sensors\.map.*|study|sequence\..*)\.png$/;
 
 // [{view, forms: [{name, words}]}, ...] and the pictures that are of no view.
-export function sort(names) {
+// drawn: they are charts, none of them a view.
+export function sort(names, drawn) {
   const views = new Map(), others = [];
   for (const name of names.filter((one) => one.endsWith('.png') && !one.endsWith('16.png'))) {
-    if (ASIDE.test(name) || name.includes('/')) {
+    if (drawn || ASIDE.test(name)) {
       others.push(name);
       continue;
     }
@@ -53,13 +54,14 @@ export class Pictures {
 
   constructor(job) {
     this.job = job;
+    this.drawn = false;
     this.views = h('div', { class: 'views' });
     this.others = h('div', { class: 'views' });
     this.node = h('section', { 'aria-labelledby': 'pictures', hidden: true }, h('h2', { id: 'pictures' }, 'Pictures'), this.views, this.others);
   }
 
   show(names, version) {
-    const { views, others } = sort(names);
+    const { views, others } = sort(names, this.drawn);
     this.node.hidden = views.length + others.length === 0;
     for (const one of views) {
       let view = this.#views.get(one.view);

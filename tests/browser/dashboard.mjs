@@ -176,7 +176,27 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
   await browser.keep(page, 'sensors');
 }));
 
+test('several skies and a study have their tables', () => visit({}, async (page) => {
+  const uniform = (name, light) => ({ name, cie: { type: 'uniform', diffuse_horizontal_lx: light } });
+  const scene = (await daemon.ask('POST', '/v1/scenes', { files: [{ name: 'room.rad', text: ROOM.split('void glow')[0] }] })).id;
+  const skies = await daemon.submit({ scene, skies: [uniform('bright', 20000), uniform('dull', 5000)], sensors: SENSORS, technique: 'backward', gather_samples: 8 });
+  const study = await daemon.submit({ kind: 'study', techniques: ['backward'], sensors: SENSORS, gather_samples: [8, 32], repeats: 2, reference: { samples: 1024, runs: 2 } });
+  for (const id of [skies, study]) assert.equal((await daemon.wait(id)).state, 'succeeded');
+  await page.goto(`${daemon.url}/#/jobs/${skies}`);
+  await page.getByRole('heading', { name: 'Skies' }).waitFor();
+  for (const name of ['bright', 'dull']) await page.getByRole('cell', { name }).waitFor();
+  await page.getByRole('link', { name: 'Heat map' }).click();
+  await page.getByLabel('Sky').selectOption('dull');
+  const { sensors } = await daemon.ask('GET', `/v1/jobs/${skies}/files/dull.json`);
+  await page.getByRole('cell', { name: String(Number(sensors[0].illuminance_lx.toPrecision(4))), exact: true }).first().waitFor();
+  await page.goto(`${daemon.url}/#/jobs/${study}`);
+  await page.getByRole('heading', { name: 'What accuracy costs' }).waitFor();
+  assert.equal(await page.locator('.part-kind tbody tr').count(), 2);
+  assert.deepEqual(await browser.audit(page), []);
+}));
+
 test('what is kept is listed and removed, and the daemon says how it fares', () => visit({}, async (page) => {
+  for (const { kind, key } of (await daemon.ask('GET', '/v1/maps')).maps) await daemon.ask('DELETE', `/v1/maps/${kind}/${key}`);
   const id = await daemon.submit({ name: 'by photons', sensors: SENSORS, technique: 'gather', photons: { global: 5000 }, gather_samples: 16 });
   await daemon.wait(id);
   await page.getByRole('link', { name: 'Cache' }).click();
