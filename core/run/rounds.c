@@ -374,7 +374,7 @@ static void note_course(struct orl_outcome *outcome, double seconds)
         return;
     if (outcome->n_course == ORL_COURSE) {
         outcome->n_course = ORL_COURSE / 2;
-        for (uint32_t i = 1; i < outcome->n_course; i++)
+        for (size_t i = 1; i < outcome->n_course; i++)
             outcome->course[i] = outcome->course[2 * i];
     }
     outcome->course[outcome->n_course].seconds = seconds;
