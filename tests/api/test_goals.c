@@ -123,6 +123,24 @@ static void test_killed_between_rounds(void **state)
     cancel(f, job);
 }
 
+/* A point a round, of these few, as time goes on; the last is what the job came to. */
+static void expect_course(struct reply *reply)
+{
+    const json_t *course = reply_at(reply, "accuracy.course"), *point;
+    const double total_s = reply_number(reply, "timings_s.total");
+    double before_s = 0, error = 0;
+    size_t i;
+    assert_int_equal(json_array_size(course), (size_t)reply_number(reply, "accuracy.rounds"));
+    json_array_foreach(course, i, point)
+    {
+        const double seconds = json_number_value(json_object_get(point, "seconds"));
+        error = json_number_value(json_object_get(point, "error"));
+        assert_true(seconds > before_s && seconds <= total_s && error > 0);
+        before_s = seconds;
+    }
+    assert_true(i >= 1 && error == reply_number(reply, "accuracy.achieved"));
+}
+
 static void test_accuracy_is_met(void **state)
 {
     struct daemon_room *f = *state;
@@ -132,6 +150,7 @@ static void test_accuracy_is_met(void **state)
     daemon_wait(&f->daemon, job, 60, &reply);
     assert_string_equal(reply_text(&reply, "state"), "succeeded");
     assert_true(json_is_true(reply_at(&reply, "accuracy.met")));
+    expect_course(&reply);
     assert_true(reply_number(&reply, "accuracy.achieved") <= 0.1);
     reply_done(&reply);
     get_below(f, job, "result", &reply);
