@@ -1,4 +1,4 @@
-// Documents made of a job's document: the same, and one with half the error.
+// Documents made of a job's document: the same, one with half the error, one from another viewpoint.
 
 const named = (document, addition) => (document.name ? { name: `${document.name}${addition}`.slice(0, 100) } : {});
 
@@ -16,4 +16,10 @@ export function halved(document, result) {
   const at = accuracy?.at;
   const title = document.name?.replace(/, to [0-9.]+ %$/, '');
   return { ...rest, ...named({ name: title }, `, to ${Number((100 * relative_error).toPrecision(3))} %`), accuracy: { relative_error, ...(at ? { at } : {}) } };
+}
+
+// The first view, turned; sensors stay where they are, and are not asked for again.
+export function seenFrom(document, name, view) {
+  const { sensors, heat_map: map, views: [{ file, entry, ...first }], ...rest } = document;
+  return { ...rest, ...named(document, `, ${name}`), views: [{ ...first, name, view }] };
 }

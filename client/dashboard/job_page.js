@@ -4,7 +4,7 @@ import { Problem, ask, explain, get, jobPath, post } from './api.js';
 import { fill, h, say, setAttr, setText } from './dom.js';
 import { ErrorChart } from './error_chart.js';
 import { duration, fullMoment, isOver, jobName, percent, stateName } from './format.js';
-import { changed, halved } from './again.js';
+import { changed, halved, seenFrom } from './again.js';
 import { ofKind } from './job_kinds.js';
 import * as parts from './job_parts.js';
 import { Pictures } from './pictures.js';
@@ -149,12 +149,13 @@ export class JobPage {
     const { job, app } = this;
     const over = isOver(job.state), may = app.session.may('submit');
     const next = this.result?.cost?.next;
-    fill(this.actions, [job.state, may, job.kind, next?.halve_s, !!job.accuracy], () => {
+    fill(this.actions, [job.state, may, job.kind, next?.halve_s, !!job.accuracy, this.result?.views?.length > 0], () => {
       if (!may) return [];
       const button = (words, act, more) => h('button', { type: 'button', ...more, onclick: (event) => this.#act(event.currentTarget, act) }, words);
       if (!over) return job.state === 'cancelling' ? [] : button('Cancel', () => this.#cancel());
       const canHalve = job.kind === 'render' && job.state === 'succeeded' && Number.isFinite(next?.error) && next.error > 0 && Number.isFinite(next?.halve_s);
       return [button('Remove', () => this.#remove(), { class: 'plain' }),
+        this.result?.views?.length > 0 && button('Another view', () => this.#turn()),
         button('Run again', () => this.#again((document) => changed(document))),
         canHalve && button(`Halve the error, about ${duration(next.halve_s)}`, () => this.#again((document) => halved(document, this.result)), { class: 'main' })];
     });
@@ -179,6 +180,15 @@ export class JobPage {
     if (!confirm(`Remove ${jobName(this.job)} and its results?`)) return;
     await ask(jobPath(this.job.id), { method: 'DELETE' });
     location.hash = '#/jobs';
+  }
+
+  async #turn() {
+    const document = await get(`${jobPath(this.job.id)}/document`);
+    const { askForView } = await import('./view_dialog.js');
+    const found = await askForView(document.views[0]);
+    if (!found) return;
+    const job = await post('/v1/jobs', seenFrom(document, found.name, found.view));
+    location.hash = `#/jobs/${job.id}`;
   }
 
   async #again(change) {
