@@ -170,6 +170,20 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     return rc;
 }
 
+/* As json_object_update_missing, which does not tell when it found no memory for a member. */
+static int add_missing(json_t *doc, json_t *outcome)
+{
+    const char *key;
+    json_t *value;
+    int rc = outcome ? 0 : -1;
+    json_object_foreach(outcome, key, value)
+    {
+        if (!json_object_get(doc, key))
+            rc |= json_object_set(doc, key, value);
+    }
+    return rc;
+}
+
 static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *job)
 {
     int rc = 0;
@@ -184,7 +198,7 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
         rc = add_links(links, job->row.id, outcome);
     if (job->row.state == ORL_JOB_SUCCEEDED)
         rc |= json_object_set_new(doc, "percent", json_real(100));
-    rc |= json_object_update_missing(doc, outcome);
+    rc |= add_missing(doc, outcome);
     json_decref(outcome);
     return rc;
 }
