@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 #include <dirent.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,31 +15,21 @@
 #include "support/room.h"
 #include "support/techniques.h"
 
-/* The flag is set at the call of that number, of all that a run makes to clock and progress. */
+/* The flag is set by the first report from there on: a stage's number and the share of it. */
 struct trap {
     atomic_bool cancel;
-    int calls, at;
+    double at;
 };
-
-static void step(struct trap *trap)
-{
-    if (trap->calls++ == trap->at)
-        atomic_store(&trap->cancel, true);
-}
-
-static double now_s(void *ctx)
-{
-    step(ctx);
-    return 0;
-}
 
 static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
 {
-    (void)stage, (void)stage_fraction, (void)job_fraction;
-    step(ctx);
+    struct trap *trap = ctx;
+    (void)job_fraction;
+    if (stage + stage_fraction >= trap->at)
+        atomic_store(&trap->cancel, true);
 }
 
-enum { POINTS = 9 };
+enum { POINTS = 18 };
 
 static size_t count_files(const char *folder)
 {
@@ -75,7 +66,6 @@ static int run(enum orl_technique technique, const char *folder, struct trap *tr
                             .threads = 2,
                             .folder = folder,
                             .cancel = &trap->cancel,
-                            .now_s = now_s,
                             .progress = on_progress,
                             .ctx = trap},
         &err);
@@ -84,30 +74,30 @@ static int run(enum orl_technique technique, const char *folder, struct trap *tr
 }
 
 /*
- * At POINTS calls from the first on. The last few calls come when all is done:
- * then it may succeed. Maps that were finished before stay, whole: the next run finds them.
+ * At POINTS places from the beginning on. Behind the last report of a stage the next one hears of
+ * it, and of the last stage nobody: then it may succeed. Maps that were finished before stay,
+ * whole: the next run finds them.
  */
 static void check(void **state)
 {
     const enum orl_technique technique = of_technique(state);
     char folder[64];
-    struct trap trap = {.at = -1};
+    struct trap trap = {.at = INFINITY};
     int cancelled = 0;
     cli_make_folder(folder);
     atomic_init(&trap.cancel, false);
     assert_int_equal(run(technique, folder, &trap), 0);
-    const int calls = trap.calls;
     const size_t whole = count_files(folder);
     cli_remove_folder(folder);
     for (int i = 0; i < POINTS; i++) {
         cli_make_folder(folder);
-        trap = (struct trap){.at = i * calls / POINTS};
+        trap = (struct trap){.at = (double)i * ORL_STAGE_COUNT / POINTS};
         const int code = run(technique, folder, &trap);
         assert_true(code == 0 || code == ORL_ERR_CANCELLED);
         cancelled += code < 0;
         assert_in_range(count_files(folder), code < 0 ? 0 : whole, whole);
         if (i == POINTS / 2) {
-            trap = (struct trap){.at = -1};
+            trap = (struct trap){.at = INFINITY};
             assert_int_equal(run(technique, folder, &trap), 0);
             assert_int_equal(count_files(folder), whole);
         }
