@@ -116,3 +116,32 @@ json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *c)
     json_decref(json);
     return NULL;
 }
+
+/* ---- Where light from one direction goes ------------------------------------------------------
+ */
+
+static json_t *hemisphere(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS])
+{
+    json_t *rows = json_array();
+    int rc = rows ? 0 : -1;
+    for (int i = 0; i < ORL_POLAR_THETAS && rc == 0; i++) {
+        json_t *row = json_array();
+        for (int k = 0; k < ORL_POLAR_PHIS && rc == 0; k++)
+            rc = json_array_append_new(row, json_real(values[i][k]));
+        if (json_array_append_new(rows, row))
+            rc = -1;
+    }
+    if (rc == 0)
+        return rows;
+    json_decref(rows);
+    return NULL;
+}
+
+json_t *orl_bsdf_polar_to_json(const struct orl_bsdf_polar *polar, bool front, double theta_deg,
+                               double phi_deg)
+{
+    return json_pack("{s:s, s:f, s:f, s:f, s:f, s:f, s:o, s:o}", "from", front ? "front" : "back",
+                     "theta_deg", theta_deg, "phi_deg", phi_deg, "reflected", polar->reflected,
+                     "transmitted", polar->transmitted, "straight", polar->straight, "reflection",
+                     hemisphere(polar->values[0]), "transmission", hemisphere(polar->values[1]));
+}

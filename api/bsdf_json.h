@@ -12,7 +12,7 @@
 
 #include <jansson.h>
 
-#include <oriel/bsdf.h>
+#include <oriel/bsdf_polar.h>
 
 json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info);
 
@@ -23,5 +23,13 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info);
  * says what each means, api/openapi.yaml how each looks.
  */
 json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *check);
+
+/*
+ * Where light from one direction goes: {"from": "front" or "back", "theta_deg", "phi_deg",
+ * "reflected", "transmitted", "straight", "reflection": [[...], ...], "transmission"}, rows of
+ * theta (oriel/bsdf_polar.h).
+ */
+json_t *orl_bsdf_polar_to_json(const struct orl_bsdf_polar *polar, bool front, double theta_deg,
+                               double phi_deg);
 
 #endif

@@ -1,5 +1,7 @@
 #include "scene_json.h"
 
+#include "encode.h"
+
 /* Bounds of an empty or infinite scene are not finite, which JSON cannot say: null, then. */
 static json_t *point_to_json(const double point[3])
 {
@@ -30,4 +32,20 @@ json_t *orl_scene_summary_to_json(const struct orl_scene_summary *summary)
         (json_int_t)summary->sources, "triangles", (json_int_t)summary->triangles, "bsdfs",
         (json_int_t)summary->bsdfs, "bounds", "min", point_to_json(summary->bounds_min), "max",
         point_to_json(summary->bounds_max), "digest", summary->digest, "referenced", referenced);
+}
+
+json_t *orl_floor_plan_to_json(const struct orl_floor_plan *plan)
+{
+    json_t *lines = json_array();
+    for (size_t i = 0; lines && i < plan->count; i++) {
+        const double *line = plan->lines[i];
+        if (json_array_append_new(lines,
+                                  json_pack("[f, f, f, f]", line[0], line[1], line[2], line[3]))) {
+            json_decref(lines);
+            return NULL;
+        }
+    }
+    return json_pack("{s:o, s:{s:o, s:o}, s:o, s:b}", "height", orl_json_from_real(plan->height),
+                     "bounds", "min", point_to_json(plan->low), "max", point_to_json(plan->high),
+                     "lines", lines, "more", (int)plan->more);
 }

@@ -8,8 +8,11 @@
 
 #include <jansson.h>
 
-#include <oriel/run.h>
+#include <oriel/floor_plan.h>
 
 json_t *orl_scene_summary_to_json(const struct orl_scene_summary *summary);
+
+/* {"height", "bounds", "lines": [[x, y, x, y], ...], "more"}; likewise. */
+json_t *orl_floor_plan_to_json(const struct orl_floor_plan *plan);
 
 #endif

@@ -67,7 +67,7 @@ export class CachePage {
     fill(this.bsdfs, bsdfs, () => (bsdfs.length === 0 ? [] : section('kept-bsdfs', 'BSDFs uploaded by themselves',
       table('BSDFs', [['Name'], ['Id'], ['Uploaded', true], ['Size', true], ['Scenes', true], ['Last used', true]], bsdfs.map((one) => ({
         what: one.name, path: `/v1/bsdfs/${one.id}`, held: one.scene_count ? 'in use' : '',
-        cells: [one.name, short(one.id), when(one.created_at), bytes(one.bytes), count(one.scene_count), when(one.last_used)] })), remove))));
+        cells: [h('a', { href: `#/bsdfs/${one.id}` }, one.name), short(one.id), when(one.created_at), bytes(one.bytes), count(one.scene_count), when(one.last_used)] })), remove))));
   }
 
   async #remove(what, path) {

@@ -21,7 +21,7 @@ export class Stream extends EventTarget {
   #abort = null;
   #tries = 0;
   #timer = 0;
-  state = 'off'; // 'connecting', 'live', 'lost', 'refused'
+  state = 'off'; // 'connecting', 'live', 'lost', 'refused', 'old'
 
   constructor(path) {
     super();
@@ -77,6 +77,11 @@ export class Stream extends EventTarget {
       if (error instanceof Problem && (error.status === 401 || error.status === 403)) {
         this.#abort = null;
         this.#become('refused');
+        return;
+      }
+      if (error instanceof Problem && error.status === 404) {
+        this.#abort = null;
+        this.#become('old');
         return;
       }
     }

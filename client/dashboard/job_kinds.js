@@ -1,4 +1,4 @@
-// What jobs of several skies, studies and years have beside the parts of all jobs: their tables.
+// What jobs of several skies and years have beside the parts of all jobs: their tables.
 
 import { h } from './dom.js';
 import { NONE, count, duration, number, percent } from './format.js';
@@ -17,13 +17,6 @@ function skies(result) {
     result.skies.map((sky) => [sky.name, sky.technique, sky.dark ? 'dark' : mean(sky.illuminance_lx), percent(sky.accuracy?.achieved ?? NaN), duration(sky.seconds)])));
 }
 
-function study(result) {
-  const rows = [...result.points].sort((a, b) => a.seconds.total - b.seconds.total);
-  return section('study', 'What accuracy costs', table('study', [['Technique'], ['Photons', true], ['Samples', true], ['Time', true], ['Error, rms', true], ['']],
-    rows.map((point) => [point.technique, count(point.photons ?? NaN), count(point.samples ?? NaN), duration(point.seconds.total),
-      `${percent(point.rms ?? NaN)}${point.rms_error ? ` \u00b1\u202f${percent(point.rms_error)}` : ''}`, point.on_front ? 'best at its time' : ''])));
-}
-
 const VERDICTS = { pass: 'Pass', fail: 'Fail', undecided: 'Cannot be told yet', unknown: 'Unknown' };
 
 function year(result) {
@@ -39,7 +32,6 @@ function year(result) {
 }
 
 export function ofKind(job, result) {
-  if (job.kind === 'study') return result?.points ? study(result) : [];
   if (job.kind === 'annual') return result?.verdicts ? year(result) : [];
   return result?.skies ? skies(result) : [];
 }

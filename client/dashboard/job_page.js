@@ -47,6 +47,7 @@ export class JobPage {
     this.heard.abort();
     clearTimeout(this.timer);
     this.chart?.close();
+    this.study?.close();
     this.closed = true;
   }
 
@@ -116,7 +117,8 @@ export class JobPage {
     const underSkies = result?.skies?.some((sky) => sky.illuminance_lx.length > 0);
     fill(this.sensors, (sensors || underSkies) && this.resultKey, () => (sensors || underSkies) && parts.section('sensors', 'Sensors',
       sensors && parts.sensorFigures(sensors), h('p', { class: 'after' }, h('a', { href: `#/sensors/${job.id}` }, 'Heat map, threshold and table'))));
-    fill(this.kind, result && this.resultKey, () => ofKind(job, result));
+    if (job.kind === 'study') this.#showStudy().catch(() => {});
+    else fill(this.kind, result && this.resultKey, () => ofKind(job, result));
     const warnings = result?.warnings?.length ? result.warnings : job.warnings || [];
     fill(this.warnings, warnings, () => (warnings.length ? parts.warnings(warnings) : []));
     fill(this.plan, result?.plan, () => (result?.plan ? parts.plan(result.plan) : []));
@@ -191,6 +193,17 @@ export class JobPage {
     location.hash = `#/jobs/${job.id}`;
   }
 
+  async #showStudy() {
+    const { StudyPart, jobOf } = await import('./study/study_part.js');
+    if (this.closed) return;
+    if (!this.study) {
+      const start = (point) => this.#again((document) => jobOf(document, point)).catch((error) => this.notice.replaceChildren(h('p', { class: 'notice', role: 'alert' }, explain(error))));
+      this.study = new StudyPart(this.app.session.may('submit') ? start : null);
+      this.kind.append(this.study.node);
+    }
+    this.study.show(this.job, this.result);
+  }
+
   async #again(change) {
     const document = await get(`${jobPath(this.job.id)}/document`);
     const job = await post('/v1/jobs', change(document));
@@ -211,7 +224,7 @@ export class JobPage {
         course.length > 1 && this.chart.node,
         isOver(this.job.state) && h('p', { class: 'quiet' }, sentence(accuracy.why), next?.one_percent_s > 0 && ` For 1\u202f% such a job takes about ${duration(next.one_percent_s)}.`));
     });
-    if (course.length > 1) this.chart?.show(course, goal).catch(() => {});
+    if (course.length > 1) this.chart?.show({ points: course, goal }).catch(() => {});
   }
 }
 

@@ -13,7 +13,7 @@ const STATES = ['running', 'queued', 'succeeded', 'failed', 'cancelled'];
 
 function stateWords(job) {
   if (job.state === 'running' && job.stage) return stageName(job.stage);
-  if (job.state === 'queued' && job.queue_position) return `Waiting, ${job.queue_position === 1 ? 'next' : `place ${job.queue_position}`}`;
+  if (job.state === 'queued' && job.queue_position) return `Waiting, ${job.queue_position === 1 ? 'next' : `place ${count(job.queue_position)}`}`;
   return stateName(job.state);
 }
 

@@ -7,8 +7,8 @@ import { JobsPage } from './jobs_page.js';
 import { Session, SignInPage } from './session.js';
 import { Store } from './store.js';
 
-const NAV = [['#/jobs', 'Jobs', 'read'], ['#/new', 'New job', 'submit'], ['#/cache', 'Cache', 'read'], ['#/operations', 'Operations', 'read']];
-const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', refused: '', off: '' };
+const NAV = [['#/jobs', 'Jobs', 'read'], ['#/new', 'New job', 'submit'], ['#/bsdfs', 'BSDFs', 'read'], ['#/cache', 'Cache', 'read'], ['#/operations', 'Operations', 'read']];
+const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', refused: '', off: '', old: 'Another version' };
 
 // What is only at times of use comes when it is used.
 const ROUTES = [
@@ -17,6 +17,8 @@ const ROUTES = [
   [/^\/view\/([0-9a-f]+)\/(.+)$/, async (app, params, id, file) => new (await import('./viewer/viewer_page.js')).ViewerPage(app, id, decodeURIComponent(file))],
   [/^\/sensors\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./sensors/sensors_page.js')).SensorsPage(app, id)],
   [/^\/new$/, async (app, params) => new (await import('./new/new_page.js')).NewPage(app, params)],
+  [/^\/bsdfs$/, async (app) => new (await import('./bsdf/bsdf_page.js')).BsdfsPage(app)],
+  [/^\/bsdfs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./bsdf/bsdf_page.js')).BsdfPage(app, id)],
   [/^\/cache$/, async (app) => new (await import('./cache_page.js')).CachePage(app)],
   [/^\/operations$/, async () => new (await import('./operations_page.js')).OperationsPage()],
 ];
@@ -95,6 +97,7 @@ class App {
       this.lateWord = setTimeout(() => this.#notice(`The daemon does not answer. What is here is as of ${since}; it goes on by itself.`), 1500);
     }
     if (state === 'live') this.#notice('');
+    if (state === 'old') this.#notice('The daemon is of an older version than this page, and tells of no changes.', h('button', { type: 'button', onclick: () => location.reload() }, 'Load its own page'));
     if (state === 'refused') this.session.look().then(() => this.enter(), () => {});
   }
 

@@ -1,11 +1,14 @@
+#include <oriel/floor_plan.h>
 #include <oriel/run.h>
 
+#include <math.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "light/scene.h"
 #include "light/weather.h"
+#include "render/heat_map/section.h"
 #include "scene/parse/parse.h"
 
 static int copy_references(const struct orl_scene *scene, struct orl_scene_summary *summary)
@@ -60,19 +63,27 @@ int orl_prepare_thread(struct orl_error *err)
     return orl_geometry_prepare_thread(err);
 }
 
-int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
-                    const atomic_bool *cancel, struct orl_scene_summary *ret_summary,
-                    struct orl_error *err)
+/* *ret_scene is the caller's, or NULL. */
+static int read_scene(const char *const *main_files, size_t n_files, const struct orl_files *files,
+                      const atomic_bool *cancel, struct orl_scene **ret_scene,
+                      struct orl_error *err)
 {
     struct orl_bsdf_loader loader = {.load = load_bsdf, .cancel = cancel};
     loader.ctx = &loader;
     struct orl_description description = {0};
+    *ret_scene = NULL;
+    const int code = orl_scene_parse_with(main_files, n_files, files, &loader, &description, err);
+    description.cancel = cancel;
+    return code ? code : orl_scene_new(&description, ret_scene, err);
+}
+
+int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
+                    const atomic_bool *cancel, struct orl_scene_summary *ret_summary,
+                    struct orl_error *err)
+{
     struct orl_scene_summary summary = {0};
     struct orl_scene *scene = NULL;
-    int code = orl_scene_parse_with(main_files, n_files, files, &loader, &description, err);
-    description.cancel = cancel;
-    if (code == 0)
-        code = orl_scene_new(&description, &scene, err);
+    int code = read_scene(main_files, n_files, files, cancel, &scene, err);
     if (code == 0) {
         summarise(scene, &summary);
         code = copy_references(scene, &summary);
@@ -86,6 +97,86 @@ int orl_scene_check(const char *const *main_files, size_t n_files, const struct 
         *ret_summary = summary;
     return code;
 }
+
+/* ---- The floor plan -----------------------------------------------------------------------------
+ */
+
+struct pieces {
+    double (*lines)[4];
+    size_t count, room;
+    bool no_memory;
+};
+
+static void add_piece(void *ctx, const double from[2], const double to[2])
+{
+    struct pieces *p = ctx;
+    if (p->count == p->room) {
+        const size_t room = p->room ? 2 * p->room : 256;
+        void *lines = reallocarray(p->lines, room, sizeof *p->lines);
+        p->no_memory = p->no_memory || !lines;
+        if (!lines)
+            return;
+        p->lines = lines;
+        p->room = room;
+    }
+    double *line = p->lines[p->count++];
+    memcpy(line, from, 2 * sizeof *line);
+    memcpy(line + 2, to, 2 * sizeof *line);
+}
+
+static int longest_first(const void *a, const void *b)
+{
+    const double *p = a, *q = b;
+    const double one = hypot(p[2] - p[0], p[3] - p[1]), other = hypot(q[2] - q[0], q[3] - q[1]);
+    return (one < other) - (one > other);
+}
+
+static int cut_scene(const struct orl_geometry *g, struct orl_floor_plan *plan,
+                     struct orl_error *err)
+{
+    const struct orl_sensor_plane plane = {
+        .normal = {0, 0, 1}, .u = {1, 0, 0}, .v = {0, 1, 0}, .offset = plan->height};
+    struct pieces pieces = {0};
+    orl_section_cut(g, &plane, add_piece, &pieces);
+    if (pieces.no_memory) {
+        free(pieces.lines);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    plan->more = pieces.count > ORL_FLOOR_PLAN_LINES;
+    if (plan->more)
+        qsort(pieces.lines, pieces.count, sizeof *pieces.lines, longest_first);
+    plan->lines = pieces.lines;
+    plan->count = plan->more ? ORL_FLOOR_PLAN_LINES : pieces.count;
+    return 0;
+}
+
+int orl_scene_floor_plan(const char *const *main_files, size_t n_files,
+                         const struct orl_files *files, double height,
+                         struct orl_floor_plan *ret_plan, struct orl_error *err)
+{
+    struct orl_scene *scene = NULL;
+    *ret_plan = (struct orl_floor_plan){.height = height};
+    int code = read_scene(main_files, n_files, files, NULL, &scene, err);
+    if (code == 0) {
+        const struct orl_geometry *g = scene->geometry;
+        const struct orl_vec3 low = orl_add(g->low, g->center), high = orl_add(g->high, g->center);
+        memcpy(ret_plan->low, (double[]){low.x, low.y, low.z}, sizeof ret_plan->low);
+        memcpy(ret_plan->high, (double[]){high.x, high.y, high.z}, sizeof ret_plan->high);
+        if (isnan(height))
+            ret_plan->height = 0.5 * (low.z + high.z);
+        code = cut_scene(g, ret_plan, err);
+    }
+    orl_scene_release(scene);
+    return code;
+}
+
+void orl_floor_plan_done(struct orl_floor_plan *plan)
+{
+    free(plan->lines);
+    *plan = (struct orl_floor_plan){0};
+}
+
+/* ---- Files beside it ------------------------------------------------------------------------- */
 
 int orl_weather_check(const char *name, const char *text, size_t size, struct orl_error *err)
 {

@@ -25,14 +25,15 @@ static int ask(struct orl_asking *asking, json_t *request, json_t **ret_result,
     return rc;
 }
 
-static int ask_for_text(struct orl_asking *asking, json_t *request, char **ret_text,
+/* digits: of its numbers; 0: all. */
+static int ask_for_text(struct orl_asking *asking, json_t *request, int digits, char **ret_text,
                         struct orl_error *err)
 {
     json_t *result = NULL;
     const int rc = ask(asking, request, &result, err);
     if (rc)
         return rc;
-    *ret_text = orl_json_text(result, JSON_COMPACT);
+    *ret_text = orl_json_text(result, JSON_COMPACT | JSON_REAL_PRECISION((size_t)digits));
     json_decref(result);
     return *ret_text ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
@@ -41,7 +42,7 @@ int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, ch
                   struct orl_error *err)
 {
     return ask_for_text(
-        asking, json_pack("{s:s, s:o}", "kind", "scene", "files", orl_opened_to_json(bundle)),
+        asking, json_pack("{s:s, s:o}", "kind", "scene", "files", orl_opened_to_json(bundle)), 0,
         ret_summary, err);
 }
 
@@ -49,8 +50,27 @@ int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, 
                  struct orl_error *err)
 {
     return ask_for_text(asking,
-                        json_pack("{s:s, s:s, s:s}", "kind", "bsdf", "path", path, "name", name),
+                        json_pack("{s:s, s:s, s:s}", "kind", "bsdf", "path", path, "name", name), 0,
                         ret_summary, err);
+}
+
+int orl_ask_outline(struct orl_asking *asking, const struct orl_bundle *scene, double height,
+                    char **ret_outline, struct orl_error *err)
+{
+    return ask_for_text(asking,
+                        json_pack("{s:s, s:o, s:o}", "kind", "outline", "height",
+                                  orl_json_from_real(height), "files", orl_opened_to_json(scene)),
+                        7, ret_outline, err);
+}
+
+int orl_ask_polar(struct orl_asking *asking, const char *path, const struct orl_incidence *from,
+                  char **ret_polar, struct orl_error *err)
+{
+    return ask_for_text(asking,
+                        json_pack("{s:s, s:s, s:b, s:f, s:f}", "kind", "polar", "path", path,
+                                  "front", from->front, "theta_deg", from->theta_deg, "phi_deg",
+                                  from->phi_deg),
+                        5, ret_polar, err);
 }
 
 int orl_ask_plan(struct orl_asking *asking, const struct orl_bundle *scene, const char *path,
@@ -59,7 +79,7 @@ int orl_ask_plan(struct orl_asking *asking, const struct orl_bundle *scene, cons
     return ask_for_text(asking,
                         json_pack("{s:s, s:s, s:o}", "kind", "plan", "path", path, "files",
                                   orl_opened_to_json(scene)),
-                        ret_plans, err);
+                        0, ret_plans, err);
 }
 
 int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,

@@ -16,6 +16,17 @@ int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, ch
 /* Is the file a BSDF? name: for messages. */
 int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, char **ret_summary,
                  struct orl_error *err);
+/* A scene's floor plan at that height, NAN: half-way up; JSON text, the caller's (child_looks.h).
+ */
+int orl_ask_outline(struct orl_asking *asking, const struct orl_bundle *scene, double height,
+                    char **ret_outline, struct orl_error *err);
+/* Where a BSDF, the file, sends the light that comes from there (oriel/bsdf_polar.h). */
+struct orl_incidence {
+    bool front;
+    double theta_deg, phi_deg;
+};
+int orl_ask_polar(struct orl_asking *asking, const char *path, const struct orl_incidence *from,
+                  char **ret_polar, struct orl_error *err);
 int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brief *ret_brief,
                 struct orl_error *err);
 /* The plans of a render job (child_plan.h) of that scene, whose document is the file; JSON text,

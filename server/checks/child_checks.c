@@ -12,6 +12,7 @@
 #include <oriel/run.h>
 
 #include "bsdf_json.h"
+#include "checks/child_looks.h"
 #include "checks/child_plan.h"
 #include "checks/confine.h"
 #include "checks/frames.h"
@@ -72,6 +73,16 @@ static int check_bsdf(struct check *check, json_t **ret_result, struct orl_error
 static int check_plan(struct check *check, json_t **ret_result, struct orl_error *err)
 {
     return orl_child_plan(&check->files, ret_result, err);
+}
+
+static int check_outline(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    return orl_child_outline(check->request, &check->files, ret_result, err);
+}
+
+static int check_polar(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    return orl_child_polar(check->request, &check->files, ret_result, err);
 }
 
 static int check_job(struct check *check, json_t **ret_result, struct orl_error *err)
@@ -224,7 +235,8 @@ static int run_kind(struct check *check, json_t **ret_result, struct orl_error *
         int (*run)(struct check *check, json_t **ret_result, struct orl_error *err);
     } kinds[] = {{"scene", check_scene},   {"bsdf", check_bsdf},   {"job", check_job},
                  {"unzip", check_zip},     {"files", check_files}, {"roles", check_roles},
-                 {"inputs", check_inputs}, {"plan", check_plan}};
+                 {"inputs", check_inputs}, {"plan", check_plan},   {"outline", check_outline},
+                 {"polar", check_polar}};
     const char *name = json_string_value(json_object_get(check->request, "kind"));
     for (size_t i = 0; name && i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kinds[i].name, name) == 0)

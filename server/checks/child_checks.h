@@ -14,6 +14,8 @@
  *     roles     "files" -> [true, false, ...]: which are main ones
  *     inputs    "files", "uses": [[name, role, entry or null], ...] (job_inputs.h) -> [sensors of
  *               all files of them, rows of a year's weather]
+ *     plan      "path", "files" -> child_plan.h
+ *     outline   "files", "height"; polar: "path", "front", "theta_deg", "phi_deg" -> child_looks.h
  */
 #ifndef ORL_SERVER_CHECKS_CHILD_CHECKS_H
 #define ORL_SERVER_CHECKS_CHILD_CHECKS_H

@@ -15,3 +15,15 @@ bool orl_query_count(const char *text, unsigned long most, unsigned long *ret_co
     *ret_count = count;
     return true;
 }
+
+bool orl_query_number(const char *text, double low, double high, double *ret_number)
+{
+    char *end;
+    if (text[0] == '\0' || text[strspn(text, "0123456789+-.eE")])
+        return false;
+    const double number = strtod(text, &end);
+    if (*end || !(number >= low) || !(number <= high))
+        return false;
+    *ret_number = number;
+    return true;
+}

@@ -30,6 +30,10 @@ void orl_handle_bsdf_post(struct orl_request *request);
 void orl_handle_bsdf_get(struct orl_request *request);
 void orl_handle_bsdf_delete(struct orl_request *request);
 
+/* handle_looks.c: a scene's floor plan, where a BSDF sends light */
+void orl_handle_scene_outline(struct orl_request *request);
+void orl_handle_bsdf_polar(struct orl_request *request);
+
 /* handle_jobs.c: submitting, watching, cancelling, removing; handle_results.c: what came of them */
 void orl_handle_job_post(struct orl_request *request);
 void orl_handle_job_list(struct orl_request *request);

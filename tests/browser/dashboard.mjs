@@ -1,6 +1,7 @@
 // The dashboard as a user sees it. Each case has the lines "ok N - name" or "not ok N - name".
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { Browser } from './browser.mjs';
 import { Daemon, ROOM, SENSORS, VIEW } from './daemon.mjs';
 import { luminance } from './rgbe.mjs';
@@ -42,7 +43,7 @@ test('the page takes less than 150 kB', () => visit({}, async (page) => {
   await client.send('Network.enable');
   client.on('Network.loadingFinished', (event) => { bytes += event.encodedDataLength; });
   await client.send('Network.setCacheDisabled', { cacheDisabled: true });
-  const id = await daemon.submit({ ...words('weighed'), accuracy: { relative_error: 0.01 }, gather_samples: undefined, technique: 'auto' });
+  const id = await daemon.submit({ ...words('weighed'), accuracy: { relative_error: 0.05 }, gather_samples: undefined, technique: 'auto' });
   await daemon.wait(id);
   await page.goto(`${daemon.url}/#/jobs/${id}`);
   await page.getByRole('heading', { name: 'Plan' }).waitFor();
@@ -165,6 +166,13 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
   await page.getByRole('heading', { name: 'Sky' }).waitFor();
   assert.deepEqual(await browser.audit(page), []);
   await browser.keep(page, 'new-job');
+  assert.ok((await page.locator('.walls').getAttribute('d')).startsWith('M'), 'the plan is cut');
+  const plan = await page.locator('.outline svg').boundingBox();
+  await page.mouse.move(plan.x + plan.width / 2, plan.y + plan.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(plan.x + plan.width / 2 + 60, plan.y + plan.height / 2);
+  await page.mouse.up();
+  assert.match(await page.getByLabel('Radiance view').inputValue(), /^-vtv -vp 1\.\d+ 2\.?\d* 1\.25 -vd 1 -?0 0 /);
   await page.getByLabel('Apart').fill('1');
   await page.getByText('12 sensors').waitFor();
   await page.getByLabel('Render a view').uncheck();
@@ -202,7 +210,33 @@ test('several skies and a study have their tables', () => visit({}, async (page)
   await page.goto(`${daemon.url}/#/jobs/${study}`);
   await page.getByRole('heading', { name: 'What accuracy costs' }).waitFor();
   assert.equal(await page.locator('.part-kind tbody tr').count(), 2);
+  await page.getByRole('img', { name: /^Error against seconds of 2 settings/ }).waitFor();
   assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'study');
+  await page.getByRole('button', { name: 'Start backward, 32 samples' }).click();
+  await page.getByRole('heading', { name: 'Study: backward, 32 samples' }).waitFor();
+  const started = await daemon.ask('GET', `/v1/jobs/${page.url().split('/').pop()}/document`);
+  assert.deepEqual([started.kind, started.technique, started.gather_samples, started.sensors], ['render', 'backward', 32, SENSORS]);
+}));
+
+test('a BSDF that is dropped tells what its check found, and where light goes', () => visit({ path: '/#/bsdfs' }, async (page) => {
+  await page.locator('.drop').waitFor();
+  await drop(page, [['klems.xml', readFileSync('tests/fixtures/bsdf_klems41.xml', 'latin1')]]);
+  await page.getByRole('heading', { name: 'What the check found' }).waitFor();
+  const id = page.url().split('/').pop();
+  const { summary } = await daemon.ask('GET', `/v1/bsdfs/${id}`);
+  assert.equal(await page.locator('.findings li').count(), summary.check.verdicts.length);
+  const share = async (label) => parseFloat(/: ([0-9.]+)\s% of the light/.exec(await page.getByRole('img', { name: new RegExp(`^${label}: `) }).getAttribute('aria-label'))[1]);
+  await page.getByRole('img', { name: /^Transmitted: [0-9.]+\s% of the light/ }).waitFor();
+  await page.getByLabel('Light from outside').check();
+  await page.getByRole('button', { name: /show light from above, 60 degrees/ }).click();
+  const wanted = summary.check.hemispherical.back.find((one) => one.theta_deg === 60 && one.phi_deg === 90);
+  await page.waitForFunction((value) => document.querySelectorAll('.polar canvas')[1].getAttribute('aria-label').includes(`: ${value}`), Number((100 * wanted.transmitted).toPrecision(3)).toString());
+  near(await share('Reflected'), 100 * wanted.reflected);
+  await page.locator('.polar canvas').last().hover();
+  await page.getByText(/^Transmitted at 0 to 2.5\u00b0 from the normal/).waitFor();
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'bsdf');
 }));
 
 test('what is kept is listed and removed, and the daemon says how it fares', () => visit({}, async (page) => {

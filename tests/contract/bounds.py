@@ -74,6 +74,8 @@ def damage(daemon):
     database.close()
     daemon.ask("GET", "/v1/scenes/" + scene, want=500)
     daemon.ask("GET", "/v1/bsdfs/" + item, want=500)
+    daemon.ask("GET", "/v1/scenes/%s/outline" % scene, want=500)
+    daemon.ask("GET", "/v1/bsdfs/%s/polar" % item, want=500)
     daemon.ask("GET", "/v1/scenes", want=500)
     daemon.ask("GET", "/v1/bsdfs", want=500)
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=500)

@@ -83,6 +83,7 @@ def scenes(daemon):
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM + SKY}]}, want=200)
     path = "/v1/scenes/" + first.id
     assert first.headers["location"] == path
+    looks(daemon, path + "/outline", ("", "?height=-1", "?height=1.5"), ("x", "1e99", ""), "height")
     other = daemon.upload(ROOM + "# to be removed\n")
     daemon.ask("DELETE", "/v1/scenes/" + other, want=204)
     daemon.ask("GET", path, want=200)
@@ -102,6 +103,14 @@ def scenes(daemon):
     daemon.ask("POST", "/v1/scenes", {"files": [], "other": 1}, want=422)
     stored_lists(daemon, "scenes")
     zips(daemon, first)
+
+
+def looks(daemon, path, queries, wrong, argument):
+    """What is made of a stored thing to be looked at."""
+    for query in queries:
+        assert "max-age" in daemon.ask("GET", path + query, want=200).headers["cache-control"]
+    for text in wrong:
+        daemon.ask("GET", "%s?%s=%s" % (path, argument, text), want=400)
 
 
 def plans(daemon):
@@ -149,6 +158,9 @@ def bsdfs(daemon):
     path = "/v1/bsdfs/" + first.id
     daemon.ask("GET", path, want=200)
     daemon.ask("GET", path, headers={"If-None-Match": first.headers["etag"]}, want=304)
+    looks(daemon, path + "/polar", ("", "?from=back&theta_deg=45&phi_deg=90"), ("90", "-1"),
+          "theta_deg")
+    daemon.ask("GET", path + "/polar?from=above", want=400)
     other = daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_lcp8.xml"), want=201)
     daemon.ask("DELETE", "/v1/bsdfs/" + other.id, want=204)
     daemon.ask("POST", "/v1/bsdfs", b"<WindowElement>", want=400)

@@ -5,6 +5,7 @@ import { h, setText } from '../dom.js';
 import { bytes, count, duration, moment, number, shortId } from '../format.js';
 import * as parts from '../job_parts.js';
 import { documentOf, gridOf } from './document.js';
+import { Outline } from './outline.js';
 import { ofChoice, ofDrop, upload } from './dropped.js';
 
 const SKIES = [['own', 'The scene\u2019s own'], ['overcast', 'CIE overcast'], ['clear', 'CIE clear'], ['perez', 'Measured (Perez)'], ['weather', 'Weather file of the scene']];
@@ -72,7 +73,7 @@ export class NewPage {
       const answer = await fetch('/v1/scenes', { method: 'POST', body, headers: { 'Content-Type': 'application/zip', Accept: 'application/json' } });
       const scene = await answer.json();
       if (!answer.ok) throw new Problem(answer.status, scene);
-      this.#show(scene);
+      await this.#show(scene);
     } catch (error) {
       this.sceneWords.replaceChildren();
       this.form.hidden = true;
@@ -84,19 +85,26 @@ export class NewPage {
     this.#say('');
     try {
       this.names = [];
-      this.#show(await get(`/v1/scenes/${id}`));
+      await this.#show(await get(`/v1/scenes/${id}`));
     } catch (error) {
       this.#say(error);
     }
   }
 
-  #show(scene) {
+  async #show(scene) {
     this.scene = scene;
-    const { surfaces, materials, sources, bsdfs, bounds } = scene.summary;
+    const { surfaces, materials, sources, bsdfs, bounds, referenced } = scene.summary;
     const extent = bounds.min.every(Number.isFinite) ? bounds.min.map((low, i) => number(bounds.max[i] - low)).join(' \u00d7 ') : '';
-    this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'job-main' }, parts.facts([
-      ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', count(bsdfs)], ['Suns and skies', count(sources)], ['Extent', extent], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]]))));
-    this.form.replaceChildren(...this.#fields(sources > 0, bounds));
+    this.outline = extent ? new Outline(scene, (change) => this.#place(change)) : null;
+    this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'found' },
+      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), parts.facts([
+        ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', count(bsdfs)], ['Suns, skies', count(sources)], ['Extent', extent],
+        ['Refers to', referenced.length ? referenced.slice(0, 12).join(', ') + (referenced.length > 12 ? ` and ${referenced.length - 12} more` : '') : null], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]])),
+      this.outline?.node)));
+    const height = extent ? Number((bounds.min[2] + 0.85).toFixed(2)) : 0.85;
+    const area = this.outline ? await this.outline.begin(height) : [0, 0, 0, 0];
+    if (this.scene !== scene) return;
+    this.form.replaceChildren(...this.#fields(sources > 0, area, height));
     this.form.hidden = false;
     this.planPlace.replaceChildren();
     this.#settle();
@@ -115,8 +123,19 @@ export class NewPage {
       when('sky', 'perez', field('direct_w', 'Direct normal, W/m\u00b2', 600), field('diffuse_w', 'Diffuse horizontal, W/m\u00b2', 150))));
   }
 
-  #fields(own, { min, max }) {
-    const height = Number.isFinite(min[2]) ? Number((min[2] + 0.85).toFixed(2)) : 0.85;
+  // Of a drag in the floor plan.
+  #place({ view, area }) {
+    const { elements } = this.form;
+    if (view) elements.view.value = view;
+    if (area && elements.sensors.value === 'grid')
+      ['left', 'low', 'right', 'high'].forEach((name, i) => { elements[name].value = Number(area[i].toFixed(2)); });
+    this.#settle();
+  }
+
+  // area: x and y from and to, that sensors are to fill.
+  #fields(own, area, height) {
+    this.usual = height;
+    const [min, max] = [area.slice(0, 2), area.slice(2)];
     const size = Math.max(max[0] - min[0], max[1] - min[1]) || 4;
     const spacing = Number((size / 12).toPrecision(1));
     const edge = (value) => (Number.isFinite(value) ? Number(value.toFixed(2)) : 0);
@@ -152,6 +171,8 @@ export class NewPage {
       const on = part.dataset.values.split(' ').includes(String(form.get(part.dataset.name)));
       part.hidden = part.disabled = !on;
     }
+    const asked = documentOf(form, this.scene);
+    this.outline?.show({ sensors: asked.sensors, view: asked.views?.[0].view, height: Number(form.get('height')) || this.usual });
     setText(this.counted, form.get('sensors') === 'grid' ? `${count(gridOf(form).length)} sensors` : '');
   }
 

@@ -15,7 +15,7 @@ precision highp float;
 precision highp sampler2D;
 uniform sampler2D first, second, eye, palette;
 uniform vec2 size, otherSize, offset, canvas;
-uniform float scale, exposure, top, decades, bands, wipe;
+uniform float scale, exposure, top, decades, bands, wipe, cover;
 uniform int mode;
 out vec4 shown;
 const vec3 weights = vec3(${LUMA.join(', ')});
@@ -38,9 +38,10 @@ vec4 pixel(vec2 at, bool other) {
   vec2 ratio = otherSize / size;
   return look(second, at * ratio, otherSize, scale < 1.0 ? step * ratio : ratio);
 }
+float light(vec4 found) { return dot(found.rgb, weights); }
+// What false colours show: light, or its relative error.
 float value(vec4 found) {
-  float light = dot(found.rgb, weights);
-  return mode == 2 ? (light > 0.0 ? found.a / light : 0.0) : light * ${EFFICACY}.0;
+  return mode == 2 ? (light(found) > 0.0 ? found.a / light(found) : 0.0) : light(found) * ${EFFICACY}.0;
 }
 float share(float value) {
   if (decades <= 0.0) return value / top;
@@ -50,6 +51,7 @@ vec3 display(vec3 linear) {
   vec3 c = clamp(linear, 0.0, 1.0);
   return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 }
+vec3 shade(float part) { return texelFetch(palette, ivec2(clamp(part, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb; }
 float band(vec2 at, bool other) {
   return floor(clamp(share(value(pixel(at, other))), 0.0, 1.0) * bands + 1e-4);
 }
@@ -62,12 +64,11 @@ void main() {
   if (mode == 0) color = display(found.rgb * exposure);
   else if (mode == 3 && !other) color = look(eye, at, size, vec2(max(1.0 / scale, 1.0))).rgb;
   else if (mode == 3) color = display(found.rgb * exposure);
-  else {
-    color = texelFetch(palette, ivec2(clamp(share(value(found)), 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb;
-    if (bands > 0.0) {
-      float here = band(at, other), hair = 1.0 / scale;
-      if (here != band(at + vec2(hair, 0.0), other) || here != band(at + vec2(0.0, hair), other)) color = vec3(1.0);
-    }
+  else color = shade(share(value(found)));
+  if (mode == 2) color = mix(display(vec3(light(found) * exposure)), color, cover);
+  if (bands > 0.0) {
+    float hair = 1.0 / scale, here = band(at, other), right = band(at + vec2(hair, 0.0), other), below = band(at + vec2(0.0, hair), other);
+    if (here != right || here != below) color = mode == 1 ? vec3(1.0) : shade(max(here, max(right, below)) / bands);
   }
   shown = vec4(color, 1.0);
 }`;
@@ -95,7 +96,7 @@ export class Painter {
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
     gl.useProgram(program);
     const names = ['first', 'second', 'eye', 'palette'];
-    for (const name of [...names, 'size', 'otherSize', 'offset', 'canvas', 'scale', 'exposure', 'top', 'decades', 'bands', 'wipe', 'mode'])
+    for (const name of [...names, 'size', 'otherSize', 'offset', 'canvas', 'scale', 'exposure', 'top', 'decades', 'bands', 'wipe', 'cover', 'mode'])
       this.#uniforms[name] = gl.getUniformLocation(program, name);
     names.forEach((name, unit) => {
       this.#textures[name] = gl.createTexture();
@@ -129,7 +130,7 @@ export class Painter {
   }
 
   // All in pixels of the picture but scale and offset, which are in the canvas's.
-  draw({ size, otherSize, scale, offset, mode, exposure, top, decades, bands, wipe }) {
+  draw({ size, otherSize, scale, offset, mode, exposure, top, decades, bands, wipe, cover }) {
     const { gl } = this, at = this.#uniforms;
     const { width, height } = gl.canvas;
     gl.viewport(0, 0, width, height);
@@ -139,7 +140,7 @@ export class Painter {
     gl.uniform2f(at.otherSize, ...otherSize);
     gl.uniform2f(at.offset, ...offset);
     gl.uniform2f(at.canvas, width, height);
-    for (const [name, value] of Object.entries({ scale, exposure, top, decades, bands, wipe })) gl.uniform1f(at[name], value);
+    for (const [name, value] of Object.entries({ scale, exposure, top, decades, bands, wipe, cover })) gl.uniform1f(at[name], value);
     gl.uniform1i(at.mode, mode);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }

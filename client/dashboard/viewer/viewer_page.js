@@ -18,7 +18,7 @@ const viewOf = (name) => name.replace(/\.hdr$/, '');
 
 export class ViewerPage {
   title = 'Picture';
-  state = { mode: 'exposure', ev: 0, top: 1000, decades: 0, lines: false, wipe: 0.5, glare: false, errorTop: 0.2 };
+  state = { mode: 'exposure', ev: 0, top: 1000, decades: 0, lines: false, wipe: 0.5, glare: true, errorTop: 0.2, cover: 0.75 };
 
   constructor(app, id, file) {
     Object.assign(this, { app, id, file });
@@ -121,7 +121,7 @@ export class ViewerPage {
 
   #set(change) {
     Object.assign(this.state, change);
-    if ('mode' in change || 'top' in change || 'decades' in change || 'errorTop' in change) this.#showLegend();
+    this.#showLegend();
     this.#draw();
   }
 
@@ -132,7 +132,13 @@ export class ViewerPage {
       this.painter.takeEye(this.eye);
     }
     this.#set({ mode });
-    for (const part of this.panel.querySelectorAll('[data-of]')) part.hidden = !part.dataset.of.split(' ').includes(mode);
+    this.#showParts();
+  }
+
+  // Of what is shown, and of isolines: controls that there is a use for.
+  #showParts() {
+    const uses = [this.state.mode, this.state.lines && this.state.mode !== 'errors' ? 'lines' : ''];
+    for (const part of this.panel.querySelectorAll('[data-of]')) part.hidden = !part.dataset.of.split(' ').some((one) => uses.includes(one));
   }
 
   get auto() {
@@ -146,7 +152,7 @@ export class ViewerPage {
     this.painter.draw({
       size: [first.width, first.height], otherSize: second ? [second.width, second.height] : [1, 1], scale: surface.scale, offset: surface.offset,
       mode: NUMBER[state.mode], exposure: this.auto * 2 ** state.ev, top: errors ? state.errorTop : state.top, decades: errors ? 0 : state.decades,
-      bands: state.lines && state.mode === 'colors' ? (state.decades > 0 ? 3 * state.decades : 10) : 0, wipe: second ? state.wipe * first.width : FAR,
+      bands: state.lines && !errors ? (state.decades > 0 ? 3 * state.decades : 10) : 0, cover: state.cover, wipe: second ? state.wipe * first.width : FAR,
     });
     this.#drawOverlay();
   }
@@ -222,14 +228,14 @@ export class ViewerPage {
   }
 
   #showLegend() {
-    const { mode, top, decades, errorTop } = this.state;
+    const { mode, top, decades, errorTop, lines } = this.state;
     if (!this.legendPlace) return;
-    fill(this.legendPlace, [mode, top, decades, errorTop, this.unit], () =>
-      (mode === 'colors' ? legend(top, decades, this.unit) : mode === 'errors' ? legend(100 * errorTop, 0, '%') : []));
+    fill(this.legendPlace, [mode, top, decades, errorTop, lines, this.unit], () =>
+      (mode === 'colors' || (lines && mode !== 'errors') ? legend(top, decades, this.unit) : mode === 'errors' ? legend(100 * errorTop, 0, '%') : []));
   }
 
   #part(of, ...children) {
-    return h('div', { class: 'control', 'data-of': of, hidden: !of.split(' ').includes(this.state.mode) }, children);
+    return h('div', { class: 'control', 'data-of': of }, children);
   }
 
   #slider(id, label, value, range, words, act) {
@@ -245,6 +251,7 @@ export class ViewerPage {
     const light = (value) => `${number(10 ** value, 3)}\u202f${this.unit}`;
     const top = this.#slider('top', 'Top of the scale', Math.log10(state.top), { min: -1, max: 6, step: 0.02 }, light, (value) => this.#set({ top: Number((10 ** value).toPrecision(2)) }));
     const worst = this.#slider('error-top', 'Top of the scale', Math.log10(100 * state.errorTop), { min: -1, max: 2, step: 0.02 }, (value) => `${number(10 ** value, 2)}\u202f%`, (value) => this.#set({ errorTop: 10 ** value / 100 }));
+    const cover = this.#slider('cover', 'Over the picture', state.cover, { min: 0, max: 1, step: 0.05 }, (value) => percent(value), (value) => this.#set({ cover: value }));
     const check = (id, label, key, change) => h('label', { class: 'check' }, h('input', { type: 'checkbox', id, checked: !!state[key], onchange: (event) => change(event.target.checked) }), label);
     const setExposure = (value) => { exposure.input.value = value; setText(exposure.output, ev(value)); this.#set({ ev: value }); };
     this.legendPlace = h('div', {});
@@ -255,9 +262,9 @@ export class ViewerPage {
       h('fieldset', { class: 'modes' }, h('legend', { class: 'unseen' }, 'Shown as'), modes.map(([mode, words]) => h('label', {},
         h('input', { type: 'radio', name: 'mode', value: mode, checked: mode === state.mode, onchange: () => this.#setMode(mode) }), h('span', {}, words)))),
       this.#part('exposure', exposure.node, h('button', { type: 'button', onclick: () => setExposure(0) }, 'Auto')),
-      this.#part('colors', top.node, check('log', 'Logarithmic, three decades', 'decades', (on) => this.#set({ decades: on ? 3 : 0 })),
-        check('lines', 'Isolines', 'lines', (on) => this.#set({ lines: on }))),
-      this.#part('errors', worst.node),
+      this.#part('exposure colors eye', check('lines', 'Isolines', 'lines', (on) => { this.#set({ lines: on }); this.#showParts(); })),
+      this.#part('colors lines', top.node, check('log', 'Logarithmic, three decades', 'decades', (on) => this.#set({ decades: on ? 3 : 0 }))),
+      this.#part('errors', worst.node, cover.node),
       this.legendPlace,
       h('div', { class: 'control' }, h('div', { class: 'label' }, h('span', { class: 'name' }, 'Zoom')), h('div', { class: 'buttons' },
         h('button', { type: 'button', onclick: () => this.surface.fit() }, 'Fit'), h('button', { type: 'button', onclick: () => this.surface.zoomTo(1) }, '1:1'),
@@ -273,6 +280,7 @@ export class ViewerPage {
           others.map((job) => h('option', { value: job.id, selected: job.id === this.other?.id }, `${jobName(job)}${job.technique ? `, ${job.technique}` : ''}`)))),
       h('p', { class: 'quiet' }, h('a', { href: filePath(this.id, this.file) }, 'Download HDR'), `, ${first.width} \u00d7 ${first.height}`),
     ].filter(Boolean));
+    this.#showParts();
     this.#showLegend();
     this.#draw();
   }

@@ -1,0 +1,178 @@
+/*
+ * Looks at what is stored, made anew each time in a child (checks/child_looks.h): GET
+ * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, where a BSDF sends light.
+ */
+#include "resources/handlers.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "checks/ask.h"
+#include "checks/checks.h"
+#include "http/query.h"
+#include "http/reply.h"
+#include "resources/stored_item.h"
+#include "server.h"
+
+/* A scene is some kilometres large, in whatever unit; light comes from less than 90 degrees. */
+static const double highest = 1e9, most_theta_deg = 89.9, most_phi_deg = 360;
+
+struct look {
+    const struct orl_item_kind *kind;
+    double height;             /* of a floor plan; NAN: half-way up */
+    struct orl_incidence from; /* of a polar map */
+    struct orl_bundle scene;
+    char bsdf[ORL_SHA_HEX];
+    struct orl_blobs *blobs; /* with a claim on the BSDF; NULL: none */
+    struct orl_check check;
+    char *text; /* the answer */
+    int rc;
+    struct orl_error err;
+};
+
+static void look_free(void *state)
+{
+    struct look *look = state;
+    if (look->blobs)
+        orl_blobs_release(look->blobs, look->bsdf);
+    orl_bundle_done(&look->scene);
+    free(look->text);
+    free(look);
+}
+
+/* ---- On the pool ---------------------------------------------------------------------------- */
+
+static void look_at_scene(struct orl_request *request)
+{
+    struct look *look = request->state;
+    free(look->text);
+    look->text = NULL;
+    look->rc =
+        orl_ask_outline(&look->check.asking, &look->scene, look->height, &look->text, &look->err);
+}
+
+static void look_at_bsdf(struct orl_request *request)
+{
+    struct look *look = request->state;
+    char path[ORL_PATH_MAX];
+    free(look->text);
+    look->text = NULL;
+    orl_blob_path(&request->server->folders, look->bsdf, path);
+    look->rc = orl_ask_polar(&look->check.asking, path, &look->from, &look->text, &look->err);
+}
+
+/* ---- On the loop ---------------------------------------------------------------------------- */
+
+/* Is it there? err is set on failure alone. */
+static int find(struct orl_request *request, const struct orl_item_kind *kind, bool *ret_found,
+                struct orl_error *err)
+{
+    struct orl_stored_item item = {.summary = NULL};
+    const int rc = kind->find(&request->server->db, request->params[0], &item, ret_found, err);
+    free(item.summary);
+    return rc;
+}
+
+/* What was good once and now is not has been damaged, or a fault is ours: nobody else's. */
+static void blame_us(struct orl_error *err)
+{
+    if (err->code != ORL_ERR_LIMIT && err->code != ORL_ERR_NOMEM && err->code != ORL_ERR_IO)
+        err->code = ORL_ERR_CORRUPT;
+}
+
+static void reply_look(struct orl_request *request)
+{
+    struct look *look = request->state;
+    if (!orl_check_ended(&look->check, &look->rc, &look->err))
+        return;
+    if (look->rc) {
+        bool found = true;
+        blame_us(&look->err);
+        if (find(request, look->kind, &found, &look->err) == 0 && !found)
+            orl_reply_not_found(request, look->kind->name); /* it has gone meanwhile */
+        else
+            orl_reply_error(request, &look->err);
+        return;
+    }
+    /* The thing is its digest: it stays as it is. */
+    orl_reply_json_text(request, 200, look->text, strlen(look->text));
+    orl_reply_header(request, "Cache-Control", "private, max-age=86400");
+}
+
+/* NULL: it has been replied to, since there is no such thing. */
+static struct look *begin(struct orl_request *request, const struct orl_item_kind *kind)
+{
+    struct orl_error err;
+    bool found = false;
+    if (find(request, kind, &found, &err)) {
+        orl_reply_error(request, &err);
+        return NULL;
+    }
+    if (!found) {
+        orl_reply_not_found(request, kind->name);
+        return NULL;
+    }
+    struct look *look = calloc(1, sizeof *look);
+    if (!look) {
+        orl_reply_json(request, 503, NULL);
+        return NULL;
+    }
+    look->kind = kind;
+    request->state = look;
+    request->free_state = look_free;
+    return look;
+}
+
+/* False: it has been replied to, since the argument is no such number. */
+static bool take_number(struct orl_request *request, const char *name, double low, double high,
+                        double *number)
+{
+    const char *text = orl_request_query(request, name);
+    if (!text || orl_query_number(text, low, high, number))
+        return true;
+    orl_reply_problem(request, 400, "invalid", "An argument is out of range",
+                      "%s has to be a number from %g to %g", name, low, high);
+    return false;
+}
+
+void orl_handle_scene_outline(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    struct look *look = begin(request, &orl_item_scene);
+    if (!look)
+        return;
+    look->height = NAN;
+    if (!take_number(request, "height", -highest, highest, &look->height))
+        return;
+    if (orl_scene_files(&server->db, &server->folders, request->params[0], &look->scene,
+                        &look->err))
+        orl_reply_error(request, &look->err);
+    else
+        orl_check_begin(&server->checks, &look->check, request, look_at_scene, reply_look);
+}
+
+void orl_handle_bsdf_polar(struct orl_request *request)
+{
+    struct orl_server *server = request->server;
+    struct look *look = begin(request, &orl_item_bsdf);
+    if (!look)
+        return;
+    const char *from = orl_request_query(request, "from");
+    if (from && strcmp(from, "front") != 0 && strcmp(from, "back") != 0) {
+        orl_reply_problem(request, 400, "invalid", "An argument is none that there is",
+                          "from has to be front or back");
+        return;
+    }
+    look->from.front = !from || strcmp(from, "front") == 0;
+    if (!take_number(request, "theta_deg", 0, most_theta_deg, &look->from.theta_deg) ||
+        !take_number(request, "phi_deg", 0, most_phi_deg, &look->from.phi_deg))
+        return;
+    memcpy(look->bsdf, request->params[0], ORL_SHA_HEX);
+    if (orl_blobs_claim(server->blobs, look->bsdf, &look->err)) {
+        orl_reply_error(request, &look->err);
+        return;
+    }
+    look->blobs = server->blobs;
+    orl_check_begin(&server->checks, &look->check, request, look_at_bsdf, reply_look);
+}
