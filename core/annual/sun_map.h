@@ -5,9 +5,10 @@
  * by whatever is not diffuse. All sensors share it, and paths that come to a surface look up what
  * all nodes give it, without a shadow ray.
  *
- * Squares are of a side of a facet, a small share of a window wide, and hold flux over the area of
- * surface in them: none is lost at edges. What a square says is its mean: seen from elsewhere that
- * is as good, and a sensor's own direct light is not taken from here.
+ * Squares are of a side of a facet, a small share of a window wide, of slats a small share of their
+ * width, and hold flux over the area of surface in them: none is lost at edges. What a square says
+ * is its mean: seen from elsewhere that is as good, and a sensor's own direct light is not taken
+ * from here.
  *
  * Photons are in as many groups as there are lots, independent of each other, for standard errors.
  * Depends on seed and scene alone; immutable once made.

@@ -45,6 +45,24 @@ static struct orl_vec3 axis_of(const struct orl_triangle *t)
     return orl_normalize(sides[middle]);
 }
 
+static bool is_strip(double across, double along, double width)
+{
+    return across < 3 * width && across < 0.25 * along;
+}
+
+/*
+ * Strips may be slats, of which each shades a part of the next and hides a part from the room: what
+ * is lit and what is seen go by the place across, and a mean over that would take one for the
+ * other. Lengthwise it goes on as it is, so that a strip's squares may be long.
+ */
+static double count_along(double extent, double other, double width)
+{
+    static const double across_strips = 8, lengthwise = 4;
+    if (is_strip(extent, other, width))
+        return across_strips;
+    return ceil(extent / (is_strip(other, extent, width) ? lengthwise * width : width));
+}
+
 static struct orl_sun_sheet sheet_of(const struct orl_geometry *g, const struct orl_facet *f,
                                      double width)
 {
@@ -66,8 +84,9 @@ static struct orl_sun_sheet sheet_of(const struct orl_geometry *g, const struct 
     }
     for (int axis = 0; axis < 2; axis++) {
         const double extent = fmax(high[axis] - low[axis], 1e-30);
+        const double other = fmax(high[1 - axis] - low[1 - axis], 1e-30);
         sheet.low[axis] = (float)low[axis];
-        sheet.step[axis] = (float)(extent * (1 + 1e-6) / ceil(extent / width));
+        sheet.step[axis] = (float)(extent * (1 + 1e-6) / count_along(extent, other, width));
     }
     return sheet;
 }

@@ -18,7 +18,8 @@ struct orl_sun_squares {
     struct orl_sun_sheet *sheets;        /* of each facet */
 };
 
-/* Squares about so wide. Returns 0 or ORL_ERR_NOMEM. */
+/* Squares about so wide; of strips narrower than a few of them, longer ones in eight rows. Returns
+ * 0 or ORL_ERR_NOMEM. */
 int orl_sun_squares_init(struct orl_sun_squares *squares, const struct orl_geometry *geometry,
                          double width);
 void orl_sun_squares_done(struct orl_sun_squares *squares);

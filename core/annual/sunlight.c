@@ -4,7 +4,7 @@
 #include "light/direct.h"
 #include "light/path.h"
 
-enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4 };
+enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4, MOST_PANES = 64 };
 /* Of the nodes, one in so many is tried at each place: outside, where no wall keeps the sun off, of
  * every other node; and inside. */
 enum { STRIDE_OUTSIDE = 6, STRIDE_INSIDE = 2 };
@@ -139,7 +139,44 @@ static struct point look_at_point(const struct orl_annual_scene *scene,
     return (struct point){orl_luma(straight(scene, place, towards)), cosine};
 }
 
-/* Rim and middle see the same: that is all; an edge crosses the disc: its points tell. */
+/* The facet that keeps a ray from the sun; UINT32_MAX: none does. */
+static uint32_t blocker_of(const struct orl_annual_scene *scene, const struct orl_place *place,
+                           struct orl_vec3 towards)
+{
+    const struct orl_world *world = scene->world;
+    struct orl_path path = orl_path_from(place->point, towards);
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_path_meet(world, &path, &hit))
+            return UINT32_MAX;
+        if (!orl_path_look_through(&path, orl_world_material(world, &hit), &hit))
+            return hit.facet;
+        orl_path_pass(&path, world, &hit);
+    }
+    return UINT32_MAX;
+}
+
+/* Whether one surface covers the whole disc: between several there may be a slit. */
+static bool is_covered(const struct orl_annual_scene *scene, const struct orl_place *place,
+                       const struct disc *disc)
+{
+    uint32_t by = UINT32_MAX;
+    for (uint32_t n = 0; n < FIRST_POINTS; n++) {
+        double at[2];
+        point_of_disc(n, disc->turn, at);
+        const struct orl_vec3 towards = on_disc(&disc->frame, disc->radius, at);
+        if (!(orl_dot(towards, place->normal) > 0))
+            continue;
+        const uint32_t facet = blocker_of(scene, place, towards);
+        if (by != UINT32_MAX && facet != by)
+            return false;
+        by = facet;
+    }
+    return true;
+}
+
+/* Rim and middle see the same: that is all; an edge crosses the disc, or a slit may: its points
+ * tell. */
 static double disc_light(const struct orl_annual_scene *scene, const struct orl_place *place,
                          const struct disc *disc, double *ret_unsure)
 {
@@ -152,7 +189,7 @@ static double disc_light(const struct orl_annual_scene *scene, const struct orl_
         if (n == 0)
             middle = p.share * p.cosine;
     }
-    if (most - least <= 0.02 * most)
+    if (most - least <= 0.02 * most && (most > 0 || is_covered(scene, place, disc)))
         return middle;
     for (uint32_t n = 0; n < DISC_POINTS; n++) {
         const struct point p = look_at_point(scene, place, disc, FIRST_POINTS + n);

@@ -72,7 +72,63 @@ static void test_half_covered(void **state)
     orl_annual_done(&open);
 }
 
-/* No light at all, and no node of the sun; light without a sun: none direct, and what the sky gives.
+/* A strip across the sun's disc between two lines, that far from its middle. */
+static double strip_of_disc(double low, double high)
+{
+    return left_of_disc(high) - left_of_disc(low);
+}
+
+/*
+ * Two screens with a slit between them, away from the disc's middle and rim, at four turns. Of 128
+ * even points one straight edge makes an error of their standard deviation times 128^-3/4; here are
+ * two edges, and the bound is three times that.
+ */
+static void test_slit(void **state)
+{
+    static const double slits[][2] = {{0.15, 0.3}, {0.4, 0.5}, {-0.6, -0.35}};
+    struct year_run run = {.scene = stone,
+                           .weather = HEAD("38.42", "-27.14", "-30") "3 22 11.500 800 110\n",
+                           .sensors = &up,
+                           .n_sensors = 1,
+                           .samples = 16};
+    struct orl_annual_result open = year_run(&run);
+    const double whole = (double)open.direct[0], far = 10;
+    const struct orl_frame frame = orl_frame_about(sun_of(&open.steps[0]));
+    const double radius = far * tan(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
+    (void)state;
+    for (int i = 0; i < 12; i++) {
+        const double turn = 0.2 + 0.6 * (i / 3), *slit = slits[i % 3];
+        const struct orl_vec3 across = orl_madd(orl_scale(frame.u, cos(turn)), frame.v, sin(turn));
+        const struct orl_vec3 along = orl_cross(frame.n, across);
+        char scene[1024];
+        int used = snprintf(scene, sizeof scene, "void plastic w 0 0 5 0 0 0 0 0\n");
+        for (int k = 0; k < 2; k++) {
+            const struct orl_vec3 edge =
+                orl_madd(orl_scale(frame.n, far), across, slit[k] * radius);
+            const struct orl_vec3 end = orl_madd(edge, across, k == 0 ? -1 : 1);
+            const struct orl_vec3 corners[4] = {orl_madd(edge, along, -1), orl_madd(edge, along, 1),
+                                                orl_madd(end, along, 1), orl_madd(end, along, -1)};
+            used +=
+                snprintf(scene + used, sizeof scene - (size_t)used, "w polygon screen%d 0 0 12", k);
+            for (int c = 0; c < 4; c++)
+                used += snprintf(scene + used, sizeof scene - (size_t)used, " %.9f %.9f %.9f",
+                                 corners[c].x, corners[c].y, corners[c].z);
+            used += snprintf(scene + used, sizeof scene - (size_t)used, "\n");
+        }
+        run.scene = scene;
+        struct orl_annual_result year = year_run(&run);
+        const double seen = (double)year.direct[0] / whole, left = strip_of_disc(slit[0], slit[1]);
+        print_message("slit from %+.2f to %+.2f radii: %.4f seen, %.4f left\n", slit[0], slit[1],
+                      seen, left);
+        assert_true(seen > 0);
+        assert_true(fabs(seen - left) < 3 * sqrt(2 * left * (1 - left)) * pow(128, -0.75));
+        orl_annual_done(&year);
+    }
+    orl_annual_done(&open);
+}
+
+/* No light at all, and no node of the sun; light without a sun: none direct, and what the sky
+ * gives.
  */
 static void test_polar_night(void **state)
 {
@@ -224,10 +280,10 @@ static void test_midnight_sun(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_half_covered), cmocka_unit_test(test_polar_night),
-        cmocka_unit_test(test_south),        cmocka_unit_test(test_leap_day),
-        cmocka_unit_test(test_north),        cmocka_unit_test(test_curved_glass),
-        cmocka_unit_test(test_midnight_sun),
+        cmocka_unit_test(test_half_covered), cmocka_unit_test(test_slit),
+        cmocka_unit_test(test_polar_night),  cmocka_unit_test(test_south),
+        cmocka_unit_test(test_leap_day),     cmocka_unit_test(test_north),
+        cmocka_unit_test(test_curved_glass), cmocka_unit_test(test_midnight_sun),
     };
     return cmocka_run_group_tests_name("annual_edges", tests, NULL, NULL);
 }
