@@ -73,7 +73,7 @@ SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
 SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
-.PHONY: all help clean check demo torture lint format asan tsan bench bench-scale load check-perf table2 gallery \
+.PHONY: all help clean check demo torture lint format asan tsan bench bench-scale load dashboards check-perf table2 gallery \
 	calibration annual study tests deps-build deps-check deps-browser deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
 
@@ -97,6 +97,7 @@ help:
 ##                 is there: a table, and build/bench.json
 ## make bench-scale  how that grows with photons, threads and little memory
 ## make load       how the daemon bears many clients, idle and while all cores render: a table
+## make dashboards  200 dashboards at once while all cores render, and what one page takes: a table
 ## make eta        what ten jobs were said to take still, beside what they took: a table
 ## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
@@ -351,6 +352,9 @@ bench-scale: deps-check
 load: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/orield $(BUILD)/tests/bench/hello
 	@PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/bench/load.py $(BUILD)
+dashboards: deps-check deps-browser
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/orield $(BUILD)/browser/ready
+	@PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/bench/dashboards.py $(BUILD)
 RECORD ?=
 check-perf: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions

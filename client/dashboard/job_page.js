@@ -10,7 +10,8 @@ import * as parts from './job_parts.js';
 import { Pictures } from './pictures.js';
 import { GOALS } from './words.js';
 
-const REST_MS = 700;            // between two looks at a job that runs
+const REST_MS = 700;            // between two looks at a job that runs,
+const SPREAD_MS = 300;          // and up to so much more: many pages hear of it at the same moment
 const LARGE_RESULT = 24 << 20;  // bytes: more is not read for a few figures
 
 export class JobPage {
@@ -55,7 +56,7 @@ export class JobPage {
     this.timer ||= setTimeout(() => {
       this.timer = 0;
       this.#look();
-    }, REST_MS);
+    }, REST_MS + Math.random() * SPREAD_MS);
   }
 
   async #look() {

@@ -50,6 +50,12 @@ test('the page takes less than 150 kB', () => visit({}, async (page) => {
   await page.waitForTimeout(300);
   process.stdout.write(`# ${bytes} bytes transferred, with Chart.js\n`);
   assert.ok(bytes > 10000 && bytes < 150000, `${bytes} bytes`);
+  const scripts = await page.evaluate(() => performance.getEntriesByType('resource').map((one) => one.name).filter((name) => /dashboard.*(?<!chart)\.js$/.test(name)));
+  assert.ok(scripts.length > 8, `${scripts}`);
+  for (const address of scripts) {
+    const name = address.replace(/^.*?\/dashboard\/[^/]+\//, '');
+    assert.equal(await (await fetch(address)).text(), readFileSync(`client/dashboard/${name}`, 'utf8'), `${name} is served as it is`);
+  }
 }));
 
 test('a job that comes is seen at once, and its end', () => visit({}, async (page) => {
