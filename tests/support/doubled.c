@@ -12,6 +12,7 @@
 #include "annual_json.h"
 #include "bsdf_json.h"
 #include "decode.h"
+#include "function/function.h"
 #include "job_json.h"
 #include "light/weather.h"
 #include "run/stages.h"
@@ -137,6 +138,32 @@ static int read_occupancy(const struct doubled_input *input, struct orl_error *e
     return orl_occupancy_read("use.csv", input->data, input->size, &minutes, marks, err);
 }
 
+/* x, compiled and evaluated. */
+static int read_function(const struct doubled_input *input, struct orl_error *err)
+{
+    static const char *const inputs[] = {"s"};
+    static const char *const expressions[] = {"x"};
+    const struct orl_function_request request = {
+        .expressions = expressions, .n_expressions = 1, .operations = UINT32_MAX};
+    struct orl_functions *const set = orl_functions_new(inputs, 1);
+    struct orl_function_scratch *const scratch = orl_function_scratch_new();
+    struct orl_function *function = NULL;
+    const double s = 1;
+    double value;
+    int code = set && scratch ? 0 : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = orl_functions_define(set, ORL_FUNCTION_GLOBAL, "some.cal", 1, input->data,
+                                    input->size, err);
+    if (code == 0)
+        code = orl_function_compile(set, &request, &function, err);
+    if (code == 0 && orl_function_at(function, scratch, &s, &value).exceeded)
+        code = orl_error_set(err, ORL_ERR_LIMIT, "evaluation was given up");
+    orl_function_free(function);
+    orl_functions_free(set);
+    orl_function_scratch_free(scratch);
+    return code;
+}
+
 /* Into files of a folder, which go at once. */
 static int read_zip(const struct doubled_input *input, struct orl_error *err)
 {
@@ -186,7 +213,7 @@ int doubled_read(const struct doubled_input *input, char text[256])
         [DOUBLED_WEATHER] = read_weather,     [DOUBLED_JOB] = read_job,
         [DOUBLED_STUDY] = read_study,         [DOUBLED_ZIP] = read_zip,
         [DOUBLED_VIEWS] = read_views,         [DOUBLED_YEAR] = read_year,
-        [DOUBLED_OCCUPANCY] = read_occupancy,
+        [DOUBLED_OCCUPANCY] = read_occupancy, [DOUBLED_FUNCTION] = read_function,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

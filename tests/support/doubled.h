@@ -20,6 +20,7 @@ enum doubled_kind {
     DOUBLED_STUDY,
     DOUBLED_YEAR,      /* the document of one */
     DOUBLED_OCCUPANCY, /* of a year in minutes */
+    DOUBLED_FUNCTION,  /* definitions of x, and what it needs, compiled and evaluated */
     DOUBLED_ZIP,
 };
 
@@ -32,8 +33,8 @@ struct doubled {
     double most; /* times the instructions, where more than 2.5 is right; 0: it is not */
 };
 
-extern const struct doubled doubled_scenes[], doubled_files[];
-extern const size_t doubled_n_scenes, doubled_n_files;
+extern const struct doubled doubled_scenes[], doubled_files[], doubled_functions[];
+extern const size_t doubled_n_scenes, doubled_n_files, doubled_n_functions;
 
 /* An input in memory. */
 struct doubled_input {

@@ -29,7 +29,11 @@ static const struct doubled *case_at(size_t i)
 {
     if (i < doubled_n_scenes)
         return &doubled_scenes[i];
-    return i - doubled_n_scenes < doubled_n_files ? &doubled_files[i - doubled_n_scenes] : NULL;
+    i -= doubled_n_scenes;
+    if (i < doubled_n_files)
+        return &doubled_files[i];
+    return i - doubled_n_files < doubled_n_functions ? &doubled_functions[i - doubled_n_files]
+                                                     : NULL;
 }
 
 /* ---- What callgrind runs --------------------------------------------------------------------- */

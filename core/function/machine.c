@@ -1,0 +1,402 @@
+#include "function/machine.h"
+
+#include <math.h>
+#include <stdalign.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "function/builtins.h"
+#include "function/lanes.h"
+
+enum { LANES = ORL_FUNCTION_LANES, STACK = ORL_FUNCTION_STACK };
+
+/* Lanes at a choice: those that came, those that the first way or the case under way has. */
+struct branch {
+    uint8_t active, chosen;
+};
+
+struct orl_function_scratch {
+    alignas(64) double values[STACK][LANES];
+    uint8_t valid[STACK]; /* of arguments and variables: the lanes that have been evaluated */
+    struct branch branches[STACK];
+};
+
+/* A call under way: its arguments lie on the stack from base, and are evaluated for the caller. */
+struct frame {
+    const struct orl_site *site;
+    const struct frame *caller;
+    uint32_t caller_segment;
+    uint32_t base;
+};
+
+struct machine {
+    const struct orl_program *program;
+    struct orl_function_scratch *s;
+    const struct orl_function_lanes *inputs;
+    uint32_t *operations;
+    uint32_t top, branch; /* the first free place of the stacks */
+    uint32_t depth;
+    unsigned active, undefined;
+};
+
+static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame);
+
+/* The uppermost value but n. */
+static double *value_at(const struct machine *m, uint32_t n)
+{
+    return m->s->values[m->top - 1 - n];
+}
+
+/* Room for a value, uninitialised; NULL: there is none. */
+static double *push(struct machine *m)
+{
+    return m->top < STACK ? m->s->values[m->top++] : NULL;
+}
+
+static bool push_number(struct machine *m, double number)
+{
+    double *const value = push(m);
+    for (int l = 0; value && l < LANES; l++)
+        value[l] = number;
+    return value != NULL;
+}
+
+static bool push_copy(struct machine *m, const double *from)
+{
+    double *const value = push(m);
+    if (value)
+        memcpy(value, from, sizeof m->s->values[0]);
+    return value != NULL;
+}
+
+/* Takes the uppermost value into these lanes of another. */
+static void take_lanes(struct machine *m, double *into, unsigned lanes)
+{
+    orl_lanes_take(into, value_at(m, 0), lanes);
+    m->top--;
+}
+
+/* ---- Choices ----------------------------------------------------------------------------------
+ */
+
+/* Each returns the next instruction. */
+static size_t begin_if(struct machine *m, const struct orl_instruction *code, size_t at)
+{
+    const unsigned holds = orl_lanes_above_zero(value_at(m, 0)) & m->active;
+    m->top--;
+    m->s->branches[m->branch++] = (struct branch){(uint8_t)m->active, (uint8_t)holds};
+    if (holds == 0)
+        return code[at].index;
+    m->active = holds;
+    return at + 1;
+}
+
+static size_t go_else(struct machine *m, const struct orl_instruction *code, size_t at)
+{
+    const struct branch branch = m->s->branches[m->branch - 1];
+    if (branch.chosen == branch.active)
+        return code[at].index;
+    m->active = branch.active & ~(unsigned)branch.chosen;
+    return at + 1;
+}
+
+static void end_if(struct machine *m)
+{
+    const struct branch branch = m->s->branches[--m->branch];
+    m->active = branch.active;
+    if (branch.chosen != 0 && branch.chosen != branch.active)
+        take_lanes(m, value_at(m, 1), branch.active & ~(unsigned)branch.chosen);
+}
+
+/* Leaves the choices, rounded, below the value that will be. */
+static bool begin_select(struct machine *m, uint32_t count)
+{
+    double *const wanted = value_at(m, 0);
+    double *const value = push(m);
+    for (int l = 0; value && l < LANES; l++) {
+        wanted[l] = floor(wanted[l] + 0.5);
+        value[l] = wanted[l] == 0 ? count : 0;
+        if (!(wanted[l] >= 0 && wanted[l] <= count))
+            m->undefined |= 1U << l & m->active;
+    }
+    m->s->branches[m->branch++] = (struct branch){(uint8_t)m->active, 0};
+    return value != NULL;
+}
+
+static size_t go_case(struct machine *m, const struct orl_instruction *code, size_t at)
+{
+    struct branch *const branch = &m->s->branches[m->branch - 1];
+    const double *const wanted = value_at(m, 1);
+    unsigned chosen = 0;
+    for (int l = 0; l < LANES; l++)
+        chosen |= wanted[l] == code[at].count ? 1U << l : 0;
+    branch->chosen = (uint8_t)(chosen & branch->active);
+    m->active = branch->chosen;
+    return branch->chosen ? at + 1 : code[at].index;
+}
+
+static void end_select(struct machine *m)
+{
+    m->active = m->s->branches[--m->branch].active;
+    memcpy(value_at(m, 1), value_at(m, 0), sizeof m->s->values[0]);
+    m->top--;
+}
+
+/* ---- Arguments, variables, calls --------------------------------------------------------------
+ */
+
+static bool push_parameter(struct machine *m, const struct frame *frame, uint32_t index);
+
+static bool push_nothing(struct machine *m)
+{
+    m->undefined |= m->active;
+    return push_number(m, 0);
+}
+
+/* An argument's value, where the call stands. */
+static bool push_argument(struct machine *m, struct orl_argument argument, uint32_t segment,
+                          const struct frame *frame)
+{
+    if (argument.kind == ORL_ARGUMENT_CODE)
+        return run(m, segment, argument.index, frame);
+    if (argument.kind == ORL_ARGUMENT_PARAMETER)
+        return push_parameter(m, frame, argument.index);
+    return push_nothing(m); /* a function is no number */
+}
+
+/* What lies at a place of the stack, once run() or the like has made it for lanes without it. */
+static bool keep(struct machine *m, uint32_t place, unsigned missing, unsigned active)
+{
+    take_lanes(m, m->s->values[place], missing);
+    m->s->valid[place] |= (uint8_t)missing;
+    m->active = active;
+    return push_copy(m, m->s->values[place]);
+}
+
+static bool push_parameter(struct machine *m, const struct frame *frame, uint32_t index)
+{
+    if (!frame) /* only functions have parameters */
+        return false;
+    const uint32_t place = frame->base + index;
+    const unsigned active = m->active, missing = active & ~(unsigned)m->s->valid[place];
+    if (!missing)
+        return push_copy(m, m->s->values[place]);
+    m->active = missing;
+    if (++m->depth > ORL_FUNCTION_DEPTH ||
+        !push_argument(m, m->program->arguments[frame->site->first + index], frame->caller_segment,
+                       frame->caller))
+        return false;
+    m->depth--;
+    return keep(m, place, missing, active);
+}
+
+static bool push_variable(struct machine *m, uint32_t segment)
+{
+    const uint32_t place = m->program->segments[segment].variable;
+    const unsigned active = m->active, missing = active & ~(unsigned)m->s->valid[place];
+    if (!missing)
+        return push_copy(m, m->s->values[place]);
+    m->active = missing;
+    return run(m, segment, 0, NULL) && keep(m, place, missing, active);
+}
+
+static bool call(struct machine *m, const struct orl_site *site, uint32_t callee, uint32_t segment,
+                 const struct frame *caller)
+{
+    const struct frame frame = {site, caller, segment, m->top};
+    if (site->n > STACK - m->top)
+        return false;
+    memset(&m->s->valid[m->top], 0, site->n);
+    m->top += site->n;
+    if (!run(m, callee, 0, &frame))
+        return false;
+    memcpy(m->s->values[frame.base], value_at(m, 0), sizeof m->s->values[0]);
+    m->top = frame.base + 1;
+    return true;
+}
+
+static void apply(struct machine *m, uint32_t which, uint32_t count)
+{
+    m->undefined |= orl_lanes_apply(which, &m->s->values[m->top - count], count, m->active);
+    m->top -= count - 1;
+}
+
+/* Calls the function that a parameter names. */
+static bool call_parameter(struct machine *m, const struct orl_site *site, uint32_t segment,
+                           const struct frame *frame)
+{
+    const struct frame *from = frame;
+    struct orl_argument callee = {ORL_ARGUMENT_PARAMETER, site->callee};
+    while (from && callee.kind == ORL_ARGUMENT_PARAMETER) {
+        callee = m->program->arguments[from->site->first + callee.index];
+        from = from->caller;
+    }
+    if (callee.kind == ORL_ARGUMENT_FUNCTION &&
+        m->program->segments[callee.index].n_parameters <= site->n)
+        return call(m, site, callee.index, segment, frame);
+    if (callee.kind != ORL_ARGUMENT_BUILTIN || orl_builtins[callee.index].least > site->n)
+        return push_nothing(m);
+    for (uint32_t i = 0; i < site->n; i++)
+        if (!push_argument(m, m->program->arguments[site->first + i], segment, frame))
+            return false;
+    apply(m, callee.index, site->n);
+    return true;
+}
+
+/* ---- The machine ------------------------------------------------------------------------------
+ */
+
+/* What replaces the two uppermost values by one. */
+static bool compute(struct machine *m, enum orl_operation operation)
+{
+    double *const a = value_at(m, 1);
+    const double *const b = value_at(m, 0);
+    if (operation == ORL_OP_ADD)
+        orl_lanes_add(a, b);
+    else if (operation == ORL_OP_SUBTRACT)
+        orl_lanes_subtract(a, b);
+    else if (operation == ORL_OP_MULTIPLY)
+        orl_lanes_multiply(a, b);
+    else if (operation == ORL_OP_DIVIDE)
+        m->undefined |= orl_lanes_divide(a, b, m->active);
+    else
+        m->undefined |= orl_lanes_power(a, b, m->active);
+    m->top--;
+    return true;
+}
+
+static void look_up(struct machine *m, const double *list, size_t count)
+{
+    m->undefined |= orl_lanes_look_up(value_at(m, 0), list, count, m->active);
+}
+
+/* What needs neither frame nor place; false: the stack is full. */
+static bool step(struct machine *m, const struct orl_instruction *one)
+{
+    const struct orl_program *const program = m->program;
+    switch ((enum orl_operation)one->operation) {
+    case ORL_OP_NUMBER:
+        return push_number(m, one->number);
+    case ORL_OP_INPUT:
+        return push_copy(m, m->inputs[one->index].at);
+    case ORL_OP_ARG:
+        look_up(m, program->args, program->n_args);
+        return true;
+    case ORL_OP_NEGATE:
+        orl_lanes_negate(value_at(m, 0));
+        return true;
+    case ORL_OP_BUILTIN:
+        apply(m, (uint32_t)one->index, one->count);
+        return true;
+    case ORL_OP_END:
+        end_if(m);
+        return true;
+    case ORL_OP_SELECT:
+        return begin_select(m, one->count);
+    case ORL_OP_CHOSEN:
+        take_lanes(m, value_at(m, 1), m->active);
+        return true;
+    case ORL_OP_END_SELECT:
+        end_select(m);
+        return true;
+    case ORL_OP_TABLE:
+        look_up(m, program->tables + one->index, one->count);
+        return true;
+    default:
+        return compute(m, (enum orl_operation)one->operation);
+    }
+}
+
+static bool advance(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
+{
+    const struct orl_program *const program = m->program;
+    const struct orl_instruction *const code = program->segments[segment].code;
+    for (bool ok = true; ok; at++) {
+        const struct orl_instruction *const one = &code[at];
+        if (*m->operations == 0)
+            return false;
+        --*m->operations;
+        switch ((enum orl_operation)one->operation) {
+        case ORL_OP_RETURN:
+            return true;
+        case ORL_OP_PARAMETER:
+            ok = push_parameter(m, frame, (uint32_t)one->index);
+            break;
+        case ORL_OP_VARIABLE:
+            ok = push_variable(m, (uint32_t)one->index);
+            break;
+        case ORL_OP_CALL:
+            ok = call(m, &program->sites[one->index], program->sites[one->index].callee, segment,
+                      frame);
+            break;
+        case ORL_OP_CALL_PARAMETER:
+            ok = call_parameter(m, &program->sites[one->index], segment, frame);
+            break;
+        case ORL_OP_IF:
+            at = begin_if(m, code, at) - 1;
+            break;
+        case ORL_OP_ELSE:
+            at = go_else(m, code, at) - 1;
+            break;
+        case ORL_OP_CASE:
+            at = go_case(m, code, at) - 1;
+            break;
+        case ORL_OP_JUMP:
+            at = one->index - 1;
+            break;
+        default:
+            ok = step(m, one);
+        }
+    }
+    return false;
+}
+
+/* Runs a segment until it returns, for the lanes that are active, and leaves its value on top. */
+static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
+{
+    if (!m->program->segments[segment].finished || ++m->depth > ORL_FUNCTION_DEPTH ||
+        m->branch > STACK - ORL_FUNCTION_NESTING)
+        return false;
+    const bool ok = advance(m, segment, at, frame);
+    m->depth--;
+    return ok;
+}
+
+bool orl_machine_begin(const struct orl_program *program, struct orl_function_scratch *scratch)
+{
+    if (program->n_variables > STACK / 2)
+        return false;
+    memset(scratch->valid, 0, program->n_variables);
+    return true;
+}
+
+struct orl_function_outcome orl_machine_run(const struct orl_program *program,
+                                            struct orl_function_scratch *scratch, uint32_t segment,
+                                            const struct orl_function_lanes *inputs, unsigned lanes,
+                                            uint32_t *operations,
+                                            struct orl_function_lanes *ret_value)
+{
+    struct machine m = {.program = program,
+                        .s = scratch,
+                        .inputs = inputs,
+                        .operations = operations,
+                        .top = program->n_variables,
+                        .active = lanes & 0xffU};
+    const bool ok = run(&m, segment, 0, NULL);
+    for (int l = 0; l < LANES; l++)
+        if (lanes >> l & 1)
+            ret_value->at[l] = ok ? value_at(&m, 0)[l] : 0;
+    return (struct orl_function_outcome){ok ? m.undefined : 0, !ok};
+}
+
+struct orl_function_scratch *orl_function_scratch_new(void)
+{
+    struct orl_function_scratch *const scratch =
+        aligned_alloc(64, (sizeof *scratch + 63) / 64 * 64);
+    return scratch;
+}
+
+void orl_function_scratch_free(struct orl_function_scratch *scratch)
+{
+    free(scratch);
+}

@@ -1,0 +1,52 @@
+/*
+ * What functions of patterns and materials may ask of a ray: the inputs of their programs, by
+ * Radiance's names (reference manual, section on function files). Frame: the function's own, in
+ * which the file's transform has been undone.
+ */
+#ifndef ORL_FUNCTION_RAY_NAMES_H
+#define ORL_FUNCTION_RAY_NAMES_H
+
+enum orl_ray_input {
+    ORL_RAY_DX, /* direction in which the ray goes */
+    ORL_RAY_DY,
+    ORL_RAY_DZ,
+    ORL_RAY_NX, /* normal of the surface, towards the side that the ray comes from */
+    ORL_RAY_NY,
+    ORL_RAY_NZ,
+    ORL_RAY_PX, /* where it hits */
+    ORL_RAY_PY,
+    ORL_RAY_PZ,
+    ORL_RAY_T,    /* distance from the start of the path */
+    ORL_RAY_TS,   /* distance along this ray */
+    ORL_RAY_RDOT, /* cosine between ray and normal, above 0 */
+    ORL_RAY_S,    /* lengths of the world in units of the function's */
+    ORL_RAY_TX,   /* the world's origin and unit vectors in the function's frame */
+    ORL_RAY_TY,
+    ORL_RAY_TZ,
+    ORL_RAY_IX,
+    ORL_RAY_IY,
+    ORL_RAY_IZ,
+    ORL_RAY_JX,
+    ORL_RAY_JY,
+    ORL_RAY_JZ,
+    ORL_RAY_KX,
+    ORL_RAY_KY,
+    ORL_RAY_KZ,
+    ORL_RAY_LU, /* coordinates on a mesh */
+    ORL_RAY_LV,
+    ORL_RAY_NXP, /* the normal that textures left */
+    ORL_RAY_NYP,
+    ORL_RAY_NZP,
+    ORL_RAY_RDOTP,
+    ORL_RAY_CRP, /* the colour that patterns left */
+    ORL_RAY_CGP,
+    ORL_RAY_CBP,
+    ORL_RAY_DXA, /* towards the light that a prism is asked for */
+    ORL_RAY_DYA,
+    ORL_RAY_DZA,
+    ORL_RAY_INPUTS
+};
+
+extern const char *const orl_function_ray_names[ORL_RAY_INPUTS];
+
+#endif

@@ -1,0 +1,90 @@
+#include "function/standard.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* Names that every file may use. */
+static const char start[] =
+    /* Arguments and vectors by number; older names of noise3's gradient. */
+    "AC = arg(0); A1 = arg(1); A2 = arg(2); A3 = arg(3); A4 = arg(4); A5 = arg(5);\n"
+    "A6 = arg(6); A7 = arg(7); A8 = arg(8); A9 = arg(9); A10 = arg(10);\n"
+    "D(i) = select(i, Dx, Dy, Dz); N(i) = select(i, Nx, Ny, Nz); P(i) = select(i, Px, Py, Pz);\n"
+    "noise3a(x,y,z) : noise3x(x,y,z); noise3b(x,y,z) : noise3y(x,y,z);\n"
+    "noise3c(x,y,z) : noise3z(x,y,z);\n"
+    "noise3d(i,x,y,z) : select(i, noise3x(x,y,z), noise3y(x,y,z), noise3z(x,y,z));\n"
+    /* Constants. */
+    "PI : 3.14159265358979323846; DEGREE : PI/180; FTINY : 1e-7;\n"
+    /* Library functions that have a value everywhere. */
+    "bound(a,x,b) : if(a-x, a, if(x-b, b, x));\n"
+    "Acos(x) : acos(bound(-1, x, 1)); Asin(x) : asin(bound(-1, x, 1));\n"
+    "Atan2(y,x) : if(x*x+y*y, atan2(y,x), 0); Exp(x) : if(-100-x, 0, exp(x));\n"
+    "Sqrt(x) : if(x, sqrt(x), 0);\n"
+    /* Conditions. */
+    "and(a,b) : if(a, b, a); or(a,b) : if(a, a, b); not(a) : if(a, -1, 1);\n"
+    "xor(a,b) : if(a, not(b), b); inside(a,x,b) : and(x-a, b-x);\n"
+    /* Of a number. */
+    "abs(x) : if(x, x, -x); sgn(x) : if(x, 1, if(-x, -1, 0)); sq(x) : x*x; noop(v) : v;\n"
+    "frac(x) : x - floor(x); mod(n,d) : n - d*floor(n/d); tri(n,d) : d - abs(d - mod(n, 2*d));\n"
+    "linterp(t,p0,p1) : (1-t)*p0 + t*p1;\n"
+    "clip(v) : bound(0, v, 1); noneg(v) : max(v, 0);\n"
+    /* Of a colour: luminance by the primaries' shares. */
+    "red(r,g,b) : noneg(r); green(r,g,b) : noneg(g); blue(r,g,b) : noneg(b);\n"
+    "grey(r,g,b) : noneg(.265074126*r + .670114631*g + .064811243*b);\n"
+    "clip_r(r,g,b) : clip(r); clip_g(r,g,b) : clip(g); clip_b(r,g,b) : clip(b);\n"
+    "clipgrey(r,g,b) : min(grey(r,g,b), 1);\n"
+    /* Of vectors, which are functions of an index. */
+    "dot(v1,v2) : v1(1)*v2(1) + v1(2)*v2(2) + v1(3)*v2(3);\n"
+    "cross(i,v1,v2) : select(i, v1(2)*v2(3) - v1(3)*v2(2), v1(3)*v2(1) - v1(1)*v2(3),\n"
+    "                        v1(1)*v2(2) - v1(2)*v2(1));\n"
+    /* By distance, from near to far. */
+    "fade(near_val,far_val,dist) : if(dist-15.99, far_val,\n"
+    "                                 linterp(1/(1+dist*dist), far_val, near_val));\n"
+    /* Cubics: by ends and slopes, by Bernstein's polynomials, uniform B-spline. */
+    "hermite(p0,p1,r0,r1,t) : linterp(t*t*(3-2*t), p0, p1) + t*(1-t)*(r0*(1-t) - r1*t);\n"
+    "bezier(p1,p2,p3,p4,t) : (1-t)^3*p1 + 3*t*(1-t)^2*p2 + 3*t*t*(1-t)*p3 + t^3*p4;\n"
+    "bspline(pp,p0,p1,pn,t) : ((1-t)^3*pp + (4 - 6*t^2 + 3*t^3)*p0\n"
+    "                          + (1 + 3*t + 3*t^2 - 3*t^3)*p1 + t^3*pn)/6;\n"
+    /* Octaves of noise from the scale s to 1. */
+    "turbulence(x,y,z,s) : if(s-1.01, 0, abs(noise3(x/s,y/s,z/s)*s) + turbulence(x,y,z,2*s));\n"
+    "turbulencex(x,y,z,s) : if(s-1.01, 0, sgn(noise3(x/s,y/s,z/s))*noise3x(x/s,y/s,z/s)\n"
+    "                                     + turbulencex(x,y,z,2*s));\n"
+    "turbulencey(x,y,z,s) : if(s-1.01, 0, sgn(noise3(x/s,y/s,z/s))*noise3y(x/s,y/s,z/s)\n"
+    "                                     + turbulencey(x,y,z,2*s));\n"
+    "turbulencez(x,y,z,s) : if(s-1.01, 0, sgn(noise3(x/s,y/s,z/s))*noise3z(x/s,y/s,z/s)\n"
+    "                                     + turbulencez(x,y,z,2*s));\n"
+    /* The normal distribution's quantiles: Abramowitz and Stegun, 26.2.23. */
+    "un2`P.(t) : t - (2.515517 + t*(.802853 + t*.010328))\n"
+    "                / (1 + t*(1.432788 + t*(.189269 + t*.001308)));\n"
+    "un1`P.(p) : un2`P.(sqrt(-2*log(p)));\n"
+    "unif2norm(p) : if(and(p, 1-p), if(p-.5, un1`P.(1-p), -un1`P.(p)), 0);\n"
+    "nrand(x) = unif2norm(rand(x));\n"
+    /* Coordinates in a plane: along the horizontal, and N = U x V; of a floor, the world's. */
+    "crosslen`P. = Nx*Nx + Ny*Ny;\n"
+    "U = if(crosslen`P. - FTINY, (Py*Nx - Px*Ny)/crosslen`P., Px);\n"
+    "V = if(crosslen`P. - FTINY, (Pz - Nz*(Px*Nx + Py*Ny + Pz*Nz))/crosslen`P., Py);\n"
+    /* A frame of the perturbed normal and the last three arguments, which point upwards. */
+    "upward`P.(i) = arg(AC - 3 + i); normal`P.(i) = select(i, NxP, NyP, NzP);\n"
+    "Vux`P. = cross(1, upward`P., normal`P.); Vuy`P. = cross(2, upward`P., normal`P.);\n"
+    "Vuz`P. = cross(3, upward`P., normal`P.);\n"
+    "vnorm`P. = if(Vux`P.^2 + Vuy`P.^2 + Vuz`P.^2 - FTINY^2,\n"
+    "              1/sqrt(Vux`P.^2 + Vuy`P.^2 + Vuz`P.^2), 0);\n"
+    "Vnx`P. = vnorm`P.*Vux`P.; Vny`P. = vnorm`P.*Vuy`P.; Vnz`P. = vnorm`P.*Vuz`P.;\n"
+    "across`P.(i) = select(i, Vnx`P., Vny`P., Vnz`P.);\n"
+    "Unx`P. = cross(1, normal`P., across`P.); Uny`P. = cross(2, normal`P., across`P.);\n"
+    "Unz`P. = cross(3, normal`P., across`P.);\n"
+    "Ldx(dx,dy,dz) = dx*Unx`P. + dy*Uny`P. + dz*Unz`P.;\n"
+    "Ldy(dx,dy,dz) = dx*Vnx`P. + dy*Vny`P. + dz*Vnz`P.;\n"
+    "Ldz(dx,dy,dz) = dx*NxP + dy*NyP + dz*NzP;\n"
+    "Idx = -Ldx(Dx,Dy,Dz); Idy = -Ldy(Dx,Dy,Dz); Idz = RdotP;\n";
+
+static const struct {
+    const char *name, *text;
+} texts[] = {{ORL_STANDARD_START, start}};
+
+const char *orl_standard_text(const char *name)
+{
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        if (strcmp(texts[i].name, name) == 0)
+            return texts[i].text;
+    return NULL;
+}

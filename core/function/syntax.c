@@ -1,0 +1,391 @@
+#include "function/syntax.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/grow.h"
+#include "function/definitions.h"
+#include "function/words.h"
+
+/* One text as it is read. */
+struct parser {
+    struct orl_functions *functions;
+    struct orl_function_words words;
+    int context;
+    const char *file; /* the set's own */
+    /* The function that is being defined. */
+    const char *parameters[ORL_FUNCTION_PARAMETERS];
+    uint32_t n_parameters;
+    uint64_t called;
+    unsigned nesting;
+    struct orl_error *err;
+};
+
+static int no_memory(const struct parser *p)
+{
+    return orl_error_set(p->err, ORL_ERR_NOMEM, "no memory for definitions");
+}
+
+static bool is_sign(const struct parser *p, char sign)
+{
+    return p->words.kind == ORL_WORD_SIGN && p->words.word[0] == sign;
+}
+
+static int next(struct parser *p)
+{
+    return orl_words_next(&p->words, p->err);
+}
+
+static int expect(struct parser *p, char sign, const char *what)
+{
+    return is_sign(p, sign) ? next(p) : orl_words_expected(&p->words, what, p->err);
+}
+
+static struct orl_term *make(struct parser *p, enum orl_node_kind kind)
+{
+    struct orl_term *const node = orl_arena_take(p->functions->arena, sizeof *node);
+    if (!node)
+        return NULL;
+    memset(node, 0, sizeof *node);
+    node->kind = (uint8_t)kind;
+    node->line = p->words.line;
+    return node;
+}
+
+/* ---- Lists of nodes, before their length is known -------------------------------------------- */
+
+struct list {
+    struct orl_term **nodes;
+    char *operators; /* one before each */
+    size_t n, room, operators_room;
+};
+
+static bool add(struct list *list, struct orl_term *node, char joint)
+{
+    if (!orl_grow(&list->nodes, &list->room, list->n, sizeof(struct orl_term *)) ||
+        !orl_grow(&list->operators, &list->operators_room, list->n, 1))
+        return false;
+    list->nodes[list->n] = node;
+    list->operators[list->n++] = joint;
+    return true;
+}
+
+/* Moves the list into the node. */
+static int settle(struct parser *p, struct list *list, struct orl_term *node)
+{
+    node->n_args = (uint32_t)list->n;
+    node->args = orl_arena_take(p->functions->arena, list->n * sizeof(struct orl_term *));
+    if (!node->args)
+        return no_memory(p);
+    memcpy(node->args, list->nodes, list->n * sizeof(struct orl_term *));
+    if (node->kind != ORL_NODE_CHAIN)
+        return 0;
+    node->operators = orl_arena_text(p->functions->arena, list->operators, list->n);
+    return node->operators ? 0 : no_memory(p);
+}
+
+static void discard(struct list *list)
+{
+    free(list->nodes);
+    free(list->operators);
+}
+
+/* ---- Expressions ------------------------------------------------------------------------------
+ */
+
+static int read_sum(struct parser *p, struct orl_term **ret_node);
+
+static int enter(struct parser *p)
+{
+    if (++p->nesting <= ORL_FUNCTION_NESTING)
+        return 0;
+    orl_error_set(p->err, ORL_ERR_LIMIT, "an expression is nested deeper than %d levels",
+                  ORL_FUNCTION_NESTING);
+    orl_error_at(p->err, p->file[0] ? p->file : NULL, p->words.line, NULL);
+    orl_error_hint(p->err, "give parts of it names of their own");
+    return ORL_ERR_LIMIT;
+}
+
+/* A, B, C) up to and with the parenthesis. */
+static int read_list(struct parser *p, struct orl_term *call)
+{
+    struct list list = {0};
+    struct orl_term *one = NULL;
+    int code;
+    for (;;) {
+        code = read_sum(p, &one);
+        if (code == 0 && !add(&list, one, ','))
+            code = no_memory(p);
+        if (code < 0 || !is_sign(p, ','))
+            break;
+        code = next(p);
+        if (code < 0)
+            break;
+    }
+    if (code == 0)
+        code = expect(p, ')', "')'");
+    if (code == 0)
+        code = settle(p, &list, call);
+    discard(&list);
+    return code;
+}
+
+/* Whether the name is a parameter's, of the function being defined. */
+static bool find_parameter(const struct parser *p, const char *name, size_t length,
+                           uint32_t *ret_index)
+{
+    for (uint32_t i = 0; i < p->n_parameters; i++)
+        if (strncmp(p->parameters[i], name, length) == 0 && p->parameters[i][length] == '\0') {
+            *ret_index = i;
+            return true;
+        }
+    return false;
+}
+
+static int read_name(struct parser *p, struct orl_term **ret_node)
+{
+    const char *const name = p->words.word;
+    const size_t length = p->words.word_length;
+    struct orl_term *const node = make(p, ORL_NODE_NAME);
+    struct orl_meaning meaning;
+    uint32_t index = 0;
+    int code = node ? next(p) : no_memory(p);
+    if (code < 0)
+        return code;
+    const bool called = is_sign(p, '(');
+    if (find_parameter(p, name, length, &index)) {
+        node->kind = called ? ORL_NODE_CALL_PARAMETER : ORL_NODE_PARAMETER;
+        node->index = index;
+        if (called)
+            p->called |= UINT64_C(1) << index;
+    } else {
+        code =
+            orl_definitions_mean(p->functions, p->context, name, length, called, &meaning, p->err);
+        if (code < 0)
+            return code;
+        node->kind = (uint8_t)(called ? ORL_NODE_CALL : meaning.kind);
+        if (meaning.kind == ORL_NODE_INPUT)
+            node->index = meaning.input;
+        else
+            node->definition = meaning.definition;
+    }
+    *ret_node = node;
+    if (!called)
+        return 0;
+    code = next(p);
+    return code < 0 ? code : read_list(p, node);
+}
+
+static int read_number(struct parser *p, struct orl_term **ret_node)
+{
+    struct orl_term *const node = make(p, ORL_NODE_NUMBER);
+    if (!node)
+        return no_memory(p);
+    node->number = p->words.number;
+    *ret_node = node;
+    return next(p);
+}
+
+static int read_atom(struct parser *p, struct orl_term **ret_node)
+{
+    int code;
+    if (p->words.kind == ORL_WORD_NUMBER)
+        return read_number(p, ret_node);
+    if (p->words.kind == ORL_WORD_NAME)
+        return read_name(p, ret_node);
+    if (!is_sign(p, '('))
+        return orl_words_expected(&p->words, "a number, a name or '('", p->err);
+    code = next(p);
+    if (code == 0)
+        code = read_sum(p, ret_node);
+    return code < 0 ? code : expect(p, ')', "')'");
+}
+
+/* A sign belongs to what follows it, before any operator. */
+static int read_signed(struct parser *p, struct orl_term **ret_node)
+{
+    struct orl_term *inner = NULL;
+    const bool negative = is_sign(p, '-');
+    int code = 0;
+    if (negative || is_sign(p, '+'))
+        code = next(p);
+    if (code == 0)
+        code = read_atom(p, &inner);
+    if (code < 0 || !negative) {
+        *ret_node = inner;
+        return code;
+    }
+    struct orl_term *const node = make(p, ORL_NODE_NEGATE);
+    struct list list = {&inner, NULL, 1, 0, 0};
+    if (!node)
+        return no_memory(p);
+    *ret_node = node;
+    return settle(p, &list, node);
+}
+
+/* One operand, or a chain of them by the two operators. */
+static int read_chain(struct parser *p, const char *operators,
+                      int (*read)(struct parser *, struct orl_term **), struct orl_term **ret_node)
+{
+    struct list list = {0};
+    struct orl_term *one = NULL;
+    char joint = '+';
+    int code;
+    for (;;) {
+        code = read(p, &one);
+        if (code == 0 && !add(&list, one, joint))
+            code = no_memory(p);
+        if (code < 0 || !(is_sign(p, operators[0]) || is_sign(p, operators[1])))
+            break;
+        joint = p->words.word[0];
+        code = next(p);
+        if (code < 0)
+            break;
+    }
+    if (code == 0 && list.n > 1) {
+        one = make(p, ORL_NODE_CHAIN);
+        code = one ? settle(p, &list, one) : no_memory(p);
+    }
+    discard(&list);
+    *ret_node = one;
+    return code;
+}
+
+/* a^b^c is a^(b^c). */
+static int read_power(struct parser *p, struct orl_term **ret_node)
+{
+    struct orl_term *pair[2] = {NULL, NULL};
+    char operators[2] = {'+', '^'};
+    int code = enter(p);
+    if (code == 0)
+        code = read_signed(p, &pair[0]);
+    if (code == 0 && is_sign(p, '^')) {
+        code = next(p);
+        if (code == 0)
+            code = read_power(p, &pair[1]);
+        struct list list = {pair, operators, 2, 0, 0};
+        *ret_node = code == 0 ? make(p, ORL_NODE_CHAIN) : NULL;
+        if (code == 0)
+            code = *ret_node ? settle(p, &list, *ret_node) : no_memory(p);
+    } else {
+        *ret_node = pair[0];
+    }
+    p->nesting--;
+    return code;
+}
+
+static int read_product(struct parser *p, struct orl_term **ret_node)
+{
+    return read_chain(p, "*/", read_power, ret_node);
+}
+
+static int read_sum(struct parser *p, struct orl_term **ret_node)
+{
+    return read_chain(p, "+-", read_product, ret_node);
+}
+
+/* ---- Definitions ------------------------------------------------------------------------------
+ */
+
+/* (A, B) after the name; none for a variable. */
+static int read_parameters(struct parser *p)
+{
+    int code;
+    p->n_parameters = 0;
+    p->called = 0;
+    if (!is_sign(p, '('))
+        return 0;
+    do {
+        code = next(p);
+        if (code < 0)
+            return code;
+        if (p->words.kind != ORL_WORD_NAME)
+            return orl_words_expected(&p->words, "a parameter's name", p->err);
+        if (p->n_parameters == ORL_FUNCTION_PARAMETERS) {
+            orl_error_set(p->err, ORL_ERR_LIMIT, "a function has more than %d parameters",
+                          ORL_FUNCTION_PARAMETERS);
+            orl_error_at(p->err, p->file[0] ? p->file : NULL, p->words.line, NULL);
+            return ORL_ERR_LIMIT;
+        }
+        const char *const name =
+            orl_arena_text(p->functions->arena, p->words.word, p->words.word_length);
+        if (!name)
+            return no_memory(p);
+        p->parameters[p->n_parameters++] = name;
+        code = next(p);
+    } while (code == 0 && is_sign(p, ','));
+    return code < 0 ? code : expect(p, ')', "')'");
+}
+
+static int read_definition(struct parser *p)
+{
+    const char *name = p->words.word;
+    size_t length = p->words.word_length;
+    struct orl_term *root = NULL;
+    int code, line = p->words.line;
+    if (p->words.kind != ORL_WORD_NAME)
+        return orl_words_expected(&p->words, "a name to be defined", p->err);
+    if (length > 1 && name[0] == '`') {
+        name++;
+        length--;
+    }
+    code = next(p);
+    if (code == 0)
+        code = read_parameters(p);
+    if (code == 0 && !is_sign(p, '=') && !is_sign(p, ':'))
+        return orl_words_expected(&p->words, "'=' or ':'", p->err);
+    if (code == 0)
+        code = next(p);
+    if (code == 0)
+        code = read_sum(p, &root);
+    if (code == 0 && !is_sign(p, ';') && p->words.kind != ORL_WORD_END)
+        return orl_words_expected(&p->words, "';'", p->err);
+    if (code < 0)
+        return code;
+    struct orl_definition *const definition =
+        orl_definitions_at(p->functions, p->context, name, length);
+    if (!definition)
+        return no_memory(p);
+    struct orl_formula *const body =
+        p->n_parameters ? &definition->function : &definition->variable;
+    body->root = root;
+    body->file = p->file;
+    body->line = line;
+    body->n_parameters = p->n_parameters;
+    body->called = p->called;
+    return 0;
+}
+
+static int begin(struct parser *p, const char *file, int line, const char *text, size_t length)
+{
+    p->file = file ? orl_arena_text(p->functions->arena, file, strlen(file)) : "";
+    if (!p->file)
+        return no_memory(p);
+    return orl_words_begin(&p->words, p->file, line, text, length, p->err);
+}
+
+int orl_syntax_define(struct orl_functions *functions, int context, const char *file, int line,
+                      const char *text, size_t length, struct orl_error *err)
+{
+    struct parser p = {.functions = functions, .context = context, .err = err};
+    int code = begin(&p, file, line, text, length);
+    while (code == 0 && p.words.kind != ORL_WORD_END)
+        code = is_sign(&p, ';') ? next(&p) : read_definition(&p);
+    return code;
+}
+
+int orl_syntax_expression(struct orl_functions *functions, int context, const char *file, int line,
+                          const char *text, size_t length, struct orl_term **ret_root,
+                          struct orl_error *err)
+{
+    struct parser p = {.functions = functions, .context = context, .err = err};
+    struct orl_term *root = NULL;
+    int code = begin(&p, file, line, text, length);
+    if (code == 0)
+        code = read_sum(&p, &root);
+    if (code == 0 && p.words.kind != ORL_WORD_END && !is_sign(&p, ';'))
+        return orl_words_expected(&p.words, "an operator", err);
+    if (code == 0)
+        *ret_root = root;
+    return code;
+}

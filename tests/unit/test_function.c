@@ -1,0 +1,533 @@
+/*
+ * The function language: expressions against rcalc's values, the standard names, what is chosen and
+ * evaluated lazily, eight places at once against one, bounds, and what errors say.
+ *
+ * tests/fixtures/functions.tsv has 300 expressions of support/random_expression.h with the value
+ * that Radiance's rcalc gives them (17 digits). Both add and multiply alike and call the same C
+ * library: what is left is the rounding of constants that are folded, 1e-12 of the larger of 1 and
+ * the value.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "function/function.h"
+#include "function/ray_names.h"
+#include "support/random_expression.h"
+
+static const double tolerance = 1e-12;
+static struct orl_function_scratch *scratch;
+
+static int set_up(void **state)
+{
+    (void)state;
+    scratch = orl_function_scratch_new();
+    return scratch ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    orl_function_scratch_free(scratch);
+    return 0;
+}
+
+static const double arguments[] = {5, 6, 7};
+
+/* The definitions, then the expression. NULL: refused, with err. */
+static struct orl_function *compile(const char *definitions, const char *expression,
+                                    struct orl_error *err)
+{
+    struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
+    struct orl_function *function = NULL;
+    const struct orl_function_request request = {.expressions = &expression,
+                                                 .n_expressions = 1,
+                                                 .arguments = arguments,
+                                                 .n_arguments = 3,
+                                                 .file = "scene.rad",
+                                                 .line = 7};
+    assert_non_null(set);
+    int code = orl_functions_define(set, ORL_FUNCTION_GLOBAL, "some.cal", 1, definitions,
+                                    strlen(definitions), err);
+    if (code == 0)
+        code = orl_function_compile(set, &request, &function, err);
+    assert_int_equal(code == 0, function != NULL);
+    if (code < 0)
+        assert_int_equal(err->code, code);
+    orl_functions_free(set);
+    return function;
+}
+
+/* Its value where ray inputs are these (NULL: none is needed). */
+static double value_of(const char *definitions, const char *expression, const double *inputs,
+                       struct orl_function_outcome *ret_outcome)
+{
+    struct orl_error err = {0};
+    double value = NAN;
+    struct orl_function *const function = compile(definitions, expression, &err);
+    if (!function)
+        fail_msg("%s: %s", expression, err.message);
+    const struct orl_function_outcome outcome = orl_function_at(function, scratch, inputs, &value);
+    if (ret_outcome)
+        *ret_outcome = outcome;
+    orl_function_free(function);
+    return value;
+}
+
+static void check_near(const char *expression, double value, double right)
+{
+    if (!(fabs(value - right) <= tolerance * fmax(1, fabs(right))))
+        fail_msg("%s is %.17g, not %.17g", expression, right, value);
+}
+
+static void test_fixtures(void **state)
+{
+    FILE *const file = fopen("tests/fixtures/functions.tsv", "r");
+    char line[1024];
+    int n = 0;
+    (void)state;
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file)) {
+        char *expression = NULL;
+        const double right = strtod(line, &expression);
+        assert_true(*expression == '\t');
+        expression[strcspn(expression, "\n")] = '\0';
+        check_near(expression, value_of(random_expression_definitions, expression, NULL, NULL),
+                   right);
+        n++;
+    }
+    fclose(file);
+    assert_int_equal(n, 300);
+}
+
+/* Values of Radiance's own standard file for these names, by rcalc. */
+static void test_standard_names(void **state)
+{
+    static const struct {
+        const char *expression;
+        double value;
+    } rows[] = {
+        {"-2^2", 4},
+        {"2^3^2", 512},
+        {"2^-1", .5},
+        {"2*-3", -6},
+        {"select(0, 1, 2, 3)", 3},
+        {"select(1.5, 1, 2, 3)", 2},
+        {"if(0, 1, 2)", 2},
+        {"if(1e-9, 1, 2)", 1},
+        {"rand(1)", .35008305980591103},
+        {"rand(1e10)", .12742023584723938},
+        {"ceil(-.5) + floor(-.5)", -1},
+        {"sin(1, 2)", .8414709848078965},
+        {"erf(.5) + erfc(.5)", 1},
+        {"PI", 3.141592653589793},
+        {"DEGREE", .017453292519943295},
+        {"bound(1,5,3) + bound(3,2,5) + bound(1,2,5)", 8},
+        {"Acos(2) + Asin(-2)", -1.5707963267948966},
+        {"Exp(-400) + Exp(100)", 2.6881171418161356e43},
+        {"Sqrt(-1) + Atan2(0,0)", 0},
+        {"and(-2,3)", -2},
+        {"or(-2,-3)", -3},
+        {"not(0)", 1},
+        {"xor(2,3) + 10*xor(2,-3) + 100*xor(-2,3) + 1000*xor(-2,-3)", -2691},
+        {"inside(0,2,50)", 48},
+        {"sgn(-3) + abs(-3) + sq(3)", 11},
+        {"mod(-7,3) + mod(7,-3)", 0},
+        {"tri(5,3) + 10*tri(4,3) + 100*tri(-1,3) + 1000*tri(6.5,3)", 621},
+        {"frac(-.3)", .7},
+        {"linterp(2,0,1)", 2},
+        {"grey(1,0,0) - clipgrey(9,9,9) + clip(-1) + noneg(-1)", .265074126 - 1},
+        {"fade(1,2,3) + 10*fade(5,2,1) + 100*fade(1,2,20)", 236.9},
+        {"hermite(1,2,3,4,.3)", 1.405},
+        {"bezier(1,2,3,5,.3)", 1.927},
+        {"bspline(1,2,3,5,.3)", 2.3044999999999995},
+        {"nrand(3)", -.47186979401774476},
+        {"unif2norm(.001)", -3.090522225780171},
+        {"A2 + AC + arg(0)", 12},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        check_near(rows[i].expression, value_of("", rows[i].expression, NULL, NULL), rows[i].value);
+}
+
+/* Of vectors: the plane's coordinates, the local frame (rcalc, with the same normal and rays). */
+static void test_ray_names(void **state)
+{
+    static const struct {
+        const char *expression;
+        double value;
+    } rows[] = {
+        {"U", .4065040650406504}, {"V", 2.008130081300813}, {"D(1) + N(2) + P(3)", 5.7},
+        {"Ldx(1,2,3)", .9210050}, {"Ldy(1,2,3)", .4378924}, {"Ldz(1,2,3)", 3.6},
+        {"Idx", .8831872},        {"Idy", -.0765024},
+    };
+    double inputs[ORL_RAY_INPUTS] = {.1, .2, -.97, .48, .6, .64, 2, 3, 5};
+    const char *const up = "A1 = .1; arg(i) = select(i+1, 5, 9, 9, .1, .2, 2); AC = 5;"
+                           "upward`P.(i) = arg(2+i);";
+    (void)state;
+    inputs[ORL_RAY_NXP] = .48;
+    inputs[ORL_RAY_NYP] = .6;
+    inputs[ORL_RAY_NZP] = .64;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const double value = value_of(up, rows[i].expression, inputs, NULL);
+        if (!(fabs(value - rows[i].value) < 1e-6))
+            fail_msg("%s is %.9g, not %.9g", rows[i].expression, rows[i].value, value);
+    }
+}
+
+/* Radiance's noises at places of its own, by rtrace -ov of a glow of noise + 2: six digits. */
+static void test_noise(void **state)
+{
+    static const struct {
+        const char *expression;
+        double value;
+    } rows[] = {
+        {"noise3(0,0,.3)", .365232},
+        {"noise3x(0,0,.3)", .673844},
+        {"noise3y(0,0,.3)", 0},
+        {"fnoise3(0,0,.3)", -.427265},
+        {"fnoise3(3.25,4.5,2.4475)", .219823},
+        {"noise3(3.25,4.5,2.4475)", .169684},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const double value = value_of("", rows[i].expression, NULL, NULL);
+        if (!(fabs(value - rows[i].value) < 6e-6))
+            fail_msg("%s is %.9g, not %.9g", rows[i].expression, rows[i].value, value);
+    }
+}
+
+/* The gradient is the value's slope. */
+static void test_noise_gradient(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 50; i++) {
+        double inputs[ORL_RAY_INPUTS] = {0};
+        const double h = 1e-5;
+        inputs[ORL_RAY_PX] = .37 * i - 5;
+        inputs[ORL_RAY_PY] = .21 * i;
+        inputs[ORL_RAY_PZ] = -.43 * i;
+        inputs[ORL_RAY_T] = h;
+        const double slope =
+            value_of("", "(noise3(Px,Py+T,Pz) - noise3(Px,Py-T,Pz))/(2*T)", inputs, NULL);
+        assert_true(fabs(slope - value_of("", "noise3y(Px,Py,Pz)", inputs, NULL)) < 1e-7);
+    }
+}
+
+/* ---- What is evaluated ------------------------------------------------------------------------
+ */
+
+static const char *const lazy =
+    "pick(a, b) = if(a, a, b); climb(x) = pick(x, climb(x+1)); fact(n) = if(n-1.5, n*fact(n-1), 1);"
+    "slope(f, x) = (f(x+1e-6) - f(x-1e-6))/2e-6; outer(f, x) = slope(f, x); cube(x) = x*x*x;"
+    "many = Px*Px + 1; twice = many + many;";
+
+static void test_lazy(void **state)
+{
+    double inputs[ORL_RAY_INPUTS] = {0};
+    (void)state;
+    inputs[ORL_RAY_PX] = -3.5;
+    check_near("climb", value_of(lazy, "climb(Px)", inputs, NULL), .5);
+    check_near("fact", value_of(lazy, "fact(5-Px+Px)", inputs, NULL), 120);
+    check_near("twice", value_of(lazy, "twice", inputs, NULL), 26.5);
+    assert_true(fabs(value_of(lazy, "outer(cube, Px)", inputs, NULL) - 36.75) < 1e-6);
+    assert_true(fabs(value_of(lazy, "outer(sin, Px)", inputs, NULL) - cos(-3.5)) < 1e-6);
+    check_near("if", value_of(lazy, "slope(noop, Px) + 0*if(-1, nosuch(1), 2)", inputs, NULL),
+               value_of(lazy, "slope(noop, Px)", inputs, NULL));
+    check_near("arg", value_of("", "if(arg(0) - 3.5, arg(4), 42)", NULL, NULL), 42);
+}
+
+/* What no input decides is a number in the program. */
+static void test_constants(void **state)
+{
+    static const struct {
+        const char *expression;
+        bool constant;
+    } rows[] = {{"fact(20)/fact(18)", true}, {"cube(3) + PI", true}, {"many", false},
+                {"select(2, Px, 3)", true},  {"if(1, 2, Px)", true}, {"Px - Px", false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct orl_error err = {0};
+        double value;
+        struct orl_function *const function = compile(lazy, rows[i].expression, &err);
+        assert_non_null(function);
+        assert_int_equal(orl_function_is_constant(function, 0, &value), rows[i].constant);
+        assert_int_equal(orl_function_inputs(function) == 0, rows[i].constant);
+        orl_function_free(function);
+    }
+}
+
+/* Fixed inputs are constants; the rest are named. */
+static void test_fixed(void **state)
+{
+    static const char *const names[] = {"s", "t"};
+    static const char *const expressions[] = {"x(s,t)", "s*2", "t"};
+    const double fixed[] = {3, NAN}, inputs[] = {NAN, 5};
+    const struct orl_function_request request = {
+        .expressions = expressions, .n_expressions = 3, .fixed = fixed};
+    struct orl_functions *const set = orl_functions_new(names, 2);
+    struct orl_function *function = NULL;
+    double values[3] = {0, 0, 0};
+    const char *const text = "x(a,b) = a*10 + b;";
+    (void)state;
+    assert_int_equal(orl_functions_define(set, 0, NULL, 0, text, strlen(text), NULL), 0);
+    assert_true(orl_functions_has(set, 0, "x"));
+    assert_false(orl_functions_has(set, 0, "y"));
+    assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
+    orl_functions_free(set);
+    assert_int_equal(orl_function_inputs(function), 2);
+    orl_function_at(function, scratch, inputs, values);
+    assert_true(values[0] == 35 && values[1] == 6 && values[2] == 5);
+    orl_function_free(function);
+}
+
+/* ---- Files ------------------------------------------------------------------------------------
+ */
+
+/* Each file has names of its own; what a file does not define is the standard's. */
+static void test_contexts(void **state)
+{
+    static const char *const names[] = {"a.cal", "b.cal"};
+    static const char a[] =
+        "c = 1; abs(x) = 7; f = c + abs(-2); g = `c; h = abs`(-2); later = q; q = 9;";
+    static const char b[] = "f = c + abs(-2); c = 100; other = c`a;";
+    const struct orl_file contents[] = {{a, sizeof a - 1, NULL}, {b, sizeof b - 1, NULL}};
+    struct orl_memory_files memory = {names, contents, 2};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    static const char *const expressions[] = {"f", "abs(-2)"};
+    struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
+    static const double right[2][2] = {{8, 7}, {102, 2}};
+    int context[3];
+    (void)state;
+    assert_int_equal(orl_functions_load(set, &files, "a.cal", false, &context[0], NULL), 0);
+    assert_int_equal(orl_functions_load(set, &files, "b.cal", false, &context[1], NULL), 0);
+    assert_int_equal(orl_functions_load(set, &files, "a.cal", false, &context[2], NULL), 0);
+    assert_int_equal(context[0], context[2]);
+    for (int i = 0; i < 2; i++) {
+        const struct orl_function_request request = {
+            .context = context[i], .expressions = expressions, .n_expressions = 2};
+        struct orl_function *function = NULL;
+        double values[2];
+        assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
+        orl_function_at(function, scratch, NULL, values);
+        assert_true(values[0] == right[i][0] && values[1] == right[i][1]);
+        orl_function_free(function);
+    }
+    static const char *const marked[] = {"g", "h", "later", "c`b"};
+    const struct orl_function_request request = {
+        .context = context[0], .expressions = marked, .n_expressions = 4};
+    struct orl_function *function = NULL;
+    double values[4];
+    assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
+    orl_function_at(function, scratch, NULL, values);
+    assert_true(values[0] == 1 && values[1] == 2 && values[2] == 9 && values[3] == 100);
+    orl_function_free(function);
+    orl_functions_free(set);
+}
+
+/* ---- Eight at once ----------------------------------------------------------------------------
+ */
+
+/* Ways part between lanes; each has the very value that it has alone, undefined ones too. */
+static void test_lanes(void **state)
+{
+    static const char *const expressions[] = {
+        "if(Px, if(Py, climb(Py-2), many), fact(4-Px) + twice)",
+        "select(Px+3, 1, Py, sin(Py), climb(Py-1), fact(3)) + noise3(Px,Py,.5)",
+        "pick(Px, pick(Py, Px*Py)) + sqrt(Px) + if(Py, 1/Px, log(Py))",
+        "outer(cube, Px) + outer(cos, Py) + rand(Px+10*Py) + select(Px+4, 1, 2, 3, 4, 5, 6)",
+        "turbulence(Px/3, Py/7, .1, if(Px, .05, .3)) + arg(Px) + -Px^(Py/2)",
+    };
+    (void)state;
+    for (size_t e = 0; e < sizeof expressions / sizeof *expressions; e++) {
+        struct orl_error err = {0};
+        struct orl_function *const function = compile(lazy, expressions[e], &err);
+        if (!function)
+            fail_msg("%s: %s", expressions[e], err.message);
+        for (unsigned lanes = 1; lanes < 256; lanes++) {
+            struct orl_function_lanes inputs[ORL_RAY_INPUTS], values;
+            for (int l = 0; l < ORL_FUNCTION_LANES; l++) {
+                inputs[ORL_RAY_PX].at[l] = (l * 5 + (int)lanes) % 7 - 3;
+                inputs[ORL_RAY_PY].at[l] = (l * 3 + (int)lanes / 7) % 5 - 2;
+                values.at[l] = 1234;
+            }
+            const struct orl_function_outcome all =
+                orl_function_evaluate(function, scratch, inputs, lanes, &values);
+            assert_false(all.exceeded);
+            for (int l = 0; l < ORL_FUNCTION_LANES; l++) {
+                double alone[ORL_RAY_INPUTS] = {0}, value = 1234;
+                struct orl_function_outcome one = {0};
+                alone[ORL_RAY_PX] = inputs[ORL_RAY_PX].at[l];
+                alone[ORL_RAY_PY] = inputs[ORL_RAY_PY].at[l];
+                if (lanes >> l & 1)
+                    one = orl_function_at(function, scratch, alone, &value);
+                assert_memory_equal(&value, &values.at[l], sizeof value);
+                assert_int_equal(all.undefined >> l & 1, one.undefined);
+            }
+        }
+        orl_function_free(function);
+    }
+}
+
+/* ---- What has no value, and what is too much --------------------------------------------------
+ */
+
+static void test_undefined(void **state)
+{
+    static const char *const expressions[] = {
+        "1/0",        "log(0)",    "sqrt(-1)",         "asin(2)",        "exp(1000)",
+        "(-8)^(1/3)", "0^-1",      "select(4,1,2,3)",  "select(-1,1,2)", "10^400",
+        "log10(-1)",  "arg(3+Px)", "noise3(1e300,0,0)"};
+    double inputs[ORL_RAY_INPUTS] = {0};
+    (void)state;
+    inputs[ORL_RAY_PX] = 4;
+    for (size_t i = 0; i < sizeof expressions / sizeof *expressions; i++) {
+        struct orl_function_outcome outcome = {0};
+        assert_true(value_of("", expressions[i], inputs, &outcome) == 0);
+        assert_int_equal(outcome.undefined, 1);
+        assert_false(outcome.exceeded);
+    }
+}
+
+static void test_exceeded(void **state)
+{
+    static const char *const definitions = "a = b; b = a; count(n) = if(n, 1 + count(n-1), 0); "
+                                           "grow(n) = if(n, grow(n-1)+grow(n-1), 1);";
+    static const char *const expressions[] = {"a", "count(1e5+Px)", "grow(60+Px)", "grow(70)"};
+    double inputs[ORL_RAY_INPUTS] = {0};
+    (void)state;
+    check_near("count", value_of(definitions, "count(900+Px)", inputs, NULL), 900);
+    for (size_t i = 0; i < sizeof expressions / sizeof *expressions; i++) {
+        struct orl_function_outcome outcome = {0};
+        assert_true(value_of(definitions, expressions[i], inputs, &outcome) == 0);
+        assert_true(outcome.exceeded);
+    }
+}
+
+static void test_errors(void **state)
+{
+    static const struct {
+        const char *definitions, *expression, *file;
+        int line, code;
+        const char *says;
+    } rows[] = {
+        {"a = 1;\nb = 2 3;", "a", "some.cal", 2, ORL_ERR_SYNTAX, "';' is expected, not '3'"},
+        {"a = sin(2;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "')' is expected"},
+        {"\n{ b = 1;", "a", "some.cal", 2, ORL_ERR_SYNTAX, "does not end"},
+        {"a = 1e;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "number"},
+        {"a = --2;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "expected"},
+        {"a 2;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "'=' or ':'"},
+        {"f(1) = 2;", "f(1)", "some.cal", 1, ORL_ERR_SYNTAX, "parameter"},
+        {"f(a,b) = a;", "f(1)", "scene.rad", 7, ORL_ERR_SYNTAX, "takes 2 arguments, 1 are"},
+        {"", "sin()", "scene.rad", 7, ORL_ERR_SYNTAX, "a number, a name"},
+        {"", "if(Px,2)", "scene.rad", 7, ORL_ERR_SYNTAX, "takes 3"},
+        {"f(g) = g(1);", "f(3)", "scene.rad", 7, ORL_ERR_SYNTAX, "has to be a function"},
+        {"", "sin", "scene.rad", 7, ORL_ERR_SYNTAX, "is a function"},
+        {"\n\nb = nosuch + 1;", "b", "some.cal", 3, ORL_ERR_NOT_FOUND, "'nosuch' is not defined"},
+        {"", "nosuch(1)", "scene.rad", 7, ORL_ERR_NOT_FOUND, "'nosuch()' is not defined"},
+        {"", "arg(4)", "scene.rad", 7, ORL_ERR_RANGE, "argument 4"},
+        {"", "1 2", "scene.rad", 7, ORL_ERR_SYNTAX, "operator"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct orl_error err = {0};
+        assert_null(compile(rows[i].definitions, rows[i].expression, &err));
+        assert_int_equal(err.code, rows[i].code);
+        assert_string_equal(err.file, rows[i].file);
+        assert_int_equal(err.line, rows[i].line);
+        assert_true(err.hint[0] != '\0');
+        if (!strstr(err.message, rows[i].says))
+            fail_msg("'%s' does not say '%s'", err.message, rows[i].says);
+    }
+}
+
+/* Nested as deep as it may be, and one level deeper. */
+static void test_nesting(void **state)
+{
+    char text[2 * ORL_FUNCTION_NESTING + 8];
+    (void)state;
+    for (int over = 0; over < 2; over++) {
+        const int depth = ORL_FUNCTION_NESTING - 1 + over;
+        struct orl_error err = {0};
+        memset(text, '(', (size_t)depth);
+        text[depth] = '1';
+        memset(text + depth + 1, ')', (size_t)depth);
+        text[2 * depth + 1] = '\0';
+        struct orl_function *const function = compile("", text, &err);
+        assert_int_equal(err.code, over ? ORL_ERR_LIMIT : 0);
+        orl_function_free(function);
+    }
+}
+
+/* ---- Beside rcalc, where it is ----------------------------------------------------------------
+ */
+
+enum { BESIDE = 400 };
+
+/* rcalc's value of an expression; false: it complains of something that has no value. */
+static bool ask_rcalc(const char *folder, const char *expression, double *ret_value)
+{
+    char path[128], command[256];
+    snprintf(path, sizeof path, "%s/one.cal", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "%s$1 = %s;\n", random_expression_definitions, expression);
+    fclose(file);
+    snprintf(command, sizeof command, "cd %s && rcalc -n -od -f ./one.cal 2>words", folder);
+    FILE *const pipe = popen(command, "r");
+    assert_non_null(pipe);
+    const size_t n = fread(ret_value, sizeof *ret_value, 1, pipe);
+    pclose(pipe);
+    snprintf(path, sizeof path, "%s/words", folder);
+    FILE *const words = fopen(path, "r");
+    const bool complained = words && fgetc(words) != EOF;
+    if (words)
+        fclose(words);
+    return n == 1 && !complained;
+}
+
+static void test_beside_rcalc(void **state)
+{
+    char folder[] = "/tmp/oriel-test-XXXXXX", text[512], command[64];
+    int compared = 0;
+    (void)state;
+    if (system("command -v rcalc >/dev/null 2>&1") != 0)
+        skip();
+    assert_non_null(mkdtemp(folder));
+    for (uint64_t i = 0; i < BESIDE; i++) {
+        struct orl_function_outcome outcome = {0};
+        double right = 0;
+        random_expression_write(1000000 + i, text, sizeof text);
+        const double value = value_of(random_expression_definitions, text, NULL, &outcome);
+        if (!ask_rcalc(folder, text, &right) || outcome.undefined)
+            continue;
+        check_near(text, value, right);
+        compared++;
+    }
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+    print_message("# %d of %d expressions have a value, and rcalc's\n", compared, BESIDE);
+    assert_true(compared > BESIDE / 3);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fixtures),       cmocka_unit_test(test_standard_names),
+        cmocka_unit_test(test_ray_names),      cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_noise_gradient), cmocka_unit_test(test_lazy),
+        cmocka_unit_test(test_constants),      cmocka_unit_test(test_fixed),
+        cmocka_unit_test(test_contexts),       cmocka_unit_test(test_lanes),
+        cmocka_unit_test(test_undefined),      cmocka_unit_test(test_exceeded),
+        cmocka_unit_test(test_errors),         cmocka_unit_test(test_nesting),
+        cmocka_unit_test(test_beside_rcalc),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
