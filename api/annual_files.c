@@ -35,9 +35,10 @@ static int note(void *ctx, const char *name, struct orl_error *err)
     if (json_array_append_new(w->names, json_string(name)))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     const double done = fmin((double)json_array_size(w->names) / (double)w->count, 1);
+    const double files = 1 - ORL_ANNUAL_FILES_FROM;
     if (run->progress)
-        run->progress(run->ctx, ORL_STAGE_RENDER, done,
-                      ORL_ANNUAL_FILES_FROM + (1 - ORL_ANNUAL_FILES_FROM) * done);
+        run->progress(run->ctx, ORL_STAGE_RENDER, done, ORL_ANNUAL_FILES_FROM + files * done,
+                      w->told->result->total_s * files / ORL_ANNUAL_FILES_FROM * (1 - done));
     return 0;
 }
 

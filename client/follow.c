@@ -236,7 +236,7 @@ static void show(struct orl_progress_line *progress, const json_t *job)
     if (strcmp(state, "queued") == 0)
         stage = "queued";
     orl_progress_show(progress, *stage ? stage : state, orl_json_number(job, "percent", 0) / 100,
-                      orl_json_number(job, "eta_s", -1));
+                      orl_json_number(job, "eta_s", NAN));
 }
 
 bool orl_job_has_ended(const json_t *job)

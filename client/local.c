@@ -100,10 +100,12 @@ static void on_warned(void *ctx, const char *warning)
     }
 }
 
-static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                        double left_s)
 {
     (void)stage_fraction;
-    orl_progress_show(&((struct local *)ctx)->progress, orl_stage_name(stage), job_fraction, -1);
+    orl_progress_take(&((struct local *)ctx)->progress, orl_stage_name(stage), job_fraction,
+                      left_s);
 }
 
 static void on_plan(void *ctx, const struct orl_plan *plan)
@@ -326,7 +328,7 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
 
 static void on_study_progress(void *ctx, const struct orl_study_step *step)
 {
-    orl_progress_show(ctx, orl_study_step_name(step), step->fraction, -1);
+    orl_progress_take(ctx, orl_study_step_name(step), step->fraction, step->left_s);
 }
 
 static void on_study_point(void *ctx, const struct orl_study_point *point)

@@ -1,7 +1,5 @@
 #include "progress.h"
 
-#include <oriel/eta.h>
-
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -49,10 +47,8 @@ void orl_format_amount(double amount, const char *unit, char *ret_text, size_t s
 
 void orl_progress_start(struct orl_progress_line *progress)
 {
-    *progress = (struct orl_progress_line){.terminal = isatty(STDERR_FILENO) != 0,
-                                           .started_s = orl_clock_s(NULL),
-                                           .drawn_s = -1,
-                                           .tenth = -1};
+    *progress = (struct orl_progress_line){
+        .terminal = isatty(STDERR_FILENO) != 0, .drawn_s = -1, .tenth = -1};
 }
 
 void orl_progress_end(struct orl_progress_line *progress)
@@ -97,15 +93,13 @@ static void draw_bar(struct orl_progress_line *progress, const char *stage, doub
 void orl_progress_show(struct orl_progress_line *progress, const char *stage, double fraction,
                        double eta_s)
 {
-    const double now_s = orl_clock_s(NULL), elapsed_s = now_s - progress->started_s;
+    const double now_s = orl_clock_s(NULL);
     const bool new_stage = strncmp(stage, progress->stage, sizeof progress->stage - 1) != 0;
     char eta[32];
     int tenth;
 
     fraction = fraction > 0 ? fmin(fraction, 1) : 0; /* a NaN counts as nothing done */
     tenth = (int)(10 * fraction);
-    if (eta_s < 0)
-        eta_s = orl_eta_s(fraction, 0, elapsed_s, 0);
     orl_format_duration(eta_s, eta, sizeof eta);
     if (progress->terminal) {
         if (!new_stage && now_s - progress->drawn_s < 0.1)
@@ -117,4 +111,13 @@ void orl_progress_show(struct orl_progress_line *progress, const char *stage, do
     progress->drawn_s = now_s;
     progress->tenth = tenth;
     snprintf(progress->stage, sizeof progress->stage, "%s", stage);
+}
+
+void orl_progress_take(struct orl_progress_line *progress, const char *stage, double fraction,
+                       double left_s)
+{
+    const double now_s = orl_clock_s(NULL);
+
+    orl_eta_take(&progress->eta, left_s, now_s);
+    orl_progress_show(progress, stage, fraction, orl_eta_s(&progress->eta, now_s));
 }

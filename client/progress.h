@@ -9,21 +9,28 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include <oriel/eta.h>
+
 struct orl_progress_line {
     bool terminal;
-    double started_s, drawn_s;
-    char stage[32]; /* last one shown */
-    int tenth;      /* last one shown, -1 before the first */
-    bool line_open; /* something stands on the terminal's line */
+    double drawn_s;
+    char stage[32];     /* last one shown */
+    int tenth;          /* last one shown, -1 before the first */
+    bool line_open;     /* something stands on the terminal's line */
+    struct orl_eta eta; /* of a run of this process */
 };
 
 double orl_clock_s(void *unused); /* a steady clock */
 
 void orl_progress_start(struct orl_progress_line *progress);
 
-/* fraction of the whole job, 0..1; eta_s negative: work it out from the time gone by. */
+/* fraction of the whole job, 0..1; eta_s: seconds that it has left, NaN: not known. */
 void orl_progress_show(struct orl_progress_line *progress, const char *stage, double fraction,
                        double eta_s);
+
+/* The same of a run of this process, which tells what it thinks is left (oriel/run.h). */
+void orl_progress_take(struct orl_progress_line *progress, const char *stage, double fraction,
+                       double left_s);
 
 /* A line of its own (a map found, a warning), above the bar. */
 void orl_progress_note(struct orl_progress_line *progress, const char *format, ...)

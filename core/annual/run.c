@@ -48,7 +48,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     struct orl_job job;
     struct orl_result result = {0};
     struct orl_run_env env = *y->env->run;
-    double told = 0;
+    struct orl_told told = {0};
     orl_job_init(&job);
     job.scene_files = y->request->scene_files;
     job.n_scene_files = y->request->n_scene_files;

@@ -57,24 +57,26 @@ void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *sinc
     *since = t;
 }
 
-/* Of the sensors to be computed the share w took from blocks_s to now: the rest takes as long, by
- * sensor. */
-static double share_of_time(const struct orl_year *y, double sensors)
+/* Seconds in all: of the sensors to be computed the share w took from blocks_s to now, and the rest
+ * takes as long, by sensor. NaN: not known yet. */
+static double all_s(const struct orl_year *y, double sensors)
 {
     const double now = orl_year_now(y), before = y->blocks_s - y->started_s;
     const double n = (double)(y->request->n_sensors - y->kept);
     const double w = n > 0 ? (sensors - (double)y->kept) / n : 1;
-    const double whole = w > 0 ? before + (now - y->blocks_s) / w : 0;
-    return whole > 0 ? fmin((now - y->started_s) / whole, 1) : 0;
+    return w > 0 && y->blocks_s > 0 ? before + (now - y->blocks_s) / w : (double)NAN;
 }
 
 void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors)
 {
     if (!y->env->run->progress)
         return; /* and the clock is not looked at */
-    if (stage == ORL_STAGE_RENDER)
-        y->told = fmax(y->told, share_of_time(y, sensors));
-    orl_run_report(y->env->run, stage, sensors / (double)y->request->n_sensors, y->told);
+    const double elapsed = orl_year_now(y) - y->started_s;
+    const double left = stage == ORL_STAGE_RENDER ? all_s(y, sensors) - elapsed : (double)NAN;
+    if (elapsed + left > 0)
+        y->told = fmax(y->told, fmin(elapsed / (elapsed + left), 1));
+    orl_run_report(y->env->run, stage, sensors / (double)y->request->n_sensors,
+                   &(struct orl_run_report){y->told, elapsed, left});
 }
 
 int orl_year_no_memory(struct orl_error *err)

@@ -27,7 +27,7 @@ static int load_scene(const struct orl_annual_request *request, const struct orl
     struct orl_job job;
     struct orl_annual_variant open;
     const unsigned char states[ORL_SHADES_MOST_GROUPS] = {0};
-    double told = 0;
+    struct orl_told told = {0};
     orl_job_init(&job);
     int code = orl_annual_variant_init(&open, request, states, false, err);
     job.scene_files = open.request.scene_files; /* borrowed */

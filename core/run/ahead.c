@@ -2,16 +2,12 @@
 
 #include <math.h>
 
-const double orl_ahead_rounds = 2;
-
 /* From this part of a stage on its own progress is all that counts. */
 static const double known_from = 0.2;
 /* At the least so much of what a stage has taken is thought to be left of it, when it overruns. */
 static const double overrun = 0.1;
 /* What is trusted beside what was measured; bounds of the ratio. */
 static const double trust_s = 0.2, least_pace = 0.25, most_pace = 8;
-/* Up to here a run that was thought to take so long is told as it is. */
-static const double straight_to = 0.9;
 
 /* How many times longer than foreseen the work so far took; stages before photons say nothing of
  * it. */
@@ -42,14 +38,8 @@ double orl_ahead_left_s(const struct orl_ahead *a)
     return left;
 }
 
-double orl_ahead_share(double elapsed_s, double left_s)
+double orl_ahead_share(double before, double since_s, double left_s)
 {
-    const double all = elapsed_s + left_s;
-    return all > 0 ? fmin(fmax(elapsed_s / all, 0), 1) : 0;
-}
-
-double orl_ahead_share_of(double elapsed_s, double all_s)
-{
-    const double share = all_s > 0 ? fmax(elapsed_s / all_s, 0) : 0, rest = 1 - straight_to;
-    return share <= straight_to ? share : 1 - rest * exp(-(share - straight_to) / rest);
+    const double since = fmax(since_s, 0), all = since + fmax(left_s, 0);
+    return all > 0 ? 1 - (1 - before) * (1 - since / all) : before;
 }

@@ -1,12 +1,13 @@
 /*
  * How long a run still takes, and so how much of it is done.
  *
- * What is told as done is a share of time: elapsed / (elapsed + left). Whoever takes the rest of
- * the time from it (elapsed * (1 - done) / done) gets what is left as it is thought here. Of the
- * stage under way that is what it was foreseen to take, and more and more what its own progress
- * says; of those to come, what they were foreseen to take, times how much longer than foreseen the
- * ones before took. A stage that overruns is never thought to be all but done. What is told never
- * falls.
+ * What is left of the stage under way is what it was foreseen to take, and more and more what its
+ * own progress says; of those to come, what they were foreseen to take, times how much longer than
+ * foreseen the ones before took. A stage that overruns is never thought to be all but done.
+ *
+ * What is told as done goes on as fast as gets it to the end when the time is over: where what is
+ * left was thought rightly from the start it is a share of time, elapsed / (elapsed + left). It
+ * never falls and never stands still, whatever is found out on the way.
  *
  * Functions of times and fractions alone: they look at no clock.
  */
@@ -26,16 +27,7 @@ struct orl_ahead {
 /* Seconds until the last stage ends. */
 double orl_ahead_left_s(const struct orl_ahead *ahead);
 
-/* The share that is done: of a run that has so much behind it and so much left. 0..1 */
-double orl_ahead_share(double elapsed_s, double left_s);
-
-/*
- * The share of a run that was thought to take so long in all. Near the end, and beyond, it goes on
- * ever more slowly, for nothing is known of the rest.
- */
-double orl_ahead_share_of(double elapsed_s, double all_s);
-
-/* Before a job with a goal has seen its first round: how many more like it there may be. */
-extern const double orl_ahead_rounds;
+/* The share that is done, that long after it was `before`, with so much left. 0..1 */
+double orl_ahead_share(double before, double since_s, double left_s);
 
 #endif

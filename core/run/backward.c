@@ -9,7 +9,7 @@
 
 static void photon_progress(void *ctx, double fraction)
 {
-    orl_run_progress(ctx, fraction);
+    orl_run_progress(ctx, 0.5 * fraction); /* making lamps of them takes as long */
 }
 
 int orl_run_need_backward(struct orl_run_state *state, struct orl_error *err)

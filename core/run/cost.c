@@ -130,13 +130,30 @@ double orl_pace_samples(const struct orl_pace *pace, const struct orl_work *work
 
 double orl_pace_run_s(const struct orl_pace *pace, const struct orl_work *work, double wanted)
 {
-    double seconds = pace->before_s;
-    for (double done = 0; done < wanted || done == 0;) {
+    return pace->before_s + orl_pace_rest_s(pace, work, 0, wanted);
+}
+
+double orl_pace_rest_s(const struct orl_pace *pace, const struct orl_work *work, double done,
+                       double wanted)
+{
+    double seconds = 0;
+    while (done < wanted || done == 0) {
         const double samples = orl_work_next(work, done, wanted);
         seconds += orl_pace_round_s(pace, work, samples);
         done += samples;
     }
     return seconds;
+}
+
+void orl_pace_foresee(const struct orl_pace *pace, const struct orl_work *work, double samples,
+                      double foreseen_s[ORL_STAGE_COUNT])
+{
+    const double all = orl_pace_round_s(pace, work, samples);
+    const double photons =
+        pace->photons > 0 ? pace->photon_s / pace->photons * photons_of(work, samples) : 0;
+    foreseen_s[ORL_STAGE_PHOTONS] = photons;
+    foreseen_s[ORL_STAGE_MAPS] = 0;
+    foreseen_s[ORL_STAGE_RENDER] = all - photons;
 }
 
 /* ---- The next digit -------------------------------------------------------------------------- */

@@ -52,6 +52,12 @@ struct orl_pace {
 /* Seconds of a round, and of a whole run in rounds until so many samples are taken. */
 double orl_pace_round_s(const struct orl_pace *pace, const struct orl_work *work, double samples);
 double orl_pace_run_s(const struct orl_pace *pace, const struct orl_work *work, double wanted);
+/* Of the rounds that are left of it once `done` samples are taken; 0: none. */
+double orl_pace_rest_s(const struct orl_pace *pace, const struct orl_work *work, double done,
+                       double wanted);
+/* Of its stages, from photons on: into foreseen_s, of which the others stay. */
+void orl_pace_foresee(const struct orl_pace *pace, const struct orl_work *work, double samples,
+                      double foreseen_s[ORL_STAGE_COUNT]);
 /* Samples of a round that is to last so long: from the least, to `most` or what rounds may have. */
 double orl_pace_samples(const struct orl_pace *pace, const struct orl_work *work, double seconds,
                         double most);

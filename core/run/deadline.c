@@ -22,7 +22,8 @@ struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const st
         next.step = ORL_DEADLINE_NO_ROOM;
     if (next.step != ORL_DEADLINE_ROUND)
         return next;
-    if (left_s - seconds < end)
+    next.last = left_s - seconds < end;
+    if (next.last)
         seconds = last_fill * left_s;
     next.samples = orl_pace_samples(pace, work, fmax(seconds, least), growth * pace->samples);
     return next;

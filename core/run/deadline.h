@@ -22,6 +22,7 @@ enum orl_deadline_step {
 struct orl_deadline_next {
     enum orl_deadline_step step;
     double samples; /* of the round */
+    bool last;      /* it fills nearly all that is left */
     double least_s; /* what the smallest round is thought to take */
 };
 

@@ -3,15 +3,18 @@
 
 #include "run/stages.h"
 
-/* Rough costs, microseconds on one core: a photon traced, one indexed, a gather ray, what one reads
- * of the map for the first time, all of it at the most by photons, a path by backward. */
-static const double photon_us = 1.5, index_us = 0.25, gather_us = 2.5, first_us = 10, leaf_us = 0.5,
-                    path_us = 10;
+/* Rough costs, microseconds on one core: a photon traced (where no pilot has told), one of a
+ * virtual lamp, one indexed; a gather ray, what one reads of the map for the first time, all of the
+ * map at the most, by photons; a path by backward, of a sensor and of a pixel. */
+static const double photon_us = 0.5, lamp_us = 0.6, index_us = 0.28, gather_us = 2.7, first_us = 18,
+                    leaf_us = 0.9, path_us = 10, pixel_path_us = 15;
+/* Of a view by a final gather, beside its pixels. */
+static const double view_us = 3e5;
 /* Of a pixel, by technique. */
 static const double pixel_us[] = {[ORL_TECHNIQUE_AUTO] = 20,
                                   [ORL_TECHNIQUE_DIRECT] = 20,
                                   [ORL_TECHNIQUE_PRECOMPUTED] = 6,
-                                  [ORL_TECHNIQUE_GATHER] = 16};
+                                  [ORL_TECHNIQUE_GATHER] = 8};
 
 static double pixels_of(const struct orl_job *job)
 {
@@ -27,21 +30,44 @@ static double views_us(const struct orl_run_state *state)
     const struct orl_job *job = state->job;
     const double samples = job->pixel_samples ? job->pixel_samples : ORL_DEFAULT_PIXEL_SAMPLES;
     const enum orl_technique technique = state->result->plan.technique;
-    return pixels_of(job) *
-           (technique == ORL_TECHNIQUE_BACKWARD ? samples * path_us : pixel_us[technique]);
+    if (technique == ORL_TECHNIQUE_BACKWARD)
+        return pixels_of(job) * samples * pixel_path_us;
+    return pixels_of(job) * pixel_us[technique] +
+           (technique == ORL_TECHNIQUE_GATHER ? view_us * (double)job->n_views : 0);
+}
+
+/* Of the map each part is read for the first time once: the more of it was, the fewer rays do. */
+static double first_reads_us(const struct orl_run_state *state, double rays)
+{
+    const struct orl_plan *plan = &state->result->plan;
+    const double all = (double)plan->photons_global * leaf_us;
+    if (plan->technique != ORL_TECHNIQUE_GATHER || !(all > 0))
+        return 0;
+    return all * (1 - exp(-rays * first_us / all));
+}
+
+static double rays_us(const struct orl_run_state *state, double rays)
+{
+    const bool paths = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD;
+    return rays * (paths ? path_us : gather_us) + first_reads_us(state, rays);
+}
+
+static double sensor_rays(const struct orl_run_state *state)
+{
+    const double samples =
+        state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+    return (double)state->n_sensors * samples;
 }
 
 static double sensors_us(const struct orl_run_state *state)
 {
-    const struct orl_plan *plan = &state->result->plan;
-    const double samples =
-        state->job->gather_samples ? state->job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
-    const double rays = (double)state->n_sensors * samples;
-    double us = rays * (plan->technique == ORL_TECHNIQUE_BACKWARD ? path_us : gather_us);
-    if (plan->technique == ORL_TECHNIQUE_GATHER)
-        us +=
-            fmin((double)plan->photons_global * leaf_us, (rays + pixels_of(state->job)) * first_us);
-    return us;
+    return rays_us(state, sensor_rays(state));
+}
+
+double orl_run_sensors_time(const struct orl_run_state *state, double taken)
+{
+    const double rays = sensor_rays(state), all = rays_us(state, rays);
+    return all > 0 ? rays_us(state, taken * rays) / all : taken;
 }
 
 double orl_run_sensors_share(const struct orl_run_state *state)
@@ -60,10 +86,10 @@ void orl_run_guess_costs(struct orl_run_state *state)
     state->cost_s[ORL_STAGE_LOAD] = 0.2;
     state->cost_s[ORL_STAGE_BVH] = 0.05;
     state->cost_s[ORL_STAGE_PLAN] = 0.1;
-    state->cost_s[ORL_STAGE_PHOTONS] = us * photons * photon_us;
+    const bool lamps = plan->technique == ORL_TECHNIQUE_BACKWARD;
+    state->cost_s[ORL_STAGE_PHOTONS] = us * photons * (lamps ? lamp_us : photon_us);
     if (plan->foresight.known)
         state->cost_s[ORL_STAGE_PHOTONS] = plan->foresight.photons_s;
-    state->cost_s[ORL_STAGE_MAPS] =
-        plan->technique == ORL_TECHNIQUE_BACKWARD ? 0 : us * photons * index_us;
+    state->cost_s[ORL_STAGE_MAPS] = lamps ? 0 : us * photons * index_us;
     state->cost_s[ORL_STAGE_RENDER] = us * (sensors_us(state) + views_us(state));
 }

@@ -103,6 +103,12 @@ static void stage_progress(void *ctx, double fraction)
     orl_run_progress(ctx, fraction);
 }
 
+/* Of the maps' stage, its second half. */
+static void records_progress(void *ctx, double fraction)
+{
+    orl_run_progress(ctx, 0.5 + 0.5 * fraction);
+}
+
 static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
                  struct orl_error *err)
 {
@@ -205,7 +211,7 @@ static int precompute(struct orl_run_state *state, struct map_work *work, struct
                                               .crew = env->crew,
                                               .searches = state->searches,
                                               .cancel = env->cancel,
-                                              .progress = stage_progress,
+                                              .progress = records_progress,
                                               .ctx = state};
     const double started = env->now_s(env->ctx);
     struct harvest harvest = {.emitted = orl_photon_map_header(making.global)->emitted};

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/scatter.h"
 #include "render/picture/error_map.h"
 #include "run/cost.h"
 
@@ -11,8 +12,9 @@
 struct rendering {
     struct orl_run_state *state;
     const struct orl_renderer *renderer;
-    size_t first; /* sensor of this round */
-    double share; /* of the stage: the sensors' */
+    size_t first;  /* sensor of this round */
+    double share;  /* of the stage: the sensors' */
+    size_t stride; /* of their order */
     uint64_t samples;
     atomic_uint_fast64_t taken; /* of the sensors' samples */
 };
@@ -20,8 +22,9 @@ struct rendering {
 static void tell_sensors(const struct rendering *rendering)
 {
     const double taken = (double)atomic_load(&rendering->taken);
+    const double share = taken / fmax((double)rendering->samples, 1);
     orl_run_progress(rendering->state,
-                     rendering->share * taken / fmax((double)rendering->samples, 1));
+                     rendering->share * orl_run_sensors_time(rendering->state, share));
 }
 
 static void compute_sensor(void *arg, size_t index, uint32_t member)
@@ -30,8 +33,10 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
     const struct orl_run_state *state = rendering->state;
     if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
         return;
-    rendering->renderer->sensor(rendering->renderer->ctx, rendering->first + index, member);
-    atomic_fetch_add(&rendering->taken, orl_run_sensor_samples(state, rendering->first + index));
+    const size_t sensor =
+        orl_scatter(rendering->first + index, rendering->stride, state->n_sensors);
+    rendering->renderer->sensor(rendering->renderer->ctx, sensor, member);
+    atomic_fetch_add(&rendering->taken, orl_run_sensor_samples(state, sensor));
     if (member == 0) /* the lead, which alone tells */
         tell_sensors(rendering);
 }
@@ -102,6 +107,7 @@ static int render_sensors(struct rendering *rendering, struct orl_error *err)
         orl_run_progress(state, rendering->share);
         return 0;
     }
+    rendering->stride = orl_scatter_stride(n);
     for (rendering->first = 0; rendering->first < n; rendering->first += ROUND) {
         const size_t left = n - rendering->first, count = left < ROUND ? left : ROUND;
         orl_crew_for(state->env->crew, count, compute_sensor, rendering);

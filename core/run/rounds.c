@@ -14,8 +14,13 @@
 static const double short_round = 0.25;
 /* Samples of one sensor in a round. */
 static const double most_of_a_sensor = 1 << 20;
+/* Before anything is known of errors: what 95 % of an office's sensors are within, by backward or
+ * by maps, and the samples that it takes. */
+static const double usual_error[] = {0.04, 0.02}, usual_samples[] = {4096, 2048};
 /* Work is given up when this much more than what is allowed would be needed. */
 static const double hopeless = 2;
+/* Of a job for an error of DGP. */
+enum { LEAST_ROUNDS = 4 };
 
 struct rounds {
     struct orl_run_state *state;
@@ -29,7 +34,9 @@ struct rounds {
     struct orl_sensor_round sensor_round;
     double bandwidths[ORL_MAP_KINDS]; /* of the round */
     uint32_t count;
-    uint32_t planned; /* of a job in one piece; 0: until its goal is met */
+    uint32_t planned;                  /* of a job in one piece; 0: until its goal is met */
+    double wanted;                     /* samples in all, as it is thought; NaN: until a deadline */
+    double guessed_s[ORL_STAGE_COUNT]; /* of a job in one piece, before the first round */
     bool ended;
 };
 
@@ -37,6 +44,43 @@ static double now_s(const struct rounds *r)
 {
     const struct orl_run_env *env = r->state->env;
     return env->now_s(env->ctx);
+}
+
+static double guess_wanted(const struct rounds *r)
+{
+    const struct orl_goal *goal = &r->state->job->goal;
+    const bool backward = r->work.technique == ORL_TECHNIQUE_BACKWARD;
+    const double times = usual_error[backward] / goal->relative_error;
+    if (r->planned > 0)
+        return r->planned * r->samples;
+    if (goal->dgp_error > 0)
+        return LEAST_ROUNDS * r->samples;
+    return goal->deadline_s > 0 ? (double)NAN
+                                : fmin(times * times * usual_samples[backward], orl_work_limit());
+}
+
+/* What the next round and those after it are going to take: into the state, for what is told. */
+static void foresee(struct rounds *r)
+{
+    struct orl_run_state *state = r->state;
+    double *foreseen = state->cost_s;
+    const double samples = r->samples, done = r->pace.samples + samples;
+    state->after_s = 0;
+    if (r->pace.rounds > 0) {
+        orl_pace_foresee(&r->pace, &r->work, samples, foreseen);
+        if (done < r->wanted)
+            state->after_s = r->planned > 0 ? (r->wanted - done) / samples *
+                                                  orl_pace_round_s(&r->pace, &r->work, samples)
+                                            : orl_pace_rest_s(&r->pace, &r->work, done, r->wanted);
+        return;
+    }
+    const double share = r->planned > 0 ? 1.0 / r->planned : samples / ORL_DEFAULT_GATHER_SAMPLES;
+    const bool alike = r->work.of_views && r->work.technique != ORL_TECHNIQUE_BACKWARD;
+    for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++) {
+        foreseen[i] = r->guessed_s[i] * (alike && i == ORL_STAGE_RENDER ? 1 : share);
+        if (done < r->wanted)
+            state->after_s += foreseen[i] * (r->wanted - done) / samples;
+    }
 }
 
 static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl_error *err)
@@ -58,6 +102,8 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
             return code;
     }
     r->pace.before_s = now_s(r) - state->started_s;
+    r->wanted = guess_wanted(r);
+    memcpy(r->guessed_s, state->cost_s, sizeof r->guessed_s);
     if (r->work.shares) {
         const size_t n = state->n_sensors;
         double *groups = calloc(n * ORL_MAP_BATCHES + 1, sizeof *groups);
@@ -283,8 +329,7 @@ static void go_on_for_error(struct rounds *r, const struct orl_parts *parts)
             wanted, limit, 100 * r->error * sqrt(done / limit) * 1.2);
     else
         r->samples = orl_work_next(&r->work, done, wanted);
-    if (!r->ended)
-        r->state->ends_s = r->state->started_s + orl_pace_run_s(&r->pace, &r->work, wanted);
+    r->wanted = fmin(wanted, limit);
 }
 
 /* Half the widest interval of DGP of a view that asks for metrics; NaN: not known. */
@@ -308,7 +353,6 @@ static double dgp_error(const struct orl_run_state *state)
  * are kept apart; then pairs of these are one, and rounds are as large as they. */
 static void go_on_for_dgp(struct rounds *r)
 {
-    enum { LEAST_ROUNDS = 4 };
     const double target = r->state->job->goal.dgp_error, limit = orl_work_limit();
     const double found = dgp_error(r->state), done = r->pace.samples;
     r->state->result->outcome.achieved = found;
@@ -322,8 +366,9 @@ static void go_on_for_dgp(struct rounds *r)
             found, r->count, target, wanted, limit);
     while (!r->ended && done >= ORL_VIEW_BATCHES * r->samples)
         r->samples *= 2;
-    if (!r->ended && r->count >= LEAST_ROUNDS)
-        r->state->ends_s = r->state->started_s + orl_pace_run_s(&r->pace, &r->work, wanted);
+    r->wanted = fmin(fmax(wanted, done + r->samples), limit);
+    if (r->count < LEAST_ROUNDS)
+        r->wanted = fmax(r->wanted, LEAST_ROUNDS * r->samples);
 }
 
 /* After a round of a job for a deadline. */
@@ -333,25 +378,35 @@ static void go_on_for_time(struct rounds *r)
     const double left = r->state->started_s + deadline - now_s(r);
     const struct orl_deadline_next next = orl_deadline_next(&r->pace, &r->work, deadline, left);
     const char *plural = r->count == 1 ? "" : "s";
+    if (r->error <= 0) {
+        end(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
+            plural);
+        return;
+    }
     switch (next.step) {
     case ORL_DEADLINE_ROUND:
         r->samples = next.samples;
+        if (next.last)
+            r->state->ends_s = 0;
         break;
     case ORL_DEADLINE_USED_UP:
-        end(r, true, "the time is used up after %u round%s: %.2g s %s", r->count, plural,
-            fabs(left), left < 0 ? "too late" : "are left");
+        end(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count, plural,
+            deadline - left, deadline);
         break;
     case ORL_DEADLINE_NO_ROOM:
         end(r, true,
-            "%.2g s are left after %u round%s, and another one takes some %.2g s at the least: a "
-            "deadline longer by that much, fewer pixels or sensors bring the error down",
-            left, r->count, plural, next.least_s);
+            "no other round fits: %u round%s took %.3g s of %.3g s, and one more takes %.2g s; "
+            "%.3g s hold it, or fewer pixels or sensors make it shorter",
+            r->count, plural, deadline - left, deadline, next.least_s,
+            deadline - left + next.least_s);
         break;
     case ORL_DEADLINE_TOO_LATE:
         end(r, false,
-            "the smallest round takes too long: %u done, %.2g s too late; fewer pixels or sensors "
-            "are quicker",
-            r->count, fabs(left));
+            r->count == 1 ? "%u round%s, the smallest there is, took %.3g s of %.3g s: fewer "
+                            "pixels or sensors are quicker"
+                          : "%u round%s took %.3g s of %.3g s: the last one took longer than "
+                            "those before",
+            r->count, plural, deadline - left, deadline);
         break;
     }
 }
@@ -391,8 +446,10 @@ static int settle(struct rounds *r, struct orl_error *err)
     const struct orl_work usual = orl_work_of(state);
     const double started = now_s(r);
     r->ended = r->planned > 0 && r->count >= r->planned;
-    if (r->planned > 0 && !r->ended)
+    if (r->planned > 0 && !r->ended) {
+        foresee(r);
         return 0;
+    }
     orl_findings_judge(&r->findings);
     r->error = orl_parts_error(&parts);
     if (r->planned == 0) {
@@ -410,6 +467,7 @@ static int settle(struct rounds *r, struct orl_error *err)
         go_on_for_dgp(r);
     else
         go_on_for_error(r, &parts);
+    foresee(r);
     result->total_s = now_s(r) - state->started_s;
     note_course(&result->outcome, result->total_s);
     if (code == 0 && state->env->round_ready)
@@ -433,6 +491,7 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
     struct rounds r;
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = rounds_init(&r, state, err);
+    foresee(&r);
     state->result->outcome =
         (struct orl_outcome){.asked = r.planned == 0, .goal = state->job->goal, .achieved = NAN};
     while (code == 0 && !r.ended) {

@@ -77,7 +77,7 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_run_state state = {
         .job = job, .env = env, .result = &result, .only_plan = stages == prepare};
     const double started = env->now_s(env->ctx);
-    double told = 0;
+    struct orl_told told = {0, started};
     int code;
     if (*scene)
         state.scene = orl_scene_hold(*scene);
@@ -116,7 +116,8 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
         orl_result_done(&result);
         return code;
     }
-    orl_run_report(env, ORL_STAGE_RENDER, 1, 1);
+    orl_run_report(env, ORL_STAGE_RENDER, 1,
+                   &(struct orl_run_report){.share = 1, .elapsed_s = result.total_s});
     *ret_result = result;
     return 0;
 }

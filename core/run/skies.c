@@ -20,6 +20,7 @@ struct passage {
     struct orl_scene *scene; /* of all of them, once the first has read it */
     double *shares;          /* of each sky in the whole; sums to 1 */
     double before;           /* of those behind us */
+    double ran, ran_s;       /* shares of those that were run, and their seconds */
     double started_s;
 };
 
@@ -87,6 +88,14 @@ static struct orl_job job_under(const struct passage *p, size_t index)
     return job;
 }
 
+/* What is read once for all of them is not what another one takes. */
+static void take_times(struct passage *p, size_t index, const struct orl_result *result)
+{
+    p->ran += p->shares[index];
+    p->ran_s +=
+        result->total_s - result->timings_s[ORL_STAGE_LOAD] - result->timings_s[ORL_STAGE_BVH];
+}
+
 static int run_under(struct passage *p, size_t index, struct orl_error *err)
 {
     const struct orl_job job = job_under(p, index);
@@ -97,6 +106,8 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     env.file_prefix = prefix;
     env.part_from = p->before;
     env.part = p->shares[index];
+    if (p->ran > 0)
+        env.part_after_s = p->ran_s / p->ran * fmax(1 - p->before - p->shares[index], 0);
     if (p->skies->begins)
         p->skies->begins(p->skies->ctx, index, &job, prefix);
     int code = orl_run_of_scene(&job, &env, &p->scene, &result, err);
@@ -105,6 +116,7 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
             name_place(err, index);
         return code;
     }
+    take_times(p, index, &result);
     code = p->skies->done(p->skies->ctx, index, &result, err);
     orl_result_done(&result);
     return code;

@@ -16,24 +16,26 @@ static double left_s(const struct orl_run_state *state, double fraction, double 
         ahead.foreseen_s[i] = state->cost_s[i];
         ahead.spent_s[i] = state->result->timings_s[i];
     }
-    return orl_ahead_left_s(&ahead);
+    const double left = orl_ahead_left_s(&ahead) + state->after_s;
+    return fmax(left, state->ends_s - now);
 }
 
-/* Of a job with a goal: of the time that it has, or is thought to take once a round has told. */
-static double share_by_goal(const struct orl_run_state *state, double left, double now)
+/* What comes after the part that the run is of something larger. */
+static double after_s(const struct orl_run_env *env, const struct orl_run_report *report)
 {
-    const double elapsed = now - state->started_s;
-    if (state->ends_s > state->started_s)
-        return orl_ahead_share_of(elapsed, state->ends_s - state->started_s);
-    return orl_ahead_share(elapsed, left + orl_ahead_rounds * (elapsed + left));
+    if (!(env->part > 0) || env->part_after_s > 0)
+        return env->part_after_s;
+    return (report->elapsed_s + report->left_s) * fmax(1 - env->part_from - env->part, 0) /
+           env->part;
 }
 
 void orl_run_report(const struct orl_run_env *env, enum orl_stage stage, double fraction,
-                    double job_fraction)
+                    const struct orl_run_report *report)
 {
     const double part = env->part > 0 ? env->part : 1;
     if (env->progress)
-        env->progress(env->ctx, stage, fraction, env->part_from + part * job_fraction);
+        env->progress(env->ctx, stage, fraction, env->part_from + part * report->share,
+                      report->left_s + after_s(env, report));
 }
 
 void orl_run_progress(const struct orl_run_state *state, double fraction)
@@ -43,11 +45,14 @@ void orl_run_progress(const struct orl_run_state *state, double fraction)
     fraction = fmin(fmax(fraction, 0), 1);
     const double now = state->env->now_s(state->env->ctx);
     const double left = left_s(state, fraction, now);
-    const double share = orl_goal_is_set(&state->job->goal)
-                             ? share_by_goal(state, left, now)
-                             : orl_ahead_share(now - state->started_s, left);
-    *state->told = fmax(*state->told, share);
-    orl_run_report(state->env, state->stage, fraction, *state->told);
+    const double *spent = state->result->timings_s;
+    struct orl_told *told = state->told;
+    told->share = orl_ahead_share(told->share, now - told->at_s, left);
+    told->at_s = now;
+    /* Whatever the run is a part of reads its scene once. */
+    const struct orl_run_report report = {
+        told->share, now - state->started_s - spent[ORL_STAGE_LOAD] - spent[ORL_STAGE_BVH], left};
+    orl_run_report(state->env, state->stage, fraction, &report);
 }
 
 void orl_run_leave(struct orl_run_state *state)

@@ -18,6 +18,11 @@ struct orl_sensor_round {
     double *groups; /* out, [sensor][ORL_MAP_BATCHES]: what each group found, lux */
 };
 
+/* The share that was told last, and when. */
+struct orl_told {
+    double share, at_s;
+};
+
 struct orl_run_state {
     const struct orl_job *job;
     const struct orl_run_env *env;
@@ -36,12 +41,13 @@ struct orl_run_state {
     bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
     struct orl_search *searches;    /* one per crew member */
-    double cost_s[ORL_STAGE_COUNT]; /* guessed, for the job's percentage (ahead.h) */
-    double *told;                   /* of the whole run, so far: it never falls */
+    double cost_s[ORL_STAGE_COUNT]; /* foreseen, of the run or of the round under way (ahead.h) */
+    double after_s;                 /* likewise, of the rounds after it */
+    struct orl_told *told;          /* of the whole run */
     enum orl_stage stage;
     double stage_started;
     double started_s; /* of the run */
-    double ends_s;    /* of a job with a goal: when it is thought to end; 0: not known yet */
+    double ends_s;    /* of a job for a deadline, until its last round: the deadline; else 0 */
     const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
     const struct orl_sensor_round *sensor_round; /* NULL: as the job has it */
     struct orl_rays *rays; /* of the sensors, in lux, for what is rare; owned */
@@ -62,10 +68,13 @@ void orl_run_leave(struct orl_run_state *state);
 /* Books seconds of the stage under way, just spent, to that one instead. */
 void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seconds);
 void orl_run_progress(const struct orl_run_state *state, double fraction);
-/* Tells whoever waits; job_fraction is of the run itself, which may be a part of something larger.
- */
+/* Tells whoever waits; the share and the seconds, gone by and left, are of the run itself, which
+ * may be a part of something larger. */
+struct orl_run_report {
+    double share, elapsed_s, left_s;
+};
 void orl_run_report(const struct orl_run_env *env, enum orl_stage stage, double fraction,
-                    double job_fraction);
+                    const struct orl_run_report *report);
 void orl_run_warn(struct orl_run_state *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
@@ -178,6 +187,8 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 /* What the job is going to cost, roughly, once its sensors are known; and again when its photons
  * are: into state->cost_s. */
 void orl_run_guess_costs(struct orl_run_state *state);
+/* Of the sensors' time, what such a share of their samples takes. */
+double orl_run_sensors_time(const struct orl_run_state *state, double taken);
 /* The part of the render stage that is the sensors'. */
 double orl_run_sensors_share(const struct orl_run_state *state);
 /* And so what the whole of it will take, into the foresight of its plan. */

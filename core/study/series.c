@@ -31,11 +31,15 @@ static double now_s(void *ctx)
     return env->now_s(env->ctx);
 }
 
-static void progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
+/* Runs to come take as long as those before, by their costs; the first of all is one of them. */
+static void progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                     double left_s)
 {
     struct orl_series_env *env = ((const struct run *)ctx)->env;
+    const double elapsed = now_s(ctx) - env->started_s, done = env->before + env->share;
     (void)stage, (void)stage_fraction;
     env->step.fraction = (env->before + env->share * job_fraction) / env->all;
+    env->step.left_s = left_s + (elapsed + left_s) * (env->all - done) / done;
     if (env->env->progress)
         env->env->progress(env->env->ctx, &env->step);
 }
@@ -205,6 +209,8 @@ int orl_series_run(struct orl_series_env *env, const struct orl_study_setting *s
     int code = 0;
     if (!series.values || !series.stages_s || !series.total_s)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (!(env->before > 0))
+        env->started_s = env->env->now_s(env->env->ctx);
     env->share = orl_series_cost(env->request, setting);
     env->step.setting = *setting;
     env->step.runs = n_runs;

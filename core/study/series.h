@@ -32,6 +32,7 @@ struct orl_series_env {
     const struct orl_study_env *env;
     char folder[4096];          /* for maps and images */
     double before, share, all;  /* of the whole study's cost: runs that ended, this one, all */
+    double started_s;           /* the study's first run */
     struct orl_study_step step; /* for progress */
     char ***warnings;           /* where new ones go */
     size_t *n_warnings;

@@ -45,7 +45,7 @@ static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job 
     else if (progress.step.runs > 0)
         event.stage = orl_study_step_name(&progress.step);
     event.permille = (int)(1000 * progress.job_fraction);
-    event.eta_s = orl_job_eta_s(job, &progress);
+    event.eta_s = round(10 * progress.eta_s) / 10;
     event.rounds = progress.outcome.asked ? progress.outcome.rounds : progress.year.rounds;
     event.views = progress.n_views;
     event.skies = progress.skies_done;

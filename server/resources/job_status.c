@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/eta.h>
-
 #include "annual_json.h"
 #include "encode.h"
 #include "json_read.h"
@@ -23,13 +21,9 @@ json_t *orl_job_time(int64_t ms)
     return json_string(text);
 }
 
-double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_job_progress *progress)
+json_t *orl_job_eta(const struct orl_job_progress *progress)
 {
-    const double now = orl_time_steady_s();
-    const double told = progress->told_s > 0 ? progress->told_s : now;
-    const double left = orl_eta_s(progress->job_fraction, progress->first_fraction,
-                                  told - job->started_s, now - told);
-    return round(10 * left) / 10;
+    return orl_json_from_real(round(10 * progress->eta_s) / 10);
 }
 
 json_t *orl_job_tags(const struct orl_jobs_job *job)
@@ -164,7 +158,7 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     orl_worker_progress(orl_jobs_worker(job), &progress);
     rc |= add_kind[job->row.kind](doc, &progress);
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
-    rc |= json_object_set_new(doc, "eta_s", orl_json_from_real(orl_job_eta_s(job, &progress)));
+    rc |= json_object_set_new(doc, "eta_s", orl_job_eta(&progress));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
     rc |= json_object_set_new(doc, "shared", json_boolean(job->leader || job->followers));
     return rc;

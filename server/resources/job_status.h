@@ -39,7 +39,7 @@ json_t *orl_job_time(int64_t ms);
 /* The warnings so far of one that runs. A new reference. */
 json_t *orl_job_warnings(const struct orl_job_progress *progress);
 
-/* Seconds that a running job has left, going by the share that it has done; NaN: not known yet. */
-double orl_job_eta_s(const struct orl_jobs_job *job, const struct orl_job_progress *progress);
+/* Seconds that a running job has left, to a tenth, or null. A new reference. */
+json_t *orl_job_eta(const struct orl_job_progress *progress);
 
 #endif

@@ -26,7 +26,7 @@ static struct running look(const struct orl_jobs_job *job)
     else if (progress.step.runs > 0)
         seen.stage = orl_study_step_name(&progress.step);
     seen.percent = floor(1000 * progress.job_fraction) / 10;
-    seen.eta_s = round(orl_job_eta_s(job, &progress));
+    seen.eta_s = round(progress.eta_s);
     if (progress.outcome.asked)
         seen.error = progress.outcome.achieved;
     return seen;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "health/blame.h"
+#include "process/times.h"
 #include "runner/worker_run.h"
 
 enum { RENDER_NICE = 10 };
@@ -71,7 +72,6 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     worker->spec = *spec;
-    atomic_init(&worker->first_ppm, -1);
     memset(&spec->bundle, 0, sizeof spec->bundle);
     pthread_mutex_init(&worker->news_mutex, NULL);
     worker->crew = orl_crew_new(spec->threads);
@@ -107,10 +107,9 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_job_progress *ret
     ret_progress->stage = (enum orl_stage)atomic_load(&worker->stage);
     ret_progress->stage_fraction = atomic_load(&worker->stage_ppm) / (double)ORL_WORKER_WHOLE;
     ret_progress->job_fraction = atomic_load(&worker->job_ppm) / (double)ORL_WORKER_WHOLE;
-    ret_progress->told_s = atomic_load(&worker->told_s);
-    ret_progress->first_fraction = atomic_load(&worker->first_ppm) / (double)ORL_WORKER_WHOLE;
     ret_progress->technique = (enum orl_technique)atomic_load(&worker->technique);
     pthread_mutex_lock(&worker->news_mutex);
+    ret_progress->eta_s = orl_eta_s(&worker->eta, orl_time_steady_s());
     ret_progress->n_maps = worker->n_maps;
     memcpy(ret_progress->maps, worker->maps, sizeof worker->maps);
     ret_progress->outcome = worker->rounds;

@@ -63,8 +63,7 @@ struct orl_worker_spec {
 struct orl_job_progress {
     enum orl_stage stage;
     double stage_fraction, job_fraction;
-    double first_fraction;        /* what the job began with: parts kept from before */
-    double told_s;                /* when that was, by the steady clock; 0: nothing was told yet */
+    double eta_s;                 /* seconds that the job is thought to have left; NaN: not known */
     enum orl_technique technique; /* ORL_TECHNIQUE_AUTO until the plan is made */
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;

@@ -19,15 +19,21 @@ static int to_ppm(double fraction)
     return fraction >= 1 ? ORL_WORKER_WHOLE : fraction > 0 ? (int)(fraction * ORL_WORKER_WHOLE) : 0;
 }
 
-static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
+void orl_worker_take_left(struct orl_worker *worker, double left_s)
+{
+    pthread_mutex_lock(&worker->news_mutex);
+    orl_eta_take(&worker->eta, left_s, orl_time_steady_s());
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                        double left_s)
 {
     struct orl_worker *worker = ctx;
-    int unknown = -1;
     atomic_store(&worker->stage, (int)stage);
     atomic_store(&worker->stage_ppm, to_ppm(stage_fraction));
     atomic_store(&worker->job_ppm, to_ppm(job_fraction));
-    atomic_store(&worker->told_s, orl_time_steady_s());
-    atomic_compare_exchange_strong(&worker->first_ppm, &unknown, to_ppm(job_fraction));
+    orl_worker_take_left(worker, left_s);
 }
 
 static void on_plan_ready(void *ctx, const struct orl_plan *plan)

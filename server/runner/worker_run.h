@@ -9,6 +9,8 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+#include <oriel/eta.h>
+
 #include "runner/job_output.h"
 #include "runner/worker.h"
 
@@ -31,9 +33,8 @@ struct orl_worker {
     atomic_bool cancel, stopped;
     bool keeps; /* parts that are done, when stopped; the lead's */
     atomic_int stage, stage_ppm, job_ppm, technique;
-    atomic_int first_ppm;  /* job_ppm as it was first, or -1 */
-    _Atomic double told_s; /* when job_ppm was told, by the steady clock */
     pthread_mutex_t news_mutex;
+    struct orl_eta eta; /* by the steady clock */
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
     struct orl_outcome rounds; /* as the last round left it */
@@ -69,6 +70,8 @@ int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
 
 /* What orl_run is to tell of a job without several skies, and of one sky. */
 struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_files *files);
+/* News of the seconds that the job has left; NaN is none. */
+void orl_worker_take_left(struct orl_worker *worker, double left_s);
 /* Shows the files that are done. */
 void orl_worker_show_files(struct orl_worker *worker);
 /* Adds what a run met with, however it ended, and the seconds of one that went well. */

@@ -14,7 +14,7 @@ static void on_study_progress(void *ctx, const struct orl_study_step *step)
 {
     struct orl_worker *worker = ctx;
     atomic_store(&worker->job_ppm, (int)(ORL_WORKER_WHOLE * step->fraction));
-    atomic_store(&worker->told_s, orl_time_steady_s());
+    orl_worker_take_left(worker, step->left_s);
     pthread_mutex_lock(&worker->news_mutex);
     worker->step = *step;
     pthread_mutex_unlock(&worker->news_mutex);

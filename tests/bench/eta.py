@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """`make eta`: what the daemon says of the time that jobs still take, beside the time they took.
 
-Usage: eta.py BUILD_DIR [NAME...]
+Usage: eta.py BUILD_DIR [--own] [NAME...]
 
 Ten jobs, one after the other, polled twenty times a second. A row of each: its seconds; what was
 said to be left after a tenth and after half of them, beside the truth; the worst factor between the
@@ -10,6 +10,9 @@ said first, and the longest time that percent stood still. Fails when the factor
 a second is forgiven, or the end would be divided by nothing), when more than one poll in twenty saw
 it rise, or when a job for a deadline left more than a tenth of it, unless its reason is that
 nothing was to be gained.
+
+With --own no daemon is asked: each job runs on one thread of a process of its own, by whose
+processor time it is judged (eta_course.c), so that other work on the machine does not show.
 """
 
 import json
@@ -100,6 +103,20 @@ def follow(job):
         time.sleep(POLL_S)
 
 
+def run_alone(build, document, folder):
+    """The same of a job by its own processor time."""
+    with open(os.path.join(folder, "job.json"), "w") as stream:
+        json.dump(document, stream)
+    course = subprocess.run([os.path.join(build, "tests/bench/eta_course"), folder],
+                            stdout=subprocess.PIPE, text=True)
+    lines = [line.split() for line in course.stdout.splitlines()]
+    seen = [(float(t), None if eta == "nan" else float(eta), 100 * float(fraction))
+            for kind, t, fraction, eta in (line for line in lines if line[0] == "poll")]
+    if course.returncode != 0:
+        return seen, seen[-1][0], {"state": "failed"}
+    return seen, float(lines[-1][1]), {"state": "succeeded"}
+
+
 def at(seen, moment):
     told = [eta for t, eta, percent in seen if t >= moment]
     return told[0] if told and told[0] is not None else math.nan
@@ -133,19 +150,21 @@ def judge(seen, seconds, status, deadline_s):
 
 
 def main():
-    build, names = sys.argv[1], sys.argv[2:]
+    build, names = sys.argv[1], [name for name in sys.argv[2:] if name != "--own"]
+    own = "--own" in sys.argv
     os.environ["ORIEL_BUILD"] = build
     folder, failed = prepare(build), 0
-    daemon = Daemon(None, "--threads", "2")
-    client = oriel.Client("http://127.0.0.1:%d" % daemon.port)
+    daemon = None if own else Daemon(None, "--threads", "2")
+    client = daemon and oriel.Client("http://127.0.0.1:%d" % daemon.port)
     print("  %-26s %7s %15s %15s %7s %6s %7s %7s" % (
         "job", "s", "left at 10 %", "left at 50 %", "factor", "rises", "first s", "still s"))
     try:
         for name, document in JOBS.items():
             if names and name not in names:
                 continue
-            job = client.submit(client._prepared(document, folder))
-            seen, seconds, status = follow(job)
+            seen, seconds, status = (
+                run_alone(build, document, folder) if own
+                else follow(client.submit(client._prepared(document, folder))))
             deadline_s = document.get("accuracy", {}).get("deadline_s")
             worst, rises, first, good = judge(seen, seconds, status, deadline_s)
             failed += not good
@@ -158,9 +177,10 @@ def main():
                 with open(os.environ["ORIEL_ETA_TRACE"], "a") as stream:
                     stream.write(json.dumps({"name": name, "seen": seen, "s": seconds}) + "\n")
     finally:
-        daemon.process.kill()
         shutil.rmtree(folder)
-        shutil.rmtree(daemon.folder, ignore_errors=True)
+        if daemon:
+            daemon.process.kill()
+            shutil.rmtree(daemon.folder, ignore_errors=True)
     sys.exit(failed > 0)
 
 

@@ -39,7 +39,8 @@ struct scene_run {
     atomic_bool *cancel;         /* NULL: nobody cancels */
     /* NULL: the machine's clock; no one is told. All get ctx. */
     double (*now_s)(void *ctx);
-    void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
+    void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                     double left_s);
     void (*round_ready)(void *ctx, const struct orl_result *result);
     void *ctx;
 };

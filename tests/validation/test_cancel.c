@@ -21,10 +21,11 @@ struct trap {
     double at;
 };
 
-static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                        double left_s)
 {
     struct trap *trap = ctx;
-    (void)job_fraction;
+    (void)job_fraction, (void)left_s;
     if (stage + stage_fraction >= trap->at)
         atomic_store(&trap->cancel, true);
 }

@@ -30,9 +30,11 @@ static double now_s(void *ctx)
     return log->now += 0.01;
 }
 
-static void take(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction)
+static void take(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                 double left_s)
 {
     struct log *log = ctx;
+    assert_true(left_s >= 0 && isfinite(left_s));
     log->first = log->calls == 0 ? job_fraction : log->first;
     log->falls += job_fraction < log->last;
     log->last = job_fraction;

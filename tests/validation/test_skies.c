@@ -50,10 +50,11 @@ static double now_s(void *ctx)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double fraction)
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double fraction,
+                        double left_s)
 {
     struct fixture *f = ctx;
-    (void)stage, (void)stage_fraction;
+    (void)stage, (void)stage_fraction, (void)left_s;
     assert_true(fraction >= f->fraction - 1e-9 && fraction < 1 + 1e-9);
     f->fraction = fraction;
 }

@@ -288,11 +288,14 @@ struct orl_run_env {
     const char *output_folder; /* exists; images are written here */
     const char *file_prefix;   /* in front of the names of files written there; NULL: none */
     double part_from, part; /* the job's share in a larger one, for progress; 0: it is the whole */
-    atomic_bool *cancel;    /* borrowed; polled per batch and tile */
+    double part_after_s; /* what comes after it is thought to take; 0: as long, share for share */
+    atomic_bool *cancel; /* borrowed; polled per batch and tile */
     double (*now_s)(void *ctx); /* a steady clock */
-    /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job: that
-     * is of its time, as it is thought to be, and never falls (oriel/eta.h). */
-    void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction);
+    /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job, and
+     * the seconds that are thought to be left of it. The job's fraction never falls, and gets to 1
+     * when they are over; they may rise (oriel/eta.h). */
+    void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                     double left_s);
     /* Called by the lead thread once the plan is made. May be NULL. */
     void (*plan_ready)(void *ctx, const struct orl_plan *plan);
     /* Called by the lead thread when there is a warning, maybe more than once with the same; the

@@ -154,6 +154,7 @@ struct orl_study_step {
     struct orl_study_setting setting;
     uint32_t run, runs; /* the seed it is at, from 1, and how many there are */
     double fraction;    /* of the whole study, by what its runs are thought to cost */
+    double left_s;      /* of it, likewise, from what they took so far */
 };
 const char *orl_study_step_name(const struct orl_study_step *step); /* "reference", "gather", ... */
 

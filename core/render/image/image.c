@@ -40,7 +40,8 @@ struct painter {
     struct orl_grain grain;
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
-    uint64_t *seen; /* of every second pixel, by lattices' points */
+    double before, share; /* of the view's progress: earlier rounds', this one's */
+    uint64_t *seen;       /* of every second pixel, by lattices' points */
     struct row *rows;
     struct orl_record *wanted;
     size_t n_wanted, first_record;
@@ -225,6 +226,13 @@ static int join_rows(struct painter *p, size_t rows)
     return wanted && !short_of_memory ? 0 : ORL_ERR_NOMEM;
 }
 
+static void tell_of_records(const struct painter *p)
+{
+    const size_t end = p->first_record + RECORDS_A_ROUND;
+    const double part = end < p->n_wanted ? (double)end / (double)p->n_wanted : 1;
+    p->painting->env->progress(p->painting->env->ctx, p->before + p->share * part);
+}
+
 static int compute_wanted(struct painter *p)
 {
     for (p->first_record = 0; p->first_record < p->n_wanted; p->first_record += RECORDS_A_ROUND) {
@@ -233,6 +241,7 @@ static int compute_wanted(struct painter *p)
                      compute_record, p);
         if (cancelled(p))
             return ORL_ERR_CANCELLED;
+        tell_of_records(p);
     }
     /* p->wanted is freed in orl_image_render, which the analyzer cannot see from here. */
     /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */
@@ -245,16 +254,24 @@ static int compute_wanted(struct painter *p)
     return code;
 }
 
-/* Rounds from a coarse lattice to every pixel: the first half of the view's progress. */
+/* What records take of a view's time, roughly; all rounds about as much. */
+static double share_of_records(const struct painter *p)
+{
+    return p->gather->rest == ORL_REST_GATHERED ? 0.6 : 0.35;
+}
+
+/* Rounds from a coarse lattice to every pixel. */
 static int place_records(struct painter *p)
 {
     const struct orl_film *film = p->painting->film;
     int code = 0;
-    double done = 0;
     const size_t across = (film->width + 1) / 2, down = (film->height + 1) / 2;
     p->seen = calloc(across * down, sizeof *p->seen);
     if (!p->seen)
         return ORL_ERR_NOMEM;
+    for (uint32_t step = COARSEST_STEP; step >= finest_step(p); step /= 2)
+        p->share++;
+    p->share = share_of_records(p) / p->share;
     for (p->step = COARSEST_STEP; p->step >= finest_step(p) && code == 0; p->step /= 2) {
         const size_t rows = (film->height + p->step - 1) / p->step;
         p->rows = calloc(rows, sizeof *p->rows);
@@ -265,8 +282,8 @@ static int place_records(struct painter *p)
         free(p->rows);
         if (code == 0)
             code = compute_wanted(p);
-        done += 0.1;
-        p->painting->env->progress(p->painting->env->ctx, done);
+        p->before += p->share;
+        p->painting->env->progress(p->painting->env->ctx, p->before);
     }
     return code < 0 ? code
                     : orl_icache_fit(&p->cache, p->gather->world->geometry, p->painting->env->crew);
@@ -294,7 +311,7 @@ static int paint_pixels(const struct painter *p)
                                 .seed = seed_of(p),
                                 .outside = p->outside,
                                 .failed = &failed};
-    const int code = orl_paint_tiles(p->painting, orl_mosaic_paint, &mosaic, 0.5);
+    const int code = orl_paint_tiles(p->painting, orl_mosaic_paint, &mosaic, p->before);
     return code == 0 && atomic_load(&failed) ? ORL_ERR_NOMEM : code;
 }
 

@@ -1,6 +1,9 @@
 #include "render/image/paint.h"
 
+#include <math.h>
 #include <stdatomic.h>
+
+#include "base/scatter.h"
 
 enum { TILES_A_ROUND = 64 };
 
@@ -8,7 +11,7 @@ struct tiles {
     const struct orl_painting *painting;
     orl_paint_tile *paint;
     void *ctx;
-    size_t first, across, all;
+    size_t first, across, all, stride;
     atomic_size_t done;
     double before; /* of the view */
 };
@@ -42,11 +45,19 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
+/* By the lead, which alone tells: tiles that are done, and how much of its own. */
+static void tell(const struct tiles *tiles, double of_own)
+{
+    const struct orl_paint_env *env = tiles->painting->env;
+    const double done = ((double)atomic_load(&tiles->done) + of_own) / (double)tiles->all;
+    env->progress(env->ctx, tiles->before + (1 - tiles->before) * fmin(done, 1));
+}
+
 static void paint_tile(void *arg, size_t index, uint32_t member)
 {
     struct tiles *tiles = arg;
     const struct orl_painting *painting = tiles->painting;
-    const size_t tile = tiles->first + index;
+    const size_t tile = orl_scatter(tiles->first + index, tiles->stride, tiles->all);
     const uint32_t x = (uint32_t)(tile % tiles->across) * ORL_PAINT_TILE;
     const uint32_t y = (uint32_t)(tile / tiles->across) * ORL_PAINT_TILE;
     const struct orl_tile at = {x, y, least(x + ORL_PAINT_TILE, painting->film->width),
@@ -54,24 +65,22 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
     if (orl_paint_cancelled(painting->env))
         return;
     tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
-    const size_t done = atomic_fetch_add(&tiles->done, 1) + 1;
-    if (member == 0) /* the lead, which alone tells */
-        painting->env->progress(painting->env->ctx, tiles->before + (1 - tiles->before) *
-                                                                        (double)done /
-                                                                        (double)tiles->all);
+    atomic_fetch_add(&tiles->done, 1);
+    if (member == 0)
+        tell(tiles, 0);
 }
 
-int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *paint, void *ctx,
-                    double before)
+static int paint_all(struct tiles *tiles)
 {
+    const struct orl_painting *painting = tiles->painting;
     const struct orl_film *film = painting->film;
-    struct tiles tiles = {.painting = painting, .paint = paint, .ctx = ctx, .before = before};
-    tiles.across = (film->width + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE;
-    tiles.all = tiles.across * ((film->height + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE);
-    for (tiles.first = 0; tiles.first < tiles.all; tiles.first += TILES_A_ROUND) {
-        const size_t left = tiles.all - tiles.first;
+    tiles->across = (film->width + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE;
+    tiles->all = tiles->across * ((film->height + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE);
+    tiles->stride = orl_scatter_stride(tiles->all);
+    for (tiles->first = 0; tiles->first < tiles->all; tiles->first += TILES_A_ROUND) {
+        const size_t left = tiles->all - tiles->first;
         orl_crew_for(painting->env->crew, left < TILES_A_ROUND ? left : TILES_A_ROUND, paint_tile,
-                     &tiles);
+                     tiles);
         if (orl_paint_cancelled(painting->env))
             return ORL_ERR_CANCELLED;
     }
@@ -79,8 +88,16 @@ int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *paint, 
     return 0;
 }
 
+int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *paint, void *ctx,
+                    double before)
+{
+    struct tiles tiles = {.painting = painting, .paint = paint, .ctx = ctx, .before = before};
+    return paint_all(&tiles);
+}
+
 struct pixels {
     const struct orl_painting *painting;
+    const struct tiles *tiles;
     orl_paint_pixel *pixel;
     void *ctx;
 };
@@ -95,11 +112,16 @@ static void paint_pixels(void *ctx, const struct orl_tile *tile, struct orl_sear
             const struct orl_pixel pixel = pixels->pixel(pixels->ctx, x, y, search);
             orl_film_set(pixels->painting->film, x, y, &pixel, &search->health);
         }
+        if (search == &pixels->painting->env->searches[0] && y + 1 < tile->y1)
+            tell(pixels->tiles, (double)(y + 1 - tile->y0) / (tile->y1 - tile->y0));
     }
 }
 
 int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx, double before)
 {
-    struct pixels pixels = {painting, pixel, ctx};
-    return orl_paint_tiles(painting, paint_pixels, &pixels, before);
+    struct pixels pixels = {painting, NULL, pixel, ctx};
+    struct tiles tiles = {
+        .painting = painting, .paint = paint_pixels, .ctx = &pixels, .before = before};
+    pixels.tiles = &tiles;
+    return paint_all(&tiles);
 }

@@ -1,0 +1,34 @@
+/*
+ * An order of numbers in which every stretch is spread over all of them: multiples of a stride near
+ * the golden section of their count, and coprime to it. What is worked through in it is worked
+ * through evenly, so that a part that is done tells what the rest takes.
+ */
+#ifndef ORL_BASE_SCATTER_H
+#define ORL_BASE_SCATTER_H
+
+#include <stddef.h>
+
+/* Of so many numbers. */
+static inline size_t orl_scatter_stride(size_t count)
+{
+    size_t stride = (size_t)(0.6180339887498949 * (double)count);
+    for (; stride > 1; stride--) {
+        size_t a = count, b = stride;
+        while (b > 0) {
+            const size_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a == 1)
+            return stride;
+    }
+    return 1;
+}
+
+/* The index-th of them. Counts are below 2^32. */
+static inline size_t orl_scatter(size_t index, size_t stride, size_t count)
+{
+    return (index * stride) % count;
+}
+
+#endif

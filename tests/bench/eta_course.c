@@ -1,0 +1,104 @@
+/*
+ * The course of one job by its own processor time, on one thread: what it thought to have left, and
+ * how much of it was done, whenever it told. Other work on the machine does not show.
+ *
+ * Usage: eta_course FOLDER, where the job is in FOLDER/job.json. Prints a line of each report,
+ * "report seconds stage stage_fraction fraction left_s", of what is said twenty times a second,
+ * "poll seconds fraction eta_s", and at last "end seconds".
+ */
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <oriel/eta.h>
+#include <oriel/skies.h>
+
+#include "bench/bench.h"
+#include "task_json.h"
+
+struct course {
+    double started_s, polled_s, fraction;
+    struct orl_eta eta;
+};
+
+/* Those that are due before the next report. */
+static void poll_until(struct course *course, double now)
+{
+    const double every_s = 0.05;
+    for (; course->polled_s < now; course->polled_s += every_s)
+        printf("poll %.4f %.6f %.5f\n", course->polled_s - course->started_s, course->fraction,
+               orl_eta_s(&course->eta, course->polled_s));
+}
+
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                        double left_s)
+{
+    struct course *course = ctx;
+    const double now = bench_cpu_s(NULL);
+    poll_until(course, now);
+    orl_eta_take(&course->eta, left_s, now);
+    course->fraction = job_fraction;
+    printf("report %.4f %s %.5f %.6f %.5f\n", now - course->started_s, orl_stage_name(stage),
+           stage_fraction, job_fraction, left_s);
+}
+
+static int on_sky_done(void *ctx, size_t index, const struct orl_result *result,
+                       struct orl_error *err)
+{
+    (void)ctx, (void)index, (void)result, (void)err;
+    return 0;
+}
+
+static struct orl_task read_task(const char *folder)
+{
+    char path[BENCH_PATH];
+    struct orl_error err = {0};
+    struct orl_task task;
+    snprintf(path, sizeof path, "%s/job.json", folder);
+    json_t *doc = json_load_file(path, 0, NULL);
+    if (!doc || orl_task_from_json(doc, ORL_JOB_LOCAL, &task, NULL, &err) < 0)
+        bench_fail(path, &err);
+    json_decref(doc);
+    return task;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 2)
+        return 2;
+    struct orl_task task = read_task(argv[1]);
+    struct course course = {.started_s = bench_cpu_s(NULL), .polled_s = bench_cpu_s(NULL)};
+    struct orl_folder_store maps;
+    struct orl_result result = {0};
+    struct orl_error err = {0};
+    atomic_bool cancel = false;
+    char output[BENCH_PATH];
+    bench_make_folder(output);
+    snprintf(maps.folder, sizeof maps.folder, "%s", output);
+    const struct orl_map_store store = orl_map_store_in_folder(&maps);
+    const struct orl_files files = orl_files_from_folder(argv[1]);
+    const struct orl_skies_env skies = {.done = on_sky_done};
+    const struct orl_run_env env = {.crew = orl_crew_start(1),
+                                    .files = &files,
+                                    .store = &store,
+                                    .output_folder = output,
+                                    .cancel = &cancel,
+                                    .now_s = bench_cpu_s,
+                                    .progress = on_progress,
+                                    .ctx = &course};
+    const struct orl_job *job = &task.of.render;
+    const int code = job->n_skies > 0 ? orl_run_skies(job, &env, &skies, &err)
+                                      : orl_run(job, &env, &result, &err);
+    if (code < 0)
+        bench_fail("the job", &err);
+    const double ended = bench_cpu_s(NULL);
+    poll_until(&course, ended);
+    printf("end %.4f\n", ended - course.started_s);
+    if (result.outcome.asked)
+        fprintf(stderr, "%s\n", result.outcome.why);
+    orl_result_done(&result);
+    orl_crew_stop(env.crew);
+    orl_task_done(&task);
+    bench_remove_folder(output);
+    return 0;
+}
