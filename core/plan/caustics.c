@@ -47,11 +47,11 @@ static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit
     const struct orl_lit_class *curved = &lit->classes[ORL_LIT_CURVED];
     const bool outside = may_light_outside(survey);
     const bool needed = flat->facets + curved->facets > 0 && (any_lit(lit) || outside);
-    const struct orl_finding finding = {.needed = needed,
-                                        .unit = ORL_BOUND_LX,
-                                        .bound = needed ? mirror_bound(survey, lit) : 0,
-                                        .saved_s =
-                                            flat->facets + curved->facets > 0 ? map_s(survey) : 0};
+    const struct orl_finding finding = {
+        .needed = needed,
+        .unit = ORL_BOUND_LX,
+        .bound = needed ? mirror_bound(survey, lit) : 0,
+        .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_s(survey) : 0};
     if (lit->lights == 0)
         return orl_settle(decision, &finding, "there are %zu suns and lamps to be mirrored",
                           lit->lights);
@@ -60,9 +60,9 @@ static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit
                           flat->facets + curved->facets);
     if (!needed)
         return orl_settle(decision, &finding,
-                          "none of %zu surfaces that mirror or refract is lit inside by a sun or "
+                          "none of %zu surface%s that mirror or refract is lit inside by a sun or "
                           "lamp",
-                          flat->facets + curved->facets);
+                          flat->facets + curved->facets, orl_plural(flat->facets + curved->facets));
     return orl_settle(decision, &finding,
                       "of %zu flat and %zu curved surfaces that mirror or refract some are lit%s; "
                       "they send on up to %.3g %%",
@@ -80,7 +80,7 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
         .needed = needed,
         .unit = ORL_BOUND_LX,
         .bound = needed ? lobes->share * (survey->sun_lx + survey->lamp_lx) : 0,
-        .saved_s = lobes->facets > 0 ? map_s(survey) : 0};
+        .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_s(survey) : 0};
     if (lit->lights == 0)
         return orl_settle(decision, &finding, "there are %zu suns and lamps to be scattered",
                           lit->lights);
@@ -88,13 +88,13 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
         return orl_settle(decision, &finding, "%zu surfaces scatter into lobes", lobes->facets);
     if (!needed)
         return orl_settle(decision, &finding,
-                          "none of %zu surfaces that scatter into lobes is lit inside by a sun or "
+                          "none of %zu surface%s that scatter into lobes is lit inside by a sun or "
                           "lamp",
-                          lobes->facets);
+                          lobes->facets, orl_plural(lobes->facets));
     return orl_settle(decision, &finding,
-                      "of %zu surfaces that scatter into lobes some are lit; they send on up to "
+                      "of %zu surface%s that scatter into lobes some are lit; they send on up to "
                       "%.3g %%",
-                      lobes->facets, 100 * lobes->share);
+                      lobes->facets, orl_plural(lobes->facets), 100 * lobes->share);
 }
 
 static bool is_glass(const struct orl_material *m)
@@ -111,8 +111,10 @@ static void decide_glass(const struct orl_survey *survey, struct orl_decision *d
     decision->simulated = true;
     const struct orl_finding finding = {.needed = panes > 0, .unit = ORL_BOUND_LX, .bound = 0};
     orl_settle(decision, &finding,
-               "%zu panes let light straight through: shadow rays see to that, exactly, without "
-               "photons",
+               panes == 1 ? "%zu pane lets light straight through: shadow rays see to that, "
+                            "exactly, without photons"
+                          : "%zu panes let light straight through: shadow rays see to that, "
+                            "exactly, without photons",
                panes);
     decision->simulated = panes > 0 || decision->wish == ORL_WISH_FORCE;
 }

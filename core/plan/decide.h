@@ -26,6 +26,12 @@ struct orl_finding {
 bool orl_settle(struct orl_decision *decision, const struct orl_finding *finding,
                 const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* The end of a noun of which there are so many. */
+static inline const char *orl_plural(size_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
 /* glossy, media, refraction: changes materials. */
 void orl_decide_materials(struct orl_survey *survey, struct orl_plan *plan);
 /* sun, sky, lamps: takes them out. */

@@ -22,23 +22,24 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
     }
     if (job->n_views > 0 || survey->request->n_sensors == 0) {
         snprintf(ret_why, ORL_WHY_MAX,
-                 "%zu views: an image is smooth soonest by a final gather to a photon map",
-                 job->n_views);
+                 "%zu view%s: an image is smooth soonest by a final gather to a photon map",
+                 job->n_views, orl_plural(job->n_views));
         return ORL_TECHNIQUE_GATHER;
     }
     if (orl_lit_by_chance(lit, &survey->world->images)) {
-        snprintf(ret_why, ORL_WHY_MAX,
-                 "%zu mirrors or lenses that paths from the %zu sensors would find by chance "
-                 "only: photons find them",
-                 lit->classes[ORL_LIT_CURVED].facets + lit->classes[ORL_LIT_FLAT].facets,
-                 survey->request->n_sensors);
+        snprintf(
+            ret_why, ORL_WHY_MAX,
+            "mirrors or lenses that paths from the %zu sensor%s would find by chance only (%zu "
+            "of them): photons find them",
+            survey->request->n_sensors, orl_plural(survey->request->n_sensors),
+            lit->classes[ORL_LIT_CURVED].facets + lit->classes[ORL_LIT_FLAT].facets);
         return ORL_TECHNIQUE_GATHER;
     }
     snprintf(
         ret_why, ORL_WHY_MAX,
-        "%zu sensors and no view: paths are exact on average; photons become virtual lamps for "
+        "%zu sensor%s and no view: paths are exact on average; photons become virtual lamps for "
         "them, and no map is kept",
-        survey->request->n_sensors);
+        survey->request->n_sensors, orl_plural(survey->request->n_sensors));
     return ORL_TECHNIQUE_BACKWARD;
 }
 
@@ -69,9 +70,10 @@ static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_FINAL_GATHER];
     const bool gathers = plan->technique == ORL_TECHNIQUE_GATHER;
     const struct orl_finding finding = {.needed = gathers, .unit = ORL_BOUND_NONE};
-    orl_settle(decision, &finding, "technique %s, for %zu sensors and %zu views",
-               orl_technique_name(plan->technique), survey->request->n_sensors,
-               survey->request->job->n_views);
+    const size_t sensors = survey->request->n_sensors, views = survey->request->job->n_views;
+    orl_settle(decision, &finding, "technique %s, for %zu sensor%s and %zu view%s",
+               orl_technique_name(plan->technique), sensors, orl_plural(sensors), views,
+               orl_plural(views));
     decision->simulated = gathers;
 }
 
@@ -214,7 +216,8 @@ void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
         views += job->views[i].metrics != 0;
     struct orl_decision *glare = &plan->effects[ORL_EFFECT_GLARE];
     struct orl_decision *bins = &plan->effects[ORL_EFFECT_BINS];
-    orl_settle(glare, &asked, "%zu of %zu views ask for a glare metric", views, job->n_views);
+    orl_settle(glare, &asked, "%zu of %zu view%s ask%s for a glare metric", views, job->n_views,
+               orl_plural(job->n_views), views == 1 ? "s" : "");
     orl_settle(bins, &nothing, "the job is for 1 moment, not for a year: light is not told apart");
     glare->simulated = rated;
     bins->simulated = false;

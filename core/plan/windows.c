@@ -69,19 +69,19 @@ static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
     if (world->open)
         finding.needed = true;
     if (!looks)
-        orl_settle(decision, &finding, "whatever stands before the %zu windows is followed",
-                   world->n_ports);
+        orl_settle(decision, &finding, "whatever stands before the %zu window%s is followed",
+                   world->n_ports, orl_plural(world->n_ports));
     else if (rho > 0)
         orl_settle(
             decision, &finding,
-            "surfaces reach beyond %zu of %zu windows, and up to %.3g %% is reflected; of the "
+            "surfaces reach beyond %zu of %zu window%s, and up to %.3g %% is reflected; of the "
             "light of the sky, %.2g %% comes in by way of them",
-            world->n_ports - survey->n_clear, world->n_ports, 100 * rho,
+            world->n_ports - survey->n_clear, world->n_ports, orl_plural(world->n_ports), 100 * rho,
             100 * share_reflected(survey));
     else
         orl_settle(decision, &finding,
-                   "no surface that reflects reaches beyond the plane of any of the %zu windows",
-                   world->n_ports);
+                   "no surface that reflects reaches beyond the plane of any of the %zu window%s",
+                   world->n_ports, orl_plural(world->n_ports));
     if (!decision->simulated)
         world->omit.exterior = survey->n_clear < world->n_ports;
 }
@@ -116,9 +116,10 @@ static void decide_ports(struct orl_survey *survey, struct orl_plan *plan)
         .unit = ORL_BOUND_LX,
         .bound = silent < world->n_ports ? survey->sun_lx + survey->sky_lx : 0};
     const bool all = plan->effects[ORL_EFFECT_PORTS].wish == ORL_WISH_FORCE;
-    const bool some = orl_settle(&plan->effects[ORL_EFFECT_PORTS], &finding,
-                                 "%zu of %zu windows face a sky, a sun, or surfaces outside",
-                                 world->n_ports - silent, world->n_ports);
+    const bool some = orl_settle(
+        &plan->effects[ORL_EFFECT_PORTS], &finding,
+        "%zu of %zu window%s face%s a sky, a sun, or surfaces outside", world->n_ports - silent,
+        world->n_ports, orl_plural(world->n_ports), world->n_ports - silent == 1 ? "s" : "");
     for (size_t i = 0; i < world->n_ports; i++)
         world->ports[i].silent = !some || (!all && is_silent(world, &world->ports[i]));
 }
@@ -190,14 +191,14 @@ static void decide_suns(struct orl_survey *survey, struct orl_plan *plan)
         orl_world_keep_suns(world, keep);
     free(keep);
     orl_settle(decision, &finding,
-               "%zu of %zu suns are in front of a window, or may be seen from where light is "
-               "asked for",
-               kept, all);
+               "%zu of %zu sun%s %s in front of a window, or may be seen from where light is asked "
+               "for",
+               kept, all, orl_plural(all), kept == 1 ? "is" : "are");
     if (kept == 0 && all > 0 && sun->wish == ORL_WISH_AUTO)
         orl_settle(sun, &finding,
-                   "none of the %zu suns is in front of a window, and nothing stands outside to "
+                   "none of the %zu sun%s is in front of a window, and nothing stands outside to "
                    "reflect them",
-                   all);
+                   all, orl_plural(all));
 }
 
 void orl_decide_windows(struct orl_survey *survey, struct orl_plan *plan)

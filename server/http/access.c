@@ -8,6 +8,7 @@
 #include "http/context.h"
 #include "http/guard.h"
 #include "http/links.h"
+#include "http/negotiate.h"
 #include "http/reply.h"
 #include "http/router.h"
 #include "http/sessions.h"
@@ -35,6 +36,23 @@ static bool is_own_scheme(const struct orl_request *request, bool https)
     return !proto || (strcasecmp(proto, "https") == 0) == https;
 }
 
+static bool has(const struct orl_request *request, const char *header, const char *value)
+{
+    const char *found = orl_request_header(request, header);
+    return found && strcasecmp(found, value) == 0;
+}
+
+/* As a browser says it of what its user goes to (Fetch Metadata): no frame, no picture, no script.
+ */
+static bool follows_link(const struct orl_request *request)
+{
+    const char *accept = orl_request_header(request, MHD_HTTP_HEADER_ACCEPT);
+    return strcmp(request->method, "GET") == 0 && strcmp(request->path, "/") == 0 &&
+           has(request, "Sec-Fetch-Mode", "navigate") &&
+           has(request, "Sec-Fetch-Dest", "document") &&
+           orl_negotiate_weight(accept, "text/html") > 0;
+}
+
 bool orl_access_check_origin(struct orl_request *request)
 {
     const struct orl_config *config = request->context->config;
@@ -43,6 +61,7 @@ bool orl_access_check_origin(struct orl_request *request)
         .origin = orl_request_header(request, MHD_HTTP_HEADER_ORIGIN),
         .fetch_site = orl_request_header(request, "Sec-Fetch-Site"),
         .forwarded = is_forwarded(request),
+        .follows_link = follows_link(request),
         .tokens = config->needs_token,
         .http = is_own_scheme(request, false),
         .https = is_own_scheme(request, true),

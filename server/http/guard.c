@@ -64,7 +64,7 @@ const char *orl_guard_check(const struct orl_guarded *request, bool *ret_allowed
         return *ret_allowed ? NULL : other_site;
     }
     /* A page's picture or script has no Origin: nobody knows then which page it is. */
-    if (!request->tokens && !orl_guard_is_ours(request->fetch_site))
+    if (!request->tokens && !request->follows_link && !orl_guard_is_ours(request->fetch_site))
         return other_site;
     return NULL;
 }

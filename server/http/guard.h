@@ -10,6 +10,10 @@
  * for
  * (--tokens always).
  *
+ * A browser may follow another page's link to the dashboard: as long as that is a GET of the one
+ * page that is the same for everybody, into a window of its own, which the page that had the link
+ * cannot look into (Cross-Origin-Opener-Policy), nothing is read or done by it.
+ *
  * With tokens any Host will do, and a browser may follow a link to here; but what says that another
  * origin's page has sent it is refused all the same.
  */
@@ -30,6 +34,7 @@ bool orl_guard_is_ours(const char *fetch_site);
 struct orl_guarded {
     const char *host, *origin, *fetch_site; /* Sec-Fetch-Site */
     bool forwarded;                         /* Forwarded, X-Forwarded-* or Via is there */
+    bool follows_link;                      /* to the dashboard's page, as above */
     bool tokens;                            /* are needed */
     bool http, https;                       /* what its own pages may have come by */
     const char *const *allowed;             /* origins of others: process/origin.h */

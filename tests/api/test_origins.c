@@ -385,6 +385,54 @@ static void test_command_line(void **state)
     assert_int_equal(system(many), 0);
 }
 
+/*
+ * A link of another page to the dashboard: the page comes, as typed. Anything else than going there
+ * is refused: other paths, methods, what is shown in a page's frame or read by its script, a Host
+ * of somebody else's.
+ */
+static void test_followed_link(void **state)
+{
+    struct fixture *f = *state;
+#define GOES "Sec-Fetch-Mode: navigate\r\nSec-Fetch-Dest: document\r\n"
+#define HTML "Accept: text/html,*/*;q=0.8\r\n"
+#define CROSS "Sec-Fetch-Site: cross-site\r\n"
+    static const struct {
+        const char *line, *headers;
+        long status;
+    } cases[] = {
+        {"GET /", OWN CROSS GOES HTML, 200},
+        {"GET /", OWN "Sec-Fetch-Site: same-site\r\n" GOES HTML, 200},
+        {"GET /?from=mail", OWN CROSS GOES HTML, 200},
+        {"GET /", OWN CROSS GOES "Accept: application/json\r\n", 403},
+        {"GET /", OWN CROSS GOES, 403},
+        {"GET /", OWN CROSS HTML, 403},
+        {"GET /", OWN CROSS HTML "Sec-Fetch-Mode: navigate\r\n", 403},
+        {"GET /", OWN CROSS HTML "Sec-Fetch-Mode: navigate\r\nSec-Fetch-Dest: iframe\r\n", 403},
+        {"GET /", OWN CROSS HTML "Sec-Fetch-Mode: no-cors\r\nSec-Fetch-Dest: document\r\n", 403},
+        {"GET /", OWN CROSS HTML "Sec-Fetch-Mode: cors\r\nSec-Fetch-Dest: empty\r\n", 403},
+        {"GET /", OWN CROSS GOES HTML "Origin: https://evil.example\r\n", 403},
+        {"GET /", OWN CROSS GOES HTML "Origin: null\r\n", 403},
+        {"GET /", OWN CROSS GOES HTML "X-Forwarded-For: 192.0.2.60\r\n", 403},
+        {"GET /", "Host: evil.example\r\n" CROSS GOES HTML, 403},
+        {"GET /v1/jobs", OWN CROSS GOES HTML, 403},
+        {"GET /healthz", OWN CROSS GOES HTML, 403},
+        {"GET /openapi.yaml", OWN CROSS GOES HTML, 403},
+        {"POST /", OWN CROSS GOES HTML, 403},
+        {"POST /v1/bsdfs", OWN CROSS GOES HTML, 403},
+    };
+    const struct daemon *const daemons[] = {&f->closed, &f->open};
+    for (size_t d = 0; d < 2; d++)
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+            expect(daemons[d], cases[i].line, cases[i].headers, NULL, cases[i].status);
+    struct reply reply;
+    ask(&f->closed, "GET /", OWN CROSS GOES HTML, NULL, &reply);
+    assert_non_null(strstr(reply_header(&reply, "Content-Type"), "text/html"));
+    assert_non_null(
+        strstr(reply_header(&reply, "Content-Security-Policy"), "frame-ancestors 'none'"));
+    assert_string_equal(reply_header(&reply, "Cross-Origin-Opener-Policy"), "same-origin");
+    reply_done(&reply);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -394,6 +442,7 @@ int main(void)
         cmocka_unit_test(test_kept_out),
         cmocka_unit_test(test_preflight),
         cmocka_unit_test(test_with_tokens),
+        cmocka_unit_test(test_followed_link),
         cmocka_unit_test(test_command_line),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

@@ -1,5 +1,6 @@
 /*
- * Who talks to a daemon without tokens: an input's lines are Host, Origin and Sec-Fetch-Site.
+ * Who talks to a daemon without tokens: an input's lines are Host, Origin and Sec-Fetch-Site, of
+ * what follows no link to the dashboard.
  * Whoever is let in names this machine; a page comes from it, or from an origin that is let in.
  */
 #include <stdlib.h>
