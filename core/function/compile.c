@@ -191,7 +191,7 @@ int orl_function_compile(struct orl_functions *functions,
     struct orl_compiler c = {.functions = functions,
                              .request = request,
                              .number = ++functions->n_compilations,
-                             .folding = ORL_FUNCTION_FOLDING,
+                             .folding = functions->folding,
                              .file = "",
                              .err = err};
     if (request->n_expressions > ORL_FUNCTION_EXPRESSIONS)
@@ -207,6 +207,7 @@ int orl_function_compile(struct orl_functions *functions,
         code = emit_all(&c);
     if (code == 0)
         code = link_program(&c, function);
+    functions->folding = c.folding;
     discard(&c);
     if (code < 0)
         orl_function_free(function);

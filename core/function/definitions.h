@@ -23,6 +23,8 @@ struct orl_functions {
     size_t n_contexts, contexts_room;
     size_t text_bytes;
     uint32_t n_compilations;
+    uint32_t folding; /* operations left for constants */
+    size_t work;      /* terms looked at by compilations */
 };
 
 /* What an expression of a context means by a name. */

@@ -52,7 +52,8 @@ enum {
     ORL_FUNCTION_OPERATIONS = 100000, /* of one evaluation, unless the caller says otherwise */
 };
 #define ORL_FUNCTION_TEXT (16UL << 20)        /* bytes of all texts of one set */
-#define ORL_FUNCTION_FOLDING (32UL << 20)     /* operations spent on constants in one compilation */
+#define ORL_FUNCTION_FOLDING (4UL << 20)      /* operations spent on constants, of one set */
+#define ORL_FUNCTION_WORK (64UL << 20)        /* terms looked at in all compilations of one set */
 #define ORL_FUNCTION_INSTRUCTIONS (4UL << 20) /* of one program */
 
 /* ---- Definitions ------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ struct orl_functions *orl_functions_new(const char *const *inputs, size_t n_inpu
         goto failed;
     functions->inputs = inputs;
     functions->n_inputs = n_inputs;
+    functions->folding = ORL_FUNCTION_FOLDING;
     functions->arena = orl_arena_new();
     if (!functions->arena || !add_context(functions, "", ""))
         goto failed;

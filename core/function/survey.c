@@ -41,6 +41,9 @@ static int visit(struct survey *s, struct orl_term *node)
 {
     struct orl_compiler *const c = s->c;
     int code = 0;
+    if (++c->functions->work > ORL_FUNCTION_WORK)
+        return orl_error_set(c->err, ORL_ERR_LIMIT,
+                             "all functions together are too large to be compiled");
     if (node->kind == ORL_NODE_INPUT && !is_fixed(c, node->index))
         c->bodies[s->user]->open = true;
     if (node->kind == ORL_NODE_NAME || node->kind == ORL_NODE_CALL) {
