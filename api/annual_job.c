@@ -65,8 +65,11 @@ static int note_scene(struct running *r, struct orl_error *err)
 static int make_report(struct running *r, struct orl_error *err)
 {
     const struct orl_run_env *run = &r->run;
-    const int rc = orl_annual_report_make(&r->job->request, &r->result, &r->job->wishes, run->files,
-                                          &r->report, err);
+    int rc = orl_annual_report_make(&r->job->request, &r->result, &r->job->wishes, run->files,
+                                    &r->report, err);
+    if (rc == 0)
+        rc = orl_annual_report_expose(&r->job->request, &r->result, &r->job->wishes, run,
+                                      &r->report, err);
     return rc ? rc : orl_annual_report_warn(&r->report, &r->result, run->warned, run->ctx, err);
 }
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "annual_exposure.h"
 #include "annual_grids.h"
 #include "annual_shades.h"
 #include "members.h"
@@ -232,6 +233,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"seed", .whole = &request->seed, .from = 0, .to = INT64_MAX},
         {"median_diffuse", .real = &wishes->median_diffuse_lx, .most = INFINITY, .above = true,
          .bounds = "a number of lux above zero is wanted"},
+        {"exposure", .decode = orl_annual_exposure_from_json, .into = &wishes->exposure},
         {"accuracy", .members = accuracy},
         {"formats", .decode = decode_formats, .into = &job->formats},
         {.name = "priority"},

@@ -13,6 +13,18 @@
 #include "problem.h"
 #include "report.h"
 
+/* What the command line asks for beside the document. */
+struct output {
+    const char *folder, *cache;
+    struct orl_annual_formats formats;
+};
+
+/* Whose result is told, and where it goes. */
+struct telling {
+    const struct orl_annual_job *job;
+    const char *folder;
+};
+
 /* ---- What came of it ------------------------------------------------------------------------- */
 
 static void print_verdict(const struct orl_annual_report *report,
@@ -23,6 +35,17 @@ static void print_verdict(const struct orl_annual_report *report,
     printf("%-10s %s%s%s (%s): %.4g [%.4g, %.4g]\n", orl_verdict_name(v->verdict),
            v->rule ? v->rule->name : "", v->rule ? ": " : "", v->target.text, grid,
            v->area.value.value, v->area.value.low, v->area.value.high);
+}
+
+/* A line a point, as "medium     sunlight by EN 17037, living room: 3.4 h on 2/14". */
+static void print_exposure(const struct orl_exposure_wish *wish,
+                           const struct orl_annual_report *report)
+{
+    for (size_t i = 0; i < report->n_exposures; i++) {
+        const struct orl_exposure *e = &report->exposures[i];
+        printf("%-10s sunlight by EN 17037, %s: %.2f h on %d/%d\n",
+               orl_exposure_level_name(e->level), wish->points[i].name, e->hours, e->month, e->day);
+    }
 }
 
 static void print_reuse(const struct orl_annual_result *result)
@@ -43,19 +66,20 @@ static void print_reuse(const struct orl_annual_result *result)
 }
 
 static void print_summary(const struct orl_annual_result *result,
-                          const struct orl_annual_report *report, const char *output)
+                          const struct orl_annual_report *report, const struct telling *telling)
 {
     for (size_t i = 0; i < result->n_warnings; i++)
         fprintf(stderr, "warning: %s\n", result->warnings[i]);
     for (size_t i = 0; i < report->n_verdicts; i++)
         print_verdict(report, &report->verdicts[i]);
+    print_exposure(&telling->job->wishes.exposure, report);
     print_reuse(result);
     fprintf(stderr, "seconds:");
     for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
         fprintf(stderr, " %s %.2f", orl_annual_stage_name((enum orl_annual_stage)i),
                 result->timings_s[i]);
     fprintf(stderr, " total %.2f (threads %u)\n", result->total_s, result->threads);
-    printf("%s/result.json\n", output);
+    printf("%s/result.json\n", telling->folder);
 }
 
 static int write_result(const char *output, const json_t *json, struct orl_error *err)
@@ -67,15 +91,15 @@ static int write_result(const char *output, const json_t *json, struct orl_error
     return rc ? rc : orl_write_json(path, json, err);
 }
 
-/* ctx: the output folder. */
+/* ctx: what is told. */
 static int tell(void *ctx, const struct orl_annual_result *result,
                 const struct orl_annual_report *report, json_t *document, struct orl_error *err)
 {
-    const char *output = ctx;
-    const int rc = write_result(output, document, err);
+    const struct telling *telling = ctx;
+    const int rc = write_result(telling->folder, document, err);
 
     if (rc == 0)
-        print_summary(result, report, output);
+        print_summary(result, report, telling);
     return rc;
 }
 
@@ -104,19 +128,14 @@ static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_jo
     return rc;
 }
 
-/* What the command line asks for beside the document. */
-struct output {
-    const char *folder, *cache;
-    struct orl_annual_formats formats;
-};
-
 static int run_document(const char *document, const struct output *output, uint32_t threads)
 {
-    const struct orl_local_tell teller = {tell, (void *)(uintptr_t)output->folder};
     struct orl_job_file file = {0};
     struct orl_annual_job job = {0};
     struct orl_error err = {0};
     char path[4096];
+    struct telling telling = {&job, output->folder};
+    const struct orl_local_tell teller = {tell, &telling};
     int rc = orl_make_folder(output->folder, &err);
 
     if (rc == 0)

@@ -281,6 +281,23 @@ int orl_annual_report_make(const struct orl_annual_request *request,
     return code;
 }
 
+int orl_annual_report_expose(const struct orl_annual_request *request,
+                             const struct orl_annual_result *result,
+                             const struct orl_annual_wishes *wishes, const struct orl_run_env *env,
+                             struct orl_annual_report *report, struct orl_error *err)
+{
+    const struct orl_exposure_site site = {result->latitude_deg, result->longitude_deg,
+                                           result->time_zone_h};
+    const size_t n = wishes->exposure.n_points;
+    if (n == 0)
+        return 0;
+    report->exposures = calloc(n, sizeof *report->exposures);
+    if (!report->exposures)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    report->n_exposures = n;
+    return orl_exposure_find(&wishes->exposure, &site, request, env, report->exposures, err);
+}
+
 void orl_annual_report_done(struct orl_annual_report *report)
 {
     if (!report)
@@ -298,5 +315,6 @@ void orl_annual_report_done(struct orl_annual_report *report)
     free(report->figures);
     free(report->areas);
     free(report->verdicts);
+    free(report->exposures);
     *report = (struct orl_annual_report){.n_grids = 0};
 }

@@ -40,5 +40,6 @@ void orl_annual_wishes_done(struct orl_annual_wishes *wishes)
     free(wishes->rules);
     free(wishes->grid_area);
     free(wishes->until);
+    orl_exposure_wish_done(&wishes->exposure);
     *wishes = (struct orl_annual_wishes){.n_metrics = 0};
 }

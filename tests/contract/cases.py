@@ -317,6 +317,7 @@ def years(daemon):
             "grids": [{"name": "a b", "sensors": {"file": "s.txt"}}, {"sensors": SENSORS}],
             "targets": ["sDA300/50 >= 1 %"], "rules": ["EN 17037"],
             "accuracy": {"verdict": "DA300 >= 50 %"}, "formats": ["honeybee", "ill"],
+            "exposure": {"points": [{"at": [1, 1, 1.5]}]},
             "shades": [{"name": "wall", "windows": ["pane"], "control": {"by": "LM-83"},
                         "states": [{"name": "open"}, {"name": "shut", "dark": True}]}]}
     path = daemon.submit(year)

@@ -30,6 +30,8 @@ static const char good[] =
     " \"state\": \"b\"}]}, {\"name\": \"east\", \"windows\": [\"e\"], \"states\": [{\"name\": "
     "\"a\"},"
     " {\"name\": \"b\", \"dark\": true}], \"schedule\": [0, 1, 1]}],"
+    " \"exposure\": {\"points\": [{\"name\": \"w\", \"at\": [1, 2, 3]}, {\"at\": [4, 5, 6]}],"
+    " \"least_altitude\": 11},"
     " \"median_diffuse\": 14200, \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 "
     "of desks >= 70 %\"}}";
 
@@ -55,6 +57,11 @@ static void test_a_whole_document(void **state)
     assert_true(job.request.north_deg == 30 && job.request.ground_reflectance == 0.1);
     assert_int_equal(job.request.samples, 64);
     assert_true(job.wishes.median_diffuse_lx == 14200);
+    assert_int_equal(job.wishes.exposure.n_points, 2);
+    assert_string_equal(job.wishes.exposure.points[0].name, "w");
+    assert_string_equal(job.wishes.exposure.points[1].name, "point2");
+    assert_true(job.wishes.exposure.points[1].at.y == 5);
+    assert_true(job.wishes.exposure.least_altitude_deg == 11);
     assert_int_equal(job.request.seed, 7);
     assert_int_equal(job.request.n_grids, 2);
     assert_string_equal(job.request.grids[0].name, "desks");
@@ -206,6 +213,8 @@ static void test_mistakes_are_named(void **state)
         {"LEED", "LED", "rules[0]"},
         {"\"samples\": 64", "\"samples\": 0", "samples"},
         {"14200", "0", "median_diffuse"},
+        {"[4, 5, 6]", "[4, 5]", "exposure.points[1].at"},
+        {"\"least_altitude\": 11", "\"least_altitude\": 91", "exposure.least_altitude"},
         {"{\"verdict\": \"DA500 of desks >= 70 %\"}", "{}", "accuracy.verdict"},
         {">= 70 %", "about 70 %", "accuracy.verdict"},
         {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", "grids"},

@@ -13,6 +13,7 @@
 #include <oriel/annual.h>
 #include <oriel/annual_metrics.h>
 #include <oriel/canvas.h>
+#include <oriel/sun_exposure.h>
 
 /* ---- The year -------------------------------------------------------------------------------- */
 
@@ -85,6 +86,7 @@ struct orl_annual_wishes {
     double median_diffuse_lx; /* outside, for daylight factors; 0: by the weather */
     double *grid_area;        /* of each grid, any unit; NULL: sensors stand for equal areas */
     struct orl_annual_target *until; /* what accuracy is wanted for (below); NULL: none */
+    struct orl_exposure_wish exposure;
 };
 /* LM-83's hours; DA300, cDA300, UDI in its parts, hours of direct light above 1000 lx, and mean
  * illuminance; no targets. ORL_ERR_NOMEM. */
@@ -124,7 +126,9 @@ struct orl_annual_report {
     struct orl_annual_area *areas; /* [figure * (n_grids + 1) + grid]; the last one is of all */
     struct orl_annual_verdict *verdicts;
     size_t n_verdicts;
-    size_t n_unlit; /* sensors that no light ever reaches: inside of something? */
+    size_t n_unlit;                 /* sensors that no light ever reaches: inside of something? */
+    struct orl_exposure *exposures; /* of each point; NULL: not asked for, or not found yet */
+    size_t n_exposures;
 };
 
 /* files: of the occupancy file, else not asked. Of a result that holds its arrays. ORL_ERR_INVALID
@@ -139,6 +143,11 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
                             const struct orl_annual_result *result,
                             const struct orl_annual_wishes *wishes, const struct orl_files *files,
                             struct orl_error *err);
+/* Adds the exposure to sunlight that is wished for (oriel/sun_exposure.h). */
+int orl_annual_report_expose(const struct orl_annual_request *request,
+                             const struct orl_annual_result *result,
+                             const struct orl_annual_wishes *wishes, const struct orl_run_env *env,
+                             struct orl_annual_report *report, struct orl_error *err);
 void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
 
 /* Adds to the result's warnings what the report shows: hours that are not there, or doubtful, and

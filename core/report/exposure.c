@@ -1,0 +1,156 @@
+/* Exposure to sunlight: minutes of days that the sun is seen in, from points at windows. */
+#include <oriel/sun_exposure.h>
+
+#include <stdlib.h>
+
+#include "annual/hours.h"
+#include "report/open_scene.h"
+#include "scene/generate/sun.h"
+
+enum { MOST_PANES = 64, MOST_DAYS = 53, MINUTES = 24 * 60 };
+
+void orl_exposure_wish_done(struct orl_exposure_wish *wish)
+{
+    for (size_t i = 0; wish->points && i < wish->n_points; i++)
+        free(wish->points[i].name);
+    free(wish->points);
+    *wish = (struct orl_exposure_wish){.points = NULL};
+}
+
+const char *orl_exposure_level_name(enum orl_exposure_level level)
+{
+    static const char *const names[] = {"none", "minimum", "medium", "high"};
+    return names[level];
+}
+
+/* ---- Days ------------------------------------------------------------------------------------ */
+
+struct date {
+    int month, day;
+};
+
+/* Two months, the first from its first day to its last, the second to its 21st. */
+static size_t list_days(double latitude_deg, struct date ret_days[MOST_DAYS])
+{
+    const bool south = latitude_deg < 0;
+    const int first = south ? 8 : 2, length = south ? 31 : 28;
+    size_t n = 0;
+    for (int day = 1; day <= length; day++)
+        ret_days[n++] = (struct date){first, day};
+    for (int day = 1; day <= 21; day++)
+        ret_days[n++] = (struct date){first + 1, day};
+    return n;
+}
+
+/* ---- A point --------------------------------------------------------------------------------- */
+
+struct finder {
+    const struct orl_exposure_wish *wish;
+    const struct orl_scene *scene;
+    struct orl_location site;
+    struct orl_turn north;
+    struct date days[MOST_DAYS];
+    size_t n_days;
+    uint32_t *minutes; /* [point][day] */
+};
+
+static bool is_window(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_GLASS || material->kind == ORL_MATERIAL_DIELECTRIC ||
+           material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_ILLUM;
+}
+
+static bool is_seen(const struct orl_scene *scene, struct orl_vec3 origin, struct orl_vec3 towards)
+{
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(scene->geometry, origin, towards, INFINITY, &hit))
+            return true;
+        if (!is_window(orl_scene_material(scene, hit.facet)))
+            return false;
+        origin = orl_hit_leave(scene->geometry, &hit, towards);
+    }
+    return false;
+}
+
+static void count_minutes(void *arg, size_t index, uint32_t member)
+{
+    const struct finder *f = arg;
+    const struct date date = f->days[index % f->n_days];
+    const struct orl_vec3 at =
+        orl_sub(f->wish->points[index / f->n_days].at, f->scene->geometry->center);
+    uint32_t minutes = 0;
+    (void)member;
+    for (int i = 0; i < MINUTES; i++) {
+        const struct orl_moment moment = {
+            .month = date.month, .day = date.day, .hour = (i + 0.5) / 60};
+        double declination, hour;
+        orl_sun_clock(&f->site, &moment, &declination, &hour);
+        const struct orl_sun_position sun = orl_sun_at(&f->site, declination, hour);
+        if (sun.altitude_rad <= 0 ||
+            sun.altitude_rad < f->wish->least_altitude_deg * ORL_DEG_TO_RAD)
+            continue;
+        minutes += is_seen(f->scene, at, orl_turn_to_scene(f->north, orl_sun_direction(&sun)));
+    }
+    f->minutes[index] = minutes;
+}
+
+static enum orl_exposure_level level_of(uint32_t minutes)
+{
+    return minutes >= 240   ? ORL_EXPOSED_HIGH
+           : minutes >= 180 ? ORL_EXPOSED_MEDIUM
+           : minutes >= 90  ? ORL_EXPOSED_MINIMUM
+                            : ORL_EXPOSED_LESS;
+}
+
+static struct orl_exposure exposure_of(const struct finder *f, size_t point)
+{
+    const uint32_t *minutes = f->minutes + point * f->n_days;
+    size_t best = 0;
+    for (size_t d = 1; d < f->n_days; d++)
+        if (minutes[d] > minutes[best])
+            best = d;
+    return (struct orl_exposure){.month = f->days[best].month,
+                                 .day = f->days[best].day,
+                                 .hours = minutes[best] / 60.0,
+                                 .last_day_hours = minutes[f->n_days - 1] / 60.0,
+                                 .level = level_of(minutes[best])};
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+static int find_all(struct finder *f, const struct orl_run_env *env,
+                    struct orl_exposure *ret_exposures, struct orl_error *err)
+{
+    const size_t n = f->wish->n_points;
+    f->minutes = calloc(n * f->n_days + 1, sizeof *f->minutes);
+    if (!f->minutes)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_crew_heed(env->crew, env->cancel);
+    const int code = orl_crew_try(env->crew, n * f->n_days, count_minutes, f);
+    orl_crew_heed(env->crew, NULL);
+    for (size_t i = 0; i < n && code == 0; i++)
+        ret_exposures[i] = exposure_of(f, i);
+    free(f->minutes);
+    return code < 0 ? orl_error_set(err, code, "cancelled") : 0;
+}
+
+int orl_exposure_find(const struct orl_exposure_wish *wish, const struct orl_exposure_site *site,
+                      const struct orl_annual_request *request, const struct orl_run_env *env,
+                      struct orl_exposure *ret_exposures, struct orl_error *err)
+{
+    struct orl_scene *scene = NULL;
+    struct finder finder = {.wish = wish,
+                            .site = {.latitude_rad = site->latitude_deg * ORL_DEG_TO_RAD,
+                                     .longitude_rad = -site->longitude_deg * ORL_DEG_TO_RAD,
+                                     .meridian_rad = -15 * site->time_zone_h * ORL_DEG_TO_RAD},
+                            .north = orl_turn_by(request->north_deg)};
+    int code = orl_open_scene(request, env, &scene, err);
+    if (code < 0)
+        return code;
+    finder.scene = scene;
+    finder.n_days = list_days(site->latitude_deg, finder.days);
+    code = find_all(&finder, env, ret_exposures, err);
+    orl_scene_release(scene);
+    return code;
+}

@@ -1,0 +1,148 @@
+/* Hours of sun at points, against the length of days above an altitude. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include <oriel/annual.h>
+#include <oriel/sun_exposure.h>
+
+#define LATITUDE 38.42
+#define STONE "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n"
+#define BOX(m)                                                                                     \
+    m " polygon a 0 0 12 -1 -1 -1 1 -1 -1 1 -1 1 -1 -1 1\n" m                                      \
+      " polygon b 0 0 12 -1 1 -1 1 1 -1 1 1 1 -1 1 1\n" m                                          \
+      " polygon c 0 0 12 -1 -1 -1 -1 1 -1 -1 1 1 -1 -1 1\n" m                                      \
+      " polygon d 0 0 12 1 -1 -1 1 1 -1 1 1 1 1 -1 1\n" m                                          \
+      " polygon e 0 0 12 -1 -1 1 1 -1 1 1 1 1 -1 1 1\n"
+/* In front of the point: a wall without end in the west, and, north being turned, the same. */
+#define WALL_WEST "w polygon wall 0 0 12 -.1 -1e5 -1e5 -.1 1e5 -1e5 -.1 1e5 1e5 -.1 -1e5 1e5\n"
+#define WALL_SOUTH "w polygon wall 0 0 12 -1e5 -.1 -1e5 1e5 -.1 -1e5 1e5 -.1 1e5 -1e5 -.1 1e5\n"
+/* Above it, towards the south as far as 36 degrees of profile reach. */
+#define ROOF "w polygon roof 0 0 12 -1e5 1e5 1 1e5 1e5 1 1e5 -1.37638 1 -1e5 -1.37638 1\n"
+
+struct site {
+    const char *scene;
+    double latitude_deg, north_deg, least_altitude_deg;
+};
+
+static double no_clock(void *ctx)
+{
+    (void)ctx;
+    return 0;
+}
+
+static struct orl_exposure expose(const struct site *site)
+{
+    static char scene_name[] = "scene.rad", point_name[] = "p";
+    static char *scene_names[] = {scene_name};
+    static const char *const names[] = {scene_name};
+    const struct orl_file contents[] = {{site->scene, strlen(site->scene), NULL}};
+    struct orl_memory_files memory = {names, contents, 1};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    atomic_bool cancel = false;
+    const struct orl_run_env env = {
+        .crew = orl_crew_start(2), .files = &files, .cancel = &cancel, .now_s = no_clock};
+    const struct orl_annual_request request = {
+        .scene_files = scene_names, .n_scene_files = 1, .north_deg = site->north_deg};
+    struct orl_exposure_point point = {point_name, {0, 0, 0}};
+    const struct orl_exposure_wish wish = {&point, 1, site->least_altitude_deg};
+    const struct orl_exposure_site place = {site->latitude_deg, 27.14, 2};
+    struct orl_exposure exposure = {0};
+    struct orl_error err = {0};
+    if (orl_exposure_find(&wish, &place, &request, &env, &exposure, &err) < 0)
+        fail_msg("%s", err.message);
+    orl_crew_stop(env.crew);
+    return exposure;
+}
+
+/* Hours of a day with the sun above an altitude: from its hour angle there, by the same declination
+ * (IES RP-21) all day. */
+static double day_hours(double latitude_deg, int day_of_year, double altitude_deg)
+{
+    const double declination = 0.4093 * sin(2 * ORL_PI / 365 * (day_of_year - 81));
+    const double latitude = latitude_deg * ORL_DEG_TO_RAD;
+    const double cosine = (sin(altitude_deg * ORL_DEG_TO_RAD) - sin(latitude) * sin(declination)) /
+                          (cos(latitude) * cos(declination));
+    return 24 / ORL_PI * acos(fmax(-1, fmin(1, cosine)));
+}
+
+/* Minutes are counted by their middles: both ends of a day are half a minute off at the most. */
+static const double minute = 1.001 / 60;
+
+static void test_open_ground(void **state)
+{
+    static const struct {
+        double altitude;
+        enum orl_exposure_level level;
+    } cases[] = {{0, ORL_EXPOSED_HIGH},     {40, ORL_EXPOSED_HIGH}, {45, ORL_EXPOSED_MEDIUM},
+                 {49, ORL_EXPOSED_MINIMUM}, {51, ORL_EXPOSED_LESS}, {60, ORL_EXPOSED_LESS}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct orl_exposure e = expose(&(struct site){STONE, LATITUDE, 0, cases[i].altitude});
+        const double hours = day_hours(LATITUDE, 80, cases[i].altitude);
+        assert_true(fabs(e.hours - hours) < minute);
+        assert_true(fabs(e.last_day_hours - hours) < minute);
+        assert_int_equal(e.level, cases[i].level);
+        if (hours > 0)
+            assert_true(e.month == 3 && e.day == 21);
+    }
+}
+
+/* In the south spring is in September, and the last day is its 21st. */
+static void test_south(void **state)
+{
+    const struct orl_exposure e = expose(&(struct site){STONE, -LATITUDE, 0, 0});
+    (void)state;
+    assert_true(e.month == 9 && e.day == 21);
+    assert_true(fabs(e.hours - day_hours(-LATITUDE, 264, 0)) < minute);
+}
+
+/* Half of the day is behind it, the sun being in the east until noon; turned with north, too. */
+static void test_wall(void **state)
+{
+    const double half = day_hours(LATITUDE, 80, 0) / 2;
+    const struct orl_exposure plain = expose(&(struct site){STONE WALL_WEST, LATITUDE, 0, 0});
+    const struct orl_exposure turned = expose(&(struct site){STONE WALL_SOUTH, LATITUDE, 90, 0});
+    (void)state;
+    assert_true(fabs(plain.last_day_hours - half) < minute);
+    assert_true(fabs(turned.last_day_hours - half) < minute);
+}
+
+/* Tinted glass is open, paper is not. */
+static void test_panes(void **state)
+{
+    const struct orl_exposure glass =
+        expose(&(struct site){"void glass g 0 0 3 .1 .1 .1\n" BOX("g"), LATITUDE, 0, 0});
+    const struct orl_exposure paper =
+        expose(&(struct site){"void trans t 0 0 7 .8 .8 .8 0 0 .7 .5\n" BOX("t"), LATITUDE, 0, 0});
+    (void)state;
+    assert_true(fabs(glass.hours - day_hours(LATITUDE, 80, 0)) < minute);
+    assert_true(paper.hours == 0 && paper.level == ORL_EXPOSED_LESS);
+}
+
+/* At the equinox the sun goes along a plane of 90 degrees less the latitude, 52, that the roof has
+ * covered; on the first of February it stays below 35. The day told is one of those before. */
+static void test_roof(void **state)
+{
+    const struct orl_exposure e = expose(&(struct site){STONE ROOF, LATITUDE, 0, 0});
+    (void)state;
+    assert_true(e.last_day_hours < 0.5);
+    assert_true(e.month == 2);
+    assert_true(e.hours > day_hours(LATITUDE, 32, 0) - minute);
+    assert_true(e.hours < day_hours(LATITUDE, 59, 0) + minute);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_open_ground), cmocka_unit_test(test_south),
+        cmocka_unit_test(test_wall),        cmocka_unit_test(test_panes),
+        cmocka_unit_test(test_roof),
+    };
+    return cmocka_run_group_tests_name("sun_exposure", tests, NULL, NULL);
+}
