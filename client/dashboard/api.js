@@ -53,5 +53,6 @@ export const filePath = (id, name) => `${jobPath(id)}/files/${encodeURIComponent
 export function explain(error) {
   if (error instanceof Problem) return error.sentence;
   if (error instanceof TypeError) return 'The daemon does not answer.';
-  return String(error.message || error);
+  const words = String(error.message || error);
+  return `${words[0].toUpperCase()}${words.slice(1)}${/[.!?]$/.test(words) ? '' : '.'}`;
 }

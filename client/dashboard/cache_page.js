@@ -34,8 +34,9 @@ export class CachePage {
   constructor(app) {
     this.app = app;
     this.notice = h('div', { role: 'alert' });
+    this.word = h('p', { class: 'quiet' }, 'Loading');
     this.places = ['totals', 'maps', 'scenes', 'bsdfs'].map((name) => (this[name] = h('div', {})));
-    this.node = h('div', { class: 'page' }, h('h1', { tabindex: -1 }, 'Cache'), this.notice, h('div', { class: 'job-main stacked' }, this.places));
+    this.node = h('div', { class: 'page' }, h('h1', { tabindex: -1 }, 'Cache'), this.word, this.notice, h('div', { class: 'job-main stacked' }, this.places));
     this.#load();
   }
 
@@ -46,11 +47,13 @@ export class CachePage {
       const [maps, scenes, bsdfs, limits] = await Promise.all([get('/v1/maps'), all('/v1/scenes', 'scenes'), all('/v1/bsdfs', 'bsdfs'), get('/v1/limits')]);
       this.#show(maps.maps, scenes, bsdfs, limits);
     } catch (error) {
+      this.word.hidden = true;
       this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)));
     }
   }
 
   #show(maps, scenes, bsdfs, limits) {
+    this.word.hidden = true;
     const remove = this.app.session.may('admin') ? (what, path) => this.#remove(what, path) : null;
     const sum = (list, key) => list.reduce((total, one) => total + one[key], 0);
     fill(this.totals, [maps, limits.storage_bytes], () => facts([

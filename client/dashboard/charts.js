@@ -16,22 +16,22 @@ function library() {
 
 export const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// 1, 2 and 5 times powers of ten.
-const isRound = (value) => [1, 2, 5].includes(Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3)));
+// 1, 2 and 5 times powers of ten; where an axis is short, all of their multiples.
+const isRound = (value, { max, min }) => (max / min < 8 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : [1, 2, 5]).includes(Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3)));
 
 // Seconds across, relative errors up, these on logarithmic scales; x may be on either.
 export function settings(xType) {
   const tick = { color: color('--quiet'), font: { family: getComputedStyle(document.body).fontFamily, size: 12 }, padding: 8 };
   const grid = { color: color('--rule'), drawTicks: false, borderColor: color('--line') };
   const logarithmic = xType === 'logarithmic';
-  const seconds = (value) => (logarithmic && !isRound(value) ? null : duration(value).replace(/^<.*/, '0'));
+  const seconds = (value, axis) => (logarithmic && !isRound(value, axis) ? null : duration(value).replace(/^<.*/, '0'));
   return {
     animation: false, responsive: true, maintainAspectRatio: false, parsing: false, normalized: true,
     interaction: { mode: 'nearest', axis: 'x', intersect: false },
     plugins: { legend: { display: false }, tooltip: { displayColors: false, callbacks: {} } },
     scales: {
-      x: { type: xType, grid: { ...grid, display: logarithmic }, ticks: { ...tick, autoSkip: !logarithmic, maxRotation: 0, maxTicksLimit: logarithmic ? 40 : 8, callback: seconds } },
-      y: { type: 'logarithmic', grid, ticks: { ...tick, autoSkip: false, callback: (value) => (isRound(value) ? percent(value) : null) } },
+      x: { type: xType, grid: { ...grid, display: logarithmic }, ticks: { ...tick, includeBounds: false, autoSkip: !logarithmic, maxRotation: 0, maxTicksLimit: logarithmic ? 40 : 8, callback(value) { return seconds(value, this); } } },
+      y: { type: 'logarithmic', grid, ticks: { ...tick, autoSkip: false, callback(value) { return isRound(value, this) ? percent(value) : null; } } },
     },
   };
 }

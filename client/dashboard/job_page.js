@@ -24,7 +24,7 @@ export class JobPage {
     this.id = id;
     const place = (name) => (this[name] = h('div', { class: `part part-${name}` }));
     this.heading = h('h1', { tabindex: -1 }, 'Job');
-    this.state = h('p', { class: 'state' });
+    this.state = h('p', { class: 'state' }, 'Loading');
     this.actions = h('div', { class: 'controls' });
     this.bar = h('div', { class: 'bar wide', role: 'progressbar', 'aria-label': 'Progress', 'aria-valuemin': 0, 'aria-valuemax': 100 }, h('span'));
     this.pictures = new Pictures(id);
@@ -71,11 +71,15 @@ export class JobPage {
       if (before && before.state !== job.state && isOver(job.state)) say(`${jobName(job)}: ${stateName(job.state)}`);
     } catch (error) {
       if (error instanceof Problem && error.status === 404) this.#gone();
-      else if (!this.job) fill(this.notice, String(error), () => h('p', { class: 'notice' }, explain(error)));
+      else if (!this.job) {
+        setText(this.state, '');
+        fill(this.notice, String(error), () => h('p', { class: 'notice' }, explain(error)));
+      }
     }
   }
 
   #gone() {
+    if (!this.job) setText(this.state, '');
     if (this.job) fill(this.notice, 'gone', () => h('p', { class: 'notice' }, 'This job has been removed.'));
     else fill(this.notice, 'none', () => h('div', { class: 'empty' }, h('h2', {}, 'There is no such job'), h('p', {}, 'It may have been removed, or was one of the oldest. ', h('a', { href: '#/jobs' }, 'All jobs'))));
     this.actions.replaceChildren();

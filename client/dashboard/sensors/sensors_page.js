@@ -18,12 +18,12 @@ export class SensorsPage {
   constructor(app, id) {
     Object.assign(this, { app, id });
     this.crumb = h('p', { class: 'crumb' }, h('a', { href: '#/jobs' }, 'Jobs'), ' / ', h('a', { href: `#/jobs/${id}` }, 'Job'));
-    this.notice = h('div', {});
+    this.notice = h('div', {}, h('p', { class: 'quiet' }, 'Loading'));
     this.canvas = h('canvas', { role: 'img', 'aria-label': 'Heat map', onpointermove: (event) => this.#point(event) });
     this.readout = h('p', { class: 'readout', 'aria-live': 'polite' });
     this.share = h('p', { class: 'figure', 'aria-live': 'polite' });
     this.panel = h('div', { class: 'panel' });
-    this.table = h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': 'Table of sensors' });
+    this.table = h('div', { class: 'scroll listed', role: 'region', tabindex: 0, 'aria-label': 'Table of sensors' });
     this.stage = h('div', { class: 'stage plain' }, this.canvas);
     this.desk = h('div', { class: 'desk', hidden: true }, h('div', {}, this.share, this.stage, this.readout), this.panel);
     this.node = h('div', { class: 'page' }, this.crumb, h('h1', { tabindex: -1 }, 'Sensors'), this.notice, this.desk, this.table);
@@ -71,6 +71,7 @@ export class SensorsPage {
     this.state.top = roundUp(values[Math.floor((values.length - 1) * 0.99)] || 1);
     this.state.decades = this.state.top > 20 * values[values.length >> 1] ? 3 : 0; // the sun is on some
     this.desk.hidden = false;
+    this.notice.replaceChildren();
     this.stage.hidden = !this.planes.length;
     if (!this.planes.length) this.notice.replaceChildren(h('p', { class: 'notice calm' }, 'The job took its sensors from a file of the scene. With heat_map in its document they have places here, too.'));
     this.#showPanel();

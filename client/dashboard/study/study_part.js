@@ -39,7 +39,7 @@ function describe({ points, given, start }) {
   if (given.length) datasets.push({ label: 'Elsewhere', data: given.map((one) => ({ x: one.here_s ?? one.seconds, y: one.rms, given: one.name })), pointStyle: 'crossRot', pointRadius: 6, borderColor: color('--ink'), borderWidth: 2, showLine: false });
   const options = settings('logarithmic');
   options.interaction = { mode: 'nearest', axis: 'xy', intersect: true };
-  options.plugins.legend = { display: true, align: 'start', labels: { usePointStyle: true, color: color('--ink'), font: options.scales.x.ticks.font } };
+  options.plugins.legend = { display: true, align: 'start', labels: { usePointStyle: true, boxHeight: 7, padding: 16, color: color('--ink'), font: options.scales.x.ticks.font } };
   options.plugins.tooltip.callbacks = {
     title: ([item]) => item && (item.raw.point ? settingWords(item.raw.point) : item.raw.given),
     label: (item) => `${percent(item.parsed.y)} in ${duration(item.parsed.x)}`,

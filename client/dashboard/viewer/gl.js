@@ -52,8 +52,11 @@ vec3 display(vec3 linear) {
   return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 }
 vec3 shade(float part) { return texelFetch(palette, ivec2(clamp(part, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb; }
+// Of the mean over nine pixels: single ones are too noisy for lines.
 float band(vec2 at, bool other) {
-  return floor(clamp(share(value(pixel(at, other))), 0.0, 1.0) * bands + 1e-4);
+  float sum = 0.0;
+  for (int i = 0; i < 9; i++) sum += value(pixel(clamp(at + vec2(i % 3 - 1, i / 3 - 1), vec2(0.0), size - 1.0), other));
+  return floor(clamp(share(sum / 9.0), 0.0, 1.0) * bands + 1e-4);
 }
 void main() {
   vec2 at = (vec2(gl_FragCoord.x, canvas.y - gl_FragCoord.y) - offset) / scale;

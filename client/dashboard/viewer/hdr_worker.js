@@ -7,7 +7,7 @@ async function fetchPicture(address) {
   const answer = await fetch(address, { cache: 'no-cache' });
   if (answer.ok) return decode(await answer.arrayBuffer());
   const problem = await answer.json().catch(() => ({}));
-  throw new Error(problem.detail || `HTTP ${answer.status}`);
+  throw new Error([problem.title, problem.detail].filter(Boolean).join(': ') || `HTTP ${answer.status}`);
 }
 
 onmessage = async ({ data: { id, picture, errors } }) => {

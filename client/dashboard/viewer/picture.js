@@ -40,6 +40,24 @@ export class Picture {
     return { value: EFFICACY * luma(this.pixels, i), error: this.knowsErrors ? EFFICACY * this.pixels[i + 3] : NaN };
   }
 
+  // Around what is brighter than so many cd/m2: an SVG path, in pixels.
+  edgeOf(threshold) {
+    const { width, height, pixels } = this, parts = [];
+    const lit = (x, y) => x >= 0 && y >= 0 && x < width && y < height && EFFICACY * luma(pixels, 4 * (y * width + x)) >= threshold;
+    // Along each row of edges, then each column, as long as one goes on.
+    const walk = (lines, length, differs, piece) => {
+      for (let line = 0; line <= lines; line++)
+        for (let at = 0, from = -1; at <= length; at++) {
+          const edge = at < length && differs(line, at);
+          if (edge && from < 0) from = at;
+          if (!edge && from >= 0) { parts.push(piece(line, from, at)); from = -1; }
+        }
+    };
+    walk(height, width, (y, x) => lit(x, y - 1) !== lit(x, y), (y, from, to) => `M${from} ${y}H${to}`);
+    walk(width, height, (x, y) => lit(x - 1, y) !== lit(x, y), (x, from, to) => `M${x} ${from}V${to}`);
+    return parts.join('');
+  }
+
   region(from, to) {
     const [left, right] = [from[0], to[0]].sort((a, b) => a - b), [low, high] = [from[1], to[1]].sort((a, b) => a - b);
     let sum = 0, least = Infinity, most = 0, count = 0;

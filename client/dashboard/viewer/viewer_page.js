@@ -26,13 +26,13 @@ export class ViewerPage {
     this.overlay = svg('svg', { class: 'overlay', 'aria-hidden': 'true' });
     this.wipeBar = h('input', { type: 'range', class: 'wipe', min: 0, max: 1, step: 0.001, value: 0.5, 'aria-label': 'Where the two pictures meet', hidden: true, oninput: (event) => this.#set({ wipe: Number(event.target.value) }) });
     this.wipeLine = h('span', { class: 'wipe-line', 'aria-hidden': 'true', hidden: true });
-    this.readout = h('p', { id: 'readout', class: 'readout', 'aria-live': 'polite' });
+    this.readout = h('p', { id: 'readout', class: 'readout', 'aria-live': 'polite' }, 'Loading the picture\u2026');
     this.notice = h('div', {});
     this.panel = h('div', { class: 'panel' });
     this.heading = h('h1', { tabindex: -1 }, viewOf(file));
     this.crumb = h('p', { class: 'crumb' }, h('a', { href: '#/jobs' }, 'Jobs'), ' / ', h('a', { href: `#/jobs/${id}` }, 'Job'));
     this.node = h('div', { class: 'page viewer' }, this.crumb, this.heading, this.notice,
-      h('div', { class: 'desk' },
+      this.desk = h('div', { class: 'desk' },
         h('div', {}, h('div', { class: 'stage' }, this.canvas, this.overlay, this.wipeLine, this.wipeBar), this.readout), this.panel));
     this.heard = new AbortController();
     app.store.addEventListener('job', (event) => this.#renewed(event), { signal: this.heard.signal });
@@ -61,7 +61,8 @@ export class ViewerPage {
       this.#lookForGlare();
       this.#lookForOthers();
     } catch (error) {
-      this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)));
+      this.desk.hidden = true;
+      this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)), this.job?.evicted ? h('p', { class: 'after' }, h('a', { href: `#/jobs/${this.id}` }, 'Run the job again for new ones')) : '');
     }
   }
 
@@ -160,11 +161,7 @@ export class ViewerPage {
   #drawOverlay() {
     const { surface, first, glare, state, marked } = this;
     const parts = [];
-    if (state.glare && glare)
-      for (const source of glare.sources) {
-        const [x, y] = surface.placeOn([source.position[0], first.height - source.position[1]]);
-        parts.push(svg('circle', { cx: x, cy: y, r: Math.max(3, (Math.sqrt(source.pixels / Math.PI) * surface.scale) / surface.ratio) }));
-      }
+    if (state.glare && glare) this.#outlineGlare(parts);
     if (marked) {
       const [from, to] = [surface.placeOn(marked.from), surface.placeOn([marked.to[0] + 1, marked.to[1] + 1])];
       parts.push(svg('rect', { x: from[0], y: from[1], width: to[0] - from[0], height: to[1] - from[1] }));
@@ -175,6 +172,19 @@ export class ViewerPage {
     }
     if (this.second) this.#placeWipe(parts);
     this.overlay.replaceChildren(...parts);
+  }
+
+  // What is brighter than the threshold, and each source's number where it is.
+  #outlineGlare(parts) {
+    const { surface, first, glare } = this;
+    const [left, top] = surface.placeOn([0, 0]), scale = surface.scale / surface.ratio;
+    if (this.outlined !== first) this.glareEdge = first.edgeOf(glare.threshold_cd_m2);
+    this.outlined = first;
+    parts.push(svg('path', { class: 'lit', d: this.glareEdge, transform: `translate(${left} ${top}) scale(${scale})` }));
+    glare.sources.forEach((source, i) => {
+      const [x, y] = surface.placeOn([source.position[0], first.height - source.position[1]]);
+      parts.push(svg('text', { x, y: y + 5, 'text-anchor': 'middle' }, String(i + 1)));
+    });
   }
 
   // The control lies along the picture, so that it is where the line is.
@@ -262,7 +272,7 @@ export class ViewerPage {
       h('fieldset', { class: 'modes' }, h('legend', { class: 'unseen' }, 'Shown as'), modes.map(([mode, words]) => h('label', {},
         h('input', { type: 'radio', name: 'mode', value: mode, checked: mode === state.mode, onchange: () => this.#setMode(mode) }), h('span', {}, words)))),
       this.#part('exposure', exposure.node, h('button', { type: 'button', onclick: () => setExposure(0) }, 'Auto')),
-      this.#part('exposure colors eye', check('lines', 'Isolines', 'lines', (on) => { this.#set({ lines: on }); this.#showParts(); })),
+      this.#part('exposure colors eye', check('lines', 'Isolines (means of nine pixels)', 'lines', (on) => { this.#set({ lines: on }); this.#showParts(); })),
       this.#part('colors lines', top.node, check('log', 'Logarithmic, three decades', 'decades', (on) => this.#set({ decades: on ? 3 : 0 }))),
       this.#part('errors', worst.node, cover.node),
       this.legendPlace,
@@ -274,7 +284,9 @@ export class ViewerPage {
         if (!on) { this.marked = null; this.regionWords.replaceChildren(); this.#drawOverlay(); }
       }), this.regionWords),
       this.glare && h('div', { class: 'control' }, check('glare', `Glare sources (${this.glare.sources.length})`, 'glare', (on) => this.#set({ glare: on })),
-        this.glare.metrics.dgp && h('p', { class: 'quiet' }, `DGP ${number(this.glare.metrics.dgp.value, 3)}, ${this.glare.class}`)),
+        this.glare.metrics.dgp && h('p', { class: 'quiet' }, `DGP ${number(this.glare.metrics.dgp.value, 3)}, ${this.glare.class}`),
+        h('p', { class: 'quiet' }, `Outlined: above ${number(this.glare.threshold_cd_m2)}\u202fcd/m\u00b2`),
+        h('ol', { class: 'sources' }, this.glare.sources.slice(0, 8).map((source) => h('li', {}, `${number(source.luminance_cd_m2)}\u202fcd/m\u00b2, ${number(source.solid_angle_sr, 2)}\u202fsr`)))),
       others.length > 0 && h('div', { class: 'control' }, h('div', { class: 'label' }, h('label', { for: 'other' }, 'Beside it (B)')),
         h('select', { id: 'other', onchange: (event) => this.#compare(event.target.value) }, h('option', { value: '' }, 'nothing'),
           others.map((job) => h('option', { value: job.id, selected: job.id === this.other?.id }, `${jobName(job)}${job.technique ? `, ${job.technique}` : ''}`)))),
