@@ -16,8 +16,13 @@ function library() {
 
 export const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// 1, 2 and 5 times powers of ten; where an axis is short, all of their multiples.
-const isRound = (value, { max, min }) => (max / min < 8 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : [1, 2, 5]).includes(Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3)));
+// 1, 2 and 5 times powers of ten; where an axis is short, all of their multiples, where there is little
+// room, none.
+function digitsOf({ max, min, axis, chart }) {
+  if (axis === 'x' && chart.width < 480 && max / min > 20) return [1];
+  return max / min < 8 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : [1, 2, 5];
+}
+const isRound = (value, axis) => digitsOf(axis).includes(Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3)));
 
 // Seconds across, relative errors up, these on logarithmic scales; x may be on either.
 export function settings(xType) {

@@ -75,6 +75,8 @@ export function plan(plan) {
         h('tbody', { role: 'rowgroup' }, effects.map(planRow)))));
 }
 
+export const techniqueWords = (technique) => TECHNIQUES[technique] || technique;
+
 export function maps(list) {
   return section('maps', 'Maps',
     h('ul', { class: 'lines' }, list.map((map) => h('li', {},

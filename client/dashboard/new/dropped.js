@@ -1,5 +1,6 @@
 // What was dropped or chosen, as the body of an upload: a zip as it is, anything else as a zip of it.
 
+import { choose } from './mains.js';
 import { zip } from './zip.js';
 
 async function filesOf(entry, path) {
@@ -22,12 +23,16 @@ export async function ofDrop(transfer) {
 
 export const ofChoice = (files) => [...files].map((file) => ({ name: file.webkitRelativePath || file.name, file }));
 
-// {body, names}: names as the service will know them, without a folder that holds all.
+// {body, names, mains}: names as the service will know them, without a folder that holds all; mains of
+// mains.js, null of a zip.
 export async function upload(found) {
-  if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, names: [] };
+  if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, names: [], mains: null };
   const files = [];
   for (const { name, file } of found) files.push({ name, bytes: new Uint8Array(await file.arrayBuffer()) });
   const top = files[0].name.split('/')[0];
   const inOne = files.every(({ name }) => name.startsWith(`${top}/`));
-  return { body: zip(files), names: files.map(({ name }) => (inOne ? name.slice(top.length + 1) : name)) };
+  const named = files.map(({ name, bytes }) => [inOne ? name.slice(top.length + 1) : name, bytes]);
+  const decoder = new TextDecoder('latin1');
+  const texts = new Map(named.filter(([name]) => /^[^/]+\.(rad|json)$/.test(name)).map(([name, bytes]) => [name, decoder.decode(bytes)]));
+  return { body: zip(files), names: named.map(([name]) => name), mains: choose(texts) };
 }

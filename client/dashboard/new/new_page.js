@@ -5,7 +5,9 @@ import { h, setText } from '../dom.js';
 import { bytes, count, duration, moment, number, shortId } from '../format.js';
 import * as parts from '../job_parts.js';
 import { documentOf, gridOf } from './document.js';
+import { ordered } from './mains.js';
 import { Outline } from './outline.js';
+import { PlanPart } from './plan_part.js';
 import { ofChoice, ofDrop, upload } from './dropped.js';
 
 const SKIES = [['own', 'The scene\u2019s own'], ['overcast', 'CIE overcast'], ['clear', 'CIE clear'], ['perez', 'Measured (Perez)'], ['weather', 'Weather file of the scene']];
@@ -38,7 +40,9 @@ export class NewPage {
     this.#listScenes(params.get('scene'));
   }
 
-  close() {}
+  close() {
+    this.plan?.close();
+  }
 
   #scenePart() {
     const choose = (id, label, more) => [h('input', { id, type: 'file', class: 'unseen', ...more, onchange: (event) => this.#take(ofChoice(event.target.files)) }), h('label', { for: id, class: 'button' }, label)];
@@ -68,20 +72,49 @@ export class NewPage {
     this.#say('');
     this.sceneWords.replaceChildren(h('p', { class: 'quiet' }, 'Reading, sending and checking\u2026'));
     try {
-      const { body, names } = await upload(await found);
-      this.names = names;
-      const answer = await fetch('/v1/scenes', { method: 'POST', body, headers: { 'Content-Type': 'application/zip', Accept: 'application/json' } });
+      this.dropped = await upload(await found);
+      this.chosen = this.dropped.mains?.chosen || [];
+      await this.#send();
+    } catch (error) {
+      this.#say(error);
+    }
+  }
+
+  // What was dropped, with these files as the scene's.
+  async #send() {
+    const { body, names, mains } = this.dropped, { chosen } = this;
+    this.#say('');
+    this.names = names;
+    this.sceneWords.replaceChildren(h('p', { class: 'quiet' }, 'Reading, sending and checking\u2026'));
+    try {
+      const query = new URLSearchParams(chosen.map((name) => ['main', name]));
+      const answer = await fetch(`/v1/scenes${query.size ? `?${query}` : ''}`, { method: 'POST', body, headers: { 'Content-Type': 'application/zip', Accept: 'application/json' } });
       const scene = await answer.json();
       if (!answer.ok) throw new Problem(answer.status, scene);
       await this.#show(scene);
     } catch (error) {
-      this.sceneWords.replaceChildren();
+      this.sceneWords.replaceChildren(mains?.all.length > 1 ? parts.section('mains', 'Scene', this.#mains()) : '');
       this.form.hidden = true;
       this.#say(error);
     }
   }
 
+  // Which files make the scene: of a folder often not all that lie there.
+  #mains() {
+    const { all, files, by } = this.dropped.mains, { chosen } = this;
+    const known = [...new Set([...chosen, ...all])];
+    const boxes = known.map((name, i) => h('label', { class: 'check' }, h('input', { type: 'checkbox', id: `main-${i}`, value: name, checked: chosen.includes(name) }), name));
+    const again = () => {
+      const picked = new Set(boxes.map((box) => box.firstChild).filter((box) => box.checked).map((box) => box.value));
+      this.chosen = ordered(files.filter(({ name }) => picked.has(name)));
+      if (this.chosen.length) this.#send();
+    };
+    return h('details', { class: 'mains' }, h('summary', {}, `Read: ${chosen.join(', ')}${by ? `, as in ${by}` : ''}`),
+      h('p', { class: 'quiet' }, 'Files of the folder that make the scene. They are read in the order that their names need.'), boxes, h('button', { type: 'button', onclick: again }, 'Read these'));
+  }
+
   async #choose(id) {
+    this.dropped = null;
     this.#say('');
     try {
       this.names = [];
@@ -97,7 +130,7 @@ export class NewPage {
     const extent = bounds.min.every(Number.isFinite) ? bounds.min.map((low, i) => number(bounds.max[i] - low)).join(' \u00d7 ') : '';
     this.outline = extent ? new Outline(scene, (change) => this.#place(change)) : null;
     this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'found' },
-      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), parts.facts([
+      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), this.dropped?.mains?.all.length > 1 && this.#mains(), parts.facts([
         ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', count(bsdfs)], ['Suns, skies', count(sources)], ['Extent', extent],
         ['Refers to', referenced.length ? referenced.slice(0, 12).join(', ') + (referenced.length > 12 ? ` and ${referenced.length - 12} more` : '') : null], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]])),
       this.outline?.node)));
@@ -185,13 +218,11 @@ export class NewPage {
     this.#say('');
     this.ask.disabled = true;
     try {
-      const { plans } = await post('/v1/plans', this.document);
-      const { plan, warnings } = plans[0];
-      const seconds = plan.effects.reduce((most, one) => Math.max(most, one.cost_s || 0), 0);
-      const foreseen = plan.foresight?.job_s ?? null;
-      this.planPlace.replaceChildren(h('div', { class: 'job-main' },
-        h('p', { class: 'figure' }, h('strong', {}, duration(foreseen ?? seconds)), h('span', {}, foreseen === null ? ' for its dearest effect, on one thread; rounds to the accuracy asked for come on top' : ' foreseen for all of it')),
-        warnings.length ? parts.warnings(warnings) : [], parts.plan(plan)));
+      const asked = this.document;
+      const { plans } = await post('/v1/plans', asked);
+      this.plan?.close();
+      this.plan = new PlanPart(plans[0], asked.accuracy);
+      this.planPlace.replaceChildren(this.plan.node);
       this.planPlace.scrollIntoView({ block: 'nearest' });
     } catch (error) {
       this.#say(error);

@@ -1,0 +1,64 @@
+// Which of a folder's Radiance files make the scene, and in which order: a name has to be defined
+// before it is used. The service's own choice is by name alone.
+
+const SURFACES = new Set(['polygon', 'sphere', 'bubble', 'cone', 'cup', 'cylinder', 'tube', 'ring', 'instance', 'mesh', 'source']);
+
+// {defines, uses, files} of a scene file's text: names of modifiers, and what its commands read.
+export function scan(text) {
+  const found = { defines: new Set(), uses: new Set(), files: new Set() };
+  const commands = [];
+  const plain = text.replace(/^[ \t]*!((?:.*\\\r?\n)*.*)$/gm, (_, command) => { commands.push(command); return ''; }).replace(/#.*$/gm, '');
+  for (const command of commands) {
+    for (const [, name] of command.matchAll(/(\S+\.rad)\b/g)) found.files.add(name.replace(/^\.\//, ''));
+    for (const [, name] of command.matchAll(/\s-m\s+(\S+)/g)) found.uses.add(name);
+    const generated = /^\s*(?:genbox|gensurf|genworm|genrev|genprism)\s+(\S+)/.exec(command);
+    if (generated) found.uses.add(generated[1]);
+  }
+  const words = plain.split(/\s+/).filter(Boolean);
+  for (let at = 0; at + 2 < words.length;) {
+    const [modifier, type, name] = words.slice(at, at + 3);
+    if (modifier !== 'void' && !found.defines.has(modifier)) found.uses.add(modifier);
+    if (!SURFACES.has(type)) found.defines.add(name);
+    at += 3;
+    if (type === 'alias') {
+      if (!found.defines.has(words[at])) found.uses.add(words[at]);
+      at += 1;
+    } else for (let list = 0; list < 3 && at < words.length; list++) at += 1 + (Number(words[at]) || 0);
+  }
+  return found;
+}
+
+// Files (of {name, scan}) so that what one uses stands in one before it; else by name.
+export function ordered(files) {
+  const left = [...files].sort((a, b) => (a.name < b.name ? -1 : 1)), done = [];
+  const needs = (one, other) => one !== other && [...one.scan.uses].some((name) => other.scan.defines.has(name) && !one.scan.defines.has(name));
+  while (left.length) {
+    const next = left.findIndex((one) => !left.some((other) => needs(one, other)));
+    done.push(...left.splice(Math.max(0, next), 1));
+  }
+  return done.map(({ name }) => name);
+}
+
+// Lists of scene files in job documents of the folder: [{document, files}], of those whose files are all here.
+function documents(texts, names) {
+  const found = [];
+  for (const [name, text] of texts) {
+    if (!name.endsWith('.json')) continue;
+    try {
+      const { kind, scene } = JSON.parse(text);
+      const files = scene?.files;
+      if (Array.isArray(files) && files.length && files.every((one) => names.includes(one))) found.push({ name, kind: kind || 'render', files });
+    } catch { /* some other JSON */ }
+  }
+  return found.sort((a, b) => (a.kind === 'render' ? 0 : 1) - (b.kind === 'render' ? 0 : 1) || (a.name < b.name ? -1 : 1));
+}
+
+// texts: Map of name to text, of the scene files and documents at the top.
+// {all: what may be a main file, in order, chosen, by: the document that says so, or null}
+export function choose(texts) {
+  const files = [...texts].filter(([name]) => name.endsWith('.rad')).map(([name, text]) => ({ name, scan: scan(text) }));
+  const free = files.filter(({ name }) => !files.some((other) => other.scan.files.has(name)));
+  const all = ordered(free);
+  const [document] = documents(texts, files.map(({ name }) => name));
+  return { files, all, chosen: document?.files || all, by: document?.name || null };
+}
