@@ -199,10 +199,25 @@ static json_t *cost_to_json(const struct orl_result *result)
                      orl_json_from_real(known ? cost->one_percent_s : NAN), "model", cost->model);
 }
 
-json_t *orl_planned_to_json(const struct orl_result *result)
+static json_t *curve_to_json(const struct orl_curve *curve)
 {
-    return json_pack("{s:o, s:o}", "plan", orl_plan_to_json(&result->plan), "warnings",
-                     warnings_to_json(result));
+    json_t *points = json_array();
+    for (uint32_t i = 0; i < curve->n_points && points; i++)
+        if (json_array_append_new(points,
+                                  json_pack("{s:f, s:f}", "seconds", curve->points[i].seconds,
+                                            "error", curve->points[i].error))) {
+            json_decref(points);
+            return NULL;
+        }
+    return json_pack("{s:s, s:I, s:o, s:s}", "technique", orl_technique_name(curve->technique),
+                     "threads", (json_int_t)curve->threads, "points", points, "model",
+                     curve->model);
+}
+
+json_t *orl_planned_to_json(const struct orl_result *result, const struct orl_curve *curve)
+{
+    return json_pack("{s:o, s:o, s:o}", "plan", orl_plan_to_json(&result->plan), "warnings",
+                     warnings_to_json(result), "curve", curve ? curve_to_json(curve) : json_null());
 }
 
 json_t *orl_result_to_json(const struct orl_result *result, const char *state)

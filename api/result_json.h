@@ -26,8 +26,9 @@
 /* state: "succeeded", "failed", ... A result that orl_run did not fill in may be all zeros. */
 json_t *orl_result_to_json(const struct orl_result *result, const char *state);
 
-/* A result of orl_plan_job: {"plan": {...}, "warnings": ["..."]}. */
-json_t *orl_planned_to_json(const struct orl_result *result);
+/* A result of orl_plan_job: {"plan": {...}, "warnings": ["..."], "curve": {"technique", "threads",
+ * "points": [{"seconds", "error"}], "model"} or, of NULL, null}. */
+json_t *orl_planned_to_json(const struct orl_result *result, const struct orl_curve *curve);
 
 /* How a job with a goal ended, or stands; NULL without one. */
 json_t *orl_outcome_to_json(const struct orl_outcome *outcome);

@@ -1,6 +1,7 @@
 /*
  * oriel plan JOB.json: what `oriel run` would simulate of a job, and why, without rendering. A
- * table, or with --json the result's "plan" and "warnings"; of a job of several skies as many.
+ * table and what accuracies would take, or with --json the result's "plan", "warnings" and
+ * "curve"; of a job of several skies as many plans.
  */
 #include "command.h"
 
@@ -13,9 +14,10 @@
 #include "result_json.h"
 #include "wrap.h"
 
-static int print_json(const struct orl_result *result, struct orl_error *err)
+static int print_json(const struct orl_result *result, const struct orl_curve *curve,
+                      struct orl_error *err)
 {
-    json_t *json = orl_planned_to_json(result);
+    json_t *json = orl_planned_to_json(result, curve);
     const int failed = !json || json_dumpf(json, stdout, JSON_INDENT(2)) != 0;
 
     json_decref(json);
@@ -25,11 +27,13 @@ static int print_json(const struct orl_result *result, struct orl_error *err)
     return 0;
 }
 
-static void print_table(const struct orl_result *result)
+static void print_table(const struct orl_result *result, const struct orl_curve *curve)
 {
     static const char mark[] = "warning: ";
 
     orl_plan_print(stdout, &result->plan);
+    if (curve)
+        orl_curve_print(stdout, curve);
     fflush(stdout); /* before what follows on the other stream */
     for (size_t i = 0; i < result->n_warnings; i++) {
         fputs(mark, stderr);
@@ -43,16 +47,16 @@ struct plans {
 };
 
 static int print_plan(void *ctx, const char *sky, const struct orl_result *planned,
-                      struct orl_error *err)
+                      const struct orl_curve *curve, struct orl_error *err)
 {
     struct plans *plans = ctx;
 
     if (plans->as_json)
-        return print_json(planned, err);
+        return print_json(planned, curve, err);
     if (sky)
         printf("%ssky %s\n\n", plans->begun ? "\n" : "", sky);
     plans->begun = true;
-    print_table(planned);
+    print_table(planned, curve);
     return 0;
 }
 

@@ -49,7 +49,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
 /* Makes the plan, or those under each of its skies, and nothing else; quietly. tell: of
  * orl_plan_skies. */
 typedef int orl_local_tell_plan(void *ctx, const char *sky, const struct orl_result *planned,
-                                struct orl_error *err);
+                                const struct orl_curve *curve, struct orl_error *err);
 int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,
                    orl_local_tell_plan *tell, void *ctx, struct orl_error *err);
 

@@ -160,3 +160,20 @@ void orl_plan_print(FILE *to, const struct orl_plan *plan)
         fprintf(to, ", which saves about %.1f s of one thread", saved_s);
     fputc('\n', to);
 }
+
+void orl_curve_print(FILE *to, const struct orl_curve *curve)
+{
+    fprintf(to, "\n%-*s", HEAD_WIDTH, "an accuracy");
+    if (curve->n_points > 0)
+        fprintf(to, "takes, by %s on %u thread%s\n", orl_technique_name(curve->technique),
+                curve->threads, curve->threads == 1 ? "" : "s");
+    else
+        orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, curve->model);
+    for (uint32_t i = 0; i < curve->n_points; i++) {
+        char seconds[32];
+
+        format_time(curve->points[i].seconds, seconds, sizeof seconds);
+        fprintf(to, "%*.3g %%  %*s\n", HEAD_WIDTH - 3, 100 * curve->points[i].error, TIME_WIDTH + 1,
+                seconds);
+    }
+}

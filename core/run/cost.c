@@ -224,6 +224,29 @@ void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
              work->shares ? "^1.15" : "");
 }
 
+void orl_run_draw_curve(const struct orl_run_state *state, const struct orl_pace *pace,
+                        const struct orl_work *work, const struct orl_parts *parts,
+                        struct orl_curve *ret_curve)
+{
+    static const double errors[] = {0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001};
+    const struct orl_cost *cost = &state->result->cost;
+    struct orl_curve *curve = ret_curve;
+    curve->n_points = 0;
+    snprintf(curve->model, sizeof curve->model, "%s", cost->model);
+    if (!(cost->error > 0) || !(pace->samples > 0))
+        return;
+    curve->points[0].seconds = orl_pace_run_s(pace, work, pace->samples);
+    curve->points[curve->n_points++].error = cost->error;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        const double seconds =
+            errors[i] < cost->error ? seconds_to(pace, work, parts, errors[i]) : (double)NAN;
+        if (!isfinite(seconds))
+            continue;
+        curve->points[curve->n_points].seconds = seconds;
+        curve->points[curve->n_points++].error = errors[i];
+    }
+}
+
 /* ---- Jobs in one piece ----------------------------------------------------------------------- */
 
 /* A job's own settings, as samples of a sensor. */

@@ -76,6 +76,11 @@ double orl_parts_work(const struct orl_parts *parts, double target);
 void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
                      const struct orl_work *work, const struct orl_parts *parts);
 
+/* What accuracies would take, from there on. */
+void orl_run_draw_curve(const struct orl_run_state *state, const struct orl_pace *pace,
+                        const struct orl_work *work, const struct orl_parts *parts,
+                        struct orl_curve *ret_curve);
+
 /*
  * The cost of a job that went in one piece. Of its views, some thousand pixels are taken note of as
  * each is finished; a view that there is no memory for is missing from the error.

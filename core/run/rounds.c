@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "run/cost.h"
+#include "run/curve.h"
 #include "run/deadline.h"
 #include "run/findings.h"
 #include "run/sample_allocation.h"
@@ -265,7 +266,7 @@ static int run_round(struct rounds *r, struct orl_error *err)
     const double started = now_s(r);
     share_out(r);
     make_round(r, &job, &env, &result, &round);
-    if (r->count > 0)
+    if (r->count > 0 && env.store)
         keep_maps_apart(&env, &folder, &store);
     int code = orl_run_technique(&round, err);
     if (code == 0)
@@ -436,6 +437,24 @@ static void note_course(struct orl_outcome *outcome, double seconds)
     outcome->course[outcome->n_course++].error = outcome->achieved;
 }
 
+/* A round of a pilot: as small as the first, and what the whole job would take by it. */
+static void settle_pilot(struct rounds *r, const struct orl_work *usual,
+                         const struct orl_parts *parts)
+{
+    const struct orl_pilot *pilot = r->state->pilot;
+    struct orl_pace pace = r->pace;
+    double views_s = 0;
+    for (size_t i = 0; i < r->state->result->n_views; i++)
+        views_s += r->state->result->views[i].seconds;
+    pace.render_s =
+        fmax(pace.render_s - views_s, 0) * pilot->sensor_times + views_s * pilot->view_times;
+    r->ended = r->count >= ORL_PILOT_ROUNDS;
+    r->samples = r->work.least;
+    orl_run_predict(r->state, &pace, usual, parts);
+    orl_run_draw_curve(r->state, &pace, usual, parts, pilot->curve);
+    foresee(r);
+}
+
 /* The outcome so far, and what comes next. */
 static int settle(struct rounds *r, struct orl_error *err)
 {
@@ -455,6 +474,10 @@ static int settle(struct rounds *r, struct orl_error *err)
     if (r->planned == 0) {
         result->outcome.rounds = r->count;
         result->outcome.achieved = r->error;
+    }
+    if (state->pilot) {
+        settle_pilot(r, &usual, &parts);
+        return 0;
     }
     orl_run_predict(state, &r->pace, &usual, &parts);
     const int code = orl_findings_show(&r->findings, state, err);

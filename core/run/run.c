@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "run/cost.h"
+#include "run/curve.h"
 #include "run/rounds.h"
 #include "run/scene.h"
 
@@ -67,15 +68,29 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
+static int try_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    const int code = prepare(state, err);
+    return code == 0 ? orl_run_pilot(state, err) : code;
+}
+
+/* What a run does once it is set up, and what it finds out on the side. */
+struct course {
+    int (*stages)(struct orl_run_state *state, struct orl_error *err);
+    struct orl_pilot *pilot;
+};
+
 /* *scene: the job's, or NULL, and then what is read. */
 static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
-                       struct orl_scene **scene,
-                       int (*stages)(struct orl_run_state *state, struct orl_error *err),
+                       struct orl_scene **scene, const struct course *course,
                        struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_result result = {.threads = orl_crew_size(env->crew), .seed = job->seed};
-    struct orl_run_state state = {
-        .job = job, .env = env, .result = &result, .only_plan = stages == prepare};
+    struct orl_run_state state = {.job = job,
+                                  .env = env,
+                                  .result = &result,
+                                  .only_plan = course->stages == prepare,
+                                  .pilot = course->pilot};
     const double started = env->now_s(env->ctx);
     struct orl_told told = {0, started};
     int code;
@@ -90,7 +105,7 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
     orl_crew_heed(env->crew, env->cancel);
     state.searches = calloc(orl_crew_size(env->crew), sizeof *state.searches);
     if (state.searches)
-        code = stages(&state, err);
+        code = course->stages(&state, err);
     else
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_crew_heed(env->crew, NULL);
@@ -124,13 +139,12 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
 
 /* The same of a job whose views may be in files. */
 static int run(const struct orl_job *job, const struct orl_run_env *env, struct orl_scene **scene,
-               int (*stages)(struct orl_run_state *state, struct orl_error *err),
-               struct orl_result *ret_result, struct orl_error *err)
+               const struct course *course, struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_job settled = *job;
     int code = orl_run_views(job, env->files, &settled.views, err);
     if (code == 0)
-        code = run_settled(&settled, env, scene, stages, ret_result, err);
+        code = run_settled(&settled, env, scene, course, ret_result, err);
     if (settled.views != job->views)
         orl_run_views_done(job, settled.views);
     return code;
@@ -139,14 +153,14 @@ static int run(const struct orl_job *job, const struct orl_run_env *env, struct 
 int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
                      struct orl_scene **scene, struct orl_result *ret_result, struct orl_error *err)
 {
-    return run(job, env, scene, run_stages, ret_result, err);
+    return run(job, env, scene, &(struct course){.stages = run_stages}, ret_result, err);
 }
 
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err)
 {
     struct orl_scene *scene = NULL;
-    const int code = run(job, env, &scene, run_stages, ret_result, err);
+    const int code = run(job, env, &scene, &(struct course){.stages = run_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -155,7 +169,23 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_scene *scene = NULL;
-    const int code = run(job, env, &scene, prepare, ret_result, err);
+    const int code = run(job, env, &scene, &(struct course){.stages = prepare}, ret_result, err);
     orl_scene_release(scene);
+    return code;
+}
+
+int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
+                   struct orl_curve *ret_curve, struct orl_error *err)
+{
+    const struct orl_job tried = orl_pilot_job(job);
+    struct orl_curve curve = {.technique = tried.technique, .threads = orl_crew_size(env->crew)};
+    struct orl_pilot pilot = {1, 1, &curve};
+    struct orl_result result = {0};
+    struct orl_scene *scene = NULL;
+    const int code = run(&tried, env, &scene, &(struct course){try_stages, &pilot}, &result, err);
+    orl_scene_release(scene);
+    orl_result_done(&result);
+    if (code == 0)
+        *ret_curve = curve;
     return code;
 }

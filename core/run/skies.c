@@ -11,6 +11,8 @@
 
 /* What a sky without light takes of the time of others, roughly: for progress alone. */
 static const double dark_share = 0.1;
+/* A plan that takes as long is not made twice for a curve. */
+static const double long_plan_s = 20;
 
 /* A job on its way through its skies. */
 struct passage {
@@ -151,7 +153,7 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
 
 int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, size_t most,
                    int (*tell)(void *ctx, const char *sky, const struct orl_result *planned,
-                               struct orl_error *err),
+                               const struct orl_curve *curve, struct orl_error *err),
                    void *ctx, struct orl_error *err)
 {
     const size_t count = job->n_skies == 0 ? 1 : job->n_skies < most ? job->n_skies : most;
@@ -159,9 +161,14 @@ int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, siz
     for (size_t i = 0; i < count && code == 0; i++) {
         const struct orl_job one = job->n_skies > 0 ? under_one(job, i) : *job;
         struct orl_result planned = {0};
+        struct orl_curve curve;
         code = orl_plan_job(&one, env, &planned, err);
+        const bool draws = i == 0 && planned.total_s < long_plan_s;
+        if (code == 0 && draws)
+            code = orl_plan_curve(&one, env, &curve, err);
         if (code == 0)
-            code = tell(ctx, job->n_skies > 0 ? job->skies[i].name : NULL, &planned, err);
+            code = tell(ctx, job->n_skies > 0 ? job->skies[i].name : NULL, &planned,
+                        draws ? &curve : NULL, err);
         orl_result_done(&planned);
     }
     return code;

@@ -23,6 +23,8 @@ struct orl_told {
     double share, at_s;
 };
 
+struct orl_pilot;
+
 struct orl_run_state {
     const struct orl_job *job;
     const struct orl_run_env *env;
@@ -31,6 +33,7 @@ struct orl_run_state {
     size_t n_sensors;
     bool sensors_owned;
     bool only_plan;                /* nothing is to be rendered: what it would take is asked for */
+    struct orl_pilot *pilot;       /* what accuracies would take is (curve.h); else NULL */
     const struct orl_swaps *swaps; /* of the scene's materials; NULL: none */
     struct orl_scene *scene;       /* held, as the next two are */
     struct orl_lights *lights;

@@ -17,9 +17,9 @@ static double now_s(void *ctx)
 }
 
 static int add_plan(void *ctx, const char *sky, const struct orl_result *planned,
-                    struct orl_error *err)
+                    const struct orl_curve *curve, struct orl_error *err)
 {
-    json_t *plan = orl_planned_to_json(planned);
+    json_t *plan = orl_planned_to_json(planned, curve);
     if (plan &&
         json_object_set_new(plan, "sky", sky ? orl_json_from_text(sky) : json_null()) == 0 &&
         json_array_append_new(ctx, plan) == 0)

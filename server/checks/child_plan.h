@@ -12,7 +12,8 @@ enum { ORL_PLAN_SKIES = 16 };
 
 /*
  * opened: the scene's files, and the document as the single one. *ret_result is a new reference:
- * {"plans": [{"sky", "plan", "warnings"}], "more"}; sky is null of a job that has no list of them.
+ * {"plans": [{"sky", "plan", "warnings", "curve"}], "more"}; sky is null of a job that has no list
+ * of them.
  */
 int orl_child_plan(struct orl_opened *opened, json_t **ret_result, struct orl_error *err);
 

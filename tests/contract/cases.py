@@ -118,6 +118,9 @@ def plans(daemon):
     scene, dark = daemon.upload(ROOM + SKY), daemon.upload(ROOM)
     found = daemon.ask("POST", "/v1/plans", sensors_of(scene, views=[VIEW]), want=200).json
     assert len(found["plans"]) == 1 and found["plans"][0]["plan"]["technique"] == "gather"
+    curve = found["plans"][0]["curve"]["points"]
+    assert len(curve) > 1 and all(a["error"] > b["error"] and a["seconds"] <= b["seconds"]
+                                  for a, b in zip(curve, curve[1:]))
     cie = {"name": "grey", "cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
     several = sensors_of(dark, skies=[cie, {**cie, "name": "gray"}])
     found = daemon.ask("POST", "/v1/plans", several, want=200).json

@@ -86,12 +86,27 @@ static void test_plan(void **state)
     result.plan.technique = ORL_TECHNIQUE_DIRECT;
     json_t *plan = orl_plan_to_json(&result.plan);
     json_t *doc = orl_result_to_json(&result, "succeeded");
-    json_t *planned = orl_planned_to_json(&result);
+    const struct orl_curve curve = {.technique = ORL_TECHNIQUE_BACKWARD,
+                                    .threads = 2,
+                                    .points = {{1.5, 0.25}, {4, 0.125}},
+                                    .n_points = 2,
+                                    .model = "so"};
+    json_t *planned = orl_planned_to_json(&result, NULL);
+    json_t *drawn = orl_planned_to_json(&result, &curve);
+    json_t *expected = json_loads("{\"technique\":\"backward\",\"threads\":2,\"model\":\"so\","
+                                  "\"points\":[{\"seconds\":1.5,\"error\":0.25},"
+                                  "{\"seconds\":4.0,\"error\":0.125}]}",
+                                  0, NULL);
+    assert_non_null(expected);
+    assert_true(json_equal(json_object_get(drawn, "curve"), expected));
+    assert_true(json_is_null(json_object_get(planned, "curve")));
+    json_decref(expected);
+    json_decref(drawn);
     assert_true(json_is_object(plan));
     assert_true(json_equal(json_object_get(doc, "plan"), plan));
     assert_true(json_equal(json_object_get(planned, "plan"), plan));
     assert_true(json_equal(json_object_get(planned, "warnings"), json_object_get(doc, "warnings")));
-    assert_int_equal(json_object_size(planned), 2);
+    assert_int_equal(json_object_size(planned), 3);
     json_decref(planned);
     json_decref(doc);
     json_decref(plan);

@@ -246,6 +246,19 @@ struct orl_cost {
     char model[ORL_WHY_MAX]; /* what they are worked out from, in a sentence */
 };
 
+/* What an accuracy takes: seconds of a job by `technique` with such a relative error, at the goal's
+ * share or 0.95, on as many threads as it was made by. From the pilot's own error down. */
+enum { ORL_CURVE = 10 };
+struct orl_curve {
+    enum orl_technique technique;
+    uint32_t threads;
+    struct {
+        double seconds, error;
+    } points[ORL_CURVE];
+    uint32_t n_points;       /* 0: not known */
+    char model[ORL_WHY_MAX]; /* as in orl_cost, or why not */
+};
+
 enum { ORL_RESULT_MAPS = 3 };
 
 struct orl_result {
@@ -343,6 +356,13 @@ struct orl_run_env {
  */
 int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err);
+
+/*
+ * What accuracies of the job would take here, whatever its own settings: by two small rounds of it
+ * that are rendered, by paths, and the model of orl_cost. As orl_plan_job otherwise.
+ */
+int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
+                   struct orl_curve *ret_curve, struct orl_error *err);
 
 /*
  * Runs the job, which has no more than one sky. Returns 0 and fills ret_result (owned by the

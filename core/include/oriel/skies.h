@@ -32,12 +32,13 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
 
 /*
  * Makes the job's plan (orl_plan_job), or those under the first `most` of its skies, one after the
- * other, and gives each to tell with the sky's name, NULL for a job of no list of skies. What tell
- * is given is valid during the call; a negative orl_err of its ends it.
+ * other, and gives each to tell with the sky's name, NULL for a job of no list of skies, and the
+ * first with its curve (orl_plan_curve), unless its plan took long; else that is NULL. What tell is
+ * given is valid during the call; a negative orl_err of its ends it.
  */
 int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, size_t most,
                    int (*tell)(void *ctx, const char *sky, const struct orl_result *planned,
-                               struct orl_error *err),
+                               const struct orl_curve *curve, struct orl_error *err),
                    void *ctx, struct orl_error *err);
 
 #endif
