@@ -98,11 +98,16 @@ static int add_filter(char *path, size_t size, const char *name, const char *val
 int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL;
-    const char *state = NULL, *tag = NULL, *limit = NULL;
+    const char *state = NULL, *tag = NULL, *scene = NULL, *since = NULL, *limit = NULL;
     const struct orl_option options[] = {
         ORL_OPTION_SERVER(&server),
         {.name = "state", .metavar = "STATE", .help = "only jobs in that state", .value = &state},
         {.name = "tag", .metavar = "TAG", .help = "only jobs that have that tag", .value = &tag},
+        {.name = "scene", .metavar = "ID", .help = "only jobs of that scene", .value = &scene},
+        {.name = "since",
+         .metavar = "TIME",
+         .help = "only jobs that came then or later: 2026-11-23T08:00:00Z",
+         .value = &since},
         {.name = "limit", .metavar = "N", .help = "at most so many (100)", .value = &limit},
     };
     struct orl_operands operands;
@@ -112,7 +117,7 @@ int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
     json_t *reply = NULL;
     int rc;
 
-    if (!orl_options_parse(self, argc, argv, options, 4, 0, 1, &operands, &rc))
+    if (!orl_options_parse(self, argc, argv, options, 6, 0, 1, &operands, &rc))
         return rc;
     rc = orl_http_open(&http, server, &err);
     if (rc == 0 && operands.count)
@@ -121,6 +126,10 @@ int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
         rc = add_filter(path, sizeof path, "state", state, &err);
     if (rc == 0 && !operands.count)
         rc = add_filter(path, sizeof path, "tag", tag, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "scene", scene, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "since", since, &err);
     if (rc == 0 && !operands.count)
         rc = add_filter(path, sizeof path, "limit", limit, &err);
     if (rc == 0)

@@ -22,7 +22,10 @@
 struct sink {
     char *data;
     size_t size, room;
-    FILE *file;    /* NULL: memory */
+    FILE *file;                                /* NULL: memory */
+    bool (*line)(void *ctx, const char *text); /* who wants whole lines; or NULL */
+    void *ctx;
+    bool ended;    /* by that */
     CURL *curl;    /* asked for the status, so that a problem does not land in the file */
     bool overflow; /* the reply was larger than any honest one */
 };
@@ -94,6 +97,24 @@ static bool sink_grow(struct sink *sink, size_t more)
     return true;
 }
 
+/* Gives away the lines that are whole, and keeps the rest. */
+static bool give_lines(struct sink *sink)
+{
+    char *from = sink->data, *end;
+
+    while ((end = memchr(from, '\n', sink->size - (size_t)(from - sink->data)))) {
+        *end = '\0';
+        if (!sink->line(sink->ctx, from)) {
+            sink->ended = true;
+            return false;
+        }
+        from = end + 1;
+    }
+    sink->size -= (size_t)(from - sink->data);
+    memmove(sink->data, from, sink->size + 1);
+    return true;
+}
+
 static size_t sink_write(char *data, size_t unit, size_t count, void *arg)
 {
     struct sink *sink = arg;
@@ -108,7 +129,7 @@ static size_t sink_write(char *data, size_t unit, size_t count, void *arg)
     memcpy(sink->data + sink->size, data, size);
     sink->size += size;
     sink->data[sink->size] = '\0';
-    return size;
+    return !sink->line || status / 100 != 2 || give_lines(sink) ? size : 0;
 }
 
 /* Proxies are for the world outside: a daemon on this machine is always reached directly. */
@@ -218,6 +239,41 @@ int orl_http_call(struct orl_http *http, const char *method, const char *path, j
     const int rc = prepare(http, method, path, &sink, err);
 
     return rc ? rc : perform_json(http, &sink, ret_json, err);
+}
+
+void orl_http_next_page(const struct orl_http *http, char *ret_path, size_t size)
+{
+    static const char end[] = ">; rel=\"next\"";
+    struct curl_header *header;
+    const char *found = NULL;
+
+    *ret_path = '\0';
+    if (curl_easy_header(http->curl, "Link", 0, CURLH_HEADER, -1, &header) == CURLHE_OK &&
+        strncmp(header->value, "</v1/", 5) == 0)
+        found = strstr(header->value, end);
+    if (found)
+        snprintf(ret_path, size, "%.*s", (int)(found - header->value - 1), header->value + 1);
+}
+
+int orl_http_stream(struct orl_http *http, const char *path, const char *last_id,
+                    bool (*line)(void *ctx, const char *text), void *ctx, struct orl_error *err)
+{
+    struct sink sink = {.line = line, .ctx = ctx};
+    struct curl_slist *headers = curl_slist_append(NULL, "Accept: text/event-stream");
+    char header[128];
+    int rc = headers ? prepare(http, "GET", path, &sink, err)
+                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    snprintf(header, sizeof header, "Last-Event-ID: %s", last_id);
+    if (rc == 0 && *last_id && !curl_slist_append(headers, header))
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc == 0) {
+        curl_easy_setopt(http->curl, CURLOPT_HTTPHEADER, headers);
+        rc = perform(http, &sink, err);
+    }
+    free(sink.data);
+    curl_slist_free_all(headers);
+    return sink.ended ? 0 : rc;
 }
 
 int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struct orl_error *err)

@@ -39,6 +39,9 @@ void orl_http_close(struct orl_http *http); /* NULL and half-open are fine */
 int orl_http_call(struct orl_http *http, const char *method, const char *path, json_t **ret_json,
                   struct orl_error *err);
 
+/* Of the list that came last, the path of its next page (RFC 8288); "" when it was the last. */
+void orl_http_next_page(const struct orl_http *http, char *ret_path, size_t size);
+
 /* Is there something at path? By a HEAD. Any answer but "here it is" means no. */
 int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struct orl_error *err);
 
@@ -54,6 +57,13 @@ int orl_http_post_parts(struct orl_http *http, const char *path,
 /* POSTs one file as the body, of that media type. */
 int orl_http_post_file(struct orl_http *http, const char *path, const char *file, const char *type,
                        json_t **ret_json, struct orl_error *err);
+
+/*
+ * GETs a stream of lines until it ends (then 0) or line, which is given each without its end,
+ * returns false. last_id: of the event seen last, "" for none.
+ */
+int orl_http_stream(struct orl_http *http, const char *path, const char *last_id,
+                    bool (*line)(void *ctx, const char *text), void *ctx, struct orl_error *err);
 
 /* GETs path into the file, whole or not at all (a temporary name beside it, then a rename). */
 int orl_http_download(struct orl_http *http, const char *path, const char *file,

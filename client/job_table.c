@@ -50,7 +50,7 @@ static void format_share(double percent, char ret_text[CELL])
         ret_text[0] = '\0';
 }
 
-static void print_row(const json_t *job)
+void orl_print_job(const json_t *job)
 {
     const double eta_s = orl_json_number(job, "eta_s", -1);
     const double position = orl_json_number(job, "queue_position", -1);
@@ -68,15 +68,20 @@ static void print_row(const json_t *job)
            orl_json_text(job, "state"), percent, eta, error, orl_json_text(job, "created"));
 }
 
+void orl_print_job_heading(void)
+{
+    printf("%-8s  %-*s  %-6s  %-10s  %8s  %11s  %7s  %s\n", "id", NAME_WIDTH, "name", "kind",
+           "state", "progress", "eta", "error", "created (UTC)");
+}
+
 void orl_print_jobs(const json_t *jobs)
 {
     const json_t *job;
     size_t i;
 
-    printf("%-8s  %-*s  %-6s  %-10s  %8s  %11s  %7s  %s\n", "id", NAME_WIDTH, "name", "kind",
-           "state", "progress", "eta", "error", "created (UTC)");
+    orl_print_job_heading();
     json_array_foreach(jobs, i, job)
     {
-        print_row(job);
+        orl_print_job(job);
     }
 }

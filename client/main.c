@@ -46,7 +46,8 @@ static const struct orl_subcommand commands[] = {
      "Send a job, study or year, and the files it needs, to a daemon",
      "Uploads the scene's files and everything they refer to, then prints the job's id.",
      orl_cmd_submit},
-    {"status", "[ID] [--state STATE] [--tag TAG] [--limit N] [--server URL]",
+    {"status",
+     "[ID] [--state STATE] [--tag TAG] [--scene ID] [--since TIME] [--limit N] [--server URL]",
      "Show one job, or the latest ones",
      "Without an id a line each: name (else tags), state, progress, time left or place in the "
      "queue,\n"
@@ -54,6 +55,11 @@ static const struct orl_subcommand commands[] = {
      "here\n"
      "as for the other commands.",
      orl_cmd_status},
+    {"watch", "[--tag TAG] [--server URL]", "Show all jobs as they change, a line each",
+     "First those that are there, then what becomes of them and what is new: a line, as status has\n"
+     "it, for each new state, each round's error and each tenth of the way. A daemon that restarts\n"
+     "in between is waited for. Ends with Ctrl-C.",
+     orl_cmd_watch},
     {"wait", "ID [--server URL]", "Follow a job to its end, with progress",
      "Ends with 0 when the job succeeded, 1 when it failed or was cancelled. A daemon that\n"
      "restarts in between is waited for.",
@@ -68,6 +74,15 @@ static const struct orl_subcommand commands[] = {
      "A job that has ended goes with its results; a scene when no job waits for it or runs, and a\n"
      "BSDF when no scene has it. Photon maps: oriel maps --remove.",
      orl_cmd_remove},
+    {"list", "scenes|bsdfs [--server URL]", "List the uploads a daemon keeps, the latest first",
+     "A scene's size, the jobs that had it and those under way, and when it was last used; a BSDF's\n"
+     "size, how many scenes have it, and its name.",
+     orl_cmd_list},
+    {"link", "ID FILE... [--seconds N] [--server URL]",
+     "Print addresses of results that need no token, for a while",
+     "Whoever has one may read that file, from any program, until its time is over or the token "
+     "that\nasked for it is revoked.",
+     orl_cmd_link},
     {"maps", "[--remove KEY] [--server URL]",
      "List photon maps and BSDFs a daemon keeps, and what they saved",
      "With --remove it removes the one whose key begins so. A job that needs it makes it anew.",

@@ -116,6 +116,93 @@ static void test_status_is_a_table(void **state)
     assert_int_equal(canned_asked(f, "DELETE /v1/jobs/fedcba9876543210fedcba9876543210"), 1);
 }
 
+#define JOB(id, state, percent, error)                                                             \
+    "{\"id\": \"" id "\", \"name\": \"n\", \"kind\": \"render\", \"state\": \"" state              \
+    "\", \"percent\": " percent ", \"eta_s\": null, \"error\": " error                             \
+    ", \"created\": \"2024-03-22T11:30:00Z\"}"
+#define EVENT(kind, id, data) "event: " kind "\nid: " id "\ndata: " data "\n\n"
+
+/* All jobs there are, then what is news of them; where the stream broke off it goes on. */
+static void test_watch_tells_what_is_news(void **state)
+{
+    static const struct canned canned[] = {
+        {"GET /v1/jobs", 200,
+         "{\"jobs\": [" JOB("bbbbbbbbbb", "running", "1",
+                            "null") ", " JOB("aaaaaaaaaa", "succeeded", "100", "null") "]}"},
+        {"GET /v1/events", 200,
+         EVENT("reset", "1",
+               "{}") ": still here\n\n" EVENT("job", "2", JOB("bbbbbbbbbb", "running", "2", "null"))
+             EVENT("job", "3", JOB("bbbbbbbbbb", "running", "12.5", "null"))
+                 EVENT("job", "4", JOB("bbbbbbbbbb", "running", "12.6", "0.25"))},
+        {"GET /v1/events", 200,
+         EVENT("removed", "5", "{\"id\": \"aaaaaaaaaa\"}")
+             EVENT("job", "6", JOB("cccccccccc", "queued", "null", "null"))},
+        {"GET /v1/events", 401, "{\"title\": \"No\", \"detail\": \"the token was removed\"}"},
+        {NULL, 0, NULL}};
+    struct canned_daemon *f = *state;
+    const char *at;
+
+    canned_run_args(f, canned,
+                    (const char *const[]){"watch", "--tag", "x y", "--server", f->url, NULL});
+    assert_int_equal(f->result.exit_code, 1);
+    canned_says(f->result.err, "the token was removed");
+    assert_int_equal(canned_asked(f, "GET /v1/events"), 3);
+    at = strstr(f->result.out, "aaaaaaaa");
+    at = at ? strstr(at, "bbbbbbbb") : NULL;
+    assert_non_null(at);
+    canned_says(at, "   1.0 %");
+    canned_says(at, "  12.5 %");
+    canned_says(at, "  25.0 %");
+    canned_says(at, "aaaaaaaa  removed\ncccccccc  n ");
+    assert_null(strstr(at, "   2.0 %"));
+}
+
+static void test_lists_of_uploads(void **state)
+{
+    static const struct canned canned[] = {
+        {"GET /v1/scenes", 200,
+         "{\"scenes\": [{\"id\": \"5ce0e\", \"bytes\": 48000000, \"jobs\": 3,"
+         " \"jobs_under_way\": 1, \"last_used\": \"2024-03-22T11:30:00.123Z\"}]}"},
+        {"GET /v1/bsdfs", 200,
+         "{\"bsdfs\": [{\"id\": \"b5df\", \"bytes\": 950, \"name\": \"pane.xml\","
+         " \"scenes\": [\"5ce0e\"]}]}"},
+        {NULL, 0, NULL}};
+    struct canned_daemon *f = *state;
+
+    canned_run(f, canned, "list", "scenes", NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    canned_says(f->result.out, "5ce0e ");
+    canned_says(f->result.out, "   48.0 MB      3          1  2024-03-22T11:30:00\n");
+    canned_run(f, canned, "list", "bsdfs", NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    canned_says(f->result.out, "     950 B       1  pane.xml\n");
+    canned_run(f, canned, "list", "jobs", NULL);
+    assert_int_equal(f->result.exit_code, 2);
+}
+
+static void test_links_of_results(void **state)
+{
+    static const struct canned canned[] = {
+        {"POST /v1/jobs/7/links", 200,
+         "{\"links\": [{\"file\": \"a.hdr\", \"url\": \"/v1/jobs/7/files/a.hdr?s=1\"},"
+         " {\"file\": \"b.png\", \"url\": \"/v1/jobs/7/files/b.png?s=2\"}]}"},
+        {NULL, 0, NULL}};
+    struct canned_daemon *f = *state;
+    char wanted[200];
+
+    canned_run_args(f, canned,
+                    (const char *const[]){"link", "7", "a.hdr", "b.png", "--seconds", "60",
+                                          "--server", f->url, NULL});
+    assert_int_equal(f->result.exit_code, 0);
+    snprintf(wanted, sizeof wanted, "%s/v1/jobs/7/files/a.hdr?s=1\n%s/v1/jobs/7/files/b.png?s=2\n",
+             f->url, f->url);
+    assert_string_equal(f->result.out, wanted);
+    assert_string_equal(canned_find(f, "POST /v1/jobs/7/links")->body,
+                        "{\"files\":[\"a.hdr\",\"b.png\"],\"seconds\":60}");
+    canned_run_args(f, canned, (const char *const[]){"link", "7", "a", "--seconds", "1h", NULL});
+    assert_int_equal(f->result.exit_code, 2);
+}
+
 static void test_no_daemon_is_said_so(void **state)
 {
     struct canned_daemon *f = *state;
@@ -228,6 +315,9 @@ int main(void)
         TEST(test_wait_fails_with_the_job),
         TEST(test_problems_read_like_compilers),
         TEST(test_status_is_a_table),
+        TEST(test_watch_tells_what_is_news),
+        TEST(test_lists_of_uploads),
+        TEST(test_links_of_results),
         TEST(test_no_daemon_is_said_so),
         TEST(test_maps_table_adds_up),
         TEST(test_fetch_keeps_images_and_result),
