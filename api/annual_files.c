@@ -94,6 +94,22 @@ static int write_matrices(struct writing *w)
     return rc;
 }
 
+static int write_coefficients(struct writing *w)
+{
+    int rc = 0;
+    for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++) {
+        const struct orl_annual_grid *grid = &w->told->report->grids[g];
+        char path[PATH_SIZE], name[GRID_SIZE];
+        orl_annual_file_name(grid->name, name, sizeof name);
+        rc = name_file(w, path, "%s.dc.mtx", name);
+        if (rc == 0)
+            rc = orl_coefficients_write(
+                path, w->told->result->coefficients + grid->first * ORL_ANNUAL_PATCHES, grid->count,
+                ORL_ANNUAL_PATCHES, w->err);
+    }
+    return rc;
+}
+
 /* Every metric of a grid over the plan. */
 static int write_plans(struct writing *w, size_t g, const char *grid)
 {
@@ -200,8 +216,8 @@ static int write_honeybee(struct writing *w)
 static size_t count_files(const struct orl_annual_told *told)
 {
     const struct orl_annual_formats *formats = &told->job->formats;
-    const size_t of_grid =
-        2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) + (formats->honeybee ? 9 : 0);
+    const size_t of_grid = 2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) +
+                           formats->coefficients + (formats->honeybee ? 9 : 0);
     return 2 + told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0);
 }
 
@@ -211,6 +227,8 @@ static int write_all(struct writing *w)
     int rc = write_tables(w);
     if (rc == 0 && told->job->formats.matrices)
         rc = write_matrices(w);
+    if (rc == 0 && told->job->formats.coefficients)
+        rc = write_coefficients(w);
     if (rc == 0 && told->job->formats.honeybee)
         rc = write_honeybee(w);
     if (rc == 0)

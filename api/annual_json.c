@@ -186,22 +186,23 @@ static int decode_until(const json_t *value, const char *path, void *into, struc
                          : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-static const char *const format_names[] = {"honeybee", "ill", NULL};
+static const char *const format_names[] = {"honeybee", "ill", "coefficients", NULL};
 
 static int decode_format(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_annual_formats *formats = into;
+    bool *const flags[] = {&formats->honeybee, &formats->matrices, &formats->coefficients};
     unsigned which = 0;
     const struct orl_json_member word = {.word = &which, .words = format_names};
     const int rc = orl_json_value(value, path, &word, err);
     if (rc == 0)
-        *(which == 0 ? &formats->honeybee : &formats->matrices) = true;
+        *flags[which] = true;
     return rc;
 }
 
 static int decode_formats(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_each(value, path, 2, decode_format, into, err);
+    return orl_json_each(value, path, 3, decode_format, into, err);
 }
 
 static int decode_members(const json_t *doc, struct orl_annual_job *job, struct orl_error *err)
@@ -241,6 +242,10 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {.name = "tags"},
         {0}};
     const int rc = orl_json_members(doc, "", members, err);
+    request->coefficients = job->formats.coefficients;
+    if (rc == 0 && request->coefficients && wishes->until)
+        return orl_json_fail(err, ORL_ERR_INVALID, "formats",
+                             "daylight coefficients are of one run: leave \"accuracy\" out");
     if (rc == 0 && wishes->until && request->samples == 0)
         request->samples = FIRST_ROUND;
     return rc;

@@ -17,7 +17,7 @@
  *      "exposure": {...} (annual_exposure.h),
  *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
  * open; "samples" are those of the first round then, 256 when left out),
- *      "formats": ["honeybee", "ill"] (files of all hours, beside the usual ones),
+ *      "formats": ["honeybee", "ill", "coefficients"] (files beside the usual ones),
  *      "priority": 5 (read by task_json.h)}
  *
  * result.json:
@@ -52,9 +52,9 @@
 
 #include "job_json.h"
 
-/* Files of all hours: Honeybee's results folder; Radiance's matrices. */
+/* Files of all hours: Honeybee's results folder; Radiance's matrices; daylight coefficients. */
 struct orl_annual_formats {
-    bool honeybee, matrices;
+    bool honeybee, matrices, coefficients;
 };
 
 /* All of it owned; orl_annual_job_done frees it. */

@@ -55,8 +55,8 @@ void orl_bins_init(struct orl_bins *bins)
         const double solid = 2 * ORL_PI * (row->high - row->low) / row->columns;
         for (uint32_t k = 0; k < row->columns; k++) {
             const uint32_t bin = row->first + k;
-            const double turn = 2 * ORL_PI * (k + 0.5) / row->columns;
-            bins->at[bin] = orl_v3(level * cos(turn), level * sin(turn), sine);
+            const double turn = 2 * ORL_PI * k / row->columns;
+            bins->at[bin] = orl_v3(level * sin(turn), level * cos(turn), sine);
             bins->solid_sr[bin] = solid;
             bins->level_sr[bin] = 0.5 * (row->low + row->high) * solid;
             bins->row_of[bin] = (uint16_t)i;
@@ -88,7 +88,7 @@ uint32_t orl_bins_find(const struct orl_bins *bins, struct orl_vec3 direction)
     const struct orl_bin_row *row = &bins->rows[row_of(bins, direction.z)];
     if (row->columns == 1)
         return row->first;
-    const double turn = atan2(direction.y, direction.x) / (2 * ORL_PI);
-    const uint32_t column = (uint32_t)((turn < 0 ? turn + 1 : turn) * row->columns);
-    return row->first + (column < row->columns ? column : row->columns - 1);
+    const double turn = atan2(direction.x, direction.y) / (2 * ORL_PI);
+    const uint32_t column = (uint32_t)((turn < 0 ? turn + 1 : turn) * row->columns + 0.5);
+    return row->first + (column < row->columns ? column : 0);
 }

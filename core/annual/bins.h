@@ -2,9 +2,11 @@
  * Directions in bins: Reinhart's subdivision MF:4 of Tregenza's sky (2305 patches in 29 rows of
  * equal height, the last of them round the zenith), and below the horizon six rows of the same
  * height, where sky and ground blend (light/sky.c), and one bin for the rest. Each bin belongs to a
- * coarse one: a patch of Tregenza's own, a row below the horizon.
+ * coarse one: as many as Tregenza has patches, four columns and rows each, and a row below the
+ * horizon.
  *
- * Conventions: azimuth counter-clockwise from +X (east) of the sky; rows from the horizon.
+ * Conventions: azimuth clockwise from +Y (north) of the sky, of which the first bin of a row is the
+ * middle; rows from the horizon. Those above it are in the order of Radiance's reinhart.cal.
  * References: Tregenza 1987, Lighting Research and Technology 19(1), 13; Reinhart and Walkenhorst
  * 2001, Energy and Buildings 33(7), 683.
  */

@@ -77,6 +77,9 @@ static void fill_factors(void *arg, size_t index, uint32_t member)
     orl_annual_factors_fill(&y->factors[index], &y->bins, &coefficients,
                             y->sun_by_batch + index * (ORL_ANNUAL_BATCHES + 1) * y->n_sun,
                             y->sun_by_lot + index * ORL_SUN_MAP_LOTS * y->n_beams);
+    if (y->result->coefficients)
+        orl_annual_factors_tell(&y->factors[index],
+                                y->result->coefficients + (y->first + index) * ORL_ANNUAL_PATCHES);
 }
 
 static void multiply(void *arg, size_t tile, uint32_t member)
@@ -331,6 +334,11 @@ static int make_room(struct orl_year *y)
     r->overcast_se = calloc(n + 1, sizeof *r->overcast_se);
     if (!r->overcast || !r->overcast_se)
         return ORL_ERR_NOMEM;
+    if (y->request->coefficients) {
+        r->coefficients = calloc(n * ORL_ANNUAL_PATCHES + 1, sizeof *r->coefficients);
+        if (!r->coefficients)
+            return ORL_ERR_NOMEM;
+    }
     if (y->env->row)
         return 0;
     r->total = malloc((n * columns + 1) * sizeof *r->total);
@@ -359,8 +367,8 @@ static struct orl_annual_block block_of(const struct orl_year *y)
 
 static bool is_kept(struct orl_year *y)
 {
-    if (y->env->row || !y->env->kept)
-        return false;
+    if (y->env->row || !y->env->kept || y->result->coefficients)
+        return false; /* coefficients are in no block */
     struct orl_annual_block block = block_of(y);
     return y->env->kept(y->env->ctx, &block);
 }

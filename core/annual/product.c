@@ -106,6 +106,18 @@ void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins
     }
 }
 
+_Static_assert(ORL_ANNUAL_PATCHES == ORL_BINS_ABOVE + 1, "the ground, and the sky's bins");
+
+/* What is below the horizon is one patch. */
+void orl_annual_factors_tell(const struct orl_annual_factors *f, float *ret_coefficients)
+{
+    double ground = 0;
+    for (uint32_t bin = ORL_BINS_ABOVE; bin < ORL_BINS; bin++)
+        ground += (double)f->bins[bin];
+    ret_coefficients[0] = (float)ground;
+    memcpy(ret_coefficients + 1, f->bins, ORL_BINS_ABOVE * sizeof *ret_coefficients);
+}
+
 static void find_errors(const struct orl_annual_factors *f, const struct orl_hours *hours,
                         const struct orl_sun_terms *terms, size_t tile, uint32_t n,
                         double ret_squares[TILE], double ret_sun[TILE])

@@ -40,6 +40,9 @@ void orl_annual_factors_fill(struct orl_annual_factors *factors, const struct or
                              const struct orl_annual_coefficients *coefficients, double *sun,
                              double *lots);
 
+/* Daylight coefficients (oriel/annual.h): [ORL_ANNUAL_PATCHES]. */
+void orl_annual_factors_tell(const struct orl_annual_factors *factors, float *ret_coefficients);
+
 /* Of one tile of columns: a tile's sky serves all sensors while it is at hand. terms: of the sun.
  */
 void orl_annual_multiply(const struct orl_annual_factors *factors, const struct orl_hours *hours,

@@ -65,6 +65,9 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
         if (g->first > request->n_sensors || g->count > request->n_sensors - g->first)
             return orl_error_set(err, ORL_ERR_RANGE, "grid %zu goes beyond the last sensor", i + 1);
     }
+    if (request->coefficients && request->n_groups > 0)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "daylight coefficients are of one state: a year with shades has none");
     const int code = orl_shades_validate(request, err);
     return code < 0 ? code : check_sensors(request, err);
 }
@@ -115,6 +118,7 @@ void orl_annual_done(struct orl_annual_result *result)
     free(result->states);
     free(result->overcast);
     free(result->overcast_se);
+    free(result->coefficients);
     free(result->total);
     free(result->direct);
     free(result->se);

@@ -330,7 +330,8 @@ def years(daemon):
     assert job["state"] == "succeeded", job
     results(daemon, path, job)
     alone = daemon.submit({"kind": "annual", "scene": scene, "weather": "w.epw", "samples": 4096,
-                           "sensors": SENSORS * 200, "occupancy": {"from": 9}})
+                           "sensors": SENSORS * 200, "occupancy": {"from": 9},
+                           "formats": ["coefficients"]})
     daemon.wait(alone, ("running",), lambda job: job["stage"] == "render")
     daemon.ask("POST", alone + "/cancel", want=202)
     daemon.ask("POST", "/v1/jobs", dict(year, weather="s.txt"), want=400)

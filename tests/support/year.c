@@ -137,7 +137,8 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
         .groups = (struct orl_window_group *)(uintptr_t)run->groups,
         .n_groups = run->n_groups,
         .seed = run->seed,
-        .samples = run->samples};
+        .samples = run->samples,
+        .coefficients = run->coefficients};
     annual.run = &place.env;
     annual.reuse = run->kept_in != NULL;
     if (run->kept_in)

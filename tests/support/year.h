@@ -28,6 +28,7 @@ struct year_run {
     uint32_t samples, threads; /* 0: the default; 1 */
     uint64_t seed;
     double north_deg;
+    bool coefficients;
     const struct orl_annual_env *env; /* whose callbacks are heeded; or NULL */
     const char *kept_in;              /* a folder for what others use again; NULL: nothing is */
     /* Until what they want is sure; or NULL, and the next too. */

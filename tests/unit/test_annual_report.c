@@ -295,6 +295,12 @@ static void test_arrays(void **state)
     assert_non_null(strstr(bytes, "FORMAT=float\n\n"));
     assert_memory_equal(bytes + size - sizeof values, values, sizeof values);
     free(bytes);
+    assert_int_equal(orl_coefficients_write(scratch_path("a.dc.mtx"), values, 2, 3, NULL), 0);
+    bytes = read_file("a.dc.mtx", &size);
+    assert_non_null(strstr(bytes, "NROWS=2\nNCOLS=3\nNCOMP=3\n"));
+    for (int i = 0; i < 3; i++)
+        assert_memory_equal(bytes + size - 12 + 4 * i, &values[5], sizeof *values);
+    free(bytes);
     assert_int_equal(orl_npy_write(scratch_path("none/a.npy"), values, 2, 3, NULL), ORL_ERR_IO);
 }
 

@@ -52,7 +52,8 @@ struct orl_annual_request {
     struct orl_window_group *groups; /* of windows with shades; may be none */
     size_t n_groups;
     uint64_t seed;
-    uint32_t samples; /* paths a sensor; 0: ORL_ANNUAL_SAMPLES */
+    uint32_t samples;  /* paths a sensor; 0: ORL_ANNUAL_SAMPLES */
+    bool coefficients; /* are wanted, of the result; not of years with shades */
 };
 
 enum { ORL_ANNUAL_SAMPLES = 2048, ORL_ANNUAL_BATCHES = 16, ORL_ANNUAL_MOST_SAMPLES = 1 << 20 };
@@ -69,6 +70,10 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
 /* ---- The result ------------------------------------------------------------------------------ */
 
 #define ORL_ANNUAL_DARK UINT32_MAX
+
+/* Of daylight coefficients: the ground, then Reinhart's sky MF:4 in the order of Radiance's
+ * reinhart.cal and gendaymtx, azimuth clockwise from north. */
+enum { ORL_ANNUAL_PATCHES = 2306 };
 
 /* A row of the weather file, in its order. */
 struct orl_annual_step {
@@ -138,6 +143,12 @@ struct orl_annual_result {
     /* Of each sensor, lx: under the CIE's overcast sky of ORL_OVERCAST_LX on a level plane, and the
      * ground beneath it, shades being open; and standard errors. */
     float *overcast, *overcast_se;
+    /*
+     * Daylight coefficients [sensor * ORL_ANNUAL_PATCHES + patch], sr, where they were asked for:
+     * irradiance by a patch whose radiance is 1, all ways by surfaces included. The sky of an hour
+     * makes the light of total but for the sun's, which has no patch of its own here.
+     */
+    float *coefficients;
     size_t n_nodes;          /* of the sun */
     unsigned char *states;   /* [group * n_steps + step]; NULL: no groups */
     size_t n_groups, n_runs; /* those of shades: runs that the year was put together of */
@@ -178,8 +189,8 @@ struct orl_annual_env {
     /*
      * What the year is made of is kept in run's store, and taken from there: another weather file
      * of the site and times takes no ray, more samples only those that are not there. The result is
-     * the same, to the bit. For that, the sun is looked for at all times of the file. It takes about
-     * half a MB a sensor: years of more than reuse_most sensors are left out (0: none is).
+     * the same, to the bit. For that, the sun is looked for at all times of the file. It takes
+     * about half a MB a sensor: years of more than reuse_most sensors are left out (0: none is).
      */
     bool reuse;
     size_t reuse_most;

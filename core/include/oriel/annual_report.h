@@ -243,6 +243,9 @@ int orl_npy_write(const char *path, const float *values, size_t rows, size_t col
  * this machine's order of bytes, which BigEndian tells), a blank line, and row after row. */
 int orl_matrix_write(const char *path, const float *values, size_t rows, size_t columns, bool ascii,
                      struct orl_error *err);
+/* The same of three equal components, FORMAT=float: what dctimestep takes. */
+int orl_coefficients_write(const char *path, const float *values, size_t rows, size_t columns,
+                           struct orl_error *err);
 
 /*
  * Honeybee's results folder (honeybee-radiance-postprocess 0.4 reads it): grids_info.json,
