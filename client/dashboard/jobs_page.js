@@ -58,6 +58,7 @@ class Row {
     setText(this.share, known && !isOver(job.state) ? `${Math.floor(job.percent)}\u202f%` : '');
     setText(this.cells.eta, timeWords(job));
     setText(this.cells.error, percent(job.error ?? NaN));
+    setAttr(this.cells.error, 'data-none', Number.isFinite(job.error) ? null : '');
     setText(this.cells.when, moment(job.created));
     setAttr(this.cells.when, 'title', fullMoment(job.created));
   }

@@ -189,6 +189,7 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
   await page.getByLabel('What people call it').fill('dropped');
   await page.getByRole('button', { name: 'What will it take?' }).click();
   await page.getByRole('heading', { name: 'Plan' }).waitFor();
+  await page.getByRole('img', { name: /^Error against seconds: from/ }).waitFor();
   await page.getByRole('button', { name: 'Submit' }).click();
   await page.getByRole('heading', { name: 'dropped' }).waitFor();
   const id = page.url().split('/').pop();

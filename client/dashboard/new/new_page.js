@@ -185,7 +185,7 @@ export class NewPage {
         when('sensors', 'rows', h('div', { class: 'field wide' }, h('label', { for: 'f-rows' }, 'x y z dx dy dz, a line each'), h('textarea', { id: 'f-rows', name: 'rows', rows: 4, required: true }))))),
       parts.section('view-asked', 'View', h('div', { class: 'fields' }, h('label', { class: 'check' }, h('input', { type: 'checkbox', name: 'with_view', id: 'with-view', checked: true }), 'Render a view'),
         when('with_view', 'on', h('div', { class: 'field' }, h('label', { for: 'f-view-name' }, 'Name'), h('input', { id: 'f-view-name', name: 'view_name', type: 'text', required: true, value: 'view' })),
-          field('width', 'Width', 600, { min: 1, max: 16384, step: 1 }), field('view_height', 'Height', 450, { min: 1, max: 16384, step: 1 }),
+          field('width', 'Width', 480, { min: 1, max: 16384, step: 1 }), field('view_height', 'Height', 360, { min: 1, max: 16384, step: 1 }),
           h('div', { class: 'field wide' }, h('label', { for: 'f-view' }, 'Radiance view'), h('input', { id: 'f-view', name: 'view', type: 'text', required: true, value: `-vtv -vp ${eye} -vd 0 1 0 -vh 75 -vv 60` }))))),
       parts.section('goal-asked', 'Accuracy', h('div', { class: 'fields' },
         h('div', { class: 'pair-of' }, radio('goal', 'error', 'An error', true), radio('goal', 'deadline', 'A time', false)),

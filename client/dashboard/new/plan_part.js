@@ -59,7 +59,7 @@ export class PlanPart {
     this.chart = new ChartView('Error against seconds', describe);
     this.chart.show({ points, asked: { error: asked.relative_error, seconds: asked.deadline_s } }).catch(() => {});
     return parts.section('cost', 'What it will take', h('p', { class: 'figure' }, h('strong', {}, figure), h('span', {}, words)), this.chart.node,
-      h('p', { class: 'quiet' }, `By ${parts.techniqueWords(technique)}: ${model}.`.replace(/\.\.$/, '.')));
+      h('p', { class: 'quiet' }, `By ${parts.techniqueWords(technique)}, worked out from two small rounds of them (${model}).`));
   }
 
   #foreseen(plan, curve) {
