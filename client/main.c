@@ -12,10 +12,11 @@ static const struct orl_subcommand commands[] = {
      "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again.",
      orl_cmd_run},
     {"plan", "JOB.json [--json] [--threads N]",
-     "Show which technique and effects a job would get, without rendering",
+     "Show which technique and effects a job would get, and what accuracies take",
      "Prints a row for each effect of light: is it simulated, what does leaving it out cost any\n"
      "sensor or pixel at most (lux, or a share), what does it save (estimated seconds of one\n"
-     "thread), and why. The job's \"effects\" can force or skip each.",
+     "thread), and why. The job's \"effects\" can force or skip each. Then, from two small rounds\n"
+     "by paths, the seconds that jobs for an accuracy would take here.",
      orl_cmd_plan},
     {"annual", "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--threads N]",
      "Daylight over a year: metrics and verdicts with their intervals",

@@ -68,6 +68,34 @@ static void test_as_the_job_has_it(void **state)
     assert_int_equal(daemon_count_files(&room->daemon, "tmp"), 0);
 }
 
+/* What accuracies take, whatever the job asks for itself: ever smaller ones, ever longer. */
+static void test_curve(void **state)
+{
+    static const char *const members[] = {"\"gather_samples\":16",
+                                          "\"accuracy\":{\"deadline_s\":20,\"at\":0.5}",
+                                          "\"accuracy\":{\"relative_error\":0.02}"};
+    struct daemon_room *room = *state;
+    for (size_t i = 0; i < sizeof members / sizeof *members; i++) {
+        struct reply plan;
+        char text[700];
+        document(room, members[i], text);
+        daemon_post_json(&room->daemon, "/v1/plans", text, &plan);
+        assert_int_equal(plan.status, 200);
+        const json_t *points = reply_at(&plan, "plans.0.curve.points");
+        assert_string_equal(reply_text(&plan, "plans.0.curve.technique"), "backward");
+        assert_true(reply_number(&plan, "plans.0.curve.threads") == 1);
+        assert_true(json_array_size(points) >= 2);
+        for (size_t k = 1; k < json_array_size(points); k++) {
+            const json_t *a = json_array_get(points, k - 1), *b = json_array_get(points, k);
+            assert_true(json_number_value(json_object_get(a, "error")) >
+                        json_number_value(json_object_get(b, "error")));
+            assert_true(json_number_value(json_object_get(a, "seconds")) <=
+                        json_number_value(json_object_get(b, "seconds")));
+        }
+        reply_done(&plan);
+    }
+}
+
 /* One for each sky by its name; also of a job that makes a sequence of them. */
 static void test_skies(void **state)
 {
@@ -86,6 +114,8 @@ static void test_skies(void **state)
     assert_int_equal(json_array_size(reply_at(&plan, "plans")), 2);
     assert_string_equal(reply_text(&plan, "plans.0.sky"), "0322-0930");
     assert_string_equal(reply_text(&plan, "plans.1.sky"), "0322-1030");
+    assert_true(json_is_object(reply_at(&plan, "plans.0.curve")));
+    assert_true(json_is_null(reply_at(&plan, "plans.1.curve")));
     assert_true(json_is_false(reply_at(&plan, "more")));
     reply_done(&plan);
 }
@@ -128,7 +158,7 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        EACH(test_as_the_job_has_it), EACH(test_refused),
+        EACH(test_as_the_job_has_it), EACH(test_curve), EACH(test_refused),
         cmocka_unit_test_setup_teardown(test_skies, daemon_weather_set_up, daemon_room_tear_down)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

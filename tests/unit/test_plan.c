@@ -50,6 +50,13 @@ static bool holds_number(const char *why)
     return strpbrk(why, "0123456789") != NULL;
 }
 
+/* Goes on whenever it is looked at. */
+static double tick(void *ctx)
+{
+    double *now = ctx;
+    return *now += 0.001;
+}
+
 static struct orl_plan plan_of(const struct query *q, struct left *ret_left)
 {
     static char name[] = "v", view[] = "-vtv -vp 2 4 1.5 -vd 0 -1 0";
@@ -60,6 +67,7 @@ static struct orl_plan plan_of(const struct query *q, struct left *ret_left)
     struct orl_world *world = NULL;
     struct orl_plan plan;
     struct orl_job job;
+    double now = 0;
     orl_job_init(&job);
     job.technique = q->technique;
     job.wishes[q->effect] = q->wish;
@@ -69,7 +77,9 @@ static struct orl_plan plan_of(const struct query *q, struct left *ret_left)
     const struct orl_plan_request request = {.job = &job,
                                              .sensors = q->sensor ? q->sensor : &inside,
                                              .n_sensors = q->view ? 0 : 1,
-                                             .crew = crew};
+                                             .crew = crew,
+                                             .now_s = tick,
+                                             .ctx = &now};
     assert_int_equal(orl_plan_make(&request, all->lights, &plan, &world, NULL), 0);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         if (!holds_number(plan.effects[i].why) || plan.effects[i].bound < 0)
@@ -253,6 +263,10 @@ static void test_mirrors(void **state)
     plan = plan_text(SKY SUN ROOM, &left);
     assert_true(!left.caustics_lit && left.omit.mirror_caustics && left.omit.lobe_caustics);
     assert_int_equal(plan.photons_caustic, 0);
+    assert_true(
+        plan_text(SKY SUN ROOM DISH_IN_SHADE, NULL).effects[ORL_EFFECT_CAUSTICS_MIRROR].saved_s >
+        0);
+    assert_true(plan_text(SKY ROOM DISH, NULL).effects[ORL_EFFECT_CAUSTICS_MIRROR].saved_s == 0);
     /* A lamp lights it, in the shade of the sun or without one. */
     expect_simulated(SKY SUN ROOM DISH_IN_SHADE
                      "void light led 0 0 3 50 50 50\nled sphere s 0 0 4 2 2 2 .01\n",
@@ -427,6 +441,19 @@ static void test_clear_solids(void **state)
 
 /* ---- Requests -------------------------------------------------------------------------------- */
 
+/* One of a thing is not several. */
+static void test_singular(void **state)
+{
+    (void)state;
+    const struct orl_plan plan = plan_of(&(struct query){.text = SKY SUN ROOM, .view = true}, NULL);
+    assert_non_null(strstr(plan.technique_why, "1 view:"));
+    assert_non_null(strstr(plan.effects[ORL_EFFECT_FINAL_GATHER].why, "0 sensors and 1 view"));
+    assert_non_null(strstr(plan.effects[ORL_EFFECT_PORTS].why, "1 of 1 window faces"));
+    assert_non_null(strstr(plan.effects[ORL_EFFECT_SUNS].why, "1 of 1 sun is in front"));
+    for (int i = 0; i < ORL_EFFECT_COUNT; i++)
+        assert_null(strstr(plan.effects[i].why, "1 windows"));
+}
+
 static void test_techniques(void **state)
 {
     struct orl_plan plan = plan_text(SKY SUN ROOM, NULL);
@@ -566,6 +593,7 @@ int main(void)
         cmocka_unit_test(test_glossy),
         cmocka_unit_test(test_color),
         cmocka_unit_test(test_clear_solids),
+        cmocka_unit_test(test_singular),
         cmocka_unit_test(test_techniques),
         cmocka_unit_test(test_wishes),
         cmocka_unit_test(test_skips_are_done),
