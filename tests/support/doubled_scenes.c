@@ -73,6 +73,16 @@ static void write_boxes(FILE *f, size_t n)
         fprintf(f, "!genbox m b%zu 1 2 %zu\n", i, i + 1);
 }
 
+static void write_solids(FILE *f, size_t n)
+{
+    fputs(GREY, f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f,
+                "!genbox m b%zu 1 2 3 -r .%zu -n 3\n!genprism m p%zu 3 0 0 1 0 0 1 -r .1\n"
+                "!genblinds m s%zu 1 2 3 2 %zu +r 4\n",
+                i, i % 9 + 1, i, i, i);
+}
+
 /* ---- Scenes: one thing of a size ------------------------------------------------------------- */
 
 static void write_long_comment(FILE *f, size_t n)
@@ -150,6 +160,33 @@ static void write_array_options(FILE *f, size_t n)
 static void write_array_files(FILE *f, size_t n)
 {
     fputs(GREY "!xform -n x -a 20 -t 0 0 1", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(" part.rad", f);
+    fputc('\n', f);
+}
+/* A branch of so many shoots, a slat of so many parts in all, a prism of as many sides. */
+static void write_branch(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!genbranch -bm m -lm m -r 1 -n %zu\n", n);
+}
+static void write_slats(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!genblinds m b 1 2 3 %zu 20 -r 4\n", n);
+}
+static void write_prism(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!genprism m p %zu", n);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, " %.9g %.9g", cos((double)i / (double)n), sin((double)i / (double)n));
+    fputs(" -r .001\n", f);
+}
+static void write_markers(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!genblinds mark b 1 2 3 %zu 20 | replmarks -x part.rad mark\n", n);
+}
+static void write_files(FILE *f, size_t n)
+{
+    fputs(GREY "!cat", f);
     for (size_t i = 0; i < n; i++)
         fputs(" part.rad", f);
     fputc('\n', f);
@@ -309,6 +346,12 @@ const struct doubled doubled_scenes[] = {
     SCENE(quotes, 500),
     SCENE(unsupported, 300),
     SCENE(boxes, 25),
+    SCENE(solids, 10),
+    SCENE(branch, 50),
+    SCENE(slats, 40),
+    SCENE(prism, 100),
+    SCENE(markers, 100),
+    SCENE(files, 200),
     SCENE(skies_made, 40),
     SCENE(daylit, 40),
     SCENE(includes, 500),

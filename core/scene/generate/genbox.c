@@ -1,66 +1,111 @@
-#include "scene/generate/generate.h"
+#include "scene/generate/genbox.h"
 
 #include <string.h>
 
-/*
- * A box from the origin to size. Corner k has bit 0 set for the far x, bit 1 for y, bit 2 for z;
- * a face is called after its corners. Inverted, near and far change places, which turns every face
- * inside out and keeps the names.
- */
-static void add_face(struct orl_text *text, const char *material, const char *name,
-                     const double size[3], bool inverted, const char corners[5])
+static const char sharp[6][5] = {"1540", "4620", "2310", "3267", "5137", "6457"};
+static const char bevels[12][5] = {"NdcM", "kmOM", "cgok", "QSqo", "TjiS", "emqi",
+                                   "efPO", "jrnf", "lNPn", "prTR", "hdlp", "QghR"};
+static const char corners[8][4] = {"Mck", "dNl", "Ome", "ogQ", "Siq", "pRh", "fnP", "Trj"};
+
+static void add_face(struct orl_text *text, const struct orl_genbox *box, const char *face)
 {
-    orl_text_add(text, "'%s' polygon '%s.%s'\n0\n0\n12\n", material, name, corners);
-    for (int i = 0; i < 4; i++) {
-        const int k = corners[i] - '0';
-        for (int axis = 0; axis < 3; axis++) {
-            const bool far = ((k >> axis & 1) != 0) != inverted;
-            orl_text_add(text, " %.17g", far ? size[axis] : 0.0);
-        }
-        orl_text_add(text, "\n");
-    }
+    orl_text_add_head(text, box->material, "polygon", box->name, face, 3 * strlen(face));
+    for (; *face; face++)
+        orl_text_add_point(text, orl_box_corner(box, *face));
+    orl_text_add(text, "\n");
 }
 
-static int read_options(struct orl_words *words, bool *inverted, struct orl_error *err)
+static void add_box(struct orl_text *text, const struct orl_genbox *box)
 {
-    while (words->left > 0) {
-        const char *option = *words->at++;
-        words->left--;
-        if (strcmp(option, "-i") == 0) {
-            *inverted = true;
-        } else if (strlen(option) == 2 && option[0] == '-' && strchr("brnso", option[1])) {
-            orl_error_set(err, ORL_ERR_UNSUPPORTED, "genbox: option '%s' is not supported", option);
-            orl_error_hint(err, "include the output of genbox instead of the command");
-            return ORL_ERR_UNSUPPORTED;
-        } else {
-            return orl_error_set(err, ORL_ERR_SYNTAX, "genbox: '%.40s' is no option", option);
-        }
+    for (size_t i = 0; i < 6; i++)
+        add_face(text, box, box->bevel > 0 ? orl_box_inset[i] : sharp[i]);
+    for (size_t i = 0; i < 12 && box->bevel > 0; i++)
+        if (box->rounded)
+            orl_text_add_cylinder(text, box->material, box->name, orl_box_edges[i],
+                                  orl_box_corner(box, orl_box_edges[i][0]),
+                                  orl_box_corner(box, orl_box_edges[i][1]), box->bevel);
+        else
+            add_face(text, box, bevels[i]);
+    for (size_t i = 0; i < 8 && box->bevel > 0; i++)
+        if (box->rounded)
+            orl_text_add_sphere(text, box->material, box->name, orl_box_ends[i],
+                                orl_box_corner(box, orl_box_ends[i][0]), box->bevel);
+        else
+            add_face(text, box, corners[i]);
+}
+
+static int refuse(const char *option, const char *hint, struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_UNSUPPORTED, "genbox: option '%s' is not supported", option);
+    orl_error_hint(err, "%s", hint);
+    return ORL_ERR_UNSUPPORTED;
+}
+
+static int read_option(struct orl_words *words, struct orl_genbox *box, int *segments,
+                       struct orl_error *err)
+{
+    const char *option = *words->at++;
+    int code = 0;
+    words->left--;
+    if (strcmp(option, "-i") == 0) {
+        box->inverted = true;
+    } else if (strcmp(option, "-b") == 0 || strcmp(option, "-r") == 0) {
+        box->rounded = box->rounded || option[1] == 'r';
+        code = orl_words_number(words, option, &box->bevel, err);
+        if (code == 0 && box->bevel <= 0)
+            code = orl_error_set(err, ORL_ERR_RANGE, "genbox: %s %g is not positive", option,
+                                 box->bevel);
+    } else if (strcmp(option, "-n") == 0) {
+        enum { SEGMENTS_MAX = 256 };
+        code = orl_words_int(words, option, 1, SEGMENTS_MAX, segments, err);
+    } else if (strcmp(option, "-o") == 0) {
+        code = refuse(option, "it writes no scene text, but an OBJ file: leave it out", err);
+    } else if (strcmp(option, "-s") == 0) {
+        code = refuse(option,
+                      "leave it out: normals do not vary over a polygon, and more segments "
+                      "(-n) are as smooth",
+                      err);
+    } else {
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "genbox: '%.40s' is no option", option);
     }
-    return 0;
+    return code;
+}
+
+static int read_size(struct orl_words *words, double size[3], struct orl_error *err)
+{
+    int code = 0;
+    for (int axis = 0; axis < 3 && code == 0; axis++) {
+        code = orl_words_number(words, "a size", size + axis, err);
+        if (code == 0 && size[axis] <= 0)
+            code = orl_error_set(err, ORL_ERR_RANGE, "genbox: size %g is not positive", size[axis]);
+    }
+    return code;
 }
 
 int orl_genbox(const char *const *words, size_t count, struct orl_text *text, struct orl_error *err)
 {
-    static const char faces[6][5] = {"1540", "4620", "2310", "3267", "5137", "6457"};
-    struct orl_words rest = {"genbox", NULL, 0};
-    double size[3] = {0, 0, 0};
-    bool inverted = false;
-    int code = 0;
+    struct orl_words rest = {"genbox", words + 1, count - 1};
+    struct orl_genbox box = {0};
+    int segments = 1, code;
     if (count < 6)
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "genbox needs a material, a name and three sizes");
-    rest.at = words + 3;
-    rest.left = count - 3;
-    if (strchr(words[1], '\'') || strchr(words[2], '\''))
-        return orl_error_set(err, ORL_ERR_SYNTAX, "genbox: quotes in names are not allowed");
-    for (int axis = 0; axis < 3 && code == 0; axis++) {
-        code = orl_words_number(&rest, "a size", size + axis, err);
-        if (code == 0 && size[axis] <= 0)
-            code = orl_error_set(err, ORL_ERR_RANGE, "genbox: size %g is not positive", size[axis]);
-    }
+    code = orl_words_name(&rest, "the material", &box.material, err);
     if (code == 0)
-        code = read_options(&rest, &inverted, err);
-    for (int face = 0; face < 6 && code == 0; face++)
-        add_face(text, words[1], words[2], size, inverted, faces[face]);
-    return code;
+        code = orl_words_name(&rest, "the box", &box.name, err);
+    if (code == 0)
+        code = read_size(&rest, box.size, err);
+    while (code == 0 && rest.left > 0)
+        code = read_option(&rest, &box, &segments, err);
+    if (code < 0)
+        return code;
+    /* From without, cylinders and spheres look round; from within they would stand in the way. */
+    if (box.inverted && segments == 1)
+        segments = 32;
+    while (box.rounded && (1 << box.level) < segments)
+        box.level++;
+    if (box.level > 1)
+        return orl_genbox_pieces(&box, text, err);
+    add_box(text, &box);
+    return 0;
 }

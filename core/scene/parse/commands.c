@@ -1,6 +1,7 @@
 /*
- * '!' lines, without a shell: a generator or "xform ... file", and any number of "| xform ..."
- * behind. What the program would print is read right away, in the scope that its transforms make.
+ * '!' lines, without a shell: a generator, "xform ... file", "cat file" or "replmarks ... file",
+ * and any number of "| xform ..." or "| replmarks ..." behind. What the program would print is read
+ * right away, in the scope that its transforms make.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,21 +10,28 @@
 #include <oriel/limits.h>
 
 #include "scene/generate/command.h"
-#include "scene/generate/generate.h"
-#include "scene/parse/parser.h"
+#include "scene/generate/solids.h"
+#include "scene/parse/markers.h"
 
-typedef int (*generator)(const char *const *words, size_t count, struct orl_text *text,
-                         struct orl_error *err);
+/* One of the two, and what it needs. */
+struct generator {
+    const char *name;
+    int (*run)(const char *const *words, size_t count, struct orl_text *text,
+               struct orl_error *err);
+    int (*run_with)(const char *const *words, size_t count, const struct orl_generator_files *files,
+                    struct orl_text *text, struct orl_error *err);
+};
 
-static generator find_generator(const char *name)
+static const struct generator *find_generator(const char *name)
 {
-    static const struct {
-        const char *name;
-        generator run;
-    } generators[] = {{"genbox", orl_genbox}, {"gensky", orl_gensky}, {"gendaylit", orl_gendaylit}};
+    static const struct generator generators[] = {
+        {"genbox", orl_genbox, NULL},       {"gensky", orl_gensky, NULL},
+        {"gendaylit", orl_gendaylit, NULL}, {"genprism", NULL, orl_genprism},
+        {"genblinds", orl_genblinds, NULL}, {"genclock", orl_genclock, NULL},
+        {"genbranch", orl_genbranch, NULL}};
     for (size_t i = 0; i < sizeof generators / sizeof *generators; i++)
         if (strcmp(generators[i].name, name) == 0)
-            return generators[i].run;
+            return &generators[i];
     return NULL;
 }
 
@@ -38,6 +46,19 @@ struct run {
 };
 
 static int run_stage(struct run *run, struct orl_error *err);
+
+/* The stage before the one at hand, within scope. */
+static int run_before(struct run *run, const struct orl_scope *scope, struct orl_error *err)
+{
+    const struct orl_scope *outer = run->scope;
+    int code;
+    run->scope = scope;
+    run->stage--;
+    code = run_stage(run, err);
+    run->stage++;
+    run->scope = outer;
+    return code;
+}
 
 static const char *const *stage_words(const struct run *run, size_t *ret_count)
 {
@@ -59,11 +80,10 @@ static int check_nesting(const struct orl_scope *scope, const char *name, struct
     return 0;
 }
 
-/* Reads one file of an "xform ... file" within the scope already made for it. */
-static int include(struct run *run, const struct orl_scope *inner, const char *name,
+/* Reads a file within the scope already made for it. */
+static int include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
                    struct orl_error *err)
 {
-    struct orl_parser *parser = run->parser;
     struct orl_scope scope = *inner;
     struct orl_file file;
     size_t index = 0;
@@ -82,6 +102,26 @@ static int include(struct run *run, const struct orl_scope *inner, const char *n
     return orl_parser_read(parser, &scope, file.data, file.size, 0, err);
 }
 
+/* Files as they are; behind '|', what comes. */
+static int concatenate(struct run *run, const char *const *words, size_t count,
+                       struct orl_error *err)
+{
+    int code = 0;
+    for (size_t i = 1; i < count; i++)
+        if (words[i][0] == '-')
+            return orl_error_set(err, ORL_ERR_UNSUPPORTED, "cat: '%.40s' is not supported",
+                                 words[i]);
+    if (run->stage == 0 && count < 2)
+        return orl_error_set(err, ORL_ERR_SYNTAX, "cat has no file to read");
+    if (run->stage > 0 && count > 1)
+        return orl_error_set(err, ORL_ERR_SYNTAX, "cat behind '|' takes no files");
+    if (run->stage > 0)
+        return run_before(run, run->scope, err);
+    for (size_t i = 1; i < count && code == 0; i++)
+        code = include(run->parser, run->scope, words[i], err);
+    return code;
+}
+
 /* ---- xform ----------------------------------------------------------------------------------- */
 
 /* The scope inside a use of xform; prefix is where a joined prefix may be written. */
@@ -98,6 +138,8 @@ static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xf
     } else if (use->prefix) {
         inner.prefix = use->prefix;
     }
+    if (outer->markers)
+        inner.since = orl_xform_compose(&outer->since, &use->xform);
     return inner;
 }
 
@@ -120,20 +162,14 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
         return orl_error_set(err, ORL_ERR_LIMIT, "the prefixes of -n are too long together");
     run->parser->text_bytes += WORD_COST * use->n_words;
     inner = enter(outer, use, prefix);
-    if (run->stage > 0) {
-        run->scope = &inner;
-        run->stage--;
-        code = run_stage(run, err);
-        run->stage++;
-        run->scope = outer;
-        return code;
-    }
+    if (run->stage > 0)
+        return run_before(run, &inner, err);
     for (size_t i = 0; i < use->n_files && code == 0; i++)
-        code = include(run, &inner, use->files[i], err);
+        code = include(run->parser, &inner, use->files[i], err);
     return code;
 }
 
-/* An argument file (-f). */
+/* A file that a command's words name. */
 static int read_arguments(void *ctx, const char *name, char **ret_text, struct orl_error *err)
 {
     struct run *run = ctx;
@@ -142,19 +178,79 @@ static int read_arguments(void *ctx, const char *name, char **ret_text, struct o
     const int code = orl_sources_find(sources, run->scope->folder, name, &index, err);
     if (code < 0)
         return code;
+    run->parser->text_bytes += sources->items[index].file.size;
     *ret_text = strndup(sources->items[index].file.data, sources->items[index].file.size);
     return *ret_text ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
+/* ---- replmarks ------------------------------------------------------------------------------- */
+
+/* Reads the object of the marker at hand, in the scope where the markers were named; its name goes
+ * before those of the object, with the prefixes it has itself. */
+static int replace_marker(struct orl_parser *parser, const struct orl_scope *scope,
+                          const struct orl_marker *marker, struct orl_error *err)
+{
+    struct orl_xform_use use = {.modifier = marker->replacement, .n_files = 1};
+    char name[ORL_PREFIX_BYTES], primitive[ORL_ERROR_NAME_MAX];
+    const int line = parser->primitive.line;
+    const int length = snprintf(name, sizeof name, "%s%s%s", scope->prefix ? scope->prefix : "",
+                                scope->prefix ? "." : "", parser->primitive.id);
+    int code = orl_marker_place(parser, scope, marker->scale, &use.xform, err);
+    if (code < 0)
+        return code;
+    if ((size_t)length >= sizeof name)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "its name is too long");
+    struct orl_scope inner = enter(scope->markers->scope, &use, NULL);
+    inner.prefix = name;
+    code = include(parser, &inner, marker->object, err);
+    if (code < 0 && err->file[0] == '\0') {
+        snprintf(primitive, sizeof primitive, "polygon %.180s", name);
+        orl_error_at(err, scope->file, line, primitive);
+    }
+    return code;
+}
+
+/* Markers are among what the files say, or what comes before '|'; objects go into the scope. */
+static int replace_markers(struct run *run, const char *const *words, size_t count,
+                           struct orl_error *err)
+{
+    struct orl_markers *markers = calloc(1, sizeof *markers);
+    struct orl_scope inner = *run->scope;
+    size_t used = 0;
+    int code;
+    if (!markers)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    inner.outer = run->scope;
+    inner.markers = markers;
+    inner.since = orl_xform_identity;
+    markers->scope = run->scope;
+    markers->replace = replace_marker;
+    code = orl_markers_read(markers, words + 1, count - 1, &used, err);
+    if (code == 0 && (run->stage == 0) != (used + 1 < count))
+        code = orl_error_set(err, ORL_ERR_SYNTAX,
+                             run->stage == 0 ? "replmarks has no file to read"
+                                             : "replmarks behind '|' takes no files");
+    if (code == 0 && run->stage > 0) {
+        markers->expand = true; /* xform has carried out what commands it found */
+        code = run_before(run, &inner, err);
+    }
+    for (size_t i = used + 1; i < count && code == 0; i++)
+        code = include(run->parser, &inner, words[i], err);
+    free(markers);
+    return code;
+}
+
 /* ---- Generators ------------------------------------------------------------------------------ */
 
-static int generate(struct run *run, generator make, struct orl_error *err)
+static int generate(struct run *run, const struct generator *generator, struct orl_error *err)
 {
     struct orl_text *text = &run->text;
+    const struct orl_generator_files files = {run, read_arguments};
     if (!text->data) {
         size_t count;
         const char *const *words = stage_words(run, &count);
-        const int code = make(words, count, text, err);
+        const int code = generator->run ? generator->run(words, count, text, err)
+                                        : generator->run_with(words, count, &files, text, err);
         if (code < 0)
             return code;
         if (text->failed)
@@ -168,8 +264,9 @@ static int generate(struct run *run, generator make, struct orl_error *err)
 static int refuse(const char *name, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
-    orl_error_hint(err, "xform, genbox, gensky and gendaylit are read here; run others beforehand "
-                        "and include their output");
+    orl_error_hint(err, "xform, cat, replmarks, genbox, genprism, genblinds, genclock, genbranch, "
+                        "gensky and gendaylit are read here; run others beforehand and include "
+                        "their output");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -177,24 +274,31 @@ static int run_stage(struct run *run, struct orl_error *err)
 {
     size_t count;
     const char *const *words = stage_words(run, &count);
-    const generator make = find_generator(words[0]);
+    const struct generator *generator = find_generator(words[0]);
     if (strcmp(words[0], "xform") == 0)
         return orl_xform_expand(words + 1, count - 1, read_arguments, apply_use, run, err);
-    if (!make)
+    if (strcmp(words[0], "cat") == 0)
+        return concatenate(run, words, count, err);
+    if (strcmp(words[0], "replmarks") == 0)
+        return replace_markers(run, words, count, err);
+    if (!generator)
         return refuse(words[0], err);
     if (run->stage > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                              "%s reads nothing: it cannot stand behind '|'", words[0]);
-    return generate(run, make, err);
+    return generate(run, generator, err);
 }
 
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
                        int number, struct orl_error *err)
 {
     struct orl_command command = {0};
-    struct run run = {.parser = parser, .command = &command, .scope = scope, .line = number};
+    struct orl_scope own = *scope;
+    struct run run = {.parser = parser, .command = &command, .scope = &own, .line = number};
     char name[ORL_ERROR_NAME_MAX];
     int code = orl_command_split(&command, line, err);
+    if (scope->markers && !scope->markers->expand)
+        own.markers = NULL;
     if (code == 0) {
         run.stage = command.n_stages - 1;
         code = run_stage(&run, err);

@@ -6,7 +6,7 @@
 #include <oriel/crew.h>
 #include <oriel/limits.h>
 
-#include "scene/parse/parser.h"
+#include "scene/parse/markers.h"
 
 /* Types that Radiance knows and Oriel does not simulate, and what to do about them. */
 struct unsupported {
@@ -82,6 +82,9 @@ static int read_primitive(struct orl_parser *parser, const struct orl_scope *sco
     code = orl_primitive_read_arguments(&parser->primitive, lexer, err);
     if (code < 0)
         return code;
+    const struct orl_marker *marker = scope->markers ? orl_marker_find(parser, scope) : NULL;
+    if (marker)
+        return scope->markers->replace(parser, scope, marker, err);
     if (orl_parser_is_surface(primitive->type))
         return orl_parser_surface(parser, scope, err);
     return orl_parser_modifier(parser, scope, err);

@@ -46,6 +46,8 @@ struct orl_scope {
     const char *prefix;   /* goes before their names, or NULL */
     const struct orl_scope *outer;
     unsigned depth;
+    const struct orl_markers *markers; /* markers.h: polygons that stand for objects; or NULL */
+    struct orl_xform since;            /* with markers: from here to where these were named */
 };
 
 /* parse.c: reads text in a scope; line > 0 when a command wrote it, and then is the command's. */

@@ -1,0 +1,60 @@
+/*
+ * The generators of solids that scene files call. Each reads the words of its command (words[0] is
+ * its name) and writes the scene text that Radiance's program of that name writes, with the same
+ * numbers to the printed digit and the same names of surfaces. What would write something else than
+ * scene text (genbox -o), or needs normals that vary over a surface (-s), is refused.
+ *
+ * Units are the scene's. Errors: as generate.h has them, and ORL_ERR_LIMIT for solids of more
+ * pieces than anybody needs. References: genbox(1), genprism(1), genblinds(1), genclock(1) of
+ * Radiance, and what these programs print.
+ */
+#ifndef ORL_SCENE_GENERATE_SOLIDS_H
+#define ORL_SCENE_GENERATE_SOLIDS_H
+
+#include "scene/generate/generate.h"
+
+/* Where generators find the files that their words name. */
+struct orl_generator_files {
+    void *ctx;
+    /* Fetches a text into an owned string. */
+    int (*read)(void *ctx, const char *name, char **ret_text, struct orl_error *err);
+};
+
+/* Flat, bevelled (-b) or round (-r) at its edges, inside out (-i), in segments (-n). */
+int orl_genbox(const char *const *words, size_t count, struct orl_text *text,
+               struct orl_error *err);
+
+/* An outline of the words or of a file, extruded (-l), open (-c), without ends (-e), round (-r). */
+int orl_genprism(const char *const *words, size_t count, const struct orl_generator_files *files,
+                 struct orl_text *text, struct orl_error *err);
+
+/* Slats, flat or bent up (+r) or down (-r). */
+int orl_genblinds(const char *const *words, size_t count, struct orl_text *text,
+                  struct orl_error *err);
+
+/* A clock and its materials. */
+int orl_genclock(const char *const *words, size_t count, struct orl_text *text,
+                 struct orl_error *err);
+
+/* A branch of a fir tree, of cones and spheres. */
+int orl_genbranch(const char *const *words, size_t count, struct orl_text *text,
+                  struct orl_error *err);
+
+/* ---- What they share ------------------------------------------------------------------------- */
+
+/* A word that becomes a name in the text: of a material, or before those of surfaces. */
+int orl_words_name(struct orl_words *words, const char *option, const char **ret_name,
+                   struct orl_error *err);
+
+/* "'material' type 'name.part'", and the counts: what follows are n_reals numbers. */
+void orl_text_add_head(struct orl_text *text, const char *material, const char *type,
+                       const char *name, const char *part, size_t n_reals);
+/* A place, to the digits that Radiance's generators print. */
+void orl_text_add_point(struct orl_text *text, struct orl_vec3 point);
+void orl_text_add_sphere(struct orl_text *text, const char *material, const char *name,
+                         const char *part, struct orl_vec3 center, double radius);
+void orl_text_add_cylinder(struct orl_text *text, const char *material, const char *name,
+                           const char *part, struct orl_vec3 from, struct orl_vec3 to,
+                           double radius);
+
+#endif

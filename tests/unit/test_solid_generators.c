@@ -1,0 +1,185 @@
+/*
+ * genbox, genprism, genblinds, genclock and genbranch, read natively: the words that Radiance 6.1's
+ * programs of these names write for the same commands, comments left out; and what is refused.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/sha256.h>
+
+#include "scene/generate/command.h"
+#include "scene/generate/solids.h"
+
+struct expected {
+    const char *command;
+    size_t n_words;
+    const char *digest; /* the first 16 digits of SHA-256 over the words, a blank behind each */
+};
+
+static const struct expected expected[] = {
+    {"genbox m n 1 2 3", 108, "5ccf18d053ab914f"},
+    {"genbox oak top 1.25 0.7 0.0333333333333 -b .011", 444, "29a7b05b9680ad81"},
+    {"genbox m n 2 2 1.5 -i -b .3", 444, "a9c66c6cec7c65c1"},
+    {"genbox m n 4.4 2.2 1.1 -r .123456789", 344, "3c502ab5fe963bfb"},
+    {"genbox m n 1 1 1 -r .2 -n 2", 344, "35d88b63368747ee"},
+    {"genbox m n 1.5 2.5 0.8 -r .07 -n 4", 2892, "4a9521da51f60d08"},
+    {"genbox m n 1.5 2.5 0.8 -r .4 -n 3 -i", 2532, "85143f19ceeaf5cb"},
+    {"genprism m n 3 0 0 0.5 0.866 1 0", 84, "6829bb0765982a03"},
+    {"genprism wall n outline.txt -l 0.3 -0.2 -1.75", 132, "4c5ac9f28f568375"},
+    {"genprism m n outline.txt -c -e -l 0 0 0.333333", 72, "12c9f0af2693a7d6"},
+    {"genprism m n 5 0 0 2 0 2 1 1 .5 0 1 -r .05", 295, "96f54fed2bd84268"},
+    {"genprism m n outline.txt -r .125 -l .1 .2 -2", 394, "773a50cffc5fcbdd"},
+    {"genprism m n 4 0 0 0 1 1.3 1 1 0 -l 0 .5 1 -r .1 -c", 313, "25f950799b111a04"},
+    {"genblinds white b .05 1.2 1.5 7 22.5", 126, "d2eb541a0cbe8b75"},
+    {"genblinds white b .05 1.2 1.5 3 -40 +r .11", 486, "28e0257bfa12ea35"},
+    {"genblinds white b .05 1.2 1.5 3 60 -r .0375", 1512, "84b93bd4e7b81646"},
+    {"genclock 10:35", 179, "3c4f31d12e3ad23e"},
+    {"genclock -f face -c oak -n wall_clock 3.75", 157, "2c2000c5b385c076"},
+    {"genbranch -n 3 -r 2", 1032, "4299b26463ee7427"},
+    {"genbranch -bs 1 2 3 -be 1 2 9 -bt .3 -bn .5 -br .6 -bm bark -lm leaf -n 2 -r 3 -s 17 -v .45",
+     2040, "feddd4a4b08bf6bc"},
+};
+
+/* The one file that commands name. */
+static int read_outline(void *ctx, const char *name, char **ret_text, struct orl_error *err)
+{
+    (void)ctx;
+    if (strcmp(name, "outline.txt") != 0)
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "'%s' is not there", name);
+    *ret_text = strdup("0 0\n2.5 0.25\t3 2\n\n 1.5 1.125 0 2\n");
+    return *ret_text ? 0 : ORL_ERR_NOMEM;
+}
+
+static int run(const char *line, struct orl_text *text, struct orl_error *err)
+{
+    const struct orl_generator_files files = {NULL, read_outline};
+    struct orl_command command;
+    int code = orl_command_split(&command, line, err);
+    assert_int_equal(code, 0);
+    const char *const *words = (const char *const *)command.words;
+    const size_t n = command.n_words;
+    if (strcmp(words[0], "genbox") == 0)
+        code = orl_genbox(words, n, text, err);
+    else if (strcmp(words[0], "genprism") == 0)
+        code = orl_genprism(words, n, &files, text, err);
+    else if (strcmp(words[0], "genblinds") == 0)
+        code = orl_genblinds(words, n, text, err);
+    else if (strcmp(words[0], "genclock") == 0)
+        code = orl_genclock(words, n, text, err);
+    else
+        code = orl_genbranch(words, n, text, err);
+    orl_command_done(&command);
+    return code;
+}
+
+/* Numbers without the zeros around them that mean nothing, for genclock prints its own as .05 and
+ * 0.850000; and what rounding leaves of a difference is nothing. */
+static size_t write_word(const char *word, size_t length, char ret_word[64])
+{
+    char plain[64], *end;
+    assert_true(length < sizeof plain);
+    memcpy(plain, word, length);
+    plain[length] = '\0';
+    const double number = strtod(plain, &end);
+    return (size_t)(*end ? snprintf(ret_word, 64, "%s ", plain)
+                         : snprintf(ret_word, 64, "%.12g ", fabs(number) < 1e-15 ? 0 : number));
+}
+
+static void check(const struct expected *e)
+{
+    struct orl_text text = {0};
+    struct orl_error err = {0};
+    struct orl_sha256 hash;
+    unsigned char digest[ORL_SHA256_BYTES];
+    char word[64], digits[17];
+    size_t n = 0;
+    if (run(e->command, &text, &err) < 0)
+        fail_msg("%s: %s", e->command, err.message);
+    assert_false(text.failed);
+    orl_sha256_init(&hash);
+    for (const char *at = text.data; *(at += strspn(at, " \n'")); at += strcspn(at, " \n'")) {
+        orl_sha256_add(&hash, word, write_word(at, strcspn(at, " \n'"), word));
+        n++;
+    }
+    orl_sha256_finish(&hash, digest);
+    for (int i = 0; i < 8; i++)
+        snprintf(digits + 2 * i, 3, "%02x", digest[i]);
+    if (n != e->n_words || strcmp(digits, e->digest) != 0)
+        fail_msg("%s: %zu words, %s, instead of %zu, %s:\n%.2000s", e->command, n, digits,
+                 e->n_words, e->digest, text.data);
+    orl_text_done(&text);
+}
+
+static void test_words(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
+        check(&expected[i]);
+}
+
+/* ---- Refused --------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *command;
+    int code;
+    const char *message; /* part of it */
+} refused[] = {
+    {"genbox m n 1 2", ORL_ERR_SYNTAX, "three sizes"},
+    {"genbox m n 1 2 0", ORL_ERR_RANGE, "not positive"},
+    {"genbox m n 1 2 3 -r", ORL_ERR_SYNTAX, "'-r' needs a number"},
+    {"genbox m n 1 2 3 -b -1", ORL_ERR_RANGE, "not positive"},
+    {"genbox m n 1 2 3 -r .1 -n 1000", ORL_ERR_RANGE, "must be 1 to 256"},
+    {"genbox m n 1 2 3 -o", ORL_ERR_UNSUPPORTED, "'-o'"},
+    {"genbox m n 1 2 3 -r .1 -n 4 -s", ORL_ERR_UNSUPPORTED, "'-s'"},
+    {"genbox m n 1 2 3 x", ORL_ERR_SYNTAX, "'x' is no option"},
+    {"genbox m \"it's\" 1 2 3", ORL_ERR_SYNTAX, "no name"},
+    {"genprism m n", ORL_ERR_UNSUPPORTED, "'-'"},
+    {"genprism m n -", ORL_ERR_UNSUPPORTED, "'-'"},
+    {"genprism m n 2 0 0 1 1", ORL_ERR_RANGE, "must be 3 to 20000"},
+    {"genprism m n 3 0 0 1 1", ORL_ERR_SYNTAX, "needs a number"},
+    {"genprism m n elsewhere.txt", ORL_ERR_NOT_FOUND, "elsewhere.txt"},
+    {"genprism m n 3 0 0 1 0 1 1 -l 1 1 0", ORL_ERR_RANGE, "does not leave"},
+    {"genprism m n 3 0 0 1 0 1 1 -r 2", ORL_ERR_RANGE, "larger than the prism is high"},
+    {"genprism m n 3 0 0 1 0 1 0 -r .1", ORL_ERR_RANGE, "corners 2 and 3 are in one place"},
+    {"genprism m n 3 0 0 2 0 1 0 -r .1", ORL_ERR_RANGE, "turns back at corner"},
+    {"genprism m n 3 0 0 1 0 1 1 -q", ORL_ERR_SYNTAX, "'-q' is no option"},
+    {"genblinds m n .1 1 1 5", ORL_ERR_SYNTAX, "the angle"},
+    {"genblinds m n .1 1 1 0 45", ORL_ERR_RANGE, "must be 1 to 20000"},
+    {"genblinds m n .1 1 1 5 45 +r .01", ORL_ERR_RANGE, "cannot be bent"},
+    {"genblinds m n .1 1 1 5 45 +r 1 2", ORL_ERR_SYNTAX, "one word too many"},
+    {"genclock", ORL_ERR_SYNTAX, "time is missing"},
+    {"genclock noon", ORL_ERR_SYNTAX, "'noon' is no time"},
+    {"genclock 10:75", ORL_ERR_SYNTAX, "is no time"},
+    {"genclock -q x 10:35", ORL_ERR_SYNTAX, "'-q' is no option"},
+    {"genbranch -n 50 -r 5", ORL_ERR_LIMIT, "sticks"},
+    {"genbranch -bs 1 2", ORL_ERR_SYNTAX, "needs a number"},
+    {"genbranch 5", ORL_ERR_SYNTAX, "'5' is no option"},
+};
+
+static void test_refused(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        struct orl_text text = {0};
+        struct orl_error err = {0};
+        const int code = run(refused[i].command, &text, &err);
+        if (code != refused[i].code || !strstr(err.message, refused[i].message))
+            fail_msg("%s: %d, %s", refused[i].command, code, err.message);
+        assert_null(text.data);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_words),
+                                       cmocka_unit_test(test_refused)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
