@@ -5,88 +5,17 @@
 #include <string.h>
 
 #include "base/random.h"
-#include "run/cost.h"
 #include "run/curve.h"
-#include "run/deadline.h"
-#include "run/findings.h"
+#include "run/goals.h"
 #include "run/sample_allocation.h"
 
 /* Its smallest rounds of sensors are so much smaller than others: they fill the end. */
 static const double short_round = 0.25;
 /* Samples of one sensor in a round. */
 static const double most_of_a_sensor = 1 << 20;
-/* Before anything is known of errors: what 95 % of an office's sensors are within, by backward or
- * by maps, and the samples that it takes. */
-static const double usual_error[] = {0.04, 0.02}, usual_samples[] = {4096, 2048};
-/* Work is given up when this much more than what is allowed would be needed. */
-static const double hopeless = 2;
-/* Of a job for an error of DGP. */
-enum { LEAST_ROUNDS = 4 };
-
-struct rounds {
-    struct orl_run_state *state;
-    struct orl_work work;
-    struct orl_pace pace;
-    struct orl_findings findings;
-    double error;    /* of the whole, as it stands */
-    double samples;  /* of the round that runs; the mean over sensors */
-    double *shares;  /* and those of each sensor; NULL: as many for all */
-    uint32_t *spans; /* the same in whole numbers, then those of rounds before */
-    struct orl_sensor_round sensor_round;
-    double bandwidths[ORL_MAP_KINDS]; /* of the round */
-    uint32_t count;
-    uint32_t planned;                  /* of a job in one piece; 0: until its goal is met */
-    double wanted;                     /* samples in all, as it is thought; NaN: until a deadline */
-    double guessed_s[ORL_STAGE_COUNT]; /* of a job in one piece, before the first round */
-    bool ended;
-};
-
-static double now_s(const struct rounds *r)
+static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct orl_error *err)
 {
-    const struct orl_run_env *env = r->state->env;
-    return env->now_s(env->ctx);
-}
-
-static double guess_wanted(const struct rounds *r)
-{
-    const struct orl_goal *goal = &r->state->job->goal;
-    const bool backward = r->work.technique == ORL_TECHNIQUE_BACKWARD;
-    const double times = usual_error[backward] / goal->relative_error;
-    if (r->planned > 0)
-        return r->planned * r->samples;
-    if (goal->dgp_error > 0)
-        return LEAST_ROUNDS * r->samples;
-    return goal->deadline_s > 0 ? (double)NAN
-                                : fmin(times * times * usual_samples[backward], orl_work_limit());
-}
-
-/* What the next round and those after it are going to take: into the state, for what is told. */
-static void foresee(struct rounds *r)
-{
-    struct orl_run_state *state = r->state;
-    double *foreseen = state->cost_s;
-    const double samples = r->samples, done = r->pace.samples + samples;
-    state->after_s = 0;
-    if (r->pace.rounds > 0) {
-        orl_pace_foresee(&r->pace, &r->work, samples, foreseen);
-        if (done < r->wanted)
-            state->after_s = r->planned > 0 ? (r->wanted - done) / samples *
-                                                  orl_pace_round_s(&r->pace, &r->work, samples)
-                                            : orl_pace_rest_s(&r->pace, &r->work, done, r->wanted);
-        return;
-    }
-    const double share = r->planned > 0 ? 1.0 / r->planned : samples / ORL_DEFAULT_GATHER_SAMPLES;
-    const bool alike = r->work.of_views && r->work.technique != ORL_TECHNIQUE_BACKWARD;
-    for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++) {
-        foreseen[i] = r->guessed_s[i] * (alike && i == ORL_STAGE_RENDER ? 1 : share);
-        if (done < r->wanted)
-            state->after_s += foreseen[i] * (r->wanted - done) / samples;
-    }
-}
-
-static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl_error *err)
-{
-    *r = (struct rounds){.state = state, .error = NAN};
+    *r = (struct orl_rounds){.state = state, .error = NAN};
     r->work = orl_work_of(state);
     if (state->job->goal.deadline_s > 0 && !r->work.of_views)
         r->work.least *= short_round;
@@ -102,8 +31,8 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
         if (code < 0)
             return code;
     }
-    r->pace.before_s = now_s(r) - state->started_s;
-    r->wanted = guess_wanted(r);
+    r->pace.before_s = orl_rounds_now(r) - state->started_s;
+    r->wanted = orl_rounds_guess_wanted(r);
     memcpy(r->guessed_s, state->cost_s, sizeof r->guessed_s);
     if (r->work.shares) {
         const size_t n = state->n_sensors;
@@ -118,7 +47,7 @@ static int rounds_init(struct rounds *r, struct orl_run_state *state, struct orl
     return orl_findings_init(&r->findings, state, r->work.shares, err);
 }
 
-static void rounds_done(struct rounds *r)
+static void rounds_done(struct orl_rounds *r)
 {
     orl_findings_done(&r->findings);
     free(r->shares);
@@ -128,7 +57,7 @@ static void rounds_done(struct rounds *r)
 
 static int take_film(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err)
 {
-    struct rounds *r = ctx;
+    struct orl_rounds *r = ctx;
     return orl_findings_add_film(&r->findings, index, film, r->samples, err);
 }
 
@@ -143,7 +72,7 @@ static bool is_known(const struct orl_result *result, const char *warning)
 }
 
 /* What the round's own result holds beside values. */
-static void take_records(struct rounds *r, struct orl_result *found_by)
+static void take_records(struct orl_rounds *r, struct orl_result *found_by)
 {
     struct orl_result *result = r->state->result;
     for (size_t i = 0; i < found_by->n_warnings; i++)
@@ -158,7 +87,7 @@ static void take_records(struct rounds *r, struct orl_result *found_by)
 }
 
 /* What a round took, whatever became of it. */
-static void take_spent(struct rounds *r, const struct orl_result *spent)
+static void take_spent(struct orl_rounds *r, const struct orl_result *spent)
 {
     struct orl_result *result = r->state->result;
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
@@ -166,7 +95,7 @@ static void take_spent(struct rounds *r, const struct orl_result *spent)
     orl_health_add(&result->health, &spent->health);
 }
 
-static void take_times(struct rounds *r, const struct orl_result *found_by, double all_s)
+static void take_times(struct orl_rounds *r, const struct orl_result *found_by, double all_s)
 {
     const double photon_s =
         found_by->timings_s[ORL_STAGE_PHOTONS] + found_by->timings_s[ORL_STAGE_MAPS];
@@ -184,7 +113,7 @@ static void take_times(struct rounds *r, const struct orl_result *found_by, doub
 }
 
 /* Samples of every sensor, from what is known of their noise; all alike in the first round. */
-static void share_out(struct rounds *r)
+static void share_out(struct orl_rounds *r)
 {
     const double least = ORL_MAP_BATCHES; /* a sample of every group */
     const size_t n = r->state->n_sensors;
@@ -211,7 +140,7 @@ static uint32_t share_of(uint32_t samples, uint32_t index, uint32_t shares)
 }
 
 /* The run's state as a round sees it: the same world, but a job, a plan and a result of its own. */
-static void make_round(struct rounds *r, struct orl_job *job, struct orl_run_env *env,
+static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run_env *env,
                        struct orl_result *result, struct orl_run_state *ret_round)
 {
     const struct orl_run_state *state = r->state;
@@ -255,7 +184,7 @@ static void keep_maps_apart(struct orl_run_env *env, struct orl_folder_store *fo
     env->store = store;
 }
 
-static int run_round(struct rounds *r, struct orl_error *err)
+static int run_round(struct orl_rounds *r, struct orl_error *err)
 {
     struct orl_run_state *state = r->state, round;
     struct orl_folder_store folder;
@@ -263,7 +192,7 @@ static int run_round(struct rounds *r, struct orl_error *err)
     struct orl_run_env env;
     struct orl_result result;
     struct orl_job job;
-    const double started = now_s(r);
+    const double started = orl_rounds_now(r);
     share_out(r);
     make_round(r, &job, &env, &result, &round);
     if (r->count > 0 && env.store)
@@ -278,138 +207,14 @@ static int run_round(struct rounds *r, struct orl_error *err)
         orl_findings_add_sensors(&r->findings, &round, r->samples, r->shares,
                                  r->sensor_round.groups);
         take_records(r, &result);
-        take_times(r, &result, now_s(r) - started);
+        take_times(r, &result, orl_rounds_now(r) - started);
         r->count++;
     }
     state->stage = ORL_STAGE_RENDER;
-    state->stage_started = now_s(r);
+    state->stage_started = orl_rounds_now(r);
     free(round.rays);
     orl_result_done(&result);
     return code;
-}
-
-/* ---- What comes next ---------------------------------------------------------------------------
- */
-
-static void end(struct rounds *r, bool met, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-static void end(struct rounds *r, bool met, const char *format, ...)
-{
-    struct orl_outcome *outcome = &r->state->result->outcome;
-    va_list args;
-    va_start(args, format);
-    vsnprintf(outcome->why, sizeof outcome->why, format, args);
-    va_end(args);
-    outcome->met = met;
-    r->ended = true;
-}
-
-/* After a round of a job for an accuracy: how large is the next one, if any. */
-static void go_on_for_error(struct rounds *r, const struct orl_parts *parts)
-{
-    const double target = r->state->job->goal.relative_error, done = r->pace.samples;
-    const double limit = orl_work_limit();
-    if (isnan(r->error)) {
-        r->samples = r->work.least; /* two rounds have a spread */
-        return;
-    }
-    if (r->error <= target) {
-        end(r, true, "%.3g %% is reached after %u round%s", 100 * r->error, r->count,
-            r->count == 1 ? "" : "s");
-        return;
-    }
-    const double wanted = done * orl_parts_work(parts, target);
-    if (done >= limit)
-        end(r, false,
-            "the limit of %.0f samples' worth of work is reached at %.3g %%; %.3g %% may be had "
-            "by several jobs of other seeds, averaged",
-            limit, 100 * r->error, 100 * target);
-    else if (wanted > hopeless * limit && r->count > 1)
-        end(r, false,
-            "it would take %.2g samples' worth of work, %.0f are allowed: ask for %.2g %% or more",
-            wanted, limit, 100 * r->error * sqrt(done / limit) * 1.2);
-    else
-        r->samples = orl_work_next(&r->work, done, wanted);
-    r->wanted = fmin(wanted, limit);
-}
-
-/* Half the widest interval of DGP of a view that asks for metrics; NaN: not known. */
-static double dgp_error(const struct orl_run_state *state)
-{
-    double widest = 0;
-    for (size_t i = 0; i < state->result->n_views; i++) {
-        const struct orl_glare *glare = state->result->views[i].glare;
-        if (!glare)
-            continue;
-        const double *interval = glare->values[ORL_GLARE_DGP].interval_95;
-        const double half = (interval[1] - interval[0]) / 2;
-        if (isnan(half))
-            return NAN;
-        widest = fmax(widest, half);
-    }
-    return widest;
-}
-
-/* After a round of a job for an error of DGP. Rounds are equal until there are as many as batches
- * are kept apart; then pairs of these are one, and rounds are as large as they. */
-static void go_on_for_dgp(struct rounds *r)
-{
-    const double target = r->state->job->goal.dgp_error, limit = orl_work_limit();
-    const double found = dgp_error(r->state), done = r->pace.samples;
-    r->state->result->outcome.achieved = found;
-    const double wanted = done * (found / target) * (found / target);
-    if (r->count >= LEAST_ROUNDS && found <= target)
-        end(r, true, "%.2g is reached after %u rounds", found, r->count);
-    else if (done >= limit || (r->count >= LEAST_ROUNDS && wanted > hopeless * limit))
-        end(r, false,
-            "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
-            "%.0f are allowed",
-            found, r->count, target, wanted, limit);
-    while (!r->ended && done >= ORL_VIEW_BATCHES * r->samples)
-        r->samples *= 2;
-    r->wanted = fmin(fmax(wanted, done + r->samples), limit);
-    if (r->count < LEAST_ROUNDS)
-        r->wanted = fmax(r->wanted, LEAST_ROUNDS * r->samples);
-}
-
-/* After a round of a job for a deadline. */
-static void go_on_for_time(struct rounds *r)
-{
-    const double deadline = r->state->job->goal.deadline_s;
-    const double left = r->state->started_s + deadline - now_s(r);
-    const struct orl_deadline_next next = orl_deadline_next(&r->pace, &r->work, deadline, left);
-    const char *plural = r->count == 1 ? "" : "s";
-    if (r->error <= 0) {
-        end(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
-            plural);
-        return;
-    }
-    switch (next.step) {
-    case ORL_DEADLINE_ROUND:
-        r->samples = next.samples;
-        if (next.last)
-            r->state->ends_s = 0;
-        break;
-    case ORL_DEADLINE_USED_UP:
-        end(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count, plural,
-            deadline - left, deadline);
-        break;
-    case ORL_DEADLINE_NO_ROOM:
-        end(r, true,
-            "no other round fits: %u round%s took %.3g s of %.3g s, and one more takes %.2g s; "
-            "%.3g s hold it, or fewer pixels or sensors make it shorter",
-            r->count, plural, deadline - left, deadline, next.least_s,
-            deadline - left + next.least_s);
-        break;
-    case ORL_DEADLINE_TOO_LATE:
-        end(r, false,
-            r->count == 1 ? "%u round%s, the smallest there is, took %.3g s of %.3g s: fewer "
-                            "pixels or sensors are quicker"
-                          : "%u round%s took %.3g s of %.3g s: the last one took longer than "
-                            "those before",
-            r->count, plural, deadline - left, deadline);
-        break;
-    }
 }
 
 /* As of a job in one piece, which this is for all that others know. */
@@ -438,7 +243,7 @@ static void note_course(struct orl_outcome *outcome, double seconds)
 }
 
 /* A round of a pilot: as small as the first, and what the whole job would take by it. */
-static void settle_pilot(struct rounds *r, const struct orl_work *usual,
+static void settle_pilot(struct orl_rounds *r, const struct orl_work *usual,
                          const struct orl_parts *parts)
 {
     const struct orl_pilot *pilot = r->state->pilot;
@@ -452,21 +257,21 @@ static void settle_pilot(struct rounds *r, const struct orl_work *usual,
     r->samples = r->work.least;
     orl_run_predict(r->state, &pace, usual, parts);
     orl_run_draw_curve(r->state, &pace, usual, parts, pilot->curve);
-    foresee(r);
+    orl_rounds_foresee(r);
 }
 
 /* The outcome so far, and what comes next. */
-static int settle(struct rounds *r, struct orl_error *err)
+static int settle(struct orl_rounds *r, struct orl_error *err)
 {
     struct orl_run_state *state = r->state;
     struct orl_result *result = state->result;
     const struct orl_parts parts = {r->findings.estimates, r->findings.n_parts,
                                     state->job->goal.at};
     const struct orl_work usual = orl_work_of(state);
-    const double started = now_s(r);
+    const double started = orl_rounds_now(r);
     r->ended = r->planned > 0 && r->count >= r->planned;
     if (r->planned > 0 && !r->ended) {
-        foresee(r);
+        orl_rounds_foresee(r);
         return 0;
     }
     orl_findings_judge(&r->findings);
@@ -481,24 +286,19 @@ static int settle(struct rounds *r, struct orl_error *err)
     }
     orl_run_predict(state, &r->pace, &usual, &parts);
     const int code = orl_findings_show(&r->findings, state, err);
-    r->pace.beside_s += now_s(r) - started;
+    r->pace.beside_s += orl_rounds_now(r) - started;
     if (r->planned > 0)
         return code == 0 ? tell_of_views(state) : code;
-    if (state->job->goal.deadline_s > 0)
-        go_on_for_time(r);
-    else if (state->job->goal.dgp_error > 0)
-        go_on_for_dgp(r);
-    else
-        go_on_for_error(r, &parts);
-    foresee(r);
-    result->total_s = now_s(r) - state->started_s;
+    orl_rounds_go_on(r, &parts);
+    orl_rounds_foresee(r);
+    result->total_s = orl_rounds_now(r) - state->started_s;
     note_course(&result->outcome, result->total_s);
     if (code == 0 && state->env->round_ready)
         state->env->round_ready(state->env->ctx, result);
     return code;
 }
 
-static void show_views_at_last(struct rounds *r)
+static void show_views_at_last(struct orl_rounds *r)
 {
     const struct orl_run_env *env = r->state->env;
     for (size_t i = 0; i < r->state->job->n_views && env->view_ready; i++) {
@@ -511,10 +311,10 @@ static void show_views_at_last(struct rounds *r)
 
 int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
 {
-    struct rounds r;
+    struct orl_rounds r;
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = rounds_init(&r, state, err);
-    foresee(&r);
+    orl_rounds_foresee(&r);
     state->result->outcome =
         (struct orl_outcome){.asked = r.planned == 0, .goal = state->job->goal, .achieved = NAN};
     while (code == 0 && !r.ended) {
