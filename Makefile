@@ -306,7 +306,7 @@ fuzz: deps-fuzz
 # What of the daemon reads hostile bytes by itself.
 FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,uploads/unzip uploads/incoming \
 	uploads/multipart http/hold http/framing http/range http/router http/query http/guard http/tokens \
-	process/times process/carried store/bundle store/folders store/mapped_file store/db store/migrate \
+	process/origin process/times process/carried store/bundle store/folders store/mapped_file store/db store/migrate \
 	store/tokens)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \

@@ -252,6 +252,8 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     if (rc == 0)
         rc = orl_db_serve(&server->db, err);
     if (rc == 0)
+        rc = orl_folding_open(&server->db, path, &server->folding, err);
+    if (rc == 0)
         rc = orl_blobs_open(&server->loop, &server->folders, &server->db, &server->blobs, err);
     if (rc == 0)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
@@ -297,6 +299,7 @@ static void close_storage(struct orl_server *server)
     orl_shelf_free(server->shelf);
     orl_blobs_close(server->blobs);
     sqlite3_finalize(server->context.token_finder);
+    orl_folding_close(server->folding);
     orl_db_close(&server->db);
     orl_blame_close();
     orl_folders_close(&server->folders);
@@ -353,6 +356,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
 static void open_budget(struct orl_server *server)
 {
     struct orl_storage *storage = &server->storage;
+    storage->db = &server->db;
     storage->maps = server->maps;
     storage->jobs = server->jobs;
     storage->blobs = server->blobs;

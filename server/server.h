@@ -29,6 +29,7 @@
 #include "resources/status_cache.h"
 #include "store/db.h"
 #include "store/folders.h"
+#include "store/log_folding.h"
 #include "store/verified.h"
 #include "upkeep/storage.h"
 
@@ -43,6 +44,7 @@ struct orl_server {
     char program[ORL_SHA_HEX]; /* program.h */
     struct orl_folders folders;
     struct orl_db db;
+    struct orl_folding *folding; /* of its log */
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
     struct orl_shelf *shelf;

@@ -57,5 +57,13 @@ enum orl_map_removal { ORL_MAP_REMOVED, ORL_MAP_ABSENT, ORL_MAP_IN_USE };
 /* Removes a map that no job uses or builds; else *ret_removal says why not. */
 int orl_map_cache_remove(struct orl_map_cache *cache, const char *kind, const char *key,
                          enum orl_map_removal *ret_removal, struct orl_error *err);
+/*
+ * The same in two steps, for several in one transaction: leave takes the row away, and whoever
+ * wants the map waits. After one that took it, gone: the file goes, or the map stays, as its row
+ * does.
+ */
+int orl_map_cache_leave(struct orl_map_cache *cache, const char *kind, const char *key,
+                        enum orl_map_removal *ret_removal, struct orl_error *err);
+void orl_map_cache_gone(struct orl_map_cache *cache, const char *kind, const char *key, bool gone);
 
 #endif

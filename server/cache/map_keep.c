@@ -30,31 +30,41 @@ static void drop_spent(struct orl_map_cache *cache)
     }
 }
 
+/* The next whose row is to be written, as a copy: the database is slow and the mutex is the
+ * workers'. False: there is none. */
+static bool take_dirty(struct orl_map_cache *cache, struct orl_stored_map *ret_map, bool *ret_ready)
+{
+    pthread_mutex_lock(&cache->mutex);
+    struct orl_map_entry *entry = cache->entries;
+    while (entry && !entry->dirty)
+        entry = entry->next;
+    if (entry) {
+        *ret_map = entry->map;
+        *ret_ready = entry->state == ORL_MAP_IS_READY;
+        entry->dirty = false;
+    } else {
+        drop_spent(cache);
+    }
+    pthread_mutex_unlock(&cache->mutex);
+    return entry != NULL;
+}
+
+/* No sync: a map whose row a power cut takes is built again, and a row that has lost its file goes
+ * at the start. What of it cannot be written is written with the map's next change. */
 int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err)
 {
+    struct orl_stored_map map;
+    bool ready = false, begun = false;
     int rc = 0;
-    for (;;) {
-        /* One at a time: the database is slow and the mutex is the workers'. */
-        struct orl_stored_map map;
-        bool ready = false;
-        pthread_mutex_lock(&cache->mutex);
-        struct orl_map_entry *entry = cache->entries;
-        while (entry && !entry->dirty)
-            entry = entry->next;
-        if (entry) {
-            map = entry->map;
-            ready = entry->state == ORL_MAP_IS_READY;
-            entry->dirty = false;
-        } else {
-            drop_spent(cache);
-        }
-        pthread_mutex_unlock(&cache->mutex);
-        if (!entry)
-            return rc;
-        const int one = ready ? orl_map_row_put(cache->db, &map, err)
-                              : orl_map_row_drop(cache->db, map.info.kind, map.info.key, err);
-        rc = rc ? rc : one;
+    while (rc == 0 && take_dirty(cache, &map, &ready)) {
+        if (!begun)
+            rc = orl_db_begin(cache->db, ORL_DB_LAZY, err);
+        begun = rc == 0;
+        if (rc == 0)
+            rc = ready ? orl_map_row_put(cache->db, &map, err)
+                       : orl_map_row_drop(cache->db, map.info.kind, map.info.key, err);
     }
+    return begun ? orl_db_end(cache->db, rc, err) : rc;
 }
 
 void orl_map_cache_totals(struct orl_map_cache *cache, struct orl_map_cache_totals *ret_totals)
@@ -131,18 +141,28 @@ static void end_removal(struct orl_map_cache *cache, const char *kind, const cha
     pthread_mutex_unlock(&cache->mutex);
 }
 
+int orl_map_cache_leave(struct orl_map_cache *cache, const char *kind, const char *key,
+                        enum orl_map_removal *ret_removal, struct orl_error *err)
+{
+    *ret_removal = begin_removal(cache, kind, key);
+    return *ret_removal == ORL_MAP_REMOVED ? orl_map_row_drop(cache->db, kind, key, err) : 0;
+}
+
+void orl_map_cache_gone(struct orl_map_cache *cache, const char *kind, const char *key, bool gone)
+{
+    char path[ORL_PATH_MAX];
+    orl_map_path(cache, kind, key, path);
+    if (gone)
+        orl_discard(cache->loop, cache->folders, path);
+    end_removal(cache, kind, key, gone ? ORL_MAP_IS_ABSENT : ORL_MAP_IS_READY);
+}
+
 int orl_map_cache_remove(struct orl_map_cache *cache, const char *kind, const char *key,
                          enum orl_map_removal *ret_removal, struct orl_error *err)
 {
-    char path[ORL_PATH_MAX];
-    *ret_removal = begin_removal(cache, kind, key);
-    if (*ret_removal != ORL_MAP_REMOVED)
-        return 0;
-    const int rc = orl_map_row_drop(cache->db, kind, key, err);
-    orl_map_path(cache, kind, key, path);
-    if (rc == 0)
-        orl_discard(cache->loop, cache->folders, path);
-    end_removal(cache, kind, key, rc ? ORL_MAP_IS_READY : ORL_MAP_IS_ABSENT);
+    const int rc = orl_map_cache_leave(cache, kind, key, ret_removal, err);
+    if (*ret_removal == ORL_MAP_REMOVED)
+        orl_map_cache_gone(cache, kind, key, rc == 0);
     return rc;
 }
 

@@ -81,7 +81,7 @@ void orl_job_results_fetched(struct orl_jobs *jobs, const char *id)
     job->fetched = true;
 }
 
-/* One transaction for all. What is not written is a use forgotten, no more. */
+/* One transaction for all, and no sync: what is not written is a use forgotten, no more. */
 void orl_job_results_flush(struct orl_jobs *jobs)
 {
     struct orl_error err;
@@ -91,16 +91,14 @@ void orl_job_results_flush(struct orl_jobs *jobs)
         if (!job->fetched)
             continue;
         if (!begun)
-            rc = orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", &err);
+            rc = orl_db_begin(jobs->env.db, ORL_DB_LAZY, &err);
         begun = rc == 0;
         if (begun)
             rc = orl_job_row_update(jobs->env.db, &job->row, &err);
         job->fetched = rc != 0;
     }
-    if (begun && rc == 0)
-        rc = orl_db_exec(jobs->env.db, "COMMIT", &err);
-    if (begun && rc)
-        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
+    if (begun)
+        rc = orl_db_end(jobs->env.db, rc, &err);
     if (rc)
         orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-row-failed", "s", "why", err.message);
 }
@@ -128,19 +126,21 @@ void orl_job_results_discard(struct orl_jobs_job *job)
     orl_job_results_remove_files(job->jobs, job->row.id);
 }
 
-int orl_job_results_evict(struct orl_jobs *jobs, const char *id, struct orl_error *err)
+int orl_job_results_leave(struct orl_jobs *jobs, const char *id, struct orl_error *err)
 {
-    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
+    const struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
     if (!job || !orl_job_results_kept(job))
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "the job has no results");
     struct orl_job_row row = job->row;
     row.evicted_ms = orl_time_now_ms();
-    const int rc = orl_job_row_update(jobs->env.db, &row, err);
-    if (rc)
-        return rc;
+    return orl_job_row_update(jobs->env.db, &row, err);
+}
+
+void orl_job_results_gone(struct orl_jobs *jobs, const char *id)
+{
+    struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
     orl_job_results_discard(job);
-    job->row.evicted_ms = row.evicted_ms;
-    return 0;
+    job->row.evicted_ms = orl_time_now_ms();
 }
 
 /* ---- Start ---------------------------------------------------------------------------------- */

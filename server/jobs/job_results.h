@@ -36,8 +36,9 @@ void orl_job_results_flush(struct orl_jobs *jobs);
 /* When they were of use last, milliseconds since 1970. */
 int64_t orl_job_results_used_ms(const struct orl_jobs_job *job);
 
-/* Removes them: the row first. */
-int orl_job_results_evict(struct orl_jobs *jobs, const char *id, struct orl_error *err);
+/* Writes to the row that they are gone; once that is safe, gone removes them. */
+int orl_job_results_leave(struct orl_jobs *jobs, const char *id, struct orl_error *err);
+void orl_job_results_gone(struct orl_jobs *jobs, const char *id);
 /* The files alone, of a job whose row is gone. */
 void orl_job_results_discard(struct orl_jobs_job *job);
 

@@ -22,11 +22,23 @@ static int write_row(const struct orl_jobs_job *job, struct orl_error *err)
     return orl_job_row_update(job->jobs->env.db, &row, err);
 }
 
-/* In one transaction, which is one sync of the disk. */
+/* That jobs run need not outlast a power cut: they wait at the next start either way. */
+static enum orl_db_care care_for(const struct orl_jobs *jobs)
+{
+    size_t left = jobs->n_unsaved;
+    for (const struct orl_jobs_job *job = jobs->newest; job && left > 0; job = job->older) {
+        if (job->unsaved && (job->row.state != ORL_JOB_RUNNING || job->cancelled))
+            return ORL_DB_SYNCED;
+        left -= job->unsaved;
+    }
+    return ORL_DB_LAZY;
+}
+
+/* In one transaction, which is one sync of the disk at most. */
 static int save(struct orl_jobs *jobs, struct orl_error *err)
 {
     size_t left = jobs->n_unsaved;
-    int rc = left > 0 ? orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", err) : 0;
+    int rc = left > 0 ? orl_db_begin(jobs->env.db, care_for(jobs), err) : 0;
     if (rc || left == 0)
         return rc;
     for (struct orl_jobs_job *job = jobs->newest; job && left > 0 && rc == 0; job = job->older)
@@ -34,12 +46,9 @@ static int save(struct orl_jobs *jobs, struct orl_error *err)
             rc = write_row(job, err);
             left--;
         }
-    if (rc == 0)
-        rc = orl_db_exec(jobs->env.db, "COMMIT", err);
-    if (rc) {
-        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
+    rc = orl_db_end(jobs->env.db, rc, err);
+    if (rc)
         return rc;
-    }
     for (struct orl_jobs_job *job = jobs->newest; job && jobs->n_unsaved > 0; job = job->older)
         if (job->unsaved)
             orl_job_note_saved(job, true);

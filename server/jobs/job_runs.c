@@ -251,20 +251,20 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
         .ctx = job,
     };
     snprintf(spec.job_id, sizeof spec.job_id, "%s", job->row.id);
-    orl_checkpoint_key(jobs->env.program, job->row.document, job->row.scene, spec.key);
+    orl_checkpoint_key(jobs->env.program,
+                       *job->row.identity ? job->row.identity : job->row.document, job->row.scene,
+                       spec.key);
     snprintf(spec.document, sizeof spec.document, "%s", job->row.document);
     snprintf(spec.scene, sizeof spec.scene, "%s", job->row.scene);
     orl_blob_path(jobs->env.folders, job->row.document, spec.document_path);
     int rc = orl_scene_files(jobs->env.db, jobs->env.folders, job->row.scene, &spec.bundle, err);
     if (rc)
         return rc;
-    if (job->followers)
-        orl_jobs_batch_begin(jobs);
+    orl_jobs_batch_begin(jobs);
     mark_running(job);
     for (struct orl_jobs_job *at = job->followers; at; at = at->next_follower)
         mark_running(at);
-    if (jobs->batch)
-        orl_jobs_batch_end(jobs);
+    orl_jobs_batch_end(jobs);
     rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
     if (rc == 0) {
         jobs->n_workers++;

@@ -66,12 +66,16 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *reque
     return rc;
 }
 
-/* What an earlier start has left. */
-static void forget_partial(const struct orl_jobs_job *job)
+/* What an earlier start has left is for the one that leads in its place, if any. */
+static void leave_partial(const struct orl_jobs_job *job, const struct orl_jobs_job *heir)
 {
+    const struct orl_folders *folders = job->jobs->env.folders;
     char path[ORL_PATH_MAX];
-    orl_checkpoint_folder(job->jobs->env.folders, job->row.id, path);
-    orl_discard(job->jobs->env.loop, job->jobs->env.folders, path);
+    const bool leads = heir && heir->row.state == ORL_JOB_QUEUED && !heir->leader;
+    if (leads && orl_checkpoint_give(folders, job->row.id, heir->row.id))
+        return;
+    orl_checkpoint_folder(folders, job->row.id, path);
+    orl_discard(job->jobs->env.loop, folders, path);
 }
 
 /* The row says cancelled before anything else does, so that a crash does not bring the job back. */
@@ -96,7 +100,7 @@ static void cancel_running(struct orl_jobs_job *job)
  * reason than that it came first has its turn. */
 static void cancel_queued(struct orl_jobs_job *job)
 {
-    struct orl_jobs_job *followers = job->followers;
+    struct orl_jobs_job *followers = job->followers, *const first = followers;
     orl_runs_want_no_memory(job);
     if (job->leader) {
         orl_share_leave(job);
@@ -106,7 +110,6 @@ static void cancel_queued(struct orl_jobs_job *job)
         job->followers = NULL;
     }
     orl_jobs_set_state(job, ORL_JOB_CANCELLED);
-    forget_partial(job);
     while (followers) {
         struct orl_jobs_job *next = followers->next_follower;
         followers->leader = NULL;
@@ -114,6 +117,7 @@ static void cancel_queued(struct orl_jobs_job *job)
         orl_runs_enqueue(followers);
         followers = next;
     }
+    leave_partial(job, first);
     orl_runs_start_next(job->jobs);
 }
 
@@ -203,14 +207,12 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
 void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count)
 {
     struct orl_error err;
-    int rc = orl_db_exec(jobs->env.db, "BEGIN IMMEDIATE", &err);
+    int rc = orl_db_begin(jobs->env.db, ORL_DB_SYNCED, &err);
     const bool begun = rc == 0;
     for (size_t i = 0; i < count && rc == 0; i++)
         rc = orl_job_row_drop(jobs->env.db, ended[i]->row.seq, &err);
-    if (rc == 0)
-        rc = orl_db_exec(jobs->env.db, "COMMIT", &err);
-    if (begun && rc)
-        orl_db_exec(jobs->env.db, "ROLLBACK", NULL);
+    if (begun)
+        rc = orl_db_end(jobs->env.db, rc, &err);
     if (rc)
         orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-row-failed", "s", "why", err.message);
     for (size_t i = 0; i < count && rc == 0; i++)

@@ -87,10 +87,17 @@ static void recover(struct orl_jobs *jobs)
     }
 }
 
-static bool is_waiting(void *ctx, const char *id)
+/* Who goes on with a job's work: itself if it waits, else who leads those that ask for the same, as
+ * after the cancelling of one that others followed. */
+static const char *heir_of(void *ctx, const char *id)
 {
-    const struct orl_jobs_job *job = orl_jobs_lookup(ctx, id);
-    return job && job->row.state == ORL_JOB_QUEUED;
+    const struct orl_jobs *jobs = ctx;
+    const struct orl_jobs_job *job = orl_jobs_lookup(jobs, id), *leader = jobs->leaders;
+    if (!job || job->row.state == ORL_JOB_QUEUED)
+        return job ? job->row.id : NULL;
+    while (leader && !is_same(leader, job))
+        leader = leader->next_leader;
+    return leader ? leader->row.id : NULL;
 }
 
 int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, struct orl_error *err)
@@ -107,7 +114,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
         return rc;
     }
     recover(jobs);
-    orl_checkpoint_sweep(env->folders, is_waiting, jobs);
+    orl_checkpoint_sweep(env->folders, heir_of, jobs);
     orl_job_results_sweep(jobs);
     *ret_jobs = jobs;
     orl_runs_start_next(jobs);

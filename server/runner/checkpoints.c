@@ -37,14 +37,14 @@ static void end_digest(struct orl_sha256 *hash, char ret_hex[ORL_SHA_HEX])
     sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
 }
 
-void orl_checkpoint_key(const char *program, const char *document, const char *scene,
+void orl_checkpoint_key(const char *program, const char *asked, const char *scene,
                         char ret_key[ORL_SHA_HEX])
 {
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
-    add_text(&hash, "oriel parts 1");
+    add_text(&hash, "oriel parts 2");
     add_text(&hash, program);
-    add_text(&hash, document);
+    add_text(&hash, asked);
     add_text(&hash, scene);
     end_digest(&hash, ret_key);
 }
@@ -102,14 +102,24 @@ void orl_checkpoint_forget(const char *folder)
         closedir(entries);
 }
 
+bool orl_checkpoint_give(const struct orl_folders *folders, const char *from_id, const char *to_id)
+{
+    char from[ORL_PATH_MAX], to[ORL_PATH_MAX];
+    orl_checkpoint_folder(folders, from_id, from);
+    orl_checkpoint_folder(folders, to_id, to);
+    return rename(from, to) == 0;
+}
+
 void orl_checkpoint_sweep(const struct orl_folders *folders,
-                          bool (*wanted)(void *ctx, const char *job_id), void *ctx)
+                          const char *(*heir)(void *ctx, const char *job_id), void *ctx)
 {
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "partial");
     DIR *folder = opendir(path);
     for (const struct dirent *entry; folder && (entry = readdir(folder));) {
-        if (entry->d_name[0] == '.' || wanted(ctx, entry->d_name))
+        const char *id = entry->d_name[0] == '.' ? entry->d_name : heir(ctx, entry->d_name);
+        if (id &&
+            (strcmp(id, entry->d_name) == 0 || orl_checkpoint_give(folders, entry->d_name, id)))
             continue;
         orl_checkpoint_folder(folders, entry->d_name, path);
         orl_remove_tree(path, NULL);

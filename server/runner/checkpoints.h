@@ -7,9 +7,10 @@
  * users, and goes before the folder becomes the job's results; the folder goes with a job that
  * fails or is cancelled, and stays with one that is queued again.
  *
- * A folder is believed when its "+key" is the job's: the digest of document, scene, and program
- * with all of its libraries (program.h), whose pictures another might not make. A part is believed
- * when its files are what its note says.
+ * A folder is believed when its "+key" is the job's: the digest of what is asked for, of which
+ * scene, and of the program with all of its libraries (program.h), whose pictures another might not
+ * make. So one job may go on with another's folder. A part is believed when its files are what its
+ * note says.
  *
  * Threads: any, one per folder.
  */
@@ -25,7 +26,8 @@
 
 /* ---- The folder ------------------------------------------------------------------------------ */
 
-void orl_checkpoint_key(const char *program, const char *document, const char *scene,
+/* asked: the digest of what is asked for, the same for identical jobs. */
+void orl_checkpoint_key(const char *program, const char *asked, const char *scene,
                         char ret_key[ORL_SHA_HEX]);
 
 /* Where the job works. */
@@ -35,9 +37,12 @@ void orl_checkpoint_folder(const struct orl_folders *folders, const char *job_id
 int orl_checkpoint_open(const char *folder, const char *key, struct orl_error *err);
 /* Removes what is not for users, photon maps of rounds and files half written included. */
 void orl_checkpoint_forget(const char *folder);
-/* Removes the work folders of all jobs but those that are wanted. */
+/* Gives a job's work folder to one that goes on with it. False: that one has its own. */
+bool orl_checkpoint_give(const struct orl_folders *folders, const char *from_id, const char *to_id);
+/* Of each work folder: heir names the job that goes on with it, itself maybe; NULL: it is removed.
+ */
 void orl_checkpoint_sweep(const struct orl_folders *folders,
-                          bool (*wanted)(void *ctx, const char *job_id), void *ctx);
+                          const char *(*heir)(void *ctx, const char *job_id), void *ctx);
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 

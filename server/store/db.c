@@ -27,6 +27,27 @@ int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err)
     return 0;
 }
 
+int orl_db_begin(struct orl_db *db, enum orl_db_care care, struct orl_error *err)
+{
+    if (care == ORL_DB_SYNCED)
+        return orl_db_exec(db, "BEGIN IMMEDIATE", err);
+    const int rc = orl_db_exec(db, "PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE", err);
+    if (rc)
+        orl_db_exec(db, "PRAGMA synchronous = FULL", NULL);
+    return rc;
+}
+
+int orl_db_end(struct orl_db *db, int rc, struct orl_error *err)
+{
+    if (rc == 0)
+        rc = orl_db_exec(db, "COMMIT", err);
+    if (rc)
+        orl_db_exec(db, "ROLLBACK", NULL);
+    /* It takes no I/O, and has no effect but on this connection. */
+    orl_db_exec(db, "PRAGMA synchronous = FULL", NULL);
+    return rc;
+}
+
 static int open_with(struct orl_db *db, const char *path, int more, struct orl_error *err)
 {
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | more;

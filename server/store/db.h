@@ -38,6 +38,16 @@ int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err);
 int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err);
 
 /*
+ * A transaction. SYNCED is what a row is by itself: there after a power cut. LAZY takes no sync: it
+ * survives the end of the program, however that comes, and a power cut once anything is synced
+ * later; for what the next start would find out by itself.
+ */
+enum orl_db_care { ORL_DB_SYNCED, ORL_DB_LAZY };
+int orl_db_begin(struct orl_db *db, enum orl_db_care care, struct orl_error *err);
+/* Ends what was begun: kept when rc is 0, else as if nothing had been. Returns rc, or why not. */
+int orl_db_end(struct orl_db *db, int rc, struct orl_error *err);
+
+/*
  * Prepares sql and binds its arguments, one letter of types each: 's' const char * (NULL binds
  * NULL; copied), 'i' int64_t, 'd' double. NULL on failure. The caller steps and finalizes.
  */

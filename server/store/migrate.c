@@ -70,7 +70,7 @@ static int apply(struct orl_db *db, const struct orl_migration *migration, size_
 {
     char digest[DIGEST_HEX];
     digest_of(migration->sql, digest);
-    int rc = orl_db_exec(db, "BEGIN IMMEDIATE", err);
+    int rc = orl_db_begin(db, ORL_DB_SYNCED, err);
     if (rc)
         return rc;
     rc = orl_db_exec(db, migration->sql, err);
@@ -79,12 +79,9 @@ static int apply(struct orl_db *db, const struct orl_migration *migration, size_
                         "INSERT INTO schema_migrations (version, name, digest, applied_ms) "
                         "VALUES (?, ?, ?, ?)",
                         "issi", (int64_t)version, migration->name, digest, orl_time_now_ms());
-    if (rc == 0)
-        rc = orl_db_exec(db, "COMMIT", err);
-    if (rc) {
+    rc = orl_db_end(db, rc, err);
+    if (rc)
         orl_error_at(err, migration->name, 0, NULL);
-        orl_db_exec(db, "ROLLBACK", NULL);
-    }
     return rc;
 }
 

@@ -25,7 +25,7 @@ int orl_scene_insert(struct orl_db *db, const char *id, const struct orl_bundle 
                      const char *summary, bool *ret_created, struct orl_error *err)
 {
     int changes = 0;
-    int rc = orl_db_exec(db, "BEGIN IMMEDIATE", err);
+    int rc = orl_db_begin(db, ORL_DB_SYNCED, err);
     if (rc)
         return rc;
     rc = orl_db_run(db, err, &changes,
@@ -34,11 +34,8 @@ int orl_scene_insert(struct orl_db *db, const char *id, const struct orl_bundle 
                     "siis", id, orl_time_now_ms(), (int64_t)orl_bundle_bytes(bundle), summary);
     if (rc == 0 && changes > 0)
         rc = insert_files(db, id, bundle, err);
+    rc = orl_db_end(db, rc, err);
     if (rc == 0)
-        rc = orl_db_exec(db, "COMMIT", err);
-    if (rc)
-        orl_db_exec(db, "ROLLBACK", NULL);
-    else
         *ret_created = changes > 0;
     return rc;
 }

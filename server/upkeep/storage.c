@@ -87,33 +87,62 @@ static struct candidate *list_candidates(const struct orl_jobs *jobs,
     return list;
 }
 
-/*
- * A candidate stays where somebody has taken it into use. Negative: the database refuses, and what
- * has been of use later is not to go in its place.
- */
-static int evict(struct orl_storage *storage, const struct candidate *candidate)
+/* Its row. *ret_leaves: a map that somebody has taken into use stays. */
+static int leave(struct orl_storage *storage, const struct candidate *candidate, bool *ret_leaves,
+                 struct orl_error *err)
 {
-    struct orl_error err = {0};
     enum orl_map_removal removal = ORL_MAP_REMOVED;
     const struct orl_map_info *map = candidate->map;
+    const int rc = map ? orl_map_cache_leave(storage->maps, map->kind, map->key, &removal, err)
+                       : orl_job_results_leave(storage->jobs, candidate->job, err);
+    *ret_leaves = removal == ORL_MAP_REMOVED;
+    return rc;
+}
+
+/* Its file, once its row is safely gone; else it stays. */
+static void settle(struct orl_storage *storage, const struct candidate *candidate, bool gone)
+{
+    const struct orl_map_info *map = candidate->map;
     enum orl_stored kind = ORL_STORED_RESULTS;
-    int rc;
     if (map) {
         kind = strcmp(map->kind, "bsdf") == 0 ? ORL_STORED_BSDFS : ORL_STORED_MAPS;
-        rc = orl_map_cache_remove(storage->maps, map->kind, map->key, &removal, &err);
-    } else {
-        rc = orl_job_results_evict(storage->jobs, candidate->job, &err);
+        orl_map_cache_gone(storage->maps, map->kind, map->key, gone);
+    } else if (gone) {
+        orl_job_results_gone(storage->jobs, candidate->job);
     }
-    if (rc) {
-        orl_log_event(storage->log, ORL_LOG_ERROR, "eviction-failed", "s", "why", err.message);
-        return rc;
-    }
-    if (removal != ORL_MAP_REMOVED)
-        return 0;
+    if (!gone)
+        return;
     storage->evicted[kind]++;
     orl_log_event(storage->log, ORL_LOG_INFO, "evicted", "ssi", "what", orl_stored_names[kind],
                   "name", map ? map->key : candidate->job, "bytes", (int64_t)candidate->bytes);
-    return 0;
+}
+
+/*
+ * The first of the list, until so many bytes are gone: their rows in one transaction, which is one
+ * sync, then their files. When the database refuses they stay, all of them: what has been of use
+ * later is not to go in their place.
+ */
+static void evict(struct orl_storage *storage, struct candidate *list, size_t count, uint64_t bytes)
+{
+    struct orl_error err = {0};
+    size_t n_leaving = 0;
+    uint64_t leaving = 0;
+    int rc = orl_db_begin(storage->db, ORL_DB_SYNCED, &err);
+    const bool begun = rc == 0;
+    for (size_t i = 0; i < count && leaving < bytes && rc == 0; i++) {
+        bool leaves = false;
+        rc = leave(storage, &list[i], &leaves, &err);
+        if (!leaves)
+            continue;
+        leaving += list[i].bytes;
+        list[n_leaving++] = list[i];
+    }
+    if (begun)
+        rc = orl_db_end(storage->db, rc, &err);
+    if (rc)
+        orl_log_event(storage->log, ORL_LOG_ERROR, "eviction-failed", "s", "why", err.message);
+    for (size_t i = 0; i < n_leaving; i++)
+        settle(storage, &list[i], rc == 0);
 }
 
 enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
@@ -133,16 +162,11 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_h
     list = list_candidates(storage->jobs, maps, n_maps, &count);
     for (size_t i = 0; list && i < count; i++)
         stays -= list[i].bytes;
-    if (how == SHRINK_OR_LEAVE && stays > most)
-        count = 0;
-    int rc = 0;
-    for (size_t i = 0; list && i < count && used > most && rc == 0; i++) {
-        rc = evict(storage, &list[i]);
-        used = orl_storage_total(storage);
-    }
+    if (list && count > 0 && (how == SHRINK_AS_FAR_AS_IT_GOES || stays <= most))
+        evict(storage, list, count, used - most);
     free(list);
     free(maps);
-    return used;
+    return orl_storage_total(storage);
 }
 
 /* Of what is kept, how much has to stay. */

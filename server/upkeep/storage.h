@@ -38,6 +38,7 @@ extern const char *const orl_stored_names[ORL_STORED_COUNT]; /* "maps", "bsdfs",
 struct orl_storage {
     uint64_t budget;
     struct orl_room room; /* for what is on its way in, beside what has to stay */
+    struct orl_db *db;
     struct orl_map_cache *maps;
     struct orl_jobs *jobs;
     struct orl_blobs *blobs;

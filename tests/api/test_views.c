@@ -168,6 +168,53 @@ static void test_torn_job_ends_the_same(void **state)
     assert_true(n_torn > 0);
 }
 
+/* Two that share a computation, with two of three views done. Returns when the first was written.
+ */
+static int64_t submit_both(struct daemon_room *f, char ret_leader[80], char ret_follower[80])
+{
+    submit(f, "backward", VIEWS("4000"), ret_leader);
+    submit(f, "backward", "\"name\":\"other\"," VIEWS("4000"), ret_follower);
+    assert_true(wait_for_files(f, ret_leader, 8));
+    return written(f, "partial", ret_leader, "a.hdr");
+}
+
+/* The first of the two is cancelled, the daemon ends: the other goes on with the views that are
+ * done. */
+static void test_leader_is_cancelled(void **state)
+{
+    struct daemon_room *f = *state;
+    char leader[80], follower[80];
+    for (int i = 0; i < 2; i++) {
+        const int64_t first = submit_both(f, leader, follower);
+        cancel(f, leader);
+        daemon_end(&f->daemon, i ? SIGTERM : SIGKILL);
+        daemon_restart(&f->daemon, NULL);
+        assert_true(wait_for_files(f, follower, 8));
+        assert_true(written(f, "partial", follower, "a.hdr") == first);
+        cancel(f, follower);
+        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    }
+}
+
+/* It is cancelled while both wait, after the daemon has ended. */
+static void test_waiting_leader_is_cancelled(void **state)
+{
+    struct daemon_room *f = *state;
+    char leader[80], follower[80], blocker[80];
+    const int64_t first = submit_both(f, leader, follower);
+    submit(f, "direct", "\"priority\":9," VIEWS("4000"), blocker);
+    daemon_end(&f->daemon, SIGTERM);
+    daemon_restart(&f->daemon, NULL);
+    daemon_wait_running(&f->daemon, blocker, -1);
+    cancel(f, leader);
+    assert_true(written(f, "partial", follower, "a.hdr") == first);
+    cancel(f, blocker);
+    assert_true(wait_for_files(f, follower, 8));
+    assert_true(written(f, "partial", follower, "a.hdr") == first);
+    cancel(f, follower);
+    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+}
+
 /* What a killed daemon left of jobs that nobody waits for goes at the start. */
 static void test_leftovers_go(void **state)
 {
@@ -185,6 +232,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_views_before_the_end),
         cmocka_unit_test(test_torn_job_ends_the_same),
+        cmocka_unit_test(test_leader_is_cancelled),
+        cmocka_unit_test(test_waiting_leader_is_cancelled),
         cmocka_unit_test(test_leftovers_go),
     };
     return cmocka_run_group_tests(tests, daemon_room_set_up, daemon_room_tear_down);

@@ -23,7 +23,7 @@ from daemon import Client, Daemon, Failure
 from ledger import ENDED, list_files
 from load import FIRST_SCENE, upload_scene
 
-WRITES, SYNCS, NAMES, MEMORY, REMOVALS = 1, 2, 4, 8, 16
+WRITES, SYNCS, NAMES, MEMORY, REMOVALS, SLOW = 1, 2, 4, 8, 16, 32
 SENSORS = [[2, 1, 0.8, 0, 0, 1], [2, 4, 0.8, 0, 0, 1]]
 VIEW = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv 55"
 
@@ -212,6 +212,42 @@ def disk_fails(case):
 
 def syncs_fail(case):
     bad_disk(case, errno.EIO, SYNCS, 500, ("Input/output", "disk I/O"))
+
+
+def slow_disk(case):
+    """Where the loop waits for the disk, everybody does: once for what is answered, however much goes
+    for it, and not for what the next start finds out by itself."""
+    delay_s, jobs = 0.1, [case.submit(seed=seed) for seed in range(20, 26)]
+    for job in jobs:
+        expect("a job", case.wait(job)["state"], "succeeded")
+        case.fetch(job)
+    used = sum(os.path.getsize(os.path.join(case.root, path)) for path, _ in list_files(case.root)
+               if path.split(os.sep)[0] in ("blobs", "maps", "results"))
+    case.extra = ("--storage-budget", str(used + 4096))
+    restarted(case, lambda: None)
+    case.fetch(case.first)
+
+    def count(what, act, most):
+        case.fail(int(1000 * delay_s), SLOW)
+        answer = act()
+        time.sleep(0.3)
+        if case.calls() > most:
+            raise Failure("%s: the loop waited for the disk %d times, not %d" % (what, case.calls(), most))
+        return answer
+
+    filler = FIRST_SCENE + b"#" * (used * 4 // 10) + b"\n"
+    before = len(list_files(case.root))
+    answer = count("an upload that others go for", lambda: upload_scene(case.client, filler), 5)
+    expect("the status of %r" % answer.body[:300], answer.status, 201)
+    case.fail(0, 0)
+    if before - len(list_files(case.root)) < 12:
+        raise Failure("of %d files %d are left" % (before, len(list_files(case.root))))
+    count("a job", lambda: case.wait(case.submit(seed=30)), 3)
+    case.fail(0, 0)
+    for line in case.client.request("GET", "/metrics").body.decode().split("\n"):
+        if line.startswith("oriel_loop_longest_turn_seconds "):
+            print("# the longest turn: %s s, of syncs of %s s" % (line.split()[1], delay_s))
+            expect("whether turns are short", float(line.split()[1]) < 4.5 * delay_s, True)
 
 
 # ---- Files ---------------------------------------------------------------------------------------
@@ -431,7 +467,7 @@ def no_memory(case):
     expect("how often it was tried", status["attempts"], 1)
 
 
-CASES = (disk_full, quota_full, disk_fails, syncs_fail, truncated_map, flipped_map, map_cut_under_way,
+CASES = (disk_full, quota_full, disk_fails, syncs_fail, slow_disk, truncated_map, flipped_map, map_cut_under_way,
          flipped_blob, truncated_blob, flipped_result, truncated_result, damaged_document, locked_database,
          later_database, damaged_database, no_database, no_descriptors, no_memory)
 

@@ -7,6 +7,9 @@
  * all; and how many there were, counted here. Children of the program count with it. Standard input
  * and outputs are spared, and so is what is no regular file or folder.
  *
+ * With FAULTY_SLOW no call fails: a sync by the first thread of the program, which is a daemon's
+ * loop, takes as many milliseconds more as the errno says, and is counted.
+ *
  * A thread that moves a file to a name with FAULTY_CRASH in it makes a fault that ends the process.
  */
 #include <dlfcn.h>
@@ -19,9 +22,16 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { FAULTY_WRITES = 1, FAULTY_SYNCS = 2, FAULTY_NAMES = 4, FAULTY_REMOVALS = 16 };
+enum {
+    FAULTY_WRITES = 1,
+    FAULTY_SYNCS = 2,
+    FAULTY_NAMES = 4,
+    FAULTY_REMOVALS = 16,
+    FAULTY_SLOW = 32
+};
 
 struct control {
     atomic_int why, which, nth, count;
@@ -104,13 +114,24 @@ int mkdir(const char *path, mode_t mode)
                                         : REAL(int (*)(const char *, mode_t), "mkdir")(path, mode);
 }
 
+static void be_slow(void)
+{
+    const int ms = control && (control->which & FAULTY_SLOW) ? (int)control->why : 0;
+    if (ms == 0 || gettid() != getpid())
+        return;
+    atomic_fetch_add(&control->count, 1);
+    nanosleep(&(struct timespec){.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000L}, NULL);
+}
+
 int fsync(int fd)
 {
+    be_slow();
     return is_faulty(fd, FAULTY_SYNCS) ? -1 : REAL(int (*)(int), "fsync")(fd);
 }
 
 int fdatasync(int fd)
 {
+    be_slow();
     return is_faulty(fd, FAULTY_SYNCS) ? -1 : REAL(int (*)(int), "fdatasync")(fd);
 }
 
