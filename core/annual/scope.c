@@ -1,6 +1,7 @@
 #include "annual/scope.h"
 
 #include "scene/material/bounds.h"
+#include "scene/material/pattern.h"
 
 /* Of what mirrors more than panes do, a second reflection counts. */
 static const double strong = 0.25;
@@ -90,7 +91,8 @@ static bool is_colourless(const struct orl_material *m)
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_MIRROR:
-        return is_gray(m->color) || orl_material_is_matt(m);
+        return (is_gray(m->color) && !(m->pattern && m->pattern->coloured)) ||
+               orl_material_is_matt(m);
     default: /* plastic's gloss is white */
         return true;
     }

@@ -132,6 +132,8 @@ struct orl_function_lanes {
 struct orl_function_scratch;
 struct orl_function_scratch *orl_function_scratch_new(void); /* NULL: out of memory */
 void orl_function_scratch_free(struct orl_function_scratch *scratch);
+/* The calling thread's own, which is not to be freed. */
+struct orl_function_scratch *orl_function_scratch_of_thread(void);
 
 struct orl_function_outcome {
     unsigned undefined; /* lanes in which something had no value, and counted as 0 */

@@ -29,8 +29,8 @@ struct orl_functions *orl_functions_new(const char *const *inputs, size_t n_inpu
     if (!functions->arena || !add_context(functions, "", ""))
         goto failed;
     const char *const start = orl_standard_text(ORL_STANDARD_START);
-    if (orl_functions_define(functions, ORL_FUNCTION_GLOBAL, ORL_STANDARD_START, 1, start,
-                             strlen(start), NULL) == 0)
+    if (orl_functions_define(functions, ORL_FUNCTION_GLOBAL, NULL, 0, start, strlen(start), NULL) ==
+        0)
         return functions;
 failed:
     orl_functions_free(functions);
@@ -94,7 +94,7 @@ static int read_file(struct orl_functions *functions, const struct orl_files *fi
     }
     const char *const text = code == ORL_ERR_NOT_FOUND ? orl_standard_text(name) : NULL;
     if (text)
-        return orl_functions_define(functions, context, name, 1, text, strlen(text), err);
+        return orl_functions_define(functions, context, NULL, 0, text, strlen(text), err);
     if (code == ORL_ERR_NOT_FOUND) {
         orl_error_set(err, code, "there is no function file '%.200s'", name);
         orl_error_hint(err, "upload it with the scene, by this name");

@@ -10,7 +10,8 @@ int orl_compiler_no_memory(struct orl_compiler *c)
 
 int orl_emit_place(struct orl_compiler *c, int line, int code)
 {
-    orl_error_at(c->err, c->file[0] ? c->file : NULL, line, NULL);
+    if (c->file[0]) /* our own texts are no place to send anybody to */
+        orl_error_at(c->err, c->file, line, NULL);
     return code;
 }
 

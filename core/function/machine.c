@@ -396,6 +396,12 @@ struct orl_function_scratch *orl_function_scratch_new(void)
     return scratch;
 }
 
+struct orl_function_scratch *orl_function_scratch_of_thread(void)
+{
+    static _Thread_local struct orl_function_scratch scratch;
+    return &scratch;
+}
+
 void orl_function_scratch_free(struct orl_function_scratch *scratch)
 {
     free(scratch);

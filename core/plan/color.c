@@ -1,5 +1,6 @@
 /* Whether anything is coloured: exactly, every used material and every light looked at. */
 #include "plan/decide.h"
+#include "scene/material/pattern.h"
 
 static bool is_gray(struct orl_rgb c)
 {
@@ -19,12 +20,18 @@ static bool has_coloured_bsdf(const struct orl_material *m)
     return info.colored;
 }
 
+/* What cannot be bleached. */
+static bool has_coloured_data(const struct orl_material *m)
+{
+    return has_coloured_bsdf(m) || (m->pattern && m->pattern->coloured);
+}
+
 /* What is not of its kind is zero, which is gray. */
 static bool is_coloured(const struct orl_material *m)
 {
     return !(is_gray(m->color) && is_gray(m->transmissivity) && media_are_gray(m) &&
              is_gray(m->front) && is_gray(m->back) && is_gray(m->through)) ||
-           has_coloured_bsdf(m);
+           has_coloured_data(m);
 }
 
 static size_t coloured_lights(const struct orl_world *world)
@@ -104,7 +111,7 @@ void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)
     orl_settle(decision, &finding, "surfaces that have a colour: %zu; lights that have one: %zu",
                materials, lights);
     plan->channels = decision->simulated ? 3 : 1;
-    if (!decision->simulated && orl_survey_count(survey, has_coloured_bsdf) > 0) {
+    if (!decision->simulated && orl_survey_count(survey, has_coloured_data) > 0) {
         /* Data cannot be bleached. */
         decision->simulated = true;
         plan->channels = 3;

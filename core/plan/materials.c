@@ -1,6 +1,7 @@
 /* What is done to materials: glossy parts folded into diffuse ones, clear solids. */
 #include "plan/decide.h"
 #include "scene/material/bounds.h"
+#include "scene/material/pattern.h"
 
 /* ---- Glossy reflection ----------------------------------------------------------------------- */
 
@@ -16,11 +17,16 @@ static double gloss(const struct orl_material *m)
     return orl_material_albedo_most(m, true, 1, ORL_LOBE_REFLECTED);
 }
 
+static const double least_pattern = 0.1;
+
 /* All that is reflected is reflected evenly: the energy stays. */
 static void fold(struct orl_material *m)
 {
+    /* Gloss has no pattern: what the pattern will take of it, on the whole, is made up for. */
+    const double left = m->pattern ? fmax(orl_luma(m->pattern->mean), least_pattern) : 1;
     if (m->kind == ORL_MATERIAL_PLASTIC)
-        m->color = orl_rgb_add(orl_rgb_scale(m->color, 1 - m->specular), orl_gray(m->specular));
+        m->color =
+            orl_rgb_add(orl_rgb_scale(m->color, 1 - m->specular), orl_gray(m->specular / left));
     m->specular = 0;
     m->roughness[0] = m->roughness[1] = 0;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "scene/material/pattern.h"
 
 void orl_description_warn(struct orl_description *description, const char *text)
 {
@@ -22,6 +23,9 @@ void orl_description_done(struct orl_description *description)
         return;
     for (size_t i = 0; i < description->n_materials; i++)
         orl_bsdf_unref(description->materials[i].bsdf);
+    for (size_t i = 0; i < description->n_patterns; i++)
+        orl_pattern_free(description->patterns[i]);
+    free(description->patterns);
     free(description->materials);
     free(description->surfaces);
     free(description->opposed);

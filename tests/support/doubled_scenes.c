@@ -303,6 +303,16 @@ static void write_stack(FILE *f, size_t n)
         fprintf(f, "m polygon w%zu 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n", i);
 }
 
+/* Each its own function, material and surface; names of the standard set among it. */
+static void write_patterns(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f,
+                "void brightfunc f%zu 2 bound(0,noise3(Px,U,%zu),1) . 0 0\n"
+                "f%zu plastic m%zu 0 0 5 .5 .5 .5 0 0\nm%zu sphere s%zu 0 0 4 %zu 0 0 .4\n",
+                i, i, i, i, i, i, i);
+}
+
 /* ---- The table ------------------------------------------------------------------------------- */
 
 #define SCENE(name, n)                                                                             \
@@ -354,6 +364,7 @@ const struct doubled doubled_scenes[] = {
     SCENE(files, 200),
     SCENE(skies_made, 40),
     SCENE(daylit, 40),
+    SCENE(patterns, 200),
     SCENE(includes, 500),
     SCENE(pipes, 30),
     SCENE(strings, 3000),
@@ -372,6 +383,7 @@ const struct doubled doubled_scenes[] = {
     SCENE(piped_arrays, 100),
     WORLD(polygons, 200),
     WORLD(spheres, 200),
+    WORLD(patterns, 40),
     WORLD(disc, 500),
     WORLD(star, 200),
     WORLD(comb, 100),

@@ -128,9 +128,20 @@ static const struct bad bad_scenes[] = {
      "no length"},
     {"void light l 0 0 3 1 1 1\nl source s 0 0 4 0 0 1 0", ORL_ERR_RANGE, 2, "source s", "angle"},
     {"void light l 0 0 3 1 1 1\nl source s 0 0 4 0 0 1 361", ORL_ERR_RANGE, 2, "source s", "angle"},
+    /* patterns */
+    {"void brightfunc f 2 stripes stripes.cal 0 0", ORL_ERR_NOT_FOUND, 1, "brightfunc f",
+     "stripes.cal"},
+    {"void brightfunc f 2 stripes . 0 0", ORL_ERR_NOT_FOUND, 1, "brightfunc f", "'stripes'"},
+    {"void brightfunc f 2 Px*Rdot . 0 0", ORL_ERR_UNSUPPORTED, 1, "brightfunc f", "Rdot"},
+    {"void brightfunc f 2 A2*Px . 0 1 7", ORL_ERR_RANGE, 1, "brightfunc f", "argument 2"},
+    {"void brightfunc f 2 sin(Px . 0 0", ORL_ERR_SYNTAX, 1, "brightfunc f", "')'"},
+    {"void colorfunc f 3 1 1 . 0 0", ORL_ERR_SYNTAX, 1, "colorfunc f", "three expressions"},
+    {"void brightfunc f 3 Px . -q 0 0", ORL_ERR_SYNTAX, 1, "brightfunc f", "-q"},
+    {"void brightfunc f 2 Px . 0 0\nf glass g 0 0 3 1 1 1", ORL_ERR_UNSUPPORTED, 2, "glass g",
+     "plastic and metal"},
+    {"void brightfunc f 2 Px . 0 0\nf brightfunc g 2 Py . 0 0", ORL_ERR_UNSUPPORTED, 2,
+     "brightfunc g", "another"},
     /* skies */
-    {"void brightfunc f 2 stripes stripes.cal 0 0", ORL_ERR_UNSUPPORTED, 1, "brightfunc f",
-     "stripes"},
     {"void brightfunc f 2 skybright perezlum.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f",
      "10"},
     {"void brightfunc f 2 skybr skybright.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f", "7"},
@@ -372,7 +383,7 @@ static void test_refusals_unused(void **state)
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void alias coarse rough\n"
         "void BRTDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
-        "void brightfunc dirt 2 dirt dirt.cal 0 0\n"
+        "void brightfunc dirt 2 Px*Dx . 0 0\n"
         "dirt glow lamp 0 0 4 1 1 1 0\n"
         "void illum window 1 pane 0 3 1 1 1\n" RED;
     static const char *const users[] = {"coarse sphere", "pane sphere", "lamp sphere",

@@ -79,7 +79,11 @@ struct orl_hit {
  */
 static inline struct orl_hit orl_hit_anywhere(struct orl_vec3 normal, bool front)
 {
-    return (struct orl_hit){.normal = normal, .front = front};
+    return (struct orl_hit){.normal = normal, .instance = UINT32_MAX, .front = front};
+}
+static inline bool orl_hit_is_anywhere(const struct orl_hit *hit)
+{
+    return hit->instance == UINT32_MAX;
 }
 
 /* See orl_prepare_thread (oriel/run.h). */

@@ -1,5 +1,7 @@
 #include "scene/material/bounds.h"
 
+#include "scene/material/pattern.h"
+
 static const struct orl_vec3 up = {0, 0, 1};
 
 static struct orl_vec3 direction_at(bool front, double cosine)
@@ -7,23 +9,36 @@ static struct orl_vec3 direction_at(bool front, double cosine)
     return orl_v3(0, sqrt(1 - cosine * cosine), front ? cosine : -cosine);
 }
 
+/* The material with the most that its pattern makes of it. */
+static struct orl_material at_most(const struct orl_material *material)
+{
+    struct orl_material most = *material;
+    if (most.pattern)
+        most.color = orl_patterned(most.color, most.pattern->most);
+    most.pattern = NULL;
+    return most;
+}
+
 double orl_material_diffuse_most(const struct orl_material *material)
 {
     const struct orl_hit hit = orl_hit_anywhere(up, true);
-    return orl_rgb_max(orl_material_diffuse(material, &hit));
+    const struct orl_material most = at_most(material);
+    return orl_rgb_max(orl_material_diffuse(&most, &hit));
 }
 
 double orl_material_albedo_most(const struct orl_material *material, bool front, double cosine,
                                 enum orl_lobes lobes)
 {
     const struct orl_hit hit = orl_hit_anywhere(up, front);
-    return orl_rgb_max(orl_material_albedo(material, &hit, direction_at(front, cosine), lobes));
+    const struct orl_material most = at_most(material);
+    return orl_rgb_max(orl_material_albedo(&most, &hit, direction_at(front, cosine), lobes));
 }
 
 double orl_material_mirrored_most(const struct orl_material *material, bool front, double cosine)
 {
     const struct orl_hit hit = orl_hit_anywhere(up, front);
-    return orl_rgb_max(orl_material_mirrored(material, &hit, direction_at(front, cosine)));
+    const struct orl_material most = at_most(material);
+    return orl_rgb_max(orl_material_mirrored(&most, &hit, direction_at(front, cosine)));
 }
 
 double orl_material_lobes_most(const struct orl_material *material, bool front, double cosine)

@@ -1,18 +1,19 @@
 /*
- * What a material is made of at a hit. The one place where patterns are to have their say: today
- * the description's numbers hold all over a surface. For the kinds of material (kinds.h); others
- * ask scatter.h, where that is quick enough.
+ * What a material is made of at a hit: the one place where patterns have their say. For the kinds
+ * of material (kinds.h); others ask scatter.h, where that is quick enough.
  */
 #ifndef ORL_SCENE_MATERIAL_COLOR_AT_H
 #define ORL_SCENE_MATERIAL_COLOR_AT_H
 
 #include "scene/geometry/geometry.h"
+#include "scene/material/pattern.h"
 
 /* Reflectance as written; of lights, radiance. */
 static inline struct orl_rgb orl_color_at(const struct orl_material *material,
                                           const struct orl_hit *hit)
 {
-    (void)hit;
+    if (material->pattern)
+        return orl_patterned(material->color, orl_pattern_at(material->pattern, hit));
     return material->color;
 }
 

@@ -1,6 +1,6 @@
 /*
- * Modifiers: materials, and aliases of them. A material's own modifier may be void or
- * a sky; anything else would be a pattern or texture that is not simulated.
+ * Modifiers: materials, and aliases of them. A material's own modifier may be void, a sky, or, of
+ * plastic and metal, a pattern; anything else is not simulated.
  * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
  */
 #include <string.h>
@@ -43,7 +43,7 @@ static const struct material_type *find_type(const char *name)
 
 bool orl_parser_is_modifier(const char *type)
 {
-    return find_type(type) || strcmp(type, "brightfunc") == 0;
+    return find_type(type) || strcmp(type, "brightfunc") == 0 || strcmp(type, "colorfunc") == 0;
 }
 
 /* ---- Definitions ----------------------------------------------------------------------------- */
@@ -88,7 +88,7 @@ static bool same_light(const struct orl_material *a, const struct orl_material *
 {
     return a->max_radius == b->max_radius && same_vec3(a->aim, b->aim) &&
            a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
-           a->sky == b->sky;
+           a->sky == b->sky && a->pattern == b->pattern;
 }
 
 /* Whether two materials of one name are the same: arrays read their materials again and again. */
@@ -193,21 +193,25 @@ static const struct orl_symbol *refused_with(const struct orl_parser *parser)
     return refused;
 }
 
-/* A modifier's own modifier: void (-1) or a sky. */
-static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, int32_t *ret_sky,
-                    struct orl_error *err)
+/* A modifier's own modifier: void, a sky or a pattern. */
+static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_material *material, struct orl_error *err)
 {
     const char *name = parser->primitive.modifier;
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
-    if (strcmp(name, "void") == 0) {
-        *ret_sky = -1;
+    material->sky = -1;
+    material->pattern = NULL;
+    if (strcmp(name, "void") == 0)
         return 0;
-    }
     if (!symbol) {
         orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
                         "its modifier '%.200s' is not defined", name);
         orl_error_hint(err, "a pattern must be defined before what it modifies; void is none");
         return ORL_ERR_NOT_FOUND;
+    }
+    if (symbol->kind == ORL_SYMBOL_PATTERN) {
+        material->pattern = parser->out->patterns[symbol->index];
+        return 0;
     }
     if (symbol->kind != ORL_SYMBOL_SKY) {
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
@@ -215,14 +219,23 @@ static int find_sky(struct orl_parser *parser, const struct orl_scope *scope, in
         orl_error_hint(err, "write void in its place, or alias for another name of the same");
         return ORL_ERR_UNSUPPORTED;
     }
-    *ret_sky = (int32_t)symbol->index;
+    material->sky = (int32_t)symbol->index;
     return 0;
 }
 
-/* Skies shine through light and glow only. */
+/* Skies shine through light and glow only; patterns lie on plastic and metal. */
 static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
                      const struct orl_material *material, struct orl_error *err)
 {
+    const bool lies =
+        material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL;
+    if (material->pattern && !lies) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "patterns are simulated on plastic and metal only: '%.200s' is one",
+                        parser->primitive.modifier);
+        orl_error_hint(err, "write void in its place");
+        return ORL_ERR_UNSUPPORTED;
+    }
     if (material->sky < 0 || material->kind == ORL_MATERIAL_LIGHT ||
         material->kind == ORL_MATERIAL_GLOW)
         return 0;
@@ -241,6 +254,13 @@ static int check_name(struct orl_parser *parser, const struct orl_scope *scope,
     return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%s' is a reserved name", id);
 }
 
+/* What is wrong with the primitive at hand matters when something uses it. */
+static int put_off(struct orl_parser *parser, struct orl_error *err)
+{
+    const struct orl_error told = *err;
+    return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
+}
+
 int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_error *err)
 {
@@ -251,14 +271,17 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     if (code == 0 && refused)
         return define_like(parser, scope, refused, err);
     if (code == 0)
-        code = find_sky(parser, scope, &material.sky, err);
+        code = find_pattern(parser, scope, &material, err);
     if (code < 0)
         return code;
     if (!type) {
-        if (material.sky >= 0)
+        if (material.sky >= 0 || material.pattern)
             return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                    "a pattern cannot modify another");
-        return orl_parser_sky(parser, scope, parser->primitive.id, err);
+        if (orl_parser_is_sky(&parser->primitive))
+            return orl_parser_sky(parser, scope, parser->primitive.id, err);
+        code = orl_parser_pattern(parser, scope, err);
+        return orl_is_deferrable(code) ? put_off(parser, err) : code;
     }
     material.kind = type->kind;
     code = type->read(parser, scope, &material, err);
@@ -266,10 +289,8 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
         code = check_lit(parser, scope, &material, err);
     if (code < 0)
         orl_bsdf_unref(material.bsdf);
-    if (orl_is_deferrable(code)) {
-        const struct orl_error told = *err;
-        return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
-    }
+    if (orl_is_deferrable(code))
+        return put_off(parser, err);
     return code < 0 ? code : define(parser, scope, parser->primitive.id, &material, err);
 }
 
@@ -282,12 +303,12 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     struct orl_material material;
     const struct orl_symbol *refused =
         inherit ? NULL : find_refused(parser, parser->primitive.modifier);
-    int32_t sky = -1;
+    struct orl_material own = {.sky = -1};
     int code = check_name(parser, scope, err);
     if (code == 0 && refused)
         return define_like(parser, scope, refused, err);
     if (code == 0 && !inherit)
-        code = find_sky(parser, scope, &sky, err);
+        code = find_pattern(parser, scope, &own, err);
     if (code < 0)
         return code;
     if (!symbol)
@@ -296,7 +317,8 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (symbol->kind != ORL_SYMBOL_MATERIAL)
         return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
-    material.sky = inherit ? material.sky : sky;
+    material.sky = inherit ? material.sky : own.sky;
+    material.pattern = inherit ? material.pattern : own.pattern;
     code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;

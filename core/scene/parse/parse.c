@@ -29,12 +29,11 @@ static const struct unsupported unsupported_types[] = {
     {"transdata", "describe it as a BSDF"},
     {"texfunc", "leave it out: textures are not simulated"},
     {"texdata", "leave it out: textures are not simulated"},
-    {"colorfunc", "leave it out: of patterns, only skies are simulated"},
-    {"colordata", "leave it out: of patterns, only skies are simulated"},
-    {"colorpict", "leave it out: of patterns, only skies are simulated"},
-    {"colortext", "leave it out: of patterns, only skies are simulated"},
-    {"brightdata", "leave it out: of patterns, only skies are simulated"},
-    {"brighttext", "leave it out: of patterns, only skies are simulated"},
+    {"colordata", "leave it out: of patterns, brightfunc and colorfunc are simulated"},
+    {"colorpict", "leave it out: of patterns, brightfunc and colorfunc are simulated"},
+    {"colortext", "leave it out: of patterns, brightfunc and colorfunc are simulated"},
+    {"brightdata", "leave it out: of patterns, brightfunc and colorfunc are simulated"},
+    {"brighttext", "leave it out: of patterns, brightfunc and colorfunc are simulated"},
     {"mixfunc", "name one of the materials instead"},
     {"mixdata", "name one of the materials instead"},
     {"mixpict", "name one of the materials instead"},
@@ -296,6 +295,7 @@ done:
     orl_sources_done(&parser.sources);
     orl_symbols_done(&parser.symbols);
     orl_deferred_done(&parser.deferred);
+    orl_functions_free(parser.functions);
     orl_primitive_done(&parser.primitive);
     orl_description_done(&out);
     free(index);

@@ -7,6 +7,7 @@
 #ifndef ORL_SCENE_PARSE_PARSER_H
 #define ORL_SCENE_PARSE_PARSER_H
 
+#include "function/function.h"
 #include "scene/description.h"
 #include "scene/generate/xform.h"
 #include "scene/parse/deferred.h"
@@ -26,11 +27,12 @@ struct orl_parser {
     struct orl_sources sources;
     struct orl_symbols symbols;
     struct orl_primitive primitive;
-    size_t surfaces_room, materials_room, distants_room, skies_room, warnings_room;
-    size_t text_bytes;     /* read so far, repeats included */
-    size_t name_bytes;     /* of surfaces, kept so far */
-    uint64_t vertices;     /* kept so far */
-    int32_t void_material; /* index, or -1 */
+    size_t surfaces_room, materials_room, distants_room, skies_room, patterns_room, warnings_room;
+    struct orl_functions *functions; /* of all patterns; made when there is one */
+    size_t text_bytes;               /* read so far, repeats included */
+    size_t name_bytes;               /* of surfaces, kept so far */
+    uint64_t vertices;               /* kept so far */
+    int32_t void_material;           /* index, or -1 */
     struct orl_refusals refusals;
     struct orl_deferred deferred;
     bool cut_short; /* what was refused could not be read past */
@@ -70,7 +72,12 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
                      struct orl_error *err);
 bool orl_parser_is_modifier(const char *type);
 
-/* skies.c: a brightfunc. */
+/* patterns.c: a brightfunc that is no sky, or a colorfunc. */
+int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_error *err);
+
+/* skies.c: a brightfunc of a sky's file. */
+bool orl_parser_is_sky(const struct orl_primitive *primitive);
 int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                    struct orl_error *err);
 

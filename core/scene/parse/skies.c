@@ -63,6 +63,13 @@ static int read_cie_type(struct orl_parser *parser, const struct orl_scope *scop
     return 0;
 }
 
+bool orl_parser_is_sky(const struct orl_primitive *primitive)
+{
+    const char *file = primitive->n_strings > 1 ? orl_primitive_string(primitive, 1) : "";
+    return strcmp(primitive->type, "brightfunc") == 0 &&
+           (ends_with(file, "perezlum.cal") || ends_with(file, "skybright.cal"));
+}
+
 /* Which pattern it is, and its arguments as written. */
 static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_sky *sky, struct orl_error *err)

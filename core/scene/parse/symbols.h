@@ -10,12 +10,17 @@
 
 /* Refused: its definition was; index is into the parser's deferred (deferred.h), and what is
  * modified by it is refused like it. */
-enum orl_symbol_kind { ORL_SYMBOL_MATERIAL, ORL_SYMBOL_SKY, ORL_SYMBOL_REFUSED };
+enum orl_symbol_kind {
+    ORL_SYMBOL_MATERIAL,
+    ORL_SYMBOL_SKY,
+    ORL_SYMBOL_PATTERN,
+    ORL_SYMBOL_REFUSED
+};
 
 struct orl_symbol {
     const char *name;
     enum orl_symbol_kind kind;
-    uint32_t index; /* into the description's materials or skies, or of what is refused */
+    uint32_t index; /* into the description's materials, skies or patterns, or of what is refused */
     uint32_t order; /* of this definition among all, from 1; set here */
 };
 

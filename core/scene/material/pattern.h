@@ -1,0 +1,58 @@
+/*
+ * Patterns of functions: factors of a reflector's colour that vary over its surface (brightfunc,
+ * colorfunc). They are functions of the place and the normal alone; those that ask for the ray are
+ * refused by the parser.
+ *
+ * What a pattern makes of a colour is from 0 to 1 in each channel: where Radiance would have a
+ * surface return more than it gets, or less than nothing, it is cut to that. Where a function has
+ * no value, or takes too long, its factor is 0 (Radiance leaves the colour as it is).
+ *
+ * Mean and most are found by evaluation at 1 024 places of even area, fewer where there are very
+ * many patterns: what planners call a bound of a patterned surface is the most of these.
+ *
+ * Frames: hits are in the geometry's moved coordinates, functions in their own. Ownership: a
+ * description owns its patterns. Threads: immutable once settled; each thread has scratch of its
+ * own.
+ */
+#ifndef ORL_SCENE_MATERIAL_PATTERN_H
+#define ORL_SCENE_MATERIAL_PATTERN_H
+
+#include "function/function.h"
+#include "scene/geometry/geometry.h"
+
+struct orl_pattern {
+    const char *name; /* as errors have it: "brightfunc dirt" */
+    const char *file; /* where it is defined */
+    int line;
+    const unsigned char *key; /* what it was made of: two of the same are one */
+    size_t key_size;
+    struct orl_function *function; /* owned; one expression, or red, green and blue */
+    bool coloured;
+    uint32_t index;         /* in the description */
+    struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
+    struct orl_vec3 offset;
+    double scale;           /* lengths of the function's in units of the files' */
+    struct orl_vec3 center; /* the geometry's */
+    struct orl_rgb mean, most;
+};
+
+void orl_pattern_free(struct orl_pattern *pattern); /* NULL is allowed */
+
+/* Its factor at a hit; the mean at one that is anywhere. Not cut to anything but 0. */
+struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern, const struct orl_hit *hit);
+
+/* A colour with a factor, cut as above. */
+static inline struct orl_rgb orl_patterned(struct orl_rgb color, struct orl_rgb factor)
+{
+    const struct orl_rgb product = orl_rgb_mul(color, factor);
+    return (struct orl_rgb){fmin(product.r, 1), fmin(product.g, 1), fmin(product.b, 1)};
+}
+
+/*
+ * Evaluates all patterns over the surfaces that have them, and fills in what depends on the
+ * geometry. ORL_ERR_LIMIT, with its place, when one takes too long somewhere; ORL_ERR_NOMEM.
+ */
+int orl_patterns_settle(const struct orl_description *description,
+                        const struct orl_geometry *geometry, struct orl_error *err);
+
+#endif
