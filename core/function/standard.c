@@ -77,9 +77,47 @@ static const char start[] =
     "Ldz(dx,dy,dz) = dx*NxP + dy*NyP + dz*NzP;\n"
     "Idx = -Ldx(Dx,Dy,Dz); Idy = -Ldy(Dx,Dy,Dz); Idz = RdotP;\n";
 
+/* Angles to the sun and blending at the horizon, which both skies share. */
+#define SKY                                                                                        \
+    "wmean(a,x,b,y) : (a*x + b*y)/(a + b); gamma = Acos(cosgamma); eta = Acos(Dz);\n"              \
+    "above = (Dz + 1.01)^10;\n"
+
+/* The skies of gensky(1): clear and intermediate by CIE's formulas, overcast by Moon and Spencer's.
+ */
+static const char skybright[] = SKY
+    "cosgamma = Dx*A5 + Dy*A6 + Dz*A7; zt = Acos(A7);\n"
+    "sunnysky = A2*(.91 + 10*exp(-3*gamma) + .45*cosgamma^2)\n"
+    "           *if(Dz-.01, 1 - exp(-.32/Dz), 1)/A4;\n"
+    "cloudysky = A2*(1 + 2*Dz)/3; unifsky = A2;\n"
+    "intersky = A2*((1.35*sin(5.631 - 3.59*eta) + 3.12)*sin(4.396 - 2.6*zt) + 6.37 - eta)/2.326\n"
+    "           *exp(-.563*gamma*((2.629 - eta)*(1.562 - zt) + .812))/A4;\n"
+    "skybr = wmean(above, select(A1, sunnysky, cloudysky, unifsky, intersky), 1/above, A3);\n";
+
+/* The sky of gendaylit(1): Perez, Seals and Michalsky 1993. */
+static const char perezlum[] =
+    SKY "cosgamma = Dx*A8 + Dy*A9 + Dz*A10; zt = Acos(A10);\n"
+        "intersky = A1*(1 + A3*Exp(A4/max(Dz, .01)))*(1 + A5*Exp(A6*gamma) + A7*cosgamma^2);\n"
+        "skybright = wmean(above, intersky, 1/above, A2);\n";
+
+/* Coordinates of mkillum(1)'s tables: of all directions, and of the half about the axis A7 to A9.
+ */
+static const char illum[] =
+    "norm_rad(r) : if(r, r, r + 2*PI); il_alt = Dz; il_azi = norm_rad(Atan2(Dy, Dx));\n"
+    "il_alth = (Dx*A7 + Dy*A8 + Dz*A9)^2;\n"
+    "il_azih = norm_rad(Atan2(-(Dx*A4 + Dy*A5 + Dz*A6), -(Dx*A1 + Dy*A2 + Dz*A3)));\n";
+
+/* Normals of genrev(1) -s, about z: along it A1 z + A2, away from it A3 r + A4. */
+static const char rev[] =
+    "rev_rad = sqrt(Px*Px + Py*Py); rev_dr = A3*rev_rad + A4;\n"
+    "rev_dx = rev_dr*Px/rev_rad; rev_dy = rev_dr*Py/rev_rad; rev_dz = A1*Pz + A2;\n";
+
 static const struct {
     const char *name, *text;
-} texts[] = {{ORL_STANDARD_START, start}};
+} texts[] = {{ORL_STANDARD_START, start},
+             {"skybright.cal", skybright},
+             {"perezlum.cal", perezlum},
+             {"illum.cal", illum},
+             {"rev.cal", rev}};
 
 const char *orl_standard_text(const char *name)
 {

@@ -182,6 +182,74 @@ static void test_ray_names(void **state)
     }
 }
 
+/* Our own texts of standard files beside the values of Radiance's (rcalc, 9 digits). */
+static void test_standard_files(void **state)
+{
+    static const struct {
+        const char *file, *expression;
+        double inputs[9], arguments[10], value; /* D, N, P; 9 digits */
+    } rows[] = {
+        {"skybright.cal",
+         "skybr",
+         {.3, .4, .866025403784},
+         {1, 10, 3, .7, .2, .5, .842614977},
+         34.6577373},
+        {"skybright.cal", "skybr", {.7, .7, .1414}, {1, 10, 3, .7, .2, .5, .842614977}, 20.9197407},
+        {"skybright.cal", "skybr", {.1, 0, -.05}, {4, 10, 3, .7, .2, .5, .842614977}, 4.0746111},
+        {"skybright.cal",
+         "skybr",
+         {-.2, -.6, .7745966692},
+         {4, 10, 3, .7, .2, .5, .842614977},
+         5.65039451},
+        {"skybright.cal", "skybr", {.7, .7, .1414}, {2, 10, 3}, 4.20419225},
+        {"skybright.cal", "skybr", {0, 1, 0}, {3, 10, 3}, 6.84711674},
+        {"perezlum.cal",
+         "skybright",
+         {.3, .4, .001},
+         {1.5, 4, .9, -.3, 6, -2.5, .4, .2, .5, .842614977},
+         2.82661625},
+        {"perezlum.cal",
+         "skybright",
+         {.7, .7, .1414},
+         {1.5, 4, .9, -.3, 6, -2.5, .4, .2, .5, .842614977},
+         2.97944582},
+        {"perezlum.cal",
+         "intersky",
+         {0, 1, 0},
+         {1.5, 4, .9, -.3, 6, -2.5, .4, .2, .5, .842614977},
+         2.30654155},
+        {"illum.cal", "il_azi", {.3, -.4, .001}, {.8, .6, 0, -.6, .8, 0, 0, 0, 1}, 5.35589009},
+        {"illum.cal", "il_alth", {.3, .4, .866025403784}, {.8, .6, 0, -.6, .8, 0, 0, 0, 1}, .75},
+        {"illum.cal",
+         "il_azih",
+         {.3, .4, .866025403784},
+         {.8, .6, 0, -.6, .8, 0, 0, 0, 1},
+         3.42538676},
+        {"rev.cal", "rev_dx", {0, 0, 0, 0, 0, 0, 1, 2, 3}, {.5, .25, -.3, 1.5}, .370820393},
+        {"rev.cal", "rev_dz", {0, 0, 0, 0, 0, 0, 1, 2, 3}, {.5, .25, -.3, 1.5}, 1.75},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
+        struct orl_function *function = NULL;
+        struct orl_function_request request = {.expressions = &rows[i].expression,
+                                               .n_expressions = 1,
+                                               .arguments = rows[i].arguments,
+                                               .n_arguments = 10};
+        double inputs[ORL_RAY_INPUTS] = {0}, value = 0;
+        memcpy(inputs, rows[i].inputs, sizeof rows[i].inputs);
+        assert_int_equal(orl_functions_load(set, NULL, rows[i].file, false, &request.context, NULL),
+                         0);
+        assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
+        orl_function_at(function, scratch, inputs, &value);
+        if (!(fabs(value - rows[i].value) < 1e-8 * fmax(1, fabs(rows[i].value))))
+            fail_msg("%s of %s, row %zu, is %.10g, not %.10g", rows[i].expression, rows[i].file, i,
+                     rows[i].value, value);
+        orl_function_free(function);
+        orl_functions_free(set);
+    }
+}
+
 /* Radiance's noises at places of its own, by rtrace -ov of a glow of noise + 2: six digits. */
 static void test_noise(void **state)
 {
@@ -521,13 +589,13 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fixtures),       cmocka_unit_test(test_standard_names),
-        cmocka_unit_test(test_ray_names),      cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_noise_gradient), cmocka_unit_test(test_lazy),
-        cmocka_unit_test(test_constants),      cmocka_unit_test(test_fixed),
-        cmocka_unit_test(test_contexts),       cmocka_unit_test(test_lanes),
-        cmocka_unit_test(test_undefined),      cmocka_unit_test(test_exceeded),
-        cmocka_unit_test(test_errors),         cmocka_unit_test(test_nesting),
-        cmocka_unit_test(test_beside_rcalc),
+        cmocka_unit_test(test_standard_files), cmocka_unit_test(test_ray_names),
+        cmocka_unit_test(test_noise),          cmocka_unit_test(test_noise_gradient),
+        cmocka_unit_test(test_lazy),           cmocka_unit_test(test_constants),
+        cmocka_unit_test(test_fixed),          cmocka_unit_test(test_contexts),
+        cmocka_unit_test(test_lanes),          cmocka_unit_test(test_undefined),
+        cmocka_unit_test(test_exceeded),       cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_nesting),        cmocka_unit_test(test_beside_rcalc),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
