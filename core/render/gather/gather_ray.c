@@ -13,7 +13,7 @@ static const enum orl_lobes but_diffuse =
 
 /* Rays that are weaker are followed by lot; glass of such a transmissivity mirrors less than it
  * lets through, but towards grazing. */
-static const double dim = 0.2, clear_glass = 0.5;
+static const double dim = 0.2, clear_glass = 0.5, half = 0.5;
 
 /* A diffuse surface that a ray met, lit by shadow rays and caustic photons. */
 static struct orl_rgb lit_again(const struct orl_gather *gather, const struct orl_hit *hit,
@@ -218,8 +218,11 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
         (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(orl_transmissivity_at(m, hit)) > clear_glass))
         return false;
     const double through = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_TRANSMITTED));
+    /* No pane sends back more than it does not let through. */
+    if (!(through > 0) || through > half)
+        return false;
     const double back = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_REFLECTED));
-    return through > 0 && (through < back || through + back < dim);
+    return through < back || through + back < dim;
 }
 
 /* What a surface does with it: with its first one evenly, if asked. */

@@ -44,6 +44,11 @@ static struct spoke spoke_of(const struct orl_frame *frame, uint32_t column, uin
         .around = orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)))};
 }
 
+static double nearer(const struct strand *a, const struct strand *b)
+{
+    return a->distance < b->distance ? a->distance : b->distance;
+}
+
 /* Adds one row's share of the gradients: differences to strands' neighbours below and beside. */
 static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
                     const struct strand *strands, uint32_t rows, uint32_t columns, uint32_t row,
@@ -57,8 +62,8 @@ static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
         const struct strand *here = &strands[row * columns + column];
         const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
         const struct strand *below = row > 0 ? here - columns : NULL;
-        const double by_below = below ? outwards / fmin(here->distance, below->distance) : 0;
-        const double by_beside = (sine_high - sine_low) / fmin(here->distance, beside->distance);
+        const double by_below = below ? outwards / nearer(here, below) : 0;
+        const double by_beside = (sine_high - sine_low) / nearer(here, beside);
         for (uint32_t c = 0; c < channels; c++) {
             const double value = channel(here->radiance, c);
             struct orl_vec3 *shift = &h->by_translation[c];
@@ -198,8 +203,8 @@ static double range_about(const double *lumas, uint32_t rows, uint32_t columns, 
     for (uint32_t y = row > 0 ? row - 1 : 0; y <= last; y++) {
         for (int i = 0; i < (y == row ? 2 : 3); i++) {
             const double luma = lumas[y * columns + beside[i]];
-            least = fmin(least, luma);
-            most = fmax(most, luma);
+            least = luma < least ? luma : least;
+            most = luma > most ? luma : most;
         }
     }
     return most - least;

@@ -20,10 +20,8 @@ struct orl_icache_entry {
 
 static inline uint64_t orl_icache_cell_key(int level, int64_t x, int64_t y, int64_t z)
 {
-    uint64_t key = orl_mix64((uint64_t)level + 0x51ed270b);
-    key = orl_mix64(key ^ (uint64_t)x);
-    key = orl_mix64(key ^ (uint64_t)y);
-    return orl_mix64(key ^ (uint64_t)z);
+    return orl_mix64((uint64_t)level * 0x9e3779b97f4a7c15 + (uint64_t)x * 0xbf58476d1ce4e5b9 +
+                     (uint64_t)y * 0x94d049bb133111eb + (uint64_t)z * 0xd6e8feb86659fd93);
 }
 
 /* Visits the records whose cells hold a point: those that may serve it, and some that do not. */
@@ -31,6 +29,7 @@ struct orl_icache_visit {
     const struct orl_icache *cache;
     const struct orl_place *place;
     float at[3];
+    int64_t cell[3]; /* that of the next level */
     int level;
     uint64_t key;
     uint32_t entry, end; /* of the bucket, what is left */
@@ -39,11 +38,19 @@ struct orl_icache_visit {
 static inline struct orl_icache_visit orl_icache_visit_begin(const struct orl_icache *cache,
                                                              const struct orl_place *place)
 {
-    return (struct orl_icache_visit){
+    struct orl_icache_visit v = {
         .cache = cache,
         .place = place,
         .at = {(float)place->point.x, (float)place->point.y, (float)place->point.z},
-        .level = cache->count > 0 ? cache->lowest_level - 1 : INT_MAX - 1};
+        .level = INT_MAX - 1};
+    if (cache->count == 0)
+        return v;
+    const double inverse = ldexp(1, -cache->lowest_level);
+    v.cell[0] = (int64_t)floor(place->point.x * inverse);
+    v.cell[1] = (int64_t)floor(place->point.y * inverse);
+    v.cell[2] = (int64_t)floor(place->point.z * inverse);
+    v.level = cache->lowest_level - 1;
+    return v;
 }
 
 static inline bool orl_icache_is_near(const struct orl_icache_entry *entry, const float at[3])
@@ -64,10 +71,10 @@ static inline uint32_t orl_icache_visit_next(struct orl_icache_visit *v)
         }
         if (++v->level > cache->highest_level)
             return ORL_ICACHE_NOTHING;
-        const double cell = ldexp(1, v->level);
-        const struct orl_vec3 p = v->place->point;
-        v->key = orl_icache_cell_key(v->level, (int64_t)floor(p.x / cell),
-                                     (int64_t)floor(p.y / cell), (int64_t)floor(p.z / cell));
+        v->key = orl_icache_cell_key(v->level, v->cell[0], v->cell[1], v->cell[2]);
+        /* Of twice the size are those that hold it. */
+        for (int k = 0; k < 3; k++)
+            v->cell[k] >>= 1;
         const uint32_t *head = &cache->heads[v->key & (cache->n_heads - 1)];
         v->entry = head[0];
         v->end = head[1];
