@@ -15,9 +15,9 @@ enum { FEWEST = 6 };
 static const double good_enough = 0.015;
 
 /* Errors within which values agree: of a record's own with what is about it, and of discs; and how
- * the records of a disc may scatter about their plane, in terms of what their rays do (squares),
- * besides three standard deviations of that by chance. */
-static const double own_agrees = 4, disc_agrees = 2, plane_agrees = 2;
+ * the records of a disc may scatter about their plane, in terms of the most that their rays do by
+ * chance (squares): some see more contrast than others, and scatter more. */
+static const double own_agrees = 4, disc_agrees = 2, plane_agrees = 1.25;
 
 /* How much neighbours turn, and rise, at the most: a cosine, and a share of the way to them. */
 static const double turned = 0.95, risen = 0.1;
@@ -143,23 +143,30 @@ static struct orl_rgb value_at(const struct plane *plane, double x, double y)
                             plane->at[2] + x * plane->x[2] + y * plane->y[2]};
 }
 
-/* What is left when a plane has taken three degrees of freedom, less what chance may make of it. */
+/* What chi-square over its degrees of freedom does not exceed but by chance, of three standard
+ * deviations: Wilson and Hilferty 1931, Proceedings of the National Academy of Sciences 17, 684. */
+static double most_by_chance(double degrees)
+{
+    const double spread = 2 / (9 * degrees), root = 1 - spread + 3 * sqrt(spread);
+    return root * root * root;
+}
+
+/* How the records scatter when a plane has taken three degrees of freedom, in terms of the most
+ * that their rays do by chance: squares. Those at a disc's rim count less, and so are fewer. */
 static double scatter_about(const struct plane *plane, const struct about *about, double radius)
 {
-    double squares = 0, expected = 0;
-    uint32_t within = 0;
+    double squares = 0, expected = 0, sum = 0, sum2 = 0;
     for (uint32_t i = 0; i < about->count; i++) {
         const struct neighbour *n = &about->list[i];
-        const double w = weight_of(n, radius);
+        const double w = weight_of(n, radius) / n->record->rays;
         const double off = orl_luma(n->record->irradiance) - orl_luma(value_at(plane, n->x, n->y));
-        within += w > 0;
-        squares += w * off * off;
-        expected += w * about->variance / n->record->rays;
+        sum += w;
+        sum2 += w * w;
+        squares += w * n->record->rays * off * off;
+        expected += w * about->variance;
     }
-    if (within <= 3)
-        return 0;
-    const double degrees = within - 3.0;
-    return squares / expected * within / degrees - 3 * sqrt(2 / degrees);
+    const double evenly = sum * sum / sum2, degrees = evenly - 3;
+    return degrees > 0 ? squares / expected * evenly / degrees / most_by_chance(degrees) : 0;
 }
 
 /*
