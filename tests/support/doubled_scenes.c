@@ -173,6 +173,14 @@ static void write_slats(FILE *f, size_t n)
 {
     fprintf(f, GREY "!genblinds m b 1 2 3 %zu 20 -r 4\n", n);
 }
+static void write_worm(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!genworm m b t 'sin(t)' t^2 1+t %zu\n", n);
+}
+static void write_vase(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!genrev m b t '2+sin(9*t)' %zu\n", n);
+}
 static void write_prism(FILE *f, size_t n)
 {
     fprintf(f, GREY "!genprism m p %zu", n);
@@ -359,6 +367,8 @@ const struct doubled doubled_scenes[] = {
     SCENE(solids, 10),
     SCENE(branch, 50),
     SCENE(slats, 40),
+    SCENE(worm, 100),
+    SCENE(vase, 100),
     SCENE(prism, 100),
     SCENE(markers, 100),
     SCENE(files, 200),

@@ -300,7 +300,7 @@ static void test_refusals_together(void **state)
                                "void prism1 film 5 a b c d e 0 0\n"
                                "film polygon q 0 0 9 0 0 0 1 0 0 0 1 0\n"
                                "void alias other film\nother sphere s 0 0 4 0 0 0 1\n"
-                               "!genworm rough w 0 0 0 1 9\n"
+                               "!gensurf rough w 0 0 0 1 9\n"
                                "dressed ring r 0 0 8 0 0 0 0 0 1 0 1\n"
                                "dressed mesh chair 1 chair.rtm 0 0\n";
     struct orl_error err = {0};
@@ -311,7 +311,7 @@ static void test_refusals_together(void **state)
     assert_string_equal(err.primitive, "texfunc bumps");
     assert_string_equal(err.message,
                         "not simulated: 1 x texfunc (first at a.rad:1), 1 x prism1 (first at "
-                        "a.rad:10), 1 x !genworm (first at a.rad:14), 1 x colorpict (first at "
+                        "a.rad:10), 1 x !gensurf (first at a.rad:14), 1 x colorpict (first at "
                         "a.rad:6), 1 x mesh (first at a.rad:16)");
     assert_non_null(strstr(err.hint, "texfunc: leave it out"));
     assert_non_null(strstr(err.hint, "mesh: include the polygons"));

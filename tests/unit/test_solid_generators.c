@@ -46,6 +46,12 @@ static const struct expected expected[] = {
     {"genbranch -n 3 -r 2", 1032, "4299b26463ee7427"},
     {"genbranch -bs 1 2 3 -be 1 2 9 -bt .3 -bn .5 -br .6 -bm bark -lm leaf -n 2 -r 3 -s 17 -v .45",
      2040, "feddd4a4b08bf6bc"},
+    {"genrev steel torus 'sin(2*PI*t)' '2+cos(2*PI*t)' 32", 448, "7d40aa313f1bd70d"},
+    {"genrev m vase 't*h' '.5+a(t)' '2*4' -e 'h=3.5;a(x)=x^2-if(x-.6,.3,0)'", 112,
+     "dc17dc9d4aa1ce95"},
+    {"genworm yellow banana 0 '5*sin(t)' '5*cos(t)' '.4-(.5-t)*(.5-t)' 20", 490,
+     "c65edca5b1aeeb09"},
+    {"genworm m n 'hermite(0,1,2,-1,t)' 'bezier(0,1,2,.5,t)' t .1 7", 171, "c03a31917aa90bbd"},
 };
 
 /* The one file that commands name. */
@@ -74,6 +80,10 @@ static int run(const char *line, struct orl_text *text, struct orl_error *err)
         code = orl_genblinds(words, n, text, err);
     else if (strcmp(words[0], "genclock") == 0)
         code = orl_genclock(words, n, text, err);
+    else if (strcmp(words[0], "genrev") == 0)
+        code = orl_genrev(words, n, &files, text, err);
+    else if (strcmp(words[0], "genworm") == 0)
+        code = orl_genworm(words, n, &files, text, err);
     else
         code = orl_genbranch(words, n, text, err);
     orl_command_done(&command);
@@ -162,6 +172,14 @@ static const struct {
     {"genbranch -n 50 -r 5", ORL_ERR_LIMIT, "sticks"},
     {"genbranch -bs 1 2", ORL_ERR_SYNTAX, "needs a number"},
     {"genbranch 5", ORL_ERR_SYNTAX, "'5' is no option"},
+    {"genrev m n t t", ORL_ERR_SYNTAX, "needs 2 expressions"},
+    {"genrev m n t t 0", ORL_ERR_RANGE, "must be 1 to 50000"},
+    {"genrev m n t t t", ORL_ERR_RANGE, "must be 1 to 50000"},
+    {"genrev m n t t 5 -s", ORL_ERR_UNSUPPORTED, "'-s'"},
+    {"genrev m n t t 5 -f away.cal", ORL_ERR_NOT_FOUND, "away.cal"},
+    {"genrev m n t t 5 -e", ORL_ERR_SYNTAX, "needs a word"},
+    {"genworm m n t t 'no_such(t)' 1 5", ORL_ERR_NOT_FOUND, "no_such"},
+    {"genworm m n t t '5*' 1 5", ORL_ERR_SYNTAX, ""},
 };
 
 static void test_refused(void **state)

@@ -5,8 +5,8 @@
  * scene text (genbox -o), or needs normals that vary over a surface (-s), is refused.
  *
  * Units are the scene's. Errors: as generate.h has them, and ORL_ERR_LIMIT for solids of more
- * pieces than anybody needs. References: genbox(1), genprism(1), genblinds(1), genclock(1) of
- * Radiance, and what these programs print.
+ * pieces than anybody needs. References: genbox(1), genprism(1), genblinds(1), genclock(1),
+ * genrev(1) and genworm(1) of Radiance, and what these programs print.
  */
 #ifndef ORL_SCENE_GENERATE_SOLIDS_H
 #define ORL_SCENE_GENERATE_SOLIDS_H
@@ -39,6 +39,14 @@ int orl_genclock(const char *const *words, size_t count, struct orl_text *text,
 /* A branch of a fir tree, of cones and spheres. */
 int orl_genbranch(const char *const *words, size_t count, struct orl_text *text,
                   struct orl_error *err);
+
+/* A curve's way about the z axis: "z(t)" "r(t)" segments. */
+int orl_genrev(const char *const *words, size_t count, const struct orl_generator_files *files,
+               struct orl_text *text, struct orl_error *err);
+
+/* A thread along a curve: "x(t)" "y(t)" "z(t)" "r(t)" segments. */
+int orl_genworm(const char *const *words, size_t count, const struct orl_generator_files *files,
+                struct orl_text *text, struct orl_error *err);
 
 /* ---- What they share ------------------------------------------------------------------------- */
 

@@ -28,7 +28,8 @@ static const struct generator *find_generator(const char *name)
         {"genbox", orl_genbox, NULL},       {"gensky", orl_gensky, NULL},
         {"gendaylit", orl_gendaylit, NULL}, {"genprism", NULL, orl_genprism},
         {"genblinds", orl_genblinds, NULL}, {"genclock", orl_genclock, NULL},
-        {"genbranch", orl_genbranch, NULL}};
+        {"genbranch", orl_genbranch, NULL}, {"genrev", NULL, orl_genrev},
+        {"genworm", NULL, orl_genworm}};
     for (size_t i = 0; i < sizeof generators / sizeof *generators; i++)
         if (strcmp(generators[i].name, name) == 0)
             return &generators[i];
@@ -264,9 +265,11 @@ static int generate(struct run *run, const struct generator *generator, struct o
 static int refuse(const char *name, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
-    orl_error_hint(err, "xform, cat, replmarks, genbox, genprism, genblinds, genclock, genbranch, "
-                        "gensky and gendaylit are read here; run others beforehand and include "
-                        "their output");
+    orl_error_hint(
+        err,
+        "xform, cat, replmarks, genbox, genprism, genblinds, genclock, genbranch, "
+        "genrev, genworm, gensky and gendaylit are read here; run others beforehand and include "
+        "their output");
     return ORL_ERR_UNSUPPORTED;
 }
 
