@@ -134,6 +134,7 @@ struct orl_description {
     size_t n_skies;
     struct orl_pattern **patterns;
     size_t n_patterns;
+    size_t n_undefined; /* patterns that have no value somewhere (material/pattern.h) */
     char **files; /* names of all files read, in order of first use */
     size_t n_files;
     size_t n_main;            /* the first n_main of them were named by the caller as scene text */

@@ -100,8 +100,16 @@ static void test_cut(void **state)
     (void)state;
     check(seen(scene, 3.5, 1, 0, -1), 1, 1, .8);
     check(seen(scene, 2.5, 1, 0, -1), 0, 0, 0);
-    check(seen(scene, 1.5, 1, 0, -1), 0, 0, 0);
+    check(seen(scene, 1.5, 1, 0, -1), .8, .4, .2);
     check(seen(scene, .5, 1, 0, -1), .4, .2, .1);
+    assert_int_equal(scene->description.n_warnings, 1);
+    int without = 0;
+    assert_int_equal(sscanf(scene->description.warnings[0],
+                            "a.rad:1: the function of brightfunc f has no value at %d of 1024 "
+                            "places",
+                            &without),
+                     1);
+    assert_in_range(without, 246, 266); /* a fourth, to 1 % */
     orl_scene_release(scene);
 }
 

@@ -1,6 +1,7 @@
 #include "scene/material/pattern.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "function/ray_names.h"
@@ -21,13 +22,11 @@ static struct orl_vec3 turned(const struct orl_pattern *pattern, struct orl_vec3
                   orl_dot(pattern->row[2], v));
 }
 
-static double not_below_zero(double value)
-{
-    return value > 0 && isfinite(value) ? value : 0; /* also of what is no number */
-}
+/* Whether all of the function has a value at the hit; where it has none the colour stays. */
+enum worth { HAS_VALUE, HAS_NONE, TAKES_TOO_LONG };
 
-static struct orl_rgb factor_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
-                                bool *ret_exceeded)
+static enum worth factor_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                            struct orl_rgb *ret_factor)
 {
     double inputs[ORL_RAY_INPUTS], values[3];
     const struct orl_vec3 p =
@@ -39,19 +38,25 @@ static struct orl_rgb factor_at(const struct orl_pattern *pattern, const struct 
     inputs[ORL_RAY_NX] = n.x;
     inputs[ORL_RAY_NY] = n.y;
     inputs[ORL_RAY_NZ] = n.z;
-    *ret_exceeded =
-        orl_function_at(pattern->function, orl_function_scratch_of_thread(), inputs, values)
-            .exceeded;
-    const double red = not_below_zero(values[0]);
-    return pattern->coloured
-               ? (struct orl_rgb){red, not_below_zero(values[1]), not_below_zero(values[2])}
-               : orl_gray(red);
+    const struct orl_function_outcome outcome =
+        orl_function_at(pattern->function, orl_function_scratch_of_thread(), inputs, values);
+    if (!pattern->coloured)
+        values[1] = values[2] = values[0];
+    *ret_factor = orl_gray(1);
+    if (outcome.exceeded)
+        return TAKES_TOO_LONG;
+    if (outcome.undefined || !isfinite(values[0]) || !isfinite(values[1]) || !isfinite(values[2]))
+        return HAS_NONE;
+    *ret_factor = (struct orl_rgb){fmax(values[0], 0), fmax(values[1], 0), fmax(values[2], 0)};
+    return HAS_VALUE;
 }
 
 struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern, const struct orl_hit *hit)
 {
-    bool exceeded;
-    return orl_hit_is_anywhere(hit) ? pattern->mean : factor_at(pattern, hit, &exceeded);
+    struct orl_rgb factor = pattern->mean;
+    if (!orl_hit_is_anywhere(hit))
+        factor_at(pattern, hit, &factor);
+    return factor;
 }
 
 /* ---- Mean and most ----------------------------------------------------------------------------
@@ -94,7 +99,7 @@ static int too_long(const struct orl_pattern *pattern, struct orl_error *err)
 
 /* n places of even area, within a facet by a sequence of low discrepancy (Roberts'). */
 static int evaluate(struct orl_pattern *pattern, const struct spread *spread, size_t n,
-                    struct orl_error *err)
+                    size_t *ret_without, struct orl_error *err)
 {
     const struct orl_geometry *const g = spread->geometry;
     struct orl_rgb sum = orl_gray(0), most = orl_gray(0);
@@ -105,14 +110,15 @@ static int evaluate(struct orl_pattern *pattern, const struct spread *spread, si
         const double x = 0.7548776662466927 * (double)k, y = 0.5698402909980532 * (double)k;
         const double u[2] = {x - floor(x), y - floor(y)};
         struct orl_hit hit = {.front = true};
-        bool exceeded;
+        struct orl_rgb value;
         while (at + 1 < spread->n && passed + g->facets[spread->facets[at]].area < wanted)
             passed += g->facets[spread->facets[at++]].area;
         hit.facet = spread->facets[at];
         orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
-        const struct orl_rgb value = factor_at(pattern, &hit, &exceeded);
-        if (exceeded)
+        const enum worth worth = factor_at(pattern, &hit, &value);
+        if (worth == TAKES_TOO_LONG)
             return too_long(pattern, err);
+        *ret_without += worth == HAS_NONE;
         sum = orl_rgb_add(sum, value);
         most =
             (struct orl_rgb){fmax(most.r, value.r), fmax(most.g, value.g), fmax(most.b, value.b)};
@@ -122,8 +128,23 @@ static int evaluate(struct orl_pattern *pattern, const struct spread *spread, si
     return 0;
 }
 
-int orl_patterns_settle(const struct orl_description *description,
-                        const struct orl_geometry *geometry, struct orl_error *err)
+/* The first few patterns that have no value everywhere; the others are not told of. */
+static void warn(struct orl_description *description, const struct orl_pattern *pattern,
+                 size_t without, size_t n)
+{
+    enum { TOLD = 8 };
+    char text[512];
+    if (without == 0 || ++description->n_undefined > TOLD)
+        return;
+    snprintf(text, sizeof text,
+             "%.200s:%d: the function of %.100s has no value at %zu of %zu places on what it lies "
+             "on: colours are left as they are there",
+             pattern->file, pattern->line, pattern->name, without, n);
+    orl_description_warn(description, text);
+}
+
+int orl_patterns_settle(struct orl_description *description, const struct orl_geometry *geometry,
+                        struct orl_error *err)
 {
     const size_t n = description->n_patterns;
     const size_t places = n > ALL_PLACES / PLACES ? FEWEST + ALL_PLACES / n : PLACES;
@@ -139,8 +160,10 @@ int orl_patterns_settle(const struct orl_description *description,
             spread.area += geometry->facets[spread.facets[k]].area;
         pattern->center = geometry->center;
         pattern->mean = pattern->most = orl_gray(1);
+        size_t without = 0;
         if (spread.area > 0)
-            code = evaluate(pattern, &spread, places, err);
+            code = evaluate(pattern, &spread, places, &without, err);
+        warn(description, pattern, without, places);
     }
     free(first);
     free(sorted);

@@ -4,8 +4,8 @@
  * refused by the parser.
  *
  * What a pattern makes of a colour is from 0 to 1 in each channel: where Radiance would have a
- * surface return more than it gets, or less than nothing, it is cut to that. Where a function has
- * no value, or takes too long, its factor is 0 (Radiance leaves the colour as it is).
+ * surface return more than it gets, or less than nothing, it is cut to that. Where anything in a
+ * function has no value (function.h), or it takes too long, the colour is left as it is.
  *
  * Mean and most are found by evaluation at 1 024 places of even area, fewer where there are very
  * many patterns: what planners call a bound of a patterned surface is the most of these.
@@ -50,9 +50,10 @@ static inline struct orl_rgb orl_patterned(struct orl_rgb color, struct orl_rgb 
 
 /*
  * Evaluates all patterns over the surfaces that have them, and fills in what depends on the
- * geometry. ORL_ERR_LIMIT, with its place, when one takes too long somewhere; ORL_ERR_NOMEM.
+ * geometry. A warning tells of those that have no value somewhere. ORL_ERR_LIMIT, with its place,
+ * when one takes too long somewhere; ORL_ERR_NOMEM.
  */
-int orl_patterns_settle(const struct orl_description *description,
-                        const struct orl_geometry *geometry, struct orl_error *err);
+int orl_patterns_settle(struct orl_description *description, const struct orl_geometry *geometry,
+                        struct orl_error *err);
 
 #endif
