@@ -7,6 +7,7 @@
 
 #include <oriel/limits.h>
 
+#include "grids_json.h"
 #include "heat_map_json.h"
 #include "members.h"
 #include "plan_json.h"
@@ -198,6 +199,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {"sky", .decode = orl_sky_from_json, .into = &job->sky},
         {"skies", .decode = orl_skies_from_json, .into = job},
         {"sensors", .decode = decode_sensors, .into = job},
+        {"grids", .decode = orl_grids_from_json, .into = job},
         {"views", .list = &views},
         {"accuracy", .decode = decode_goal, .into = &job->goal},
         {.name = "priority"}, /* the daemon's: task_json.h */
@@ -221,7 +223,7 @@ static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
     if (rc == 0 && json_object_get(doc, "accuracy"))
         rc = refuse_settings(doc, err);
     if (rc == 0 && draft->job.n_views == 0 && draft->job.n_sensors == 0 &&
-        !draft->job.sensors_file) {
+        draft->job.n_grids == 0 && !draft->job.sensors_file) {
         rc = orl_json_fail(err, ORL_ERR_INVALID, "document", "the job asks for nothing");
         orl_error_hint(err, "Add sensors, views or both");
     }

@@ -9,6 +9,7 @@
  *      "sky": {...} (sky_json.h), only with a scene that has none,
  *      "skies": [{...}, ...] instead, or a sequence of hours (skies_json.h),
  *      "sensors": {"file": "sensors.txt"} or [[x, y, z, dx, dy, dz], ...],
+ *      "grids": [...] instead, with names (grids_json.h),
  *      "priority": 5 (read by task_json.h; means something to the daemon alone),
  *      "views": [{"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300}]}
  *

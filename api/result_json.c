@@ -7,6 +7,7 @@
 
 #include "encode.h"
 #include "glare_json.h"
+#include "grids_json.h"
 #include "heat_map_json.h"
 #include "picture_json.h"
 #include "plan_json.h"
@@ -223,12 +224,13 @@ json_t *orl_planned_to_json(const struct orl_result *result, const struct orl_cu
 json_t *orl_result_to_json(const struct orl_result *result, const char *state)
 {
     json_t *dark = result->sky_given ? json_boolean(result->sky_dark) : NULL;
-    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o*, s:o*, s:o*, s:o}",
-                     "state", state, "threads", (json_int_t)result->threads, "seed",
-                     (json_int_t)result->seed, "plan", orl_plan_to_json(&result->plan), "timings_s",
-                     timings_to_json(result), "maps", maps_to_json(result), "sensors",
-                     sensors_to_json(result), "views", views_to_json(result), "health",
-                     health_to_json(&result->health), "warnings", warnings_to_json(result), "dark",
-                     dark, "accuracy", orl_outcome_to_json(&result->outcome), "sensor_files",
-                     orl_sensor_files_to_json(&result->sensor_files), "cost", cost_to_json(result));
+    return json_pack(
+        "{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o*, s:o*, s:o*, s:o*, s:s*, s:o}",
+        "state", state, "threads", (json_int_t)result->threads, "seed", (json_int_t)result->seed,
+        "plan", orl_plan_to_json(&result->plan), "timings_s", timings_to_json(result), "maps",
+        maps_to_json(result), "sensors", sensors_to_json(result), "views", views_to_json(result),
+        "health", health_to_json(&result->health), "warnings", warnings_to_json(result), "dark",
+        dark, "accuracy", orl_outcome_to_json(&result->outcome), "sensor_files",
+        orl_sensor_files_to_json(&result->sensor_files), "grids", orl_grids_to_json(result),
+        "grids_info", result->grids_info, "cost", cost_to_json(result));
 }

@@ -202,6 +202,8 @@ static int tell(const struct visiting *v, enum orl_file_role role, const char *n
 static int visit_job(const struct visiting *v, const struct orl_job *job)
 {
     int rc = tell(v, ORL_FILE_SENSORS, job->sensors_file, NULL, "sensors.file");
+    for (size_t i = 0; i < job->n_grids && rc == 0; i++)
+        rc = tell(v, ORL_FILE_SENSORS, job->grids[i].file, NULL, "grids[%zu].sensors.file", i);
     if (rc == 0)
         rc = tell(v, ORL_FILE_WEATHER, job->sky.weather_file, NULL, "sky.weather.file");
     for (size_t i = 0; i < job->n_skies && rc == 0; i++)

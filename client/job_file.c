@@ -143,27 +143,41 @@ static int read_sensors(const char *name, const struct orl_file *text, json_t *a
     return 0;
 }
 
-int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err)
+/* "sensors" of holder. */
+static int inline_sensors(json_t *holder, const struct orl_files *folder, struct orl_error *err)
 {
-    const json_t *sensors = json_object_get(file->doc, "sensors");
+    const json_t *sensors = json_object_get(holder, "sensors");
     const char *name = json_string_value(json_object_get(sensors, "file"));
-    const struct orl_files folder = orl_files_from_folder(file->folder);
     struct orl_file text;
     json_t *array;
     int rc;
 
     if (!name)
         return 0; /* absent, an array, or something the daemon will complain about */
-    rc = folder.open(folder.ctx, name, &text, err);
+    rc = folder->open(folder->ctx, name, &text, err);
     if (rc)
         return rc;
     array = json_array();
     rc = array ? read_sensors(name, &text, array, err)
                : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    folder.close(folder.ctx, &text);
-    if (rc == 0 && json_object_set(file->doc, "sensors", array) != 0)
+    folder->close(folder->ctx, &text);
+    if (rc == 0 && json_object_set(holder, "sensors", array) != 0)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     json_decref(array);
+    return rc;
+}
+
+int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err)
+{
+    const struct orl_files folder = orl_files_from_folder(file->folder);
+    int rc = inline_sensors(file->doc, &folder, err);
+    json_t *grid;
+    size_t i;
+
+    json_array_foreach(json_object_get(file->doc, "grids"), i, grid)
+    {
+        rc = rc ? rc : inline_sensors(grid, &folder, err);
+    }
     return rc;
 }
 

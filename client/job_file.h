@@ -24,7 +24,8 @@ void orl_job_file_done(struct orl_job_file *file); /* NULL and half-filled are f
 int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job,
                         struct orl_error *err);
 
-/* Replaces "sensors": {"file": NAME} by the array the file holds; other forms stay as they are. */
+/* Replaces "sensors": {"file": NAME} by the array the file holds, in grids, too; other forms stay
+ * as they are. */
 int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err);
 
 /* The same of views: those of files get the line that they ask for. */

@@ -7,6 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include <oriel/npy.h>
+
 #include "base/file.h"
 #include "metrics/annual/calendar.h"
 

@@ -10,6 +10,7 @@
 #include "light/daylight.h"
 #include "metrics/glare.h"
 #include "render/film/view.h"
+#include "run/grids.h"
 #include "run/stages.h"
 
 void orl_sky_request_init(struct orl_sky_request *request)
@@ -44,6 +45,11 @@ void orl_job_done(struct orl_job *job)
     free(job->skies);
     free(job->sensors_file);
     free(job->sensors);
+    for (size_t i = 0; i < job->n_grids; i++) {
+        free(job->grids[i].name);
+        free(job->grids[i].file);
+    }
+    free(job->grids);
     for (size_t i = 0; i < job->n_views; i++) {
         free(job->views[i].name);
         free(job->views[i].view);
@@ -285,12 +291,17 @@ static int validate_sequence(const struct orl_job *job, struct orl_error *err)
     return 0;
 }
 
+static bool has_sensors(const struct orl_job *job)
+{
+    return job->n_sensors > 0 || job->sensors_file || job->n_grids > 0;
+}
+
 static int validate_heat_map(const struct orl_job *job, struct orl_error *err)
 {
     static const char prefix[] = "sensors.map";
     if (!job->heat_map.asked)
         return 0;
-    if (job->n_sensors == 0 && !job->sensors_file)
+    if (!has_sensors(job))
         return orl_error_set(err, ORL_ERR_INVALID, "a heat map is of sensors, and there are none");
     for (size_t i = 0; i < job->n_views; i++)
         if (strncmp(job->views[i].name, prefix, sizeof prefix - 1) == 0)
@@ -303,7 +314,7 @@ static int validate_heat_map(const struct orl_job *job, struct orl_error *err)
 
 int orl_job_validate(const struct orl_job *job, struct orl_error *err)
 {
-    if (job->n_sensors == 0 && !job->sensors_file && job->n_views == 0)
+    if (!has_sensors(job) && job->n_views == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "a job needs sensors, views or both");
     if (job->n_sensors > ORL_LIMIT_SENSORS)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors; at most %lu are allowed",
@@ -330,7 +341,9 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
         if (code < 0)
             return code;
     }
-    int code = validate_heat_map(job, err);
+    int code = orl_grids_validate(job, err);
+    if (code == 0)
+        code = validate_heat_map(job, err);
     if (code == 0)
         code = validate_sequence(job, err);
     if (code == 0)
@@ -373,6 +386,7 @@ void orl_result_done(struct orl_result *result)
         orl_view_result_done(&result->views[i]);
     free(result->views);
     orl_sensor_files_done(&result->sensor_files);
+    orl_grid_results_done(result);
     for (size_t i = 0; i < result->n_warnings; i++)
         free(result->warnings[i]);
     free(result->warnings);

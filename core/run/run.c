@@ -5,6 +5,7 @@
 
 #include "run/cost.h"
 #include "run/curve.h"
+#include "run/grids.h"
 #include "run/rounds.h"
 #include "run/scene.h"
 
@@ -13,6 +14,8 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
     const struct orl_job *job = state->job;
     state->sensors = job->sensors;
     state->n_sensors = job->n_sensors;
+    if (job->n_grids > 0)
+        return orl_run_load_grids(state, err);
     if (!job->sensors_file)
         return 0;
     const int code = orl_sensors_load(state->env->files, job->sensors_file, &state->sensors,
@@ -63,6 +66,8 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     }
     if (code == 0)
         code = orl_run_write_sensors(state, err);
+    if (code == 0)
+        code = orl_run_write_grids(state, err);
     if (code == 0 && !in_rounds)
         orl_run_cost(state);
     return code;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/grids.h"
 #include "run/scene.h"
 #include "run/sky.h"
 #include "run/stages.h"
@@ -57,6 +58,11 @@ static int look_ahead(struct passage *p, struct orl_error *err)
 static int read_sensors(struct passage *p, struct orl_error *err)
 {
     struct orl_job *job = &p->job;
+    if (job->n_grids > 0) {
+        const int read = orl_grids_read(&p->job, p->env->files, &job->grids, &job->sensors,
+                                        &job->n_sensors, err);
+        return read < 0 ? read : orl_job_validate(job, err);
+    }
     if (!job->sensors_file)
         return 0;
     const int code =
@@ -146,6 +152,8 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
     }
     if (p.job.sensors != job->sensors)
         free(p.job.sensors);
+    if (p.job.grids != job->grids)
+        free(p.job.grids);
     free(p.shares);
     orl_scene_release(p.scene);
     return code;

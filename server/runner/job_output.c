@@ -110,6 +110,21 @@ int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const ch
     return rc;
 }
 
+int orl_job_output_list_grids(const struct orl_result *result, const char *folder, json_t *list,
+                              struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < result->n_grids && rc == 0; i++) {
+        const struct orl_grid_result *grid = &result->grids[i];
+        rc = grid->res ? orl_job_output_list(grid->res, folder, list, err) : 0;
+        if (rc == 0 && grid->npy)
+            rc = orl_job_output_list(grid->npy, folder, list, err);
+    }
+    return rc == 0 && result->grids_info
+               ? orl_job_output_list(result->grids_info, folder, list, err)
+               : rc;
+}
+
 int orl_job_output_list_sequence(const json_t *results, const char *folder, json_t *list,
                                  struct orl_error *err)
 {
@@ -215,6 +230,8 @@ int orl_job_output_write(const struct orl_result *result, const char *state, con
         rc = orl_job_output_list_view(&result->views[i], folder, files, err);
     if (rc == 0)
         rc = orl_job_output_list_sensors(&result->sensor_files, folder, files, err);
+    if (rc == 0)
+        rc = orl_job_output_list_grids(result, folder, files, err);
     if (rc == 0)
         rc = dump_summary(json_pack("{s:s, s:O, s:O, s:O, s:o, s:O*, s:O}", "technique",
                                     orl_technique_name(result->plan.technique), "threads",

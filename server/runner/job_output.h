@@ -30,6 +30,8 @@ int orl_job_output_list_view(const struct orl_view_result *view, const char *fol
                              struct orl_error *err);
 int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const char *folder,
                                 json_t *list, struct orl_error *err);
+int orl_job_output_list_grids(const struct orl_result *result, const char *folder, json_t *list,
+                              struct orl_error *err);
 
 /* The same of the files of a job's sequences (sequence_json.h), if it has any. */
 int orl_job_output_list_sequence(const json_t *results, const char *folder, json_t *list,

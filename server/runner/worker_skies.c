@@ -77,8 +77,9 @@ static int list_rest(const struct passage *p, const struct orl_result *result, j
     int rc = 0;
     for (size_t i = 0; in_rounds && i < result->n_views && rc == 0; i++)
         rc = orl_job_output_list_view(&result->views[i], p->worker->output, files, err);
-    return rc ? rc
-              : orl_job_output_list_sensors(&result->sensor_files, p->worker->output, files, err);
+    if (rc == 0)
+        rc = orl_job_output_list_sensors(&result->sensor_files, p->worker->output, files, err);
+    return rc ? rc : orl_job_output_list_grids(result, p->worker->output, files, err);
 }
 
 static int on_done(void *ctx, size_t index, const struct orl_result *result, struct orl_error *err)

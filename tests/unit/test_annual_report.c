@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include <oriel/annual_report.h>
+#include <oriel/npy.h>
 
 #include "support/scratch.h"
 

@@ -234,12 +234,7 @@ void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_te
 /*
  * All are whole or absent; folders are made. Returns 0, ORL_ERR_IO, ORL_ERR_FULL, ORL_ERR_LIMIT.
  *
- * NPY, format 1.0: float32, little-endian, rows of sensors, columns of hours with the sun up.
- */
-int orl_npy_write(const char *path, const float *values, size_t rows, size_t columns,
-                  struct orl_error *err);
-
-/* Radiance's matrix of one component: "#?RADIANCE", NROWS, NCOLS, NCOMP, FORMAT=ascii or float (of
+ * Radiance's matrix of one component: "#?RADIANCE", NROWS, NCOLS, NCOMP, FORMAT=ascii or float (of
  * this machine's order of bytes, which BigEndian tells), a blank line, and row after row. */
 int orl_matrix_write(const char *path, const float *values, size_t rows, size_t columns, bool ascii,
                      struct orl_error *err);

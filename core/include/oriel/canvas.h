@@ -1,10 +1,10 @@
 /*
- * A page that becomes a PNG, an SVG or a PDF: the same calls, the same picture. Charts and plans are
- * drawn with it.
+ * A page that becomes a PNG, an SVG or a PDF: the same calls, the same picture. Charts and plans
+ * are drawn with it.
  *
  * Frame: page units from the upper left corner, x to the right and y down. SVG has them as its
- * units; PNG has `scale` pixels for each, PDF as many points. What lies outside of the page is not drawn. Colours are
- * sRGB and cover what is below them.
+ * units; PNG has `scale` pixels for each, PDF as many points. What lies outside of the page is not
+ * drawn. Colours are sRGB and cover what is below them.
  *
  * Letters of a PNG are the house's own strokes; SVG has text, as long as those letters are; PDF has
  * text in its standard fonts, no longer than those letters are.

@@ -35,6 +35,13 @@ struct orl_sensor {
     struct orl_vec3 direction; /* need not be unit */
 };
 
+/* Sensors that belong together: results keep their name. */
+struct orl_grid_request {
+    char *name; /* letters, digits, '-', '_', '.', and '/' between folders; unique in the job */
+    char *file; /* of such sensors as sensors_file has; NULL: some of the job's, namely ... */
+    size_t first, count;
+};
+
 struct orl_view_request {
     char *name;  /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
     char *view;  /* Radiance view options, "-vtv -vp ... "; or NULL, and then: */
@@ -81,6 +88,9 @@ struct orl_job {
     char *sensors_file; /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
     size_t n_sensors;
+    struct orl_grid_request *grids; /* instead of sensors_file; sensors are those of the grids that
+                                       have no file, in the same order */
+    size_t n_grids;
     struct orl_heat_map_request heat_map; /* of the sensors */
     struct orl_sequence_request sequence; /* of each view under the skies */
     struct orl_view_request *views;
@@ -209,6 +219,13 @@ struct orl_sensor_files {
 };
 void orl_sensor_files_done(struct orl_sensor_files *files);
 
+/* What came of a grid; names below the output folder. Owned. */
+struct orl_grid_result {
+    char *name;
+    size_t first, count; /* of the result's sensors */
+    char *res, *npy;     /* a value a line; NumPy's array */
+};
+
 struct orl_view_result {
     char *name;
     char *files[ORL_PICTURES];      /* names below the output folder; NULL: there is none */
@@ -275,6 +292,9 @@ struct orl_result {
     double *bias_estimate_lx;    /* what bandwidths are thought to add */
     double (*interval_95_lx)[2]; /* low, high */
     size_t n_sensors;
+    struct orl_grid_result *grids;
+    size_t n_grids;
+    char *grids_info; /* a file: what Honeybee's tools know the grids by; NULL: there are none */
     struct orl_sensor_files sensor_files;
     struct orl_view_result *views;
     size_t n_views;

@@ -1,0 +1,120 @@
+/* `oriel run` of sensors in grids, by their names. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+#include "support/cli.h"
+
+/* Two plates under an even sky. */
+static const char scene_text[] = "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
+                                 "void glow sky_glow\n0\n0\n4 10 10 10 0\n"
+                                 "sky_glow source sky\n0\n0\n4 0 0 1 180\n"
+                                 "grey polygon floor\n0\n0\n12 0 0 0  3 0 0  3 4 0  0 4 0\n"
+                                 "grey polygon roof\n0\n0\n12 0 0 3  0 4 3  3 4 3  3 0 3\n";
+
+#define JOB(GRIDS)                                                                                 \
+    "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]}, \"technique\": "               \
+    "\"backward\",\n"                                                                              \
+    " \"gather_samples\": 64, \"grids\": [" GRIDS "]}\n"
+
+static int set_up(void **state)
+{
+    static const struct cli_file files[] = {
+        {"job.json", JOB("{\"name\": \"desks\", \"sensors\": {\"file\": \"desks.pts\"}},"
+                         "{\"name\": \"upper/rail\", \"sensors\": [[1, 1, 3.5, 0, 0, 1]]}")},
+        {"room.rad", scene_text},
+        {"desks.pts", "1.5 1 0.8 0 0 1\n1.5 3 0.8 0 0 1\n"},
+        {NULL, NULL}};
+    return cli_desk_set_up(state, files);
+}
+
+static json_t *load(const char *folder, const char *name)
+{
+    char *text = cli_read_file(folder, name);
+    assert_non_null(text);
+    json_t *json = json_loads(text, 0, NULL);
+    assert_non_null(json);
+    free(text);
+    return json;
+}
+
+static void assert_grid(const json_t *grid, const char *name, int first, int count)
+{
+    assert_string_equal(json_string_value(json_object_get(grid, "name")), name);
+    assert_int_equal(json_integer_value(json_object_get(grid, "first")), first);
+    assert_int_equal(json_integer_value(json_object_get(grid, "count")), count);
+}
+
+static void test_grids_keep_their_names(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const args[] = {"run", f->document, "-o", f->output, "--threads", "1", NULL};
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    json_t *result = load(f->output, "result.json");
+    const json_t *grids = json_object_get(result, "grids");
+    const json_t *sensors = json_object_get(result, "sensors");
+    assert_int_equal(json_array_size(grids), 2);
+    assert_int_equal(json_array_size(sensors), 3);
+    assert_grid(json_array_get(grids, 0), "desks", 0, 2);
+    assert_grid(json_array_get(grids, 1), "upper/rail", 2, 1);
+    char *res = cli_read_file(f->output, "results/desks.res"), wanted[64];
+    snprintf(wanted, sizeof wanted, "%.6g\n%.6g\n",
+             json_number_value(json_object_get(json_array_get(sensors, 0), "illuminance_lx")),
+             json_number_value(json_object_get(json_array_get(sensors, 1), "illuminance_lx")));
+    assert_string_equal(res, wanted);
+    free(res);
+    json_t *info = load(f->output, "results/grids_info.json");
+    assert_string_equal(json_string_value(json_object_get(json_array_get(info, 1), "group")),
+                        "upper");
+    assert_string_equal(json_string_value(json_object_get(json_array_get(info, 1), "full_id")),
+                        "upper/rail");
+    free(cli_read_file(f->output, "results/upper/rail.npy"));
+    json_decref(info);
+    json_decref(result);
+}
+
+static void assert_refused(struct cli_desk *f, const char *job, const char *why)
+{
+    FILE *stream = fopen(f->document, "w");
+    assert_non_null(stream);
+    fputs(job, stream);
+    assert_int_equal(fclose(stream), 0);
+    const char *const args[] = {"run", f->document, "-o", f->output, "--threads", "1", NULL};
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    if (!strstr(f->result.err, why))
+        fail_msg("\"%s\" is not in: %s", why, f->result.err);
+}
+
+static void test_names_that_are_none_are_refused(void **state)
+{
+    struct cli_desk *f = *state;
+    assert_refused(f, JOB("{\"name\": \"../a\", \"sensors\": [[1, 1, 1, 0, 0, 1]]}"),
+                   "needs a name");
+    assert_refused(f, JOB("{\"name\": \"a/\", \"sensors\": [[1, 1, 1, 0, 0, 1]]}"), "needs a name");
+    assert_refused(f,
+                   JOB("{\"name\": \"a\", \"sensors\": [[1, 1, 1, 0, 0, 1]]},"
+                       "{\"name\": \"a\", \"sensors\": [[1, 1, 2, 0, 0, 1]]}"),
+                   "two grids are named 'a'");
+    assert_refused(f, JOB("{\"name\": \"a\", \"sensors\": []}"), "there are no sensors");
+    assert_refused(f, JOB("{\"sensors\": [[1, 1, 1, 0, 0, 1]]}"), "grids[0]");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_grids_keep_their_names, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_names_that_are_none_are_refused, set_up,
+                                        cli_desk_tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
