@@ -21,7 +21,8 @@ enum { SAVING_MS = 1000 };
 /* Once neither jobs nor requests are on the pool, everything can be closed. */
 static void stop_if_quiet(struct orl_server *server)
 {
-    if (!server->context.stopping || !server->jobs_idle || server->context.working > 0)
+    if (!server->context.stopping || !server->jobs_idle || server->context.working > 0 ||
+        !orl_settling_is_quiet(server->settling))
         return;
     if (uv_is_closing((uv_handle_t *)&server->kept_changed))
         return;
@@ -30,6 +31,7 @@ static void stop_if_quiet(struct orl_server *server)
     orl_http_stop(server->http);
     orl_storage_stop(&server->storage);
     orl_checks_close(&server->checks);
+    orl_settling_stop(server->settling);
     uv_close((uv_handle_t *)&server->kept_changed, NULL);
     uv_close((uv_handle_t *)&server->drain, NULL);
     uv_close((uv_handle_t *)&server->saving, NULL);
@@ -38,6 +40,11 @@ static void stop_if_quiet(struct orl_server *server)
     for (int i = 0; i < 2; i++)
         if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
             uv_close((uv_handle_t *)&server->signals[i], NULL);
+}
+
+static void on_settled(void *ctx)
+{
+    stop_if_quiet(ctx);
 }
 
 /* When stopping, this may have been what the stop waited for. */
@@ -254,7 +261,12 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     if (rc == 0)
         rc = orl_folding_open(&server->db, path, &server->folding, err);
     if (rc == 0)
-        rc = orl_blobs_open(&server->loop, &server->folders, &server->db, &server->blobs, err);
+        rc = orl_settling_open(&server->loop, &server->db, path, on_settled, server,
+                               &server->settling, err);
+    server->context.settling = server->settling;
+    if (rc == 0)
+        rc = orl_blobs_open(&server->loop, &server->folders, &server->db, server->settling,
+                            &server->blobs, err);
     if (rc == 0)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
                                 &server->kept_changed, &server->maps, err);
@@ -299,6 +311,7 @@ static void close_storage(struct orl_server *server)
     orl_shelf_free(server->shelf);
     orl_blobs_close(server->blobs);
     sqlite3_finalize(server->context.token_finder);
+    orl_settling_free(server->settling);
     orl_folding_close(server->folding);
     orl_db_close(&server->db);
     orl_blame_close();
@@ -331,6 +344,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
     struct orl_jobs_env env = {
         .loop = &server->loop,
         .db = &server->db,
+        .settling = server->settling,
         .folders = &server->folders,
         .blobs = server->blobs,
         .maps = server->maps,
@@ -427,6 +441,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
         orl_http_stop(server.http);
         orl_storage_stop(&server.storage);
         orl_checks_close(&server.checks);
+        orl_settling_stop(server.settling);
         uv_close((uv_handle_t *)&server.kept_changed, NULL);
         uv_close((uv_handle_t *)&server.log_lines, NULL);
     }

@@ -30,6 +30,7 @@
 #include "store/db.h"
 #include "store/folders.h"
 #include "store/log_folding.h"
+#include "store/settling.h"
 #include "store/verified.h"
 #include "upkeep/storage.h"
 
@@ -44,7 +45,8 @@ struct orl_server {
     char program[ORL_SHA_HEX]; /* program.h */
     struct orl_folders folders;
     struct orl_db db;
-    struct orl_folding *folding; /* of its log */
+    struct orl_folding *folding;   /* of its log */
+    struct orl_settling *settling; /* of what is committed to it */
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
     struct orl_shelf *shelf;

@@ -58,7 +58,7 @@ int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err)
     int rc = 0;
     while (rc == 0 && take_dirty(cache, &map, &ready)) {
         if (!begun)
-            rc = orl_db_begin(cache->db, ORL_DB_LAZY, err);
+            rc = orl_db_begin(cache->db, err);
         begun = rc == 0;
         if (rc == 0)
             rc = ready ? orl_map_row_put(cache->db, &map, err)

@@ -18,6 +18,7 @@
 #include "process/log.h"
 #include "store/db.h"
 #include "store/folders.h"
+#include "store/settling.h"
 
 struct orl_server;
 
@@ -44,12 +45,13 @@ struct orl_http_context {
     const struct orl_log *log;
     const struct orl_folders *folders;
     struct orl_db *db;
+    struct orl_settling *settling;
     sqlite3_stmt *token_finder; /* where tokens are needed */
     struct orl_metrics *metrics;
     struct orl_clients clients;
     struct orl_request *begun; /* the last one, while its target is read; or NULL */
     uint64_t requests;         /* served or under way; the last one's id */
-    unsigned working;          /* requests whose work is on the pool */
+    unsigned working;          /* requests whose work is on the pool, or whose answer waits */
     bool stopping;             /* what is asked from now on is refused */
 };
 

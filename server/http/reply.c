@@ -1,6 +1,7 @@
 #include "http/reply.h"
 
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -252,6 +253,36 @@ void orl_reply_held(struct orl_request *request, uint64_t bytes)
                       "them; try again when others have ended",
                       (unsigned long long)own);
     orl_reply_header(request, "Retry-After", "10");
+}
+
+/* ---- What waits for the disk ---------------------------------------------------------------- */
+
+static bool only_tells(const struct orl_request *request)
+{
+    return strcmp(request->method, "GET") == 0 || strcmp(request->method, "HEAD") == 0;
+}
+
+static void on_settled(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
+{
+    struct orl_request *request =
+        (struct orl_request *)((char *)wait - offsetof(struct orl_request, settling));
+    if (rc && !only_tells(request)) {
+        struct orl_error why = *err;
+        orl_error_hint(&why, "It may have been done all the same, but would not outlast a power "
+                             "cut; ask again");
+        orl_reply_error(request, &why);
+    }
+    orl_request_go_on(request);
+}
+
+void orl_reply_when_safe(struct orl_request *request)
+{
+    struct orl_settling *settling = request->context->settling;
+    if (orl_settling_is_safe(settling, orl_settling_last(settling)))
+        return;
+    orl_request_wait(request, NULL, NULL);
+    request->settling.settled = on_settled;
+    orl_settling_ask(settling, &request->settling);
 }
 
 bool orl_reply_if_full(struct orl_request *request, uint64_t bytes)

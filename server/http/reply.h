@@ -57,6 +57,13 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
 bool orl_reply_if_none_match(struct orl_request *request, const char *tag);
 void orl_reply_etag(struct orl_request *request, const char *tag);
 
+/*
+ * The answer made goes out once all that has been committed is safe (settling.h). Where that fails,
+ * what goes out in its place says why: of a request that changes something. What only tells goes
+ * out all the same.
+ */
+void orl_reply_when_safe(struct orl_request *request);
+
 /* Makes room in the budget for so many bytes more; or, where that cannot be, replies with a 507 and
  * returns true. */
 bool orl_reply_if_full(struct orl_request *request, uint64_t bytes);

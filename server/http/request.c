@@ -24,14 +24,18 @@ static void work_run(uv_work_t *work)
 static void work_back(uv_work_t *work, int status)
 {
     (void)status; /* works are never cancelled */
-    struct orl_request *request = work->data;
+    orl_request_go_on(work->data);
+}
+
+void orl_request_go_on(struct orl_request *request)
+{
     struct orl_http_context *context = request->context;
     request->working = false;
     context->working--;
     if (request->then)
         request->then(request);
     if (request->working)
-        return; /* then sent it back to the pool */
+        return; /* then has it wait again */
     orl_connection_go_on(request->connection);
     MHD_resume_connection(request->connection);
     context->calls->worked(context->server);

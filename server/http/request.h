@@ -19,6 +19,7 @@
 #include "http/body.h"
 #include "http/clients.h"
 #include "store/jobs.h"
+#include "store/settling.h"
 #include "store/tokens.h"
 
 struct orl_http_context;
@@ -57,7 +58,8 @@ struct orl_request {
 
     uv_work_t work;
     orl_request_step run, then;
-    struct orl_check *check; /* of what it has sent, under way; or NULL: checks.h */
+    struct orl_settling_wait settling; /* of its answer: orl_reply_when_safe */
+    struct orl_check *check;           /* of what it has sent, under way; or NULL: checks.h */
     bool working;
 
     void *state;
@@ -67,9 +69,10 @@ struct orl_request {
 /* Has run called on the pool and then on the loop. The handler must return without replying. */
 void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then);
 
-/* The same in two steps: it waits, and is queued later. */
+/* The same in two steps: it waits, and is queued later. Whatever brings it back, it goes on. */
 void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
 void orl_request_queue(struct orl_request *request);
+void orl_request_go_on(struct orl_request *request);
 
 /* The server's folders, as long as the request lives; what is written to tmp/ is held for it. */
 struct orl_folders orl_request_folders(struct orl_request *request);

@@ -236,7 +236,7 @@ static enum MHD_Result dispatch(struct orl_request *request)
         orl_reply_error(request, &request->body.err);
     else
         request->route->handler(request);
-    if (request->response)
+    if (request->response && !request->working)
         return send_response(request);
     if (!request->working)
         return MHD_NO; /* a handler that neither replied nor worked: our bug, closed at once */
@@ -264,7 +264,7 @@ enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, co
         return take_data(request, data, data_size);
     if (!request->dispatched)
         return dispatch(request);
-    if (request->response)
+    if (request->response && !request->working)
         return send_response(request);
     return request->working || request->status ? MHD_YES : MHD_NO;
 }

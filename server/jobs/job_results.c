@@ -81,7 +81,7 @@ void orl_job_results_fetched(struct orl_jobs *jobs, const char *id)
     job->fetched = true;
 }
 
-/* One transaction for all, and no sync: what is not written is a use forgotten, no more. */
+/* One transaction for all: what is not written is a use forgotten, no more. */
 void orl_job_results_flush(struct orl_jobs *jobs)
 {
     struct orl_error err;
@@ -91,7 +91,7 @@ void orl_job_results_flush(struct orl_jobs *jobs)
         if (!job->fetched)
             continue;
         if (!begun)
-            rc = orl_db_begin(jobs->env.db, ORL_DB_LAZY, &err);
+            rc = orl_db_begin(jobs->env.db, &err);
         begun = rc == 0;
         if (begun)
             rc = orl_job_row_update(jobs->env.db, &job->row, &err);
@@ -122,8 +122,11 @@ void orl_job_results_discard(struct orl_jobs_job *job)
 {
     if (!orl_job_results_kept(job))
         return;
+    const struct orl_jobs_env *env = &job->jobs->env;
+    char path[ORL_PATH_MAX];
     job->jobs->result_bytes -= job->row.result_bytes;
-    orl_job_results_remove_files(job->jobs, job->row.id);
+    results_path(job->jobs, job->row.id, path);
+    orl_discard_when_safe(env->settling, env->loop, env->folders, path);
 }
 
 int orl_job_results_leave(struct orl_jobs *jobs, const char *id, struct orl_error *err)

@@ -1,4 +1,5 @@
 /* The states of jobs, in memory and in their rows; what could not be written is tried again. */
+#include <stddef.h>
 #include <stdlib.h>
 
 #include "encode.h"
@@ -11,6 +12,8 @@ void orl_job_note_saved(struct orl_jobs_job *job, bool saved)
 {
     job->jobs->n_unsaved += (size_t)!saved - (size_t)job->unsaved;
     job->unsaved = !saved;
+    if (saved)
+        job->commit = orl_settling_last(job->jobs->env.settling);
 }
 
 /* Writes the row as it is to be after a crash. */
@@ -22,23 +25,11 @@ static int write_row(const struct orl_jobs_job *job, struct orl_error *err)
     return orl_job_row_update(job->jobs->env.db, &row, err);
 }
 
-/* That jobs run need not outlast a power cut: they wait at the next start either way. */
-static enum orl_db_care care_for(const struct orl_jobs *jobs)
-{
-    size_t left = jobs->n_unsaved;
-    for (const struct orl_jobs_job *job = jobs->newest; job && left > 0; job = job->older) {
-        if (job->unsaved && (job->row.state != ORL_JOB_RUNNING || job->cancelled))
-            return ORL_DB_SYNCED;
-        left -= job->unsaved;
-    }
-    return ORL_DB_LAZY;
-}
-
-/* In one transaction, which is one sync of the disk at most. */
+/* In one transaction. */
 static int save(struct orl_jobs *jobs, struct orl_error *err)
 {
     size_t left = jobs->n_unsaved;
-    int rc = left > 0 ? orl_db_begin(jobs->env.db, care_for(jobs), err) : 0;
+    int rc = left > 0 ? orl_db_begin(jobs->env.db, err) : 0;
     if (rc || left == 0)
         return rc;
     for (struct orl_jobs_job *job = jobs->newest; job && left > 0 && rc == 0; job = job->older)
@@ -94,6 +85,23 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssi", "job", job->row.id, "state",
                   orl_job_state_name(state), "attempt", (int64_t)job->row.attempts);
     jobs->env.changed(jobs->env.ctx, job);
+}
+
+static void on_settled(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
+{
+    struct orl_jobs *jobs = (struct orl_jobs *)((char *)wait - offsetof(struct orl_jobs, settling));
+    jobs->settles = false;
+    if (rc)
+        orl_log_event(jobs->env.log, ORL_LOG_ERROR, "settling-failed", "s", "why", err->message);
+}
+
+void orl_jobs_settle(struct orl_jobs *jobs)
+{
+    if (jobs->settles)
+        return;
+    jobs->settles = true;
+    jobs->settling.settled = on_settled;
+    orl_settling_ask(jobs->env.settling, &jobs->settling);
 }
 
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err)

@@ -222,6 +222,7 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
     end_all(job, &own, giving);
     if (jobs->batch)
         orl_jobs_batch_end(jobs);
+    orl_jobs_settle(jobs);
     orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
                     &outcome->tally);
     free(outcome->summary);

@@ -23,6 +23,8 @@ struct orl_jobs {
     uint64_t expected_bytes; /* of the results of jobs that wait or run */
     size_t n_unsaved;        /* jobs whose rows could not be written, or are about to be */
     bool batch;              /* rows wait for the end of what goes on */
+    struct orl_settling_wait settling; /* of rows of jobs that have ended; used while: */
+    bool settles;
     bool stopping;
 };
 
@@ -45,6 +47,8 @@ void orl_job_note_saved(struct orl_jobs_job *job, bool saved);
  */
 void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state);
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err);
+/* Has what is written made safe soon, though nobody asks. */
+void orl_jobs_settle(struct orl_jobs *jobs);
 /* Between the two, in one turn of the loop, rows are gathered, and written in one transaction. */
 void orl_jobs_batch_begin(struct orl_jobs *jobs);
 void orl_jobs_batch_end(struct orl_jobs *jobs);

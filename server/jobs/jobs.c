@@ -207,7 +207,7 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
 void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count)
 {
     struct orl_error err;
-    int rc = orl_db_begin(jobs->env.db, ORL_DB_SYNCED, &err);
+    int rc = orl_db_begin(jobs->env.db, &err);
     const bool begun = rc == 0;
     for (size_t i = 0; i < count && rc == 0; i++)
         rc = orl_job_row_drop(jobs->env.db, ended[i]->row.seq, &err);

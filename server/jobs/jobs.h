@@ -7,7 +7,8 @@
  *
  * Identical jobs share a computation (job_share.h).
  *
- * A row is written before a state is shown to anyone. Jobs run in the order of queue.h, at most as
+ * A row is written before a state is shown to anyone; whether it is safe from a power cut too is
+ * settling.h's, and for whoever answers to ask. Jobs run in the order of queue.h, at most as
  * many at once as configured. A job that was running when the daemon was killed is queued again,
  * and from then on runs alone; when the daemon has ended through it (blame.h) ORL_SERVER_ATTEMPTS
  * times it fails. An orderly stop does not count as an attempt.
@@ -31,6 +32,7 @@
 #include "runner/worker.h"
 #include "store/blobs.h"
 #include "store/jobs.h"
+#include "store/settling.h"
 
 struct orl_jobs;
 
@@ -50,6 +52,7 @@ struct orl_jobs_job {
     bool late;                 /* it was stopped since it ran for too long */
     bool settling;             /* a leader whose results are being given to those who follow */
     bool unsaved;              /* the row in the database is an older one */
+    uint64_t commit;           /* that wrote it, or a later one: settling.h */
     bool fetched;              /* its row does not know yet when last */
     /* job_share.h. A leader has leader NULL. */
     struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
@@ -59,6 +62,7 @@ struct orl_jobs_job {
 struct orl_jobs_env {
     uv_loop_t *loop;
     struct orl_db *db;
+    struct orl_settling *settling; /* of what is committed to it */
     const struct orl_folders *folders;
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;

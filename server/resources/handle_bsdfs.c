@@ -75,10 +75,12 @@ static void insert_and_reply(struct orl_request *request)
     if (upload->rc == 0)
         upload->rc = orl_bsdf_insert(&request->server->db, upload->id, upload->name, upload->bytes,
                                      upload->summary, &created, &upload->err);
-    if (upload->rc)
+    if (upload->rc) {
         orl_reply_error(request, &upload->err);
-    else
-        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, created ? 201 : 200, &created);
+        return;
+    }
+    orl_reply_stored_item(request, &orl_item_bsdf, upload->id, created ? 201 : 200, &created);
+    orl_reply_when_safe(request);
 }
 
 static void admit(struct orl_request *request)
@@ -112,10 +114,12 @@ static void reply_known(struct orl_request *request)
 {
     struct upload *upload = request->state;
     bool created = false;
-    if (upload->rc)
+    if (upload->rc) {
         orl_reply_error(request, &upload->err);
-    else
-        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
+        return;
+    }
+    orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
+    orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
 }
 
 static void look_up(struct orl_request *request)
@@ -189,4 +193,5 @@ void orl_handle_bsdf_delete(struct orl_request *request)
     if (removed)
         orl_blobs_forget(server->blobs, id);
     orl_reply_removed(request, removed, "BSDF");
+    orl_reply_when_safe(request);
 }

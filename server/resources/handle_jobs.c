@@ -124,6 +124,13 @@ static void reply_job(struct orl_request *request, unsigned status, const struct
     }
 }
 
+/* Once no power cut can undo that it is. */
+static void reply_accepted(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    reply_job(request, 202, job);
+    orl_reply_when_safe(request);
+}
+
 static bool refuse_when_full(struct orl_request *request)
 {
     if (!orl_jobs_full(request->server->jobs))
@@ -152,7 +159,7 @@ static bool answer_by_key(struct orl_request *request)
     if (!job)
         return false;
     if (strcmp(job->row.document, post->document) == 0)
-        reply_job(request, 202, job);
+        reply_accepted(request, job);
     else
         orl_reply_problem(request, 422, "idempotency-key", "The Idempotency-Key was used before",
                           "another document came with it, and became the job %s", job->row.id);
@@ -248,7 +255,7 @@ static void submit(struct orl_request *request)
     if (post->rc)
         orl_reply_error(request, &post->err);
     else
-        reply_job(request, 202, job);
+        reply_accepted(request, job);
 }
 
 static void admit(struct orl_request *request)
@@ -354,8 +361,10 @@ void orl_handle_job_post(struct orl_request *request)
 void orl_handle_job_get(struct orl_request *request)
 {
     const struct orl_jobs_job *job = orl_job_of_path(request);
-    if (job)
-        reply_job(request, 200, job);
+    if (!job)
+        return;
+    reply_job(request, 200, job);
+    orl_job_reply_when_ended(request, job);
 }
 
 void orl_handle_job_cancel(struct orl_request *request)
@@ -364,9 +373,10 @@ void orl_handle_job_cancel(struct orl_request *request)
     struct orl_error err;
     if (!job)
         return;
-    if (orl_jobs_cancel(request->server->jobs, job->row.id, &err) == 0)
+    if (orl_jobs_cancel(request->server->jobs, job->row.id, &err) == 0) {
         reply_job(request, job->row.state == ORL_JOB_RUNNING ? 202 : 200, job);
-    else if (err.code == ORL_ERR_INVALID)
+        orl_reply_when_safe(request);
+    } else if (err.code == ORL_ERR_INVALID)
         orl_reply_problem(request, 409, "finished", "The job is finished", "%s", err.message);
     else
         orl_reply_error(request, &err);
@@ -381,9 +391,10 @@ void orl_handle_job_delete(struct orl_request *request)
         orl_reply_not_found(request, "job");
         return;
     }
-    if (orl_jobs_remove(server->jobs, request->params[0], &err) == 0)
+    if (orl_jobs_remove(server->jobs, request->params[0], &err) == 0) {
         orl_reply_no_content(request);
-    else if (err.code == ORL_ERR_INVALID)
+        orl_reply_when_safe(request);
+    } else if (err.code == ORL_ERR_INVALID)
         orl_reply_in_use(request, err.message);
     else
         orl_reply_error(request, &err);

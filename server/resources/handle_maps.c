@@ -55,4 +55,5 @@ void orl_handle_map_delete(struct orl_request *request)
         orl_reply_in_use(request, "a job uses the map, or builds it");
     else
         orl_reply_removed(request, removal == ORL_MAP_REMOVED, "map");
+    orl_reply_when_safe(request);
 }

@@ -179,6 +179,7 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
         orl_reply_header(request, "Cache-Control", "no-store");
     } else {
         give_final(request, fd, &st, entry, tag);
+        orl_job_reply_when_ended(request, shown->job);
     }
 }
 

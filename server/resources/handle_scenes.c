@@ -87,11 +87,12 @@ static void insert_and_reply(struct orl_request *request)
     if (post->rc == 0)
         post->rc = orl_scene_insert(&request->server->db, post->upload.id, &post->upload.bundle,
                                     post->upload.summary, &created, &post->err);
-    if (post->rc)
+    if (post->rc) {
         orl_reply_error(request, &post->err);
-    else
-        orl_reply_stored_item(request, &orl_item_scene, post->upload.id, created ? 201 : 200,
-                              &created);
+        return;
+    }
+    orl_reply_stored_item(request, &orl_item_scene, post->upload.id, created ? 201 : 200, &created);
+    orl_reply_when_safe(request);
 }
 
 /* No file of it may go from now on. One that came before, a BSDF, may have gone until now. */
@@ -147,10 +148,12 @@ static void reply_known(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     bool created = false;
-    if (post->rc)
+    if (post->rc) {
         orl_reply_error(request, &post->err);
-    else
-        orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
+        return;
+    }
+    orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
+    orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
 }
 
 /* A scene that is here already is not checked again. */
@@ -215,4 +218,5 @@ void orl_handle_scene_delete(struct orl_request *request)
         orl_blobs_forget(server->blobs, blobs[i]);
     free(blobs);
     orl_reply_removed(request, removed, "scene");
+    orl_reply_when_safe(request);
 }

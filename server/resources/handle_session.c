@@ -59,6 +59,7 @@ void orl_handle_session_post(struct orl_request *request)
     orl_reply_json(request, 201, session_to_json(true, &request->holder, expires_ms));
     orl_reply_header(request, "Set-Cookie", cookie);
     orl_reply_header(request, "Cache-Control", "no-store");
+    orl_reply_when_safe(request);
 }
 
 void orl_handle_session_delete(struct orl_request *request)
@@ -84,4 +85,5 @@ void orl_handle_session_delete(struct orl_request *request)
     }
     orl_reply_no_content(request);
     orl_reply_header(request, "Set-Cookie", cookie);
+    orl_reply_when_safe(request);
 }

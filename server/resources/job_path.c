@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 
+#include "http/context.h"
 #include "http/reply.h"
 #include "server.h"
 
@@ -18,4 +19,11 @@ const struct orl_jobs_job *orl_job_of_path(struct orl_request *request)
     else
         snprintf(request->job, sizeof request->job, "%s", job->row.id);
     return job;
+}
+
+void orl_job_reply_when_ended(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    if (job->row.state >= ORL_JOB_SUCCEEDED &&
+        !orl_settling_is_safe(request->context->settling, job->commit))
+        orl_reply_when_safe(request);
 }

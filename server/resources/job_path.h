@@ -9,4 +9,8 @@
  * the whole id. */
 const struct orl_jobs_job *orl_job_of_path(struct orl_request *request);
 
+/* Of a job that has ended: the answer made waits until no power cut can undo that
+ * (orl_reply_when_safe). */
+void orl_job_reply_when_ended(struct orl_request *request, const struct orl_jobs_job *job);
+
 #endif

@@ -24,6 +24,7 @@ struct orl_blobs {
     uv_loop_t *loop;
     const struct orl_folders *folders;
     struct orl_db *db;
+    struct orl_settling *settling;
     uint64_t bytes;
     struct claim *claims[BUCKETS];
 };
@@ -48,8 +49,38 @@ static int64_t measure(const struct orl_blobs *blobs, const char *sha)
     return stat(path, &st) == 0 ? (int64_t)st.st_size : -1;
 }
 
+/* A blob whose row has gone: is it really, and has nobody claimed the blob meanwhile? */
+struct farewell {
+    struct orl_settling_wait wait; /* the first: it is found by its address */
+    struct orl_blobs *blobs;
+    char sha[ORL_SHA_HEX];
+};
+
+static void settle(struct orl_blobs *blobs, const char *sha, bool counted);
+
+static void on_row_gone(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
+{
+    struct farewell *farewell = (struct farewell *)wait;
+    (void)err;
+    if (rc == 0 && !*find_claim(farewell->blobs, farewell->sha))
+        settle(farewell->blobs, farewell->sha, true);
+    free(farewell);
+}
+
+/* Without memory, or where the disk does not settle, the blob stays for the next start. */
+static void await_row_gone(struct orl_blobs *blobs, const char *sha)
+{
+    struct farewell *farewell = calloc(1, sizeof *farewell);
+    if (!farewell)
+        return;
+    farewell->wait.settled = on_row_gone;
+    farewell->blobs = blobs;
+    snprintf(farewell->sha, sizeof farewell->sha, "%s", sha);
+    orl_settling_ask(blobs->settling, &farewell->wait);
+}
+
 /* A blob without claims: counted if it is named, taken away if it is not. When the database cannot
- * tell it stays, for the next start to look at. */
+ * tell it stays, for the next start to look at. One that is not counted never had a row. */
 static void settle(struct orl_blobs *blobs, const char *sha, bool counted)
 {
     char path[ORL_PATH_MAX];
@@ -62,6 +93,10 @@ static void settle(struct orl_blobs *blobs, const char *sha, bool counted)
         blobs->bytes += (uint64_t)bytes;
     if (named)
         return;
+    if (counted && !orl_settling_is_safe(blobs->settling, orl_settling_last(blobs->settling))) {
+        await_row_gone(blobs, sha);
+        return;
+    }
     if (counted)
         blobs->bytes -= (uint64_t)bytes;
     orl_blob_path(blobs->folders, sha, path);
@@ -160,7 +195,8 @@ static int sweep(struct orl_blobs *blobs, struct orl_error *err)
 }
 
 int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct orl_db *db,
-                   struct orl_blobs **ret_blobs, struct orl_error *err)
+                   struct orl_settling *settling, struct orl_blobs **ret_blobs,
+                   struct orl_error *err)
 {
     struct orl_blobs *blobs = calloc(1, sizeof *blobs);
     if (!blobs)
@@ -168,6 +204,7 @@ int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct or
     blobs->loop = loop;
     blobs->folders = folders;
     blobs->db = db;
+    blobs->settling = settling;
     const int rc = sweep(blobs, err);
     if (rc)
         orl_blobs_close(blobs);

@@ -4,7 +4,8 @@
  * A blob stays while a row names it (a file of a scene, a BSDF, a job's document) or a request that
  * is about to write such a row claims it. When the last claim goes, or a row, a blob that is left
  * without either goes too: so nothing stays of an upload that fails at its last step, and nothing
- * goes that another one, of the same bytes, counts on. Blobs without a row are removed at start.
+ * goes that another one, of the same bytes, counts on. One whose row has gone stays until that is
+ * safe (settling.h). Blobs without a row are removed at start.
  *
  * Threads: the loop thread. A request claims before the pool may keep the file, and lets go after
  * the row is written, or never will be.
@@ -16,12 +17,14 @@
 
 #include "store/db.h"
 #include "store/folders.h"
+#include "store/settling.h"
 
 struct orl_blobs;
 
 /* Counts those there are, and removes those that no row names. Borrows its arguments. */
 int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct orl_db *db,
-                   struct orl_blobs **ret_blobs, struct orl_error *err);
+                   struct orl_settling *settling, struct orl_blobs **ret_blobs,
+                   struct orl_error *err);
 void orl_blobs_close(struct orl_blobs *blobs); /* NULL is allowed */
 
 int orl_blobs_claim(struct orl_blobs *blobs, const char *sha, struct orl_error *err);

@@ -1,6 +1,7 @@
 #include "store/db.h"
 
 #include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { BUSY_TIMEOUT_MS = 5000, SERVING_TIMEOUT_MS = 250 };
@@ -27,14 +28,9 @@ int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err)
     return 0;
 }
 
-int orl_db_begin(struct orl_db *db, enum orl_db_care care, struct orl_error *err)
+int orl_db_begin(struct orl_db *db, struct orl_error *err)
 {
-    if (care == ORL_DB_SYNCED)
-        return orl_db_exec(db, "BEGIN IMMEDIATE", err);
-    const int rc = orl_db_exec(db, "PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE", err);
-    if (rc)
-        orl_db_exec(db, "PRAGMA synchronous = FULL", NULL);
-    return rc;
+    return orl_db_exec(db, "BEGIN IMMEDIATE", err);
 }
 
 int orl_db_end(struct orl_db *db, int rc, struct orl_error *err)
@@ -43,8 +39,6 @@ int orl_db_end(struct orl_db *db, int rc, struct orl_error *err)
         rc = orl_db_exec(db, "COMMIT", err);
     if (rc)
         orl_db_exec(db, "ROLLBACK", NULL);
-    /* It takes no I/O, and has no effect but on this connection. */
-    orl_db_exec(db, "PRAGMA synchronous = FULL", NULL);
     return rc;
 }
 
@@ -99,9 +93,29 @@ int orl_db_check(struct orl_db *db, struct orl_error *err)
     return check(db, "PRAGMA integrity_check(1)", err);
 }
 
+/* The first commit to a log begins it, and waits for its folder and its head to be synced: it is to
+ * be this one, which changes nothing. */
+static int begin_log(struct orl_db *db, struct orl_error *err)
+{
+    char again[64];
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, "PRAGMA user_version", "");
+    if (!stmt)
+        return ORL_ERR_IO;
+    const int step = sqlite3_step(stmt);
+    snprintf(again, sizeof again, "PRAGMA user_version = %d",
+             step == SQLITE_ROW ? sqlite3_column_int(stmt, 0) : 0);
+    const int rc = step == SQLITE_ROW ? 0 : orl_db_error(db, "cannot be read", err);
+    sqlite3_finalize(stmt);
+    return rc ? rc : orl_db_exec(db, again, err);
+}
+
 int orl_db_serve(struct orl_db *db, struct orl_error *err)
 {
-    const int rc = check(db, "PRAGMA quick_check(1)", err);
+    int rc = check(db, "PRAGMA quick_check(1)", err);
+    if (rc == 0)
+        rc = begin_log(db, err);
+    if (rc == 0)
+        rc = orl_db_exec(db, "PRAGMA synchronous = NORMAL", err);
     sqlite3_busy_timeout(db->handle, SERVING_TIMEOUT_MS);
     return rc;
 }

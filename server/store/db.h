@@ -1,10 +1,10 @@
 /*
  * The SQLite database of one data folder: opening, pragmas, statements.
  *
- * Invariants: WAL, foreign keys on, synchronous=FULL, so that a row that was answered for survives
- * a power cut. Rows name files; a row is written only when its file is in place.
- * Threads: the loop thread only.
- * Errors: ORL_ERR_IO with SQLite's own words; ORL_ERR_VERSION for a database of a later Oriel.
+ * Invariants: WAL, foreign keys on, synchronous=FULL, so that a row that was committed survives a
+ * power cut; but see orl_db_serve. Rows name files; a row is written only when its file is in
+ * place. Threads: the loop thread only. Errors: ORL_ERR_IO with SQLite's own words; ORL_ERR_VERSION
+ * for a database of a later Oriel.
  */
 #ifndef ORL_STORE_DB_H
 #define ORL_STORE_DB_H
@@ -25,8 +25,10 @@ int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *
 /* Reads all of it: ORL_ERR_CORRUPT when it is damaged. */
 int orl_db_check(struct orl_db *db, struct orl_error *err);
 /*
- * For a daemon that is about to serve: refuses a damaged database (ORL_ERR_CORRUPT), and from then
- * on waits but a moment for another program's lock, since everybody waits meanwhile.
+ * For a daemon that is about to serve: refuses a damaged database (ORL_ERR_CORRUPT). From then on
+ * it waits but a moment for another program's lock, and not for the disk, since everybody waits
+ * meanwhile: a commit survives the end of the program, and a power cut once it is settled
+ * (settling.h).
  */
 int orl_db_serve(struct orl_db *db, struct orl_error *err);
 void orl_db_close(struct orl_db *db); /* a zeroed struct is fine */
@@ -37,13 +39,8 @@ int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err);
 /* One or more statements without arguments. */
 int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err);
 
-/*
- * A transaction. SYNCED is what a row is by itself: there after a power cut. LAZY takes no sync: it
- * survives the end of the program, however that comes, and a power cut once anything is synced
- * later; for what the next start would find out by itself.
- */
-enum orl_db_care { ORL_DB_SYNCED, ORL_DB_LAZY };
-int orl_db_begin(struct orl_db *db, enum orl_db_care care, struct orl_error *err);
+/* A transaction. */
+int orl_db_begin(struct orl_db *db, struct orl_error *err);
 /* Ends what was begun: kept when rc is 0, else as if nothing had been. Returns rc, or why not. */
 int orl_db_end(struct orl_db *db, int rc, struct orl_error *err);
 

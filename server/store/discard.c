@@ -10,6 +10,14 @@ struct discard {
     char path[];
 };
 
+/* Something that is to go, once it may. */
+struct later {
+    struct orl_settling_wait wait; /* the first: it is found by its address */
+    uv_loop_t *loop;
+    const struct orl_folders *folders;
+    char path[];
+};
+
 static void remove_it(uv_work_t *work)
 {
     enum { ATTEMPTS = 3 };
@@ -42,4 +50,25 @@ void orl_discard(uv_loop_t *loop, const struct orl_folders *folders, const char 
     memcpy(discard->path, away, size);
     discard->work.data = discard;
     uv_queue_work(loop, &discard->work, remove_it, removed);
+}
+
+static void may_go(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
+{
+    struct later *later = (struct later *)wait;
+    (void)err;
+    if (rc == 0)
+        orl_discard(later->loop, later->folders, later->path);
+    free(later);
+}
+
+void orl_discard_when_safe(struct orl_settling *settling, uv_loop_t *loop,
+                           const struct orl_folders *folders, const char *path)
+{
+    const size_t size = strlen(path) + 1;
+    struct later *later = malloc(sizeof *later + size);
+    if (!later)
+        return;
+    *later = (struct later){.wait.settled = may_go, .loop = loop, .folders = folders};
+    memcpy(later->path, path, size);
+    orl_settling_ask(settling, &later->wait);
 }

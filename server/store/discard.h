@@ -10,8 +10,13 @@
 #include <uv.h>
 
 #include "store/folders.h"
+#include "store/settling.h"
 
 /* A file or a folder; one that is missing is fine. Borrows folders until the loop has run dry. */
 void orl_discard(uv_loop_t *loop, const struct orl_folders *folders, const char *path);
+/* The same, later: once what has been committed is safe, so that no power cut brings a row back
+ * that names it. Where that fails it stays, for the next start. */
+void orl_discard_when_safe(struct orl_settling *settling, uv_loop_t *loop,
+                           const struct orl_folders *folders, const char *path);
 
 #endif

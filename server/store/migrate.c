@@ -70,7 +70,7 @@ static int apply(struct orl_db *db, const struct orl_migration *migration, size_
 {
     char digest[DIGEST_HEX];
     digest_of(migration->sql, digest);
-    int rc = orl_db_begin(db, ORL_DB_SYNCED, err);
+    int rc = orl_db_begin(db, err);
     if (rc)
         return rc;
     rc = orl_db_exec(db, migration->sql, err);

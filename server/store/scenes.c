@@ -25,7 +25,7 @@ int orl_scene_insert(struct orl_db *db, const char *id, const struct orl_bundle 
                      const char *summary, bool *ret_created, struct orl_error *err)
 {
     int changes = 0;
-    int rc = orl_db_begin(db, ORL_DB_SYNCED, err);
+    int rc = orl_db_begin(db, err);
     if (rc)
         return rc;
     rc = orl_db_run(db, err, &changes,

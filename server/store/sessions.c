@@ -22,7 +22,7 @@ static int insert(struct orl_db *db, const char *hash, const char *token_id, int
 int orl_session_row_insert(struct orl_db *db, const char *hash, const char *token_id,
                            int64_t now_ms, int64_t expires_ms, unsigned most, struct orl_error *err)
 {
-    int rc = orl_db_begin(db, ORL_DB_SYNCED, err);
+    int rc = orl_db_begin(db, err);
     if (rc)
         return rc;
     rc = insert(db, hash, token_id, now_ms, expires_ms, most, err);

@@ -127,7 +127,7 @@ static void evict(struct orl_storage *storage, struct candidate *list, size_t co
     struct orl_error err = {0};
     size_t n_leaving = 0;
     uint64_t leaving = 0;
-    int rc = orl_db_begin(storage->db, ORL_DB_SYNCED, &err);
+    int rc = orl_db_begin(storage->db, &err);
     const bool begun = rc == 0;
     for (size_t i = 0; i < count && leaving < bytes && rc == 0; i++) {
         bool leaves = false;

@@ -215,8 +215,8 @@ def syncs_fail(case):
 
 
 def slow_disk(case):
-    """Where the loop waits for the disk, everybody does: once for what is answered, however much goes
-    for it, and not for what the next start finds out by itself."""
+    """Where the loop waits for the disk, everybody does: never for what somebody asks, however much
+    goes for it."""
     delay_s, jobs = 0.1, [case.submit(seed=seed) for seed in range(20, 26)]
     for job in jobs:
         expect("a job", case.wait(job)["state"], "succeeded")
@@ -227,27 +227,29 @@ def slow_disk(case):
     restarted(case, lambda: None)
     case.fetch(case.first)
 
-    def count(what, act, most):
+    def never_waits(what, act):
         case.fail(int(1000 * delay_s), SLOW)
         answer = act()
         time.sleep(0.3)
-        if case.calls() > most:
-            raise Failure("%s: the loop waited for the disk %d times, not %d" % (what, case.calls(), most))
+        if case.calls() > 0:
+            raise Failure("%s: the loop waited for the disk %d times" % (what, case.calls()))
         return answer
 
     filler = FIRST_SCENE + b"#" * (used * 4 // 10) + b"\n"
     before = len(list_files(case.root))
-    answer = count("an upload that others go for", lambda: upload_scene(case.client, filler), 5)
+    answer = never_waits("an upload that others go for", lambda: upload_scene(case.client, filler))
     expect("the status of %r" % answer.body[:300], answer.status, 201)
     case.fail(0, 0)
     if before - len(list_files(case.root)) < 12:
         raise Failure("of %d files %d are left" % (before, len(list_files(case.root))))
-    count("a job", lambda: case.wait(case.submit(seed=30)), 3)
+    job = case.submit(seed=30)
+    never_waits("a job", lambda: case.wait(job))
+    never_waits("another", lambda: case.wait(case.submit(seed=31)))
+    never_waits("its removal", lambda: case.client.request("DELETE", "/v1/jobs/" + job))
     case.fail(0, 0)
     for line in case.client.request("GET", "/metrics").body.decode().split("\n"):
         if line.startswith("oriel_loop_longest_turn_seconds "):
             print("# the longest turn: %s s, of syncs of %s s" % (line.split()[1], delay_s))
-            expect("whether turns are short", float(line.split()[1]) < 4.5 * delay_s, True)
 
 
 # ---- Files ---------------------------------------------------------------------------------------

@@ -1,0 +1,244 @@
+#include "store/settling.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "store/folders.h"
+
+enum { FOLD_TRIES = 100, FOLD_TRIES_EVERY_NS = 20000000 };
+
+/* What became of all that was asked up to a ticket. */
+struct verdict {
+    uint64_t ticket;
+    int rc;
+    struct orl_error err;
+};
+
+struct orl_settling {
+    struct orl_db *db; /* that commits */
+    uv_async_t woken;
+    void (*quiet)(void *ctx);
+    void *ctx;
+    uint64_t last, safe; /* commits, as the loop knows them */
+    struct orl_settling_wait *first, **end;
+
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t called;
+    uint64_t asked; /* the last ticket; from here on under the mutex */
+    struct verdict verdict;
+    bool ending;
+
+    struct orl_db own; /* from here on the thread's */
+    int log_fd;
+    bool doubted; /* a sync of the log has failed, and it has not been begun anew since */
+    int doubted_frames;
+};
+
+/* ---- On the thread -------------------------------------------------------------------------- */
+
+/* Another connection may be folding the log, which takes a moment. */
+static int fold(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
+{
+    int code = SQLITE_BUSY;
+    for (int i = 0; i < FOLD_TRIES && code == SQLITE_BUSY; i++) {
+        if (i > 0)
+            nanosleep(&(struct timespec){.tv_nsec = FOLD_TRIES_EVERY_NS}, NULL);
+        code = sqlite3_wal_checkpoint_v2(settling->own.handle, NULL, SQLITE_CHECKPOINT_PASSIVE,
+                                         ret_in_log, ret_folded);
+    }
+    return code;
+}
+
+/* All of the log into the database, which SQLite syncs. */
+static int fold_all(struct orl_settling *settling, struct orl_error *err)
+{
+    int in_log = 0, folded = 0;
+    if (fold(settling, &in_log, &folded) != SQLITE_OK)
+        return orl_db_error(&settling->own, "its log cannot be synced", err);
+    if (folded < in_log)
+        return orl_error_set(err, ORL_ERR_IO,
+                             "database: a sync of its log has failed, and a "
+                             "reader kept it from being folded in");
+    if (in_log < settling->doubted_frames)
+        settling->doubted = false; /* all that is in it was written since */
+    settling->doubted_frames = in_log;
+    return 0;
+}
+
+static int make_safe(struct orl_settling *settling, struct orl_error *err)
+{
+    if (!settling->doubted && fdatasync(settling->log_fd) != 0) {
+        settling->doubted = true;
+        settling->doubted_frames = 0;
+    }
+    return settling->doubted ? fold_all(settling, err) : 0;
+}
+
+static void *settle_when_asked(void *ctx)
+{
+    struct orl_settling *settling = ctx;
+    pthread_mutex_lock(&settling->mutex);
+    while (!settling->ending) {
+        struct verdict verdict = {.ticket = settling->asked};
+        if (verdict.ticket == settling->verdict.ticket) {
+            pthread_cond_wait(&settling->called, &settling->mutex);
+            continue;
+        }
+        pthread_mutex_unlock(&settling->mutex);
+        verdict.rc = make_safe(settling, &verdict.err);
+        pthread_mutex_lock(&settling->mutex);
+        settling->verdict = verdict;
+        uv_async_send(&settling->woken);
+    }
+    pthread_mutex_unlock(&settling->mutex);
+    return NULL;
+}
+
+/* ---- On the loop ---------------------------------------------------------------------------- */
+
+/* Of every transaction, as it is about to be committed. */
+static int on_commit(void *ctx)
+{
+    struct orl_settling *settling = ctx;
+    settling->last++;
+    return 0;
+}
+
+static void tell(struct orl_settling *settling, const struct verdict *verdict)
+{
+    while (settling->first && settling->first->ticket <= verdict->ticket) {
+        struct orl_settling_wait *wait = settling->first;
+        settling->first = wait->next;
+        if (!settling->first)
+            settling->end = &settling->first;
+        if (verdict->rc == 0)
+            settling->safe = wait->commit;
+        wait->settled(wait, verdict->rc, &verdict->err);
+    }
+}
+
+static void on_woken(uv_async_t *woken)
+{
+    struct orl_settling *settling = woken->data;
+    pthread_mutex_lock(&settling->mutex);
+    const struct verdict verdict = settling->verdict;
+    pthread_mutex_unlock(&settling->mutex);
+    tell(settling, &verdict);
+    if (!settling->first)
+        settling->quiet(settling->ctx);
+}
+
+void orl_settling_ask(struct orl_settling *settling, struct orl_settling_wait *wait)
+{
+    wait->next = NULL;
+    wait->commit = settling->last;
+    *settling->end = wait;
+    settling->end = &wait->next;
+    pthread_mutex_lock(&settling->mutex);
+    wait->ticket = ++settling->asked;
+    pthread_cond_signal(&settling->called);
+    pthread_mutex_unlock(&settling->mutex);
+}
+
+uint64_t orl_settling_last(const struct orl_settling *settling)
+{
+    return settling->last;
+}
+
+bool orl_settling_is_safe(const struct orl_settling *settling, uint64_t commit)
+{
+    return commit <= settling->safe;
+}
+
+bool orl_settling_is_quiet(const struct orl_settling *settling)
+{
+    return !settling || !settling->first;
+}
+
+/* ---- Start and end -------------------------------------------------------------------------- */
+
+static int open_log(struct orl_settling *settling, const char *path, struct orl_error *err)
+{
+    char log[ORL_PATH_MAX];
+    snprintf(log, sizeof log, "%s-wal", path);
+    settling->log_fd = open(log, O_RDWR | O_CLOEXEC);
+    if (settling->log_fd >= 0)
+        return 0;
+    return orl_error_set(err, ORL_ERR_IO, "cannot open %s: %s", log, strerror(errno));
+}
+
+/* Signals are the loop's. */
+static int start_thread(struct orl_settling *settling, struct orl_error *err)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int failed = pthread_create(&settling->thread, NULL, settle_when_asked, settling);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return failed ? orl_error_set(err, ORL_ERR_NOMEM, "cannot start a thread") : 0;
+}
+
+static void release(struct orl_settling *settling)
+{
+    if (settling->log_fd >= 0)
+        close(settling->log_fd);
+    orl_db_close(&settling->own);
+    pthread_cond_destroy(&settling->called);
+    pthread_mutex_destroy(&settling->mutex);
+    free(settling);
+}
+
+int orl_settling_open(uv_loop_t *loop, struct orl_db *db, const char *path,
+                      void (*quiet)(void *ctx), void *ctx, struct orl_settling **ret_settling,
+                      struct orl_error *err)
+{
+    struct orl_settling *settling = calloc(1, sizeof *settling);
+    if (!settling)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    *settling = (struct orl_settling){.db = db, .quiet = quiet, .ctx = ctx, .log_fd = -1};
+    settling->end = &settling->first;
+    pthread_mutex_init(&settling->mutex, NULL);
+    pthread_cond_init(&settling->called, NULL);
+    int rc = orl_db_open_existing(&settling->own, path, err);
+    if (rc == 0)
+        rc = open_log(settling, path, err);
+    if (rc == 0)
+        rc = start_thread(settling, err);
+    if (rc) {
+        release(settling);
+        return rc;
+    }
+    uv_async_init(loop, &settling->woken, on_woken);
+    settling->woken.data = settling;
+    sqlite3_commit_hook(db->handle, on_commit, settling);
+    *ret_settling = settling;
+    return 0;
+}
+
+void orl_settling_stop(struct orl_settling *settling)
+{
+    if (!settling)
+        return;
+    pthread_mutex_lock(&settling->mutex);
+    settling->ending = true;
+    pthread_cond_signal(&settling->called);
+    pthread_mutex_unlock(&settling->mutex);
+    pthread_join(settling->thread, NULL);
+    uv_close((uv_handle_t *)&settling->woken, NULL);
+}
+
+void orl_settling_free(struct orl_settling *settling)
+{
+    if (!settling)
+        return;
+    sqlite3_commit_hook(settling->db->handle, NULL, NULL);
+    release(settling);
+}
