@@ -5,10 +5,15 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <oriel/limits.h>
+
 #include "scene/generate/solids.h"
 
 /* Sticks of one branch, and levels of branches on branches. */
-enum { STICKS_MAX = 500000, LEVELS_MAX = 16 };
+enum {
+    STICKS_MAX = ORL_LIMIT_SURFACES < 500000 ? (int)ORL_LIMIT_SURFACES : 500000,
+    LEVELS_MAX = 16
+};
 
 struct branch {
     const char *bark, *leaf;

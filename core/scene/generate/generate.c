@@ -29,20 +29,27 @@ static bool make_room(struct orl_text *text, size_t more)
     return true;
 }
 
+/* Into the room there is; into what is needed, where that was too little. */
 void orl_text_add(struct orl_text *text, const char *format, ...)
 {
+    enum { USUAL = 512 };
     va_list args;
-    int length;
-    va_start(args, format);
-    length = vsnprintf(NULL, 0, format, args);
-    va_end(args);
-    if (text->failed || length < 0 || !make_room(text, (size_t)length + 1)) {
+    if (text->failed || !make_room(text, USUAL)) {
         text->failed = true;
         return;
     }
     va_start(args, format);
-    vsnprintf(text->data + text->size, (size_t)length + 1, format, args);
+    const int length = vsnprintf(text->data + text->size, USUAL, format, args);
     va_end(args);
+    if (length >= USUAL && make_room(text, (size_t)length + 1)) {
+        va_start(args, format);
+        vsnprintf(text->data + text->size, (size_t)length + 1, format, args);
+        va_end(args);
+    } else if (length < 0 || length >= USUAL) {
+        text->data[text->size] = '\0';
+        text->failed = true;
+        return;
+    }
     text->size += (size_t)length;
 }
 
