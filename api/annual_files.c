@@ -70,6 +70,12 @@ static int write_tables(struct writing *w)
     if (rc == 0)
         rc = orl_annual_hours_csv(path, &w->told->job->request, w->told->report, w->told->result,
                                   w->err);
+    if (rc == 0 && w->told->report->views) {
+        rc = name_file(w, path, "view_out.csv");
+        if (rc == 0)
+            rc = orl_annual_view_out_csv(path, &w->told->job->wishes, w->told->report,
+                                         w->told->job->request.sensors, w->err);
+    }
     return rc;
 }
 
@@ -218,7 +224,8 @@ static size_t count_files(const struct orl_annual_told *told)
     const struct orl_annual_formats *formats = &told->job->formats;
     const size_t of_grid = 2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) +
                            formats->coefficients + (formats->honeybee ? 9 : 0);
-    return 2 + told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0);
+    return 2 + (told->report->views ? 1U : 0U) + told->report->n_grids * of_grid +
+           (formats->honeybee ? 12 : 0);
 }
 
 static int write_all(struct writing *w)

@@ -1,5 +1,7 @@
 #include "annual_job.h"
 
+#include <stdlib.h>
+
 #include "annual_files.h"
 
 /* A job on its way. */
@@ -12,6 +14,8 @@ struct running {
     struct orl_annual_result result;
     struct orl_annual_refinement refinement;
     struct orl_annual_report report;
+    struct orl_view_out *views; /* until the report has them */
+    size_t n_views;
 };
 
 /* ---- The year -------------------------------------------------------------------------------- */
@@ -51,6 +55,19 @@ static int run_year(struct running *r, struct orl_error *err)
                                 &r->result, &r->refinement, err);
 }
 
+/* Ahead of the year: names that are wrong are told before the work begins. */
+static int see_out(struct running *r, struct orl_error *err)
+{
+    const struct orl_view_out_wish *wish = &r->job->wishes.view_out;
+    if (!orl_view_out_is_wished(wish))
+        return 0;
+    r->n_views = orl_view_out_places(wish, &r->job->request);
+    r->views = calloc(r->n_views + 1, sizeof *r->views);
+    if (!r->views)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return orl_view_out_find(wish, &r->job->request, &r->run, r->views, err);
+}
+
 /* Scenes that were found on the shelf were read, too. */
 static int note_scene(struct running *r, struct orl_error *err)
 {
@@ -70,6 +87,10 @@ static int make_report(struct running *r, struct orl_error *err)
     if (rc == 0)
         rc = orl_annual_report_expose(&r->job->request, &r->result, &r->job->wishes, run,
                                       &r->report, err);
+    if (rc == 0 && r->views) {
+        rc = orl_annual_report_view(&r->job->wishes, r->views, r->n_views, &r->report, err);
+        r->views = NULL;
+    }
     return rc ? rc : orl_annual_report_warn(&r->report, &r->result, run->warned, run->ctx, err);
 }
 
@@ -100,6 +121,8 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     if (rc == 0)
         rc = orl_annual_validate(&job->request, err);
     if (rc == 0)
+        rc = see_out(&r, err);
+    if (rc == 0)
         rc = run_year(&r, err);
     if (rc == 0)
         rc = note_scene(&r, err);
@@ -107,6 +130,7 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
         rc = make_report(&r, err);
     if (rc == 0)
         rc = tell(&r, err);
+    free(r.views);
     orl_annual_report_done(&r.report);
     orl_annual_done(&r.result);
     orl_annual_inputs_done(&r.inputs);

@@ -14,7 +14,7 @@
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
  *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
  *      "median_diffuse": 14200 (lx outside, for daylight factors; by default of the weather),
- *      "exposure": {...} (annual_exposure.h),
+ *      "exposure": {...} (annual_exposure.h), "view_out": {...} (annual_view_out.h),
  *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
  * open; "samples" are those of the first round then, 256 when left out),
  *      "formats": ["honeybee", "ill", "coefficients"] (files beside the usual ones),
@@ -33,6 +33,7 @@
  *      "refined_sensors", "most_samples"} (oriel/annual_report.h),
  *      "shades": null or what states window groups were in (annual_shades.h),
  *      "exposure": null or for how long points at windows can see the sun (annual_exposure.h),
+ *      "view_out": null or how far and wide places see out (annual_view_out.h),
  *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
  *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...},
  *      "document": the year's, by which `oriel verify` repeats it},

@@ -6,18 +6,10 @@
 #include "annual_exposure.h"
 #include "annual_json.h"
 #include "annual_shades.h"
+#include "annual_view_out.h"
 #include "encode.h"
 
 /* As in result_json.c: json_pack's "o" fails on NULL, so that one check covers all parts. */
-
-/* Takes item, NULL included, which is an error: the array is gone then. */
-static json_t *append(json_t *array, json_t *item)
-{
-    if (!array || json_array_append_new(array, item) == 0)
-        return array;
-    json_decref(array);
-    return NULL;
-}
 
 static json_t *text_or_null(const char *text)
 {
@@ -58,8 +50,9 @@ static json_t *figures_to_json(const struct orl_annual_report *report, size_t pl
 {
     json_t *array = json_array();
     for (size_t f = 0; array && f < report->n_figures; f++)
-        array = append(array, figure_to_json(&report->figures[f],
-                                             &report->areas[f * (report->n_grids + 1) + place]));
+        array = orl_json_append(
+            array,
+            figure_to_json(&report->figures[f], &report->areas[f * (report->n_grids + 1) + place]));
     return array;
 }
 
@@ -67,10 +60,10 @@ static json_t *grids_to_json(const struct orl_annual_report *report)
 {
     json_t *array = json_array();
     for (size_t g = 0; array && g < report->n_grids; g++)
-        array = append(array, json_pack("{s:o, s:I, s:o}", "name",
-                                        orl_json_from_text(report->grids[g].name), "sensors",
-                                        (json_int_t)report->grids[g].count, "figures",
-                                        figures_to_json(report, g)));
+        array = orl_json_append(array, json_pack("{s:o, s:I, s:o}", "name",
+                                                 orl_json_from_text(report->grids[g].name),
+                                                 "sensors", (json_int_t)report->grids[g].count,
+                                                 "figures", figures_to_json(report, g)));
     return array;
 }
 
@@ -86,15 +79,15 @@ static json_t *verdicts_to_json(const struct orl_annual_report *report)
     json_t *array = json_array();
     for (size_t i = 0; array && i < report->n_verdicts; i++) {
         const struct orl_annual_verdict *v = &report->verdicts[i];
-        array = append(array,
-                       json_pack("{s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:I, s:s}", "rule",
-                                 text_or_null(v->rule ? v->rule->name : NULL), "clause",
-                                 text_or_null(v->rule ? v->rule->clause : NULL), "target",
-                                 orl_json_from_text(v->target.text), "grid",
-                                 grid_name(report, v->grid), "unit", unit_of(&v->target.figure),
-                                 "value", orl_json_from_real(v->area.value.value), "interval_95",
-                                 interval_to_json(&v->area.value), "open", (json_int_t)v->area.open,
-                                 "verdict", orl_verdict_name(v->verdict)));
+        array = orl_json_append(
+            array, json_pack("{s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:I, s:s}", "rule",
+                             text_or_null(v->rule ? v->rule->name : NULL), "clause",
+                             text_or_null(v->rule ? v->rule->clause : NULL), "target",
+                             orl_json_from_text(v->target.text), "grid", grid_name(report, v->grid),
+                             "unit", unit_of(&v->target.figure), "value",
+                             orl_json_from_real(v->area.value.value), "interval_95",
+                             interval_to_json(&v->area.value), "open", (json_int_t)v->area.open,
+                             "verdict", orl_verdict_name(v->verdict)));
     }
     return array;
 }
@@ -119,9 +112,9 @@ static json_t *rules_to_json(const struct orl_annual_report *report)
         for (size_t k = i; k < report->n_verdicts; k++)
             if (v[k].rule == v[i].rule && v[k].grid == v[i].grid)
                 all = orl_verdict_both(all, v[k].verdict);
-        array = append(array,
-                       json_pack("{s:s, s:o, s:s}", "rule", v[i].rule->name, "grid",
-                                 grid_name(report, v[i].grid), "verdict", orl_verdict_name(all)));
+        array = orl_json_append(array, json_pack("{s:s, s:o, s:s}", "rule", v[i].rule->name, "grid",
+                                                 grid_name(report, v[i].grid), "verdict",
+                                                 orl_verdict_name(all)));
     }
     return array;
 }
@@ -132,10 +125,10 @@ static json_t *inputs_to_json(const struct orl_annual_inputs *inputs)
 {
     json_t *array = json_array();
     for (size_t i = 0; array && i < inputs->count; i++)
-        array = append(array, json_pack("{s:o, s:I, s:s}", "name",
-                                        orl_json_from_text(inputs->items[i].name), "bytes",
-                                        (json_int_t)inputs->items[i].bytes, "sha256",
-                                        inputs->items[i].digest));
+        array = orl_json_append(array, json_pack("{s:o, s:I, s:s}", "name",
+                                                 orl_json_from_text(inputs->items[i].name), "bytes",
+                                                 (json_int_t)inputs->items[i].bytes, "sha256",
+                                                 inputs->items[i].digest));
     return array;
 }
 
@@ -143,7 +136,7 @@ static json_t *scene_to_json(const struct orl_annual_request *request)
 {
     json_t *array = json_array();
     for (size_t i = 0; array && i < request->n_scene_files; i++)
-        array = append(array, orl_json_from_text(request->scene_files[i]));
+        array = orl_json_append(array, orl_json_from_text(request->scene_files[i]));
     return array;
 }
 
@@ -162,11 +155,11 @@ static json_t *document_to_json(const struct orl_annual_job *job)
     json_t *document = json_loads(job->document, 0, NULL);
     json_t *formats = json_array();
     if (job->formats.honeybee)
-        formats = append(formats, json_string("honeybee"));
+        formats = orl_json_append(formats, json_string("honeybee"));
     if (job->formats.matrices)
-        formats = append(formats, json_string("ill"));
+        formats = orl_json_append(formats, json_string("ill"));
     if (job->formats.coefficients)
-        formats = append(formats, json_string("coefficients"));
+        formats = orl_json_append(formats, json_string("coefficients"));
     if (document && json_object_set_new(document, "formats", formats) == 0 &&
         json_object_set_new(document, "scene",
                             json_pack("{s:o}", "files", scene_to_json(&job->request))) == 0 &&
@@ -228,7 +221,7 @@ static json_t *warnings_to_json(const struct orl_annual_result *result)
 {
     json_t *array = json_array();
     for (size_t i = 0; array && i < result->n_warnings; i++)
-        array = append(array, orl_json_from_text(result->warnings[i]));
+        array = orl_json_append(array, orl_json_from_text(result->warnings[i]));
     return array;
 }
 
@@ -264,7 +257,7 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
     json_t *all = report->n_grids > 1 ? figures_to_json(report, report->n_grids) : json_null();
     return json_pack(
         "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O, s:o, "
-        "s:o, s:o, s:o, s:I, s:o}",
+        "s:o, s:o, s:o, s:o, s:I, s:o}",
         "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
         result->time_zone_h, "hours", hours_to_json(report), "median_diffuse",
@@ -272,7 +265,8 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
         "verdicts", verdicts_to_json(report), "rules", rules_to_json(report), "accuracy",
         orl_annual_refinement_to_json(refinement), "shades",
         orl_annual_shades_to_json(&job->request, result, report), "exposure",
-        orl_annual_exposure_to_json(&job->wishes.exposure, report), "files", files, "provenance",
+        orl_annual_exposure_to_json(&job->wishes.exposure, report), "view_out",
+        orl_annual_view_out_to_json(&job->wishes.view_out, report), "files", files, "provenance",
         provenance_to_json(job, result, inputs), "reuse", reuse_to_json(result), "rays",
         json_integer((json_int_t)result->health.rays), "timings_s", timings_to_json(result),
         "threads", (json_int_t)result->threads, "warnings", warnings_to_json(result));

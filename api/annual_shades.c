@@ -216,15 +216,6 @@ int orl_annual_shades_from_json(const json_t *value, const char *path, void *int
 
 /* ---- The result ------------------------------------------------------------------------------ */
 
-/* Takes item, NULL included, which is an error: the array is gone then. */
-static json_t *append(json_t *array, json_t *item)
-{
-    if (!array || json_array_append_new(array, item) == 0)
-        return array;
-    json_decref(array);
-    return NULL;
-}
-
 static const char *rule_of(const struct orl_window_group *group)
 {
     return group->series                                  ? "schedule"
@@ -253,9 +244,9 @@ static json_t *states_to_json(const struct orl_window_group *group,
 {
     json_t *array = json_array();
     for (size_t i = 0; array && i < group->n_states; i++)
-        array = append(array, json_pack("{s:o, s:f, s:f}", "name",
-                                        orl_json_from_text(group->states[i].name), "hours",
-                                        hours[i].lit, "occupied_hours", hours[i].occupied));
+        array = orl_json_append(
+            array, json_pack("{s:o, s:f, s:f}", "name", orl_json_from_text(group->states[i].name),
+                             "hours", hours[i].lit, "occupied_hours", hours[i].occupied));
     return array;
 }
 
@@ -270,9 +261,9 @@ json_t *orl_annual_shades_to_json(const struct orl_annual_request *request,
         const struct orl_window_group *group = &request->groups[g];
         struct orl_state_hours hours[ORL_SHADES_MOST_STATES];
         orl_annual_state_hours(result, report, g, hours);
-        groups =
-            append(groups, json_pack("{s:o, s:s, s:o}", "name", orl_json_from_text(group->name),
-                                     "by", rule_of(group), "states", states_to_json(group, hours)));
+        groups = orl_json_append(
+            groups, json_pack("{s:o, s:s, s:o}", "name", orl_json_from_text(group->name), "by",
+                              rule_of(group), "states", states_to_json(group, hours)));
     }
     return json_pack("{s:I, s:b, s:o}", "runs", (json_int_t)result->n_runs, "summed",
                      (int)result->summed, "groups", groups);
@@ -284,7 +275,7 @@ static json_t *names_to_json(char *const *names, size_t n)
 {
     json_t *array = json_array();
     for (size_t i = 0; array && i < n; i++)
-        array = append(array, orl_json_from_text(names[i]));
+        array = orl_json_append(array, orl_json_from_text(names[i]));
     return array;
 }
 
@@ -298,9 +289,10 @@ static json_t *settings_of_states(const struct orl_window_group *group)
     json_t *array = json_array();
     for (size_t i = 0; array && i < group->n_states; i++) {
         const struct orl_shade_state *s = &group->states[i];
-        array = append(array, json_pack("{s:o, s:o, s:o, s:b}", "name", orl_json_from_text(s->name),
-                                        "files", names_to_json(s->files, s->n_files), "material",
-                                        text_or_null(s->material), "dark", (int)s->dark));
+        array = orl_json_append(array, json_pack("{s:o, s:o, s:o, s:b}", "name",
+                                                 orl_json_from_text(s->name), "files",
+                                                 names_to_json(s->files, s->n_files), "material",
+                                                 text_or_null(s->material), "dark", (int)s->dark));
     }
     return array;
 }
@@ -310,9 +302,10 @@ static json_t *settings_of_rules(const struct orl_window_group *group)
     json_t *array = json_array();
     for (size_t i = 0; array && i < group->n_spans; i++) {
         const struct orl_shade_span *s = &group->spans[i];
-        array = append(array, json_pack("{s:[ii], s:f, s:f, s:o}", "months", (int)s->from_month,
-                                        (int)s->to_month, "from", s->from_h, "to", s->to_h, "state",
-                                        orl_json_from_text(group->states[s->state].name)));
+        array = orl_json_append(array, json_pack("{s:[ii], s:f, s:f, s:o}", "months",
+                                                 (int)s->from_month, (int)s->to_month, "from",
+                                                 s->from_h, "to", s->to_h, "state",
+                                                 orl_json_from_text(group->states[s->state].name)));
     }
     return array;
 }
@@ -334,12 +327,12 @@ json_t *orl_annual_shades_settings(const struct orl_annual_request *request)
     json_t *array = json_array();
     for (size_t g = 0; array && g < request->n_groups; g++) {
         const struct orl_window_group *group = &request->groups[g];
-        array = append(array, json_pack("{s:o, s:o, s:o, s:b, s:o, s:o}", "name",
-                                        orl_json_from_text(group->name), "windows",
-                                        names_to_json(group->windows, group->n_windows), "states",
-                                        settings_of_states(group), "schedule",
-                                        group->series != NULL, "rules", settings_of_rules(group),
-                                        "control", settings_of_control(group)));
+        array = orl_json_append(
+            array,
+            json_pack("{s:o, s:o, s:o, s:b, s:o, s:o}", "name", orl_json_from_text(group->name),
+                      "windows", names_to_json(group->windows, group->n_windows), "states",
+                      settings_of_states(group), "schedule", group->series != NULL, "rules",
+                      settings_of_rules(group), "control", settings_of_control(group)));
     }
     return array;
 }

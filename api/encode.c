@@ -61,3 +61,11 @@ char *orl_json_text(const json_t *value, size_t flags)
     free(text.bytes);
     return NULL;
 }
+
+json_t *orl_json_append(json_t *array, json_t *item)
+{
+    if (json_array_append_new(array, item) == 0)
+        return array;
+    json_decref(array);
+    return NULL;
+}

@@ -16,6 +16,9 @@ json_t *orl_json_from_text(const char *text);
 /* A number; null in place of an infinity or a NaN. */
 json_t *orl_json_from_real(double value);
 
+/* Adds to an array, and returns it; NULL, and it is freed, where that fails. Both are taken. */
+json_t *orl_json_append(json_t *array, json_t *item);
+
 /*
  * The value as text (free()), with jansson's flags; NULL when out of memory, or value is NULL. Use
  * it instead of json_dumps, which goes on behind a key that it had no memory for: such text is no

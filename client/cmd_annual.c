@@ -48,6 +48,27 @@ static void print_exposure(const struct orl_exposure_wish *wish,
     }
 }
 
+/* A line a point, and one a grid, as "minimum    view out by EN 17037, desk: 21.3 degrees, 12 m".
+ */
+static void print_views(const struct orl_view_out_wish *wish,
+                        const struct orl_annual_report *report)
+{
+    for (size_t i = 0; report->views && i < wish->n_points; i++) {
+        const struct orl_view_out *view = &report->views[i];
+        printf("%-10s view out by EN 17037, %s: %.4g degrees, %.4g m,%s%s%s\n",
+               orl_view_level_name(view->level), wish->points[i].name, view->sight_angle_deg,
+               view->distance_m, view->layers & ORL_VIEW_SKY ? " sky" : "",
+               view->layers & ORL_VIEW_LANDSCAPE ? " landscape" : "",
+               view->layers & ORL_VIEW_GROUND ? " ground" : "");
+    }
+    for (size_t g = 0; report->view_shares && g < report->n_grids; g++) {
+        const struct orl_view_shares *shares = &report->view_shares[g];
+        printf("%-10s view out by EN 17037, %s: %.4g %% minimum, %.4g %% medium, %.4g %% high\n",
+               orl_view_level_name(shares->level), report->grids[g].name, shares->percent[0],
+               shares->percent[1], shares->percent[2]);
+    }
+}
+
 static void print_reuse(const struct orl_annual_result *result)
 {
     if (!result->reuse.asked)
@@ -73,6 +94,7 @@ static void print_summary(const struct orl_annual_result *result,
     for (size_t i = 0; i < report->n_verdicts; i++)
         print_verdict(report, &report->verdicts[i]);
     print_exposure(&telling->job->wishes.exposure, report);
+    print_views(&telling->job->wishes.view_out, report);
     print_reuse(result);
     fprintf(stderr, "seconds:");
     for (int i = 0; i < ORL_ANNUAL_STAGES; i++)

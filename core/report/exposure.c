@@ -11,9 +11,7 @@ enum { MOST_PANES = 64, MOST_DAYS = 53, MINUTES = 24 * 60 };
 
 void orl_exposure_wish_done(struct orl_exposure_wish *wish)
 {
-    for (size_t i = 0; wish->points && i < wish->n_points; i++)
-        free(wish->points[i].name);
-    free(wish->points);
+    orl_named_places_free(wish->points, wish->n_points);
     *wish = (struct orl_exposure_wish){.points = NULL};
 }
 

@@ -298,6 +298,42 @@ int orl_annual_report_expose(const struct orl_annual_request *request,
     return orl_exposure_find(&wishes->exposure, &site, request, env, report->exposures, err);
 }
 
+/* Shares of a grid's area by level, of the views of its sensors. */
+static struct orl_view_shares share_views(const struct orl_annual_report *report, size_t grid,
+                                          const struct orl_view_out *views)
+{
+    static const double enough = 75 - 1e-9;
+    const struct orl_annual_grid *g = &report->grids[grid];
+    struct orl_view_shares shares = {.level = ORL_VIEW_NONE};
+    double all = 0, reached[3] = {0};
+    for (size_t i = g->first; i < g->first + g->count; i++) {
+        all += report->area[i];
+        for (unsigned level = 0; level < views[i].level; level++)
+            reached[level] += report->area[i];
+    }
+    for (int level = 0; level < 3; level++) {
+        shares.percent[level] = all > 0 ? 100 * reached[level] / all : 0;
+        shares.level += shares.percent[level] >= enough;
+    }
+    return shares;
+}
+
+int orl_annual_report_view(const struct orl_annual_wishes *wishes, struct orl_view_out *views,
+                           size_t n_views, struct orl_annual_report *report, struct orl_error *err)
+{
+    const size_t n_points = wishes->view_out.n_points;
+    report->views = views;
+    report->n_views = n_views;
+    if (n_views == n_points)
+        return 0;
+    report->view_shares = calloc(report->n_grids + 1, sizeof *report->view_shares);
+    if (!report->view_shares)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t g = 0; g < report->n_grids; g++)
+        report->view_shares[g] = share_views(report, g, views + n_points);
+    return 0;
+}
+
 void orl_annual_report_done(struct orl_annual_report *report)
 {
     if (!report)
@@ -316,5 +352,7 @@ void orl_annual_report_done(struct orl_annual_report *report)
     free(report->areas);
     free(report->verdicts);
     free(report->exposures);
+    free(report->views);
+    free(report->view_shares);
     *report = (struct orl_annual_report){.n_grids = 0};
 }

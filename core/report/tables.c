@@ -149,3 +149,42 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
     }
     return orl_out_close(&file, 0, err);
 }
+
+/* ---- Views out ------------------------------------------------------------------------------- */
+
+static void put_view(FILE *stream, const char *grid, const char *name, struct orl_vec3 at,
+                     const struct orl_view_out *view)
+{
+    put_field(stream, grid);
+    fputc(',', stream);
+    put_field(stream, name);
+    fprintf(stream, ",%.9g,%.9g,%.9g", at.x, at.y, at.z);
+    put_number(stream, view->sight_angle_deg);
+    put_number(stream, view->distance_m);
+    fprintf(stream, ",%d,%d,%d,%s\n", (view->layers & ORL_VIEW_SKY) != 0,
+            (view->layers & ORL_VIEW_LANDSCAPE) != 0, (view->layers & ORL_VIEW_GROUND) != 0,
+            orl_view_level_name(view->level));
+}
+
+int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wishes,
+                            const struct orl_annual_report *report,
+                            const struct orl_sensor *sensors, struct orl_error *err)
+{
+    const struct orl_view_out_wish *wish = &wishes->view_out;
+    struct orl_out_file file = {.stream = NULL};
+    const int code = orl_out_open(&file, path, err);
+    if (code < 0)
+        return code;
+    fputs("grid,point,x,y,z,sight_angle_deg,distance_m,sky,landscape,ground,level\n", file.stream);
+    for (size_t i = 0; i < wish->n_points; i++)
+        put_view(file.stream, "", wish->points[i].name, wish->points[i].at, &report->views[i]);
+    for (size_t g = 0; report->view_shares && g < report->n_grids; g++) {
+        const struct orl_annual_grid *grid = &report->grids[g];
+        for (size_t i = grid->first; i < grid->first + grid->count; i++) {
+            struct orl_vec3 at = sensors[i].position;
+            at.z += wish->above_sensors;
+            put_view(file.stream, grid->name, "", at, &report->views[wish->n_points + i]);
+        }
+    }
+    return orl_out_close(&file, 0, err);
+}

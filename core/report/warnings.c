@@ -33,6 +33,14 @@ static int warn(const struct warning *w, const char *format, ...)
     return 0;
 }
 
+static bool sees_out(const struct orl_annual_report *report)
+{
+    size_t i = 0;
+    while (i < report->n_views && report->views[i].layers == 0)
+        i++;
+    return i < report->n_views;
+}
+
 int orl_annual_report_warn(const struct orl_annual_report *report, struct orl_annual_result *result,
                            void (*warned)(void *ctx, const char *warning), void *ctx,
                            struct orl_error *err)
@@ -50,5 +58,9 @@ int orl_annual_report_warn(const struct orl_annual_report *report, struct orl_an
     if (code == 0 && report->n_unlit > 0)
         code = warn(&w, "no light ever reaches %zu sensors: are they inside of something?",
                     report->n_unlit);
+    if (code == 0 && report->views && !sees_out(report))
+        code =
+            warn(&w, "no place sees out: openings are panes of glass, or those that the view out "
+                     "names, of a building that is closed");
     return code;
 }

@@ -22,6 +22,7 @@ int orl_annual_wishes_init(struct orl_annual_wishes *wishes)
 {
     *wishes = (struct orl_annual_wishes){.n_metrics = 0};
     orl_occupancy_init(&wishes->occupancy);
+    orl_view_out_wish_init(&wishes->view_out);
     wishes->metrics = malloc(sizeof usual_metrics);
     if (!wishes->metrics)
         return ORL_ERR_NOMEM;
@@ -41,5 +42,6 @@ void orl_annual_wishes_done(struct orl_annual_wishes *wishes)
     free(wishes->grid_area);
     free(wishes->until);
     orl_exposure_wish_done(&wishes->exposure);
+    orl_view_out_wish_done(&wishes->view_out);
     *wishes = (struct orl_annual_wishes){.n_metrics = 0};
 }

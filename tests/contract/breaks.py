@@ -86,7 +86,8 @@ def jobs(lit, dark):
            "occupancy": {"from": 9, "to": 17, "days": ["mon", "tue"], "first_day": "sun"},
            "metrics": ["DA300", "UDI100-3000"], "targets": ["sDA300/50 of a >= 50 %"],
            "rules": ["LEED"], "accuracy": {"verdict": "sDA >= 1 %"}, "formats": ["ill"], "median_diffuse": 14200,
-           "exposure": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "least_altitude": 10}}
+           "exposure": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "least_altitude": 10},
+           "view_out": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "above_sensors": 0.4, "openings": ["pane"], "ground": ["pane"]}}
     yield {**year, "sensors": {"file": "s.txt"}, "occupancy": {"file": "u.csv"}}
     shut = {"name": "shut", "files": ["s.txt"], "material": "grey", "dark": False}
     shade = {"windows": ["pane"], "states": [{"name": "open"}, shut]}

@@ -321,6 +321,7 @@ def years(daemon):
             "targets": ["sDA300/50 >= 1 %"], "rules": ["EN 17037"],
             "accuracy": {"verdict": "DA300 >= 50 %"}, "formats": ["honeybee", "ill"],
             "exposure": {"points": [{"at": [1, 1, 1.5]}]},
+            "view_out": {"points": [{"at": [1, 1, 1.5]}], "above_sensors": 0.4},
             "shades": [{"name": "wall", "windows": ["pane"], "control": {"by": "LM-83"},
                         "states": [{"name": "open"}, {"name": "shut", "dark": True}]}]}
     path = daemon.submit(year)

@@ -32,6 +32,8 @@ static const char good[] =
     " {\"name\": \"b\", \"dark\": true}], \"schedule\": [0, 1, 1]}],"
     " \"exposure\": {\"points\": [{\"name\": \"w\", \"at\": [1, 2, 3]}, {\"at\": [4, 5, 6]}],"
     " \"least_altitude\": 11},"
+    " \"view_out\": {\"points\": [{\"at\": [7, 8, 9]}], \"above_sensors\": 0.4,"
+    " \"openings\": [\"clear\"], \"ground\": [\"lawn\", \"path\"]},"
     " \"median_diffuse\": 14200, \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 "
     "of desks >= 70 %\"}}";
 
@@ -62,6 +64,12 @@ static void test_a_whole_document(void **state)
     assert_string_equal(job.wishes.exposure.points[1].name, "point2");
     assert_true(job.wishes.exposure.points[1].at.y == 5);
     assert_true(job.wishes.exposure.least_altitude_deg == 11);
+    assert_int_equal(job.wishes.view_out.n_points, 1);
+    assert_string_equal(job.wishes.view_out.points[0].name, "point1");
+    assert_true(job.wishes.view_out.points[0].at.z == 9);
+    assert_true(job.wishes.view_out.above_sensors == 0.4);
+    assert_string_equal(job.wishes.view_out.openings[0], "clear");
+    assert_string_equal(job.wishes.view_out.ground[1], "path");
     assert_int_equal(job.request.seed, 7);
     assert_int_equal(job.request.n_grids, 2);
     assert_string_equal(job.request.grids[0].name, "desks");
@@ -215,6 +223,9 @@ static void test_mistakes_are_named(void **state)
         {"14200", "0", "median_diffuse"},
         {"[4, 5, 6]", "[4, 5]", "exposure.points[1].at"},
         {"\"least_altitude\": 11", "\"least_altitude\": 91", "exposure.least_altitude"},
+        {"[7, 8, 9]", "[7, 8, true]", "view_out.points[0].at"},
+        {"\"points\": [{\"at\": [7, 8, 9]}], \"above_sensors\": 0.4,", "", "view_out"},
+        {"[\"clear\"]", "[]", "view_out.openings"},
         {"{\"verdict\": \"DA500 of desks >= 70 %\"}", "{}", "accuracy.verdict"},
         {">= 70 %", "about 70 %", "accuracy.verdict"},
         {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", "grids"},

@@ -49,7 +49,7 @@ static struct orl_exposure expose(const struct site *site)
         .crew = orl_crew_start(2), .files = &files, .cancel = &cancel, .now_s = no_clock};
     const struct orl_annual_request request = {
         .scene_files = scene_names, .n_scene_files = 1, .north_deg = site->north_deg};
-    struct orl_exposure_point point = {point_name, {0, 0, 0}};
+    struct orl_named_place point = {point_name, {0, 0, 0}};
     const struct orl_exposure_wish wish = {&point, 1, site->least_altitude_deg};
     const struct orl_exposure_site place = {site->latitude_deg, 27.14, 2};
     struct orl_exposure exposure = {0};

@@ -57,7 +57,8 @@
  * BREEAM  Hea 01, illuminance averages: the mean over a room, and its darkest point, reach so many
  * lux in so many hours of the year, of all 8760. mean illuminance, cumulative illuminance (lx h),
  * hours at or above, hours of direct sunlight above a threshold (0 lx: any of the disc is seen; EN
- * 17037's exposure to sunlight is another matter, of the site: oriel/sun_exposure.h).
+ * 17037's exposure to sunlight and its view out are other matters: oriel/sun_exposure.h,
+ * view_out.h).
  *
  * Units: lux, hours, percent. Threads: any; arguments are borrowed and read. Errors: those of
  * error.h. What is not finite in the arrays is the caller's fault.

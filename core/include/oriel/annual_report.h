@@ -14,6 +14,7 @@
 #include <oriel/annual_metrics.h>
 #include <oriel/canvas.h>
 #include <oriel/sun_exposure.h>
+#include <oriel/view_out.h>
 
 /* ---- The year -------------------------------------------------------------------------------- */
 
@@ -87,6 +88,7 @@ struct orl_annual_wishes {
     double *grid_area;        /* of each grid, any unit; NULL: sensors stand for equal areas */
     struct orl_annual_target *until; /* what accuracy is wanted for (below); NULL: none */
     struct orl_exposure_wish exposure;
+    struct orl_view_out_wish view_out;
 };
 /* LM-83's hours; DA300, cDA300, UDI in its parts, hours of direct light above 1000 lx, and mean
  * illuminance; no targets. ORL_ERR_NOMEM. */
@@ -109,6 +111,12 @@ struct orl_annual_verdict {
     enum orl_verdict verdict;
 };
 
+/* Of a grid's area, what has a view out of minimum, medium and high level, or better. */
+struct orl_view_shares {
+    double percent[3];
+    enum orl_view_level level; /* that 75 % reach */
+};
+
 struct orl_annual_report {
     struct orl_annual_year year;
     unsigned char *marks;                             /* of each step: in use and measured */
@@ -129,6 +137,9 @@ struct orl_annual_report {
     size_t n_unlit;                 /* sensors that no light ever reaches: inside of something? */
     struct orl_exposure *exposures; /* of each point; NULL: not asked for, or not found yet */
     size_t n_exposures;
+    struct orl_view_out *views; /* of points, then of sensors; NULL: not asked for, or not yet */
+    size_t n_views;
+    struct orl_view_shares *view_shares; /* of each grid; NULL: not of sensors */
 };
 
 /* files: of the occupancy file, else not asked. Of a result that holds its arrays. ORL_ERR_INVALID
@@ -148,6 +159,10 @@ int orl_annual_report_expose(const struct orl_annual_request *request,
                              const struct orl_annual_result *result,
                              const struct orl_annual_wishes *wishes, const struct orl_run_env *env,
                              struct orl_annual_report *report, struct orl_error *err);
+/* Adds views out, as they were found (oriel/view_out.h), which it takes over, and their shares of
+ * grids. ORL_ERR_NOMEM. */
+int orl_annual_report_view(const struct orl_annual_wishes *wishes, struct orl_view_out *views,
+                           size_t n_views, struct orl_annual_report *report, struct orl_error *err);
 void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
 
 /* Adds to the result's warnings what the report shows: hours that are not there, or doubtful, and
@@ -264,6 +279,11 @@ int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *rep
 int orl_annual_hours_csv(const char *path, const struct orl_annual_request *request,
                          const struct orl_annual_report *report,
                          const struct orl_annual_result *result, struct orl_error *err);
+
+/* A line a point, then a line a sensor, of those that views out are told of. */
+int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wishes,
+                            const struct orl_annual_report *report,
+                            const struct orl_sensor *sensors, struct orl_error *err);
 
 /* A grid's name as a file's. */
 void orl_annual_file_name(const char *grid, char *ret_name, size_t size);

@@ -19,20 +19,12 @@
 #ifndef ORIEL_SUN_EXPOSURE_H
 #define ORIEL_SUN_EXPOSURE_H
 
-#include <stddef.h>
-
-#include <oriel/error.h>
-#include <oriel/vec.h>
+#include <oriel/place.h>
 
 enum { ORL_EXPOSURE_MOST_POINTS = 4096 };
 
-struct orl_exposure_point {
-    char *name; /* owned */
-    struct orl_vec3 at;
-};
-
 struct orl_exposure_wish {
-    struct orl_exposure_point *points; /* owned; none: exposure is not asked for */
+    struct orl_named_place *points; /* owned; none: exposure is not asked for */
     size_t n_points;
     double least_altitude_deg; /* 0..90 */
 };

@@ -1,0 +1,19 @@
+/*
+ * Named places in a document:
+ *
+ *     [{"name": "living room" (by default "point" and its number), "at": [x, y, z]}, ...]
+ */
+#ifndef ORL_API_PLACES_JSON_H
+#define ORL_API_PLACES_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/place.h>
+
+/* A decoder of members.h's lists; into: a struct orl_named_place. */
+int orl_place_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
+
+/* Names for those without one. ORL_ERR_NOMEM. */
+int orl_places_name(struct orl_named_place *places, size_t n, struct orl_error *err);
+
+#endif

@@ -1,0 +1,23 @@
+/* A place with a name, that something is told of. */
+#ifndef ORIEL_PLACE_H
+#define ORIEL_PLACE_H
+
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <oriel/error.h>
+#include <oriel/vec.h>
+
+struct orl_named_place {
+    char *name; /* owned */
+    struct orl_vec3 at;
+};
+
+static inline void orl_named_places_free(struct orl_named_place *places, size_t n)
+{
+    for (size_t i = 0; places && i < n; i++)
+        free(places[i].name);
+    free(places);
+}
+
+#endif

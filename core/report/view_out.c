@@ -1,0 +1,382 @@
+/* View out: what is seen from places by openings, how wide and how far, by rays. */
+#include <oriel/view_out.h>
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <oriel/annual.h>
+#include <oriel/units.h>
+
+#include "base/kth.h"
+#include "report/open_scene.h"
+#include "report/openings.h"
+
+enum { COLUMNS = 1440, ROWS = 180, MOST_PANES = 64 };
+#define COLUMN_DEG (360.0 / COLUMNS)
+static const double own = 1;              /* m from the pane: what is the window's own */
+static const double least_slanting = 0.1; /* of the pane's normal, that is not level */
+
+void orl_view_out_wish_init(struct orl_view_out_wish *wish)
+{
+    *wish = (struct orl_view_out_wish){.above_sensors = NAN};
+}
+
+bool orl_view_out_is_wished(const struct orl_view_out_wish *wish)
+{
+    return wish->n_points > 0 || !isnan(wish->above_sensors);
+}
+
+static void free_names(char **names, size_t n)
+{
+    for (size_t i = 0; names && i < n; i++)
+        free(names[i]);
+    free(names);
+}
+
+void orl_view_out_wish_done(struct orl_view_out_wish *wish)
+{
+    orl_named_places_free(wish->points, wish->n_points);
+    free_names(wish->openings, wish->n_openings);
+    free_names(wish->ground, wish->n_ground);
+    orl_view_out_wish_init(wish);
+}
+
+const char *orl_view_level_name(enum orl_view_level level)
+{
+    static const char *const names[] = {"none", "minimum", "medium", "high"};
+    return names[level];
+}
+
+/* ---- Levels ---------------------------------------------------------------------------------- */
+
+static enum orl_view_level level_by_layers(unsigned layers)
+{
+    if (!(layers & ORL_VIEW_LANDSCAPE))
+        return ORL_VIEW_NONE;
+    return ORL_VIEW_MINIMUM + ((layers & ORL_VIEW_SKY) != 0) + ((layers & ORL_VIEW_GROUND) != 0);
+}
+
+static enum orl_view_level level_by_number(double value, const double least[3])
+{
+    return (value >= least[0]) + (value >= least[1]) + (value >= least[2]);
+}
+
+enum orl_view_level orl_view_out_level(const struct orl_view_out *view)
+{
+    static const double angles[3] = {14, 28, 54}, distances[3] = {6, 20, 50};
+    const enum orl_view_level of[3] = {level_by_number(view->sight_angle_deg, angles),
+                                       level_by_number(view->distance_m, distances),
+                                       level_by_layers(view->layers)};
+    const enum orl_view_level lower = of[0] < of[1] ? of[0] : of[1];
+    return lower < of[2] ? lower : of[2];
+}
+
+/* ---- A ray ----------------------------------------------------------------------------------- */
+
+struct seen {
+    unsigned char layer; /* 0: no view */
+    uint32_t opening;
+    float distance_m; /* level; INFINITY: of sky and ground */
+};
+
+/* Level, along the normal of the pane; of roof lights as the crow flies. */
+static double level_distance(struct orl_vec3 way, struct orl_vec3 outward)
+{
+    const double slant = hypot(outward.x, outward.y);
+    return slant < least_slanting ? hypot(way.x, way.y)
+                                  : (way.x * outward.x + way.y * outward.y) / slant;
+}
+
+/* A ray on its way; outside, once it has passed an opening. */
+struct look {
+    struct seen seen;
+    bool outside;
+    struct orl_vec3 pane, outward; /* where it did */
+};
+
+static void pass_opening(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+{
+    const int32_t port = o->scene->port_of_facet[hit->facet];
+    look->outside = true;
+    look->pane = hit->point;
+    look->outward = o->scene->ports[port].outward;
+    look->seen.opening = o->of_port[port];
+}
+
+/* What is met outside, and does not let through. */
+static void meet(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+{
+    const struct orl_vec3 way = orl_sub(hit->point, look->pane);
+    if (orl_length(way) < own)
+        return;
+    const bool ground = o->ground[hit->facet] && orl_hit_facing(hit).z > 0;
+    look->seen.layer = ground ? ORL_VIEW_GROUND : ORL_VIEW_LANDSCAPE;
+    look->seen.distance_m = ground ? INFINITY : (float)fmax(0, level_distance(way, look->outward));
+}
+
+/* False: it ends here. */
+static bool pass(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+{
+    const enum orl_crossing crossing =
+        o->clear[hit->facet] ? orl_scene_crossing(o->scene, hit) : ORL_CROSSING_NONE;
+    if (o->clear[hit->facet] && crossing != ORL_CROSSING_INWARDS) {
+        if (crossing == ORL_CROSSING_OUTWARDS && !look->outside)
+            pass_opening(look, o, hit);
+        return true;
+    }
+    if (look->outside)
+        meet(look, o, hit);
+    return false;
+}
+
+static struct seen look_along(const struct orl_openings *o, struct orl_vec3 origin,
+                              struct orl_vec3 direction)
+{
+    const struct orl_geometry *geometry = o->scene->geometry;
+    struct look look = {.seen = {.distance_m = INFINITY}};
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(geometry, origin, direction, INFINITY, &hit)) {
+            if (look.outside)
+                look.seen.layer = direction.z > 0 ? ORL_VIEW_SKY : ORL_VIEW_GROUND;
+            return look.seen;
+        }
+        if (!pass(&look, o, &hit))
+            return look.seen;
+        origin = orl_hit_leave(geometry, &hit, direction);
+    }
+    return look.seen;
+}
+
+/* ---- Where openings are ---------------------------------------------------------------------- */
+
+/* Rows of each column that an opening may be in: none where first > last. */
+struct extent {
+    short first[COLUMNS], last[COLUMNS];
+};
+
+static double distance_to_edge(struct orl_vec3 a, struct orl_vec3 b)
+{
+    const double x = b.x - a.x, y = b.y - a.y, square = x * x + y * y;
+    double t = square > 0 ? -(a.x * x + a.y * y) / square : 0;
+    t = fmin(1, fmax(0, t));
+    return hypot(a.x + t * x, a.y + t * y);
+}
+
+static double turn(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
+static bool is_overhead(const struct orl_vec3 c[3])
+{
+    const double t[3] = {turn(c[0], c[1]), turn(c[1], c[2]), turn(c[2], c[0])};
+    return (t[0] >= 0 && t[1] >= 0 && t[2] >= 0) || (t[0] <= 0 && t[1] <= 0 && t[2] <= 0);
+}
+
+static int row_at(double height, double nearest, double farthest, bool upper)
+{
+    const double distance = (height > 0) == upper ? nearest : farthest;
+    const double altitude = atan2(height, distance) / ORL_DEG_TO_RAD;
+    return (int)fmin(ROWS - 1, fmax(0, floor(altitude + 90)));
+}
+
+static void mark_columns(struct extent *extent, double from, double to, int first, int last)
+{
+    const int low = (int)floor(from / COLUMN_DEG), high = (int)floor(to / COLUMN_DEG);
+    for (int i = low; i <= high && i < low + COLUMNS; i++) {
+        const int c = (i % COLUMNS + COLUMNS) % COLUMNS;
+        extent->first[c] = (short)(first < extent->first[c] ? first : extent->first[c]);
+        extent->last[c] = (short)(last > extent->last[c] ? last : extent->last[c]);
+    }
+}
+
+/* Corners from the eye. A triangle seen from beside spans less than half of the round. */
+static void mark_triangle(struct extent *extent, const struct orl_vec3 c[3])
+{
+    const double nearest = fmin(distance_to_edge(c[0], c[1]),
+                                fmin(distance_to_edge(c[1], c[2]), distance_to_edge(c[2], c[0])));
+    const double farthest =
+        fmax(hypot(c[0].x, c[0].y), fmax(hypot(c[1].x, c[1].y), hypot(c[2].x, c[2].y)));
+    const double low = fmin(c[0].z, fmin(c[1].z, c[2].z)),
+                 high = fmax(c[0].z, fmax(c[1].z, c[2].z));
+    if (is_overhead(c)) {
+        mark_columns(extent, 0, 360 - COLUMN_DEG / 2, row_at(low, 0, farthest, false),
+                     row_at(high, 0, farthest, true));
+        return;
+    }
+    const double middle = atan2(c[0].y, c[0].x) / ORL_DEG_TO_RAD;
+    double from = 0, to = 0;
+    for (int i = 1; i < 3; i++) {
+        const double beside = remainder(atan2(c[i].y, c[i].x) / ORL_DEG_TO_RAD - middle, 360);
+        from = fmin(from, beside);
+        to = fmax(to, beside);
+    }
+    mark_columns(extent, middle + from, middle + to, row_at(low, nearest, farthest, false),
+                 row_at(high, nearest, farthest, true));
+}
+
+static void find_extent(const struct orl_openings *o, struct orl_vec3 eye, struct extent *extent)
+{
+    const struct orl_geometry *g = o->scene->geometry;
+    for (int c = 0; c < COLUMNS; c++) {
+        extent->first[c] = ROWS;
+        extent->last[c] = -1;
+    }
+    for (size_t p = 0; p < o->scene->n_ports; p++) {
+        const uint32_t facet = o->scene->ports[p].facet;
+        const struct orl_facet *f = &g->facets[facet];
+        for (uint32_t t = f->first_triangle;
+             o->clear[facet] && t < f->first_triangle + f->n_triangles; t++) {
+            const struct orl_vec3 corners[3] = {orl_sub(g->triangles[t].a, eye),
+                                                orl_sub(g->triangles[t].b, eye),
+                                                orl_sub(g->triangles[t].c, eye)};
+            mark_triangle(extent, corners);
+        }
+    }
+}
+
+/* ---- A place --------------------------------------------------------------------------------- */
+
+struct finder {
+    const struct orl_view_out_wish *wish;
+    const struct orl_sensor *sensors;
+    struct orl_openings openings;
+    struct scratch *scratch; /* of each member of the crew */
+    struct orl_view_out *views;
+};
+
+struct scratch {
+    struct seen seen[COLUMNS][ROWS];
+    struct extent extent;
+    unsigned char *layers; /* of each opening; owned */
+    double distances[COLUMNS];
+};
+
+static void look_around(const struct orl_openings *o, struct orl_vec3 eye, struct scratch *s)
+{
+    find_extent(o, eye, &s->extent);
+    for (int c = 0; c < COLUMNS; c++) {
+        const double azimuth = (c + 0.5) * COLUMN_DEG * ORL_DEG_TO_RAD;
+        for (int r = s->extent.first[c]; r <= s->extent.last[c]; r++) {
+            const double altitude = (r + 0.5 - 90) * ORL_DEG_TO_RAD;
+            s->seen[c][r] = look_along(
+                o, eye,
+                orl_v3(cos(altitude) * cos(azimuth), cos(altitude) * sin(azimuth), sin(altitude)));
+        }
+    }
+}
+
+/* The horizon is where sky stands on ground. */
+static void gather_layers(const struct orl_openings *o, struct scratch *s)
+{
+    memset(s->layers, 0, o->count);
+    for (int c = 0; c < COLUMNS; c++)
+        for (int r = s->extent.first[c]; r <= s->extent.last[c]; r++) {
+            const struct seen *seen = &s->seen[c][r];
+            if (seen->layer == 0)
+                continue;
+            s->layers[seen->opening] |= seen->layer;
+            if (seen->layer == ORL_VIEW_GROUND && r < s->extent.last[c] &&
+                seen[1].layer == ORL_VIEW_SKY && seen[1].opening == seen->opening)
+                s->layers[seen->opening] |= ORL_VIEW_LANDSCAPE;
+        }
+}
+
+/* The ray of a column nearest to the horizontal, of those above it the lower one first. */
+static const struct seen *find_level(const struct scratch *s, int c)
+{
+    for (int k = 0; k < ROWS; k++) {
+        const int r = k % 2 == 0 ? ROWS / 2 + k / 2 : ROWS / 2 - 1 - k / 2;
+        const struct seen *seen = &s->seen[c][r];
+        if (r >= s->extent.first[c] && r <= s->extent.last[c] && seen->layer != 0 &&
+            s->layers[seen->opening] & ORL_VIEW_LANDSCAPE)
+            return seen;
+    }
+    return NULL;
+}
+
+static struct orl_view_out measure(const struct orl_openings *o, struct scratch *s)
+{
+    struct orl_view_out view = {0};
+    size_t n = 0;
+    for (int c = 0; c < COLUMNS; c++) {
+        const struct seen *seen = find_level(s, c);
+        if (seen)
+            s->distances[n++] = seen->distance_m;
+    }
+    for (size_t i = 0; i < o->count; i++)
+        if (level_by_layers(s->layers[i]) > level_by_layers(view.layers) || view.layers == 0)
+            view.layers = s->layers[i];
+    view.sight_angle_deg = (double)n * COLUMN_DEG;
+    view.distance_m = n > 0 ? orl_find_kth(s->distances, n, n / 2) : 0;
+    view.level = orl_view_out_level(&view);
+    return view;
+}
+
+static void view_from(void *arg, size_t index, uint32_t member)
+{
+    const struct finder *f = arg;
+    struct scratch *s = &f->scratch[member];
+    struct orl_vec3 at;
+    if (index < f->wish->n_points)
+        at = f->wish->points[index].at;
+    else {
+        at = f->sensors[index - f->wish->n_points].position;
+        at.z += f->wish->above_sensors;
+    }
+    look_around(&f->openings, orl_sub(at, f->openings.scene->geometry->center), s);
+    gather_layers(&f->openings, s);
+    f->views[index] = measure(&f->openings, s);
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+static int find_all(struct finder *f, size_t n, const struct orl_run_env *env,
+                    struct orl_error *err)
+{
+    const uint32_t members = orl_crew_size(env->crew);
+    int code = 0;
+    f->scratch = calloc(members, sizeof *f->scratch);
+    for (uint32_t i = 0; f->scratch && i < members && code == 0; i++) {
+        f->scratch[i].layers = calloc(f->openings.count + 1, 1);
+        code = f->scratch[i].layers ? 0 : ORL_ERR_NOMEM;
+    }
+    if (!f->scratch || code < 0)
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_crew_heed(env->crew, env->cancel);
+    if (code == 0 && orl_crew_try(env->crew, n, view_from, f) < 0)
+        code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+    orl_crew_heed(env->crew, NULL);
+    for (uint32_t i = 0; f->scratch && i < members; i++)
+        free(f->scratch[i].layers);
+    free(f->scratch);
+    return code;
+}
+
+size_t orl_view_out_places(const struct orl_view_out_wish *wish,
+                           const struct orl_annual_request *request)
+{
+    return wish->n_points + (isnan(wish->above_sensors) ? 0 : request->n_sensors);
+}
+
+int orl_view_out_find(const struct orl_view_out_wish *wish,
+                      const struct orl_annual_request *request, const struct orl_run_env *env,
+                      struct orl_view_out *ret_views, struct orl_error *err)
+{
+    struct orl_scene *scene = NULL;
+    struct finder finder = {.wish = wish, .sensors = request->sensors, .views = ret_views};
+    const size_t n = orl_view_out_places(wish, request);
+    if (n > ORL_VIEW_OUT_MOST_PLACES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu places to see out from are more than %d", n,
+                             ORL_VIEW_OUT_MOST_PLACES);
+    int code = orl_open_scene(request, env, &scene, err);
+    if (code == 0)
+        code = orl_openings_find(wish, scene, env->cancel, &finder.openings, err);
+    if (code == 0)
+        code = find_all(&finder, n, env, err);
+    orl_openings_done(&finder.openings);
+    orl_scene_release(scene);
+    return code;
+}
