@@ -5,44 +5,27 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/phrase.h"
 #include "light/sky.h"
 #include "scene/generate/generate.h"
 
 /* ---- The words of the command that would give the same sky ---- */
 
-enum { MOST_WORDS = 32, WORD_BYTES = 40 };
-
-struct command {
-    char text[MOST_WORDS][WORD_BYTES];
-    const char *words[MOST_WORDS];
-    size_t count;
-};
-
-static void add_word(struct command *command, const char *word)
-{
-    snprintf(command->text[command->count], WORD_BYTES, "%s", word);
-    command->words[command->count] = command->text[command->count];
-    command->count++;
-}
-
 /* Every double comes back from 17 digits as it was. */
-static void add_number(struct command *command, double value)
+static void add_number(struct orl_phrase *command, double value)
 {
-    char word[WORD_BYTES];
-    snprintf(word, sizeof word, "%.17g", value);
-    add_word(command, word);
+    orl_phrase_add(command, "%.17g", value);
 }
 
-static void add_option(struct command *command, const char *option, double value)
+static void add_option(struct orl_phrase *command, const char *option, double value)
 {
-    add_word(command, option);
+    orl_phrase_add(command, "%s", option);
     add_number(command, value);
 }
 
 /* Time and site, or the sun's place; where a sky needs neither, any place does. */
-static void add_when(struct command *command, const struct orl_sky_request *request)
+static void add_when(struct orl_phrase *command, const struct orl_sky_request *request)
 {
-    char hour[WORD_BYTES];
     if (!request->time_given) {
         add_option(command, "-ang", request->sun_given ? request->sun_altitude_deg : 45.0);
         add_number(command, request->sun_given ? request->sun_azimuth_deg : 0.0);
@@ -50,8 +33,7 @@ static void add_when(struct command *command, const struct orl_sky_request *requ
     }
     add_number(command, request->month);
     add_number(command, request->day);
-    snprintf(hour, sizeof hour, "%.12f", request->hour); /* gensky takes no exponent here */
-    add_word(command, hour);
+    orl_phrase_add(command, "%.12f", request->hour); /* gensky takes no exponent here */
     add_option(command, "-a", request->latitude_deg);
     add_option(command, "-o", -request->longitude_deg);
     add_option(command, "-m", -15.0 * request->time_zone_h);
@@ -65,8 +47,8 @@ static int find_perez(const struct orl_sky_request *request, struct orl_text *te
                                           [ORL_SKY_HORIZONTAL_W] = "-G",
                                           [ORL_SKY_GLOBAL_W] = "-E",
                                           [ORL_SKY_INDICES] = "-P"};
-    struct command command = {.count = 0};
-    add_word(&command, "gendaylit");
+    struct orl_phrase command = {.count = 0};
+    orl_phrase_add(&command, "gendaylit");
     add_when(&command, request);
     add_option(&command, "-g", request->ground_reflectance);
     add_option(&command, options[request->input], request->first);
@@ -90,10 +72,10 @@ static int find_cie(const struct orl_sky_request *request, struct orl_text *text
                                         [ORL_SKY_UNIFORM] = "-u",
                                         [ORL_SKY_INTERMEDIATE] = "+i"};
     static const double gensky_disc_deg = 0.5;
-    struct command command = {.count = 0};
-    add_word(&command, "gensky");
+    struct orl_phrase command = {.count = 0};
+    orl_phrase_add(&command, "gensky");
     add_when(&command, request);
-    add_word(&command, types[request->cie_type]);
+    orl_phrase_add(&command, "%s", types[request->cie_type]);
     add_option(&command, "-g", request->ground_reflectance);
     add_option(&command, "-t", request->turbidity);
     if (request->input != ORL_SKY_TYPICAL)

@@ -4,12 +4,13 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/phrase.h"
 #include "scene/generate/solids.h"
 
 /* Angles and lengths below this are none, as the program has it. */
 static const double tiny = 1e-6;
 
-enum { CORNERS_MAX = 6, WORDS_MAX = 12, WORD_BYTES = 40 };
+enum { CORNERS_MAX = 6 };
 
 /* ---- The command ----------------------------------------------------------------------------- */
 
@@ -137,43 +138,25 @@ static bool find_axes(const struct orl_vec3 *corners, size_t n, struct orl_vec3 
     return same(x.from, y.from);
 }
 
-/* The words of an xform command, numbers in six decimals. */
-struct phrase {
-    char text[WORDS_MAX][WORD_BYTES];
-    const char *words[WORDS_MAX];
-    size_t n;
-};
+/* ---- The words of an xform command, numbers in six decimals ---- */
 
-static void say(struct phrase *phrase, const char *word)
-{
-    snprintf(phrase->text[phrase->n], WORD_BYTES, "%s", word);
-    phrase->words[phrase->n] = phrase->text[phrase->n];
-    phrase->n++;
-}
-
-static void say_number(struct phrase *phrase, double number)
-{
-    char text[WORD_BYTES];
-    snprintf(text, sizeof text, "%f", number);
-    say(phrase, text);
-}
-
-static void say_turn(struct phrase *phrase, const char *axis, double angle_rad)
+static void say_turn(struct orl_phrase *phrase, const char *axis, double angle_rad)
 {
     if (fabs(angle_rad) <= tiny)
         return;
-    say(phrase, axis);
-    say_number(phrase, angle_rad * (180.0 / ORL_PI));
+    orl_phrase_add(phrase, "%s", axis);
+    orl_phrase_add(phrase, "%f", angle_rad * (180.0 / ORL_PI));
 }
 
 /* The turns that take the axes of the scene to these. */
-static void say_axes(struct phrase *phrase, struct orl_vec3 x, struct orl_vec3 y, struct orl_vec3 z)
+static void say_axes(struct orl_phrase *phrase, struct orl_vec3 x, struct orl_vec3 y,
+                     struct orl_vec3 z)
 {
     if (y.z * y.z + z.z * z.z < 2 * tiny * tiny) {
-        say(phrase, "-ry");
-        say_number(phrase, x.z < 0 ? 90 : -90);
-        say(phrase, "-rz");
-        say_number(phrase, -atan2(y.x, y.y) * (180.0 / ORL_PI));
+        orl_phrase_add(phrase, "-ry");
+        orl_phrase_add(phrase, "%f", x.z < 0 ? 90.0 : -90.0);
+        orl_phrase_add(phrase, "-rz");
+        orl_phrase_add(phrase, "%f", -atan2(y.x, y.y) * (180.0 / ORL_PI));
         return;
     }
     say_turn(phrase, "-rx", atan2(y.z, z.z));
@@ -211,7 +194,7 @@ int orl_marker_place(struct orl_parser *parser, const struct orl_scope *scope, d
                      struct orl_xform *ret_xform, struct orl_error *err)
 {
     struct orl_vec3 corners[CORNERS_MAX], origin, x, y;
-    struct phrase phrase = {.n = 0};
+    struct orl_phrase phrase = {.count = 0};
     size_t n = 0, used = 0;
     int code = read_corners(parser, scope, corners, &n, err);
     if (code < 0)
@@ -225,14 +208,14 @@ int orl_marker_place(struct orl_parser *parser, const struct orl_scope *scope, d
     x = orl_scale(x, 1 / length);
     const struct orl_vec3 z = orl_normalize(up);
     if (scale > 0) {
-        say(&phrase, "-s");
-        say_number(&phrase, length * scale);
+        orl_phrase_add(&phrase, "-s");
+        orl_phrase_add(&phrase, "%f", length * scale);
     }
     say_axes(&phrase, x, orl_cross(z, x), z);
-    say(&phrase, "-t");
-    say_number(&phrase, origin.x);
-    say_number(&phrase, origin.y);
-    say_number(&phrase, origin.z);
-    code = orl_xform_read(phrase.words, phrase.n, ret_xform, &used, err);
+    orl_phrase_add(&phrase, "-t");
+    orl_phrase_add(&phrase, "%f", origin.x);
+    orl_phrase_add(&phrase, "%f", origin.y);
+    orl_phrase_add(&phrase, "%f", origin.z);
+    code = orl_xform_read(phrase.words, phrase.count, ret_xform, &used, err);
     return code < 0 ? orl_parser_fail(parser, scope, err, code, "its size is out of range") : 0;
 }
