@@ -87,7 +87,7 @@ static bool is_colourless(const struct orl_material *m)
     case ORL_MATERIAL_BSDF:
         return is_gray_panel(m);
     case ORL_MATERIAL_GLASS:
-        return is_gray(m->transmissivity);
+        return is_gray(m->transmissivity) && !(m->pattern && m->pattern->coloured);
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_MIRROR:

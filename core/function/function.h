@@ -90,6 +90,8 @@ int orl_functions_load(struct orl_functions *functions, const struct orl_files *
 
 /* True when the context (or the global one) defines a function, not a variable, of that name. */
 bool orl_functions_has(const struct orl_functions *functions, int context, const char *name);
+/* How many arguments it takes, of the library's the fewest; 0: there is none. */
+uint32_t orl_functions_arity(const struct orl_functions *functions, int context, const char *name);
 
 /* ---- Programs ---------------------------------------------------------------------------------
  */

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/grow.h"
+#include "function/builtins.h"
 #include "function/definitions.h"
 #include "function/standard.h"
 
@@ -53,6 +54,20 @@ bool orl_functions_has(const struct orl_functions *functions, int context, const
     return orl_definitions_has(orl_definitions_find(functions, context, name, length), true) ||
            orl_definitions_has(orl_definitions_find(functions, ORL_FUNCTION_GLOBAL, name, length),
                                true);
+}
+
+uint32_t orl_functions_arity(const struct orl_functions *functions, int context, const char *name)
+{
+    const size_t length = strlen(name);
+    const int contexts[2] = {context, ORL_FUNCTION_GLOBAL};
+    for (int i = 0; i < 2; i++) {
+        const struct orl_definition *const definition =
+            orl_definitions_find(functions, contexts[i], name, length);
+        if (orl_definitions_has(definition, true))
+            return definition->function.n_parameters;
+    }
+    const int builtin = orl_builtin_named(name);
+    return builtin < 0 ? 0 : orl_builtins[builtin].least;
 }
 
 int orl_functions_define(struct orl_functions *functions, int context, const char *file, int line,

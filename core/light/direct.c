@@ -39,7 +39,8 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
 
 /* A point of an emitter as seen from the query, with the solid angle it stands for. */
 struct aim {
-    struct orl_vec3 light; /* unit, towards the point */
+    struct orl_vec3 light;  /* unit, towards the point */
+    struct orl_vec3 normal; /* there */
     double distance, measure_sr;
 };
 
@@ -59,6 +60,8 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
     /* As far as a sphere a little larger: a ray to the rim is a float, and must not meet it. */
     const double room = 2 * facet->radius[0] * (d * 0x1p-20 + facet->offset);
     ret_aim->distance = d * cosine - sqrt(fmax(0, r2 - d2 * sine * sine) + room);
+    ret_aim->normal =
+        orl_normalize(orl_sub(orl_madd(from, ret_aim->light, ret_aim->distance), facet->center[0]));
     ret_aim->measure_sr = 2 * ORL_PI * sine2 / (1 + least_cosine);
     return true;
 }
@@ -75,6 +78,7 @@ static bool aim_by_area(const struct orl_world *world, const struct orl_emitter 
     if (!(d > 0))
         return false;
     ret_aim->light = orl_scale(way, 1 / d);
+    ret_aim->normal = normal;
     ret_aim->distance = d;
     ret_aim->measure_sr = -orl_dot(ret_aim->light, normal) * facet->area / d2;
     return ret_aim->measure_sr > 0;
@@ -162,6 +166,20 @@ struct orl_chance orl_chance_after(const struct orl_world *world, const struct o
         orl_hit_leave(world->geometry, hit, scatter->direction)};
 }
 
+/* What a patterned emitter sends from where the ray goes; others: the same from everywhere. */
+static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
+                                  const struct orl_material *material, const struct aim *aim,
+                                  struct orl_vec3 from)
+{
+    if (!material->pattern)
+        return emitter->radiance;
+    const struct orl_hit hit = {.point = orl_madd(from, aim->light, aim->distance),
+                                .normal = aim->normal,
+                                .facet = emitter->facet,
+                                .front = true};
+    return orl_material_emission(material, &hit, orl_neg(aim->light));
+}
+
 static struct orl_rgb light_from_emitter(const struct orl_world *world,
                                          const struct orl_emitter *emitter,
                                          const struct orl_direct_query *query, const double u[2])
@@ -183,12 +201,12 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
                (aim_pdf(&aim) + lobe_pdf(query->lobes, query->hit, query->eye, aim.light));
     if (m->focus > 0)
         aim.measure_sr *= orl_spot_spread(m->focus, aim.distance);
+    const struct orl_rgb radiance = radiance_of(emitter, m, &aim, query->point);
     const double reach = aim.distance - 2 * facet->offset;
     const struct orl_rgb share =
         reach > 0 ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
                   : orl_gray(1);
-    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(emitter->radiance, seen), share),
-                         aim.measure_sr * left);
+    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(radiance, seen), share), aim.measure_sr * left);
 }
 
 /* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */

@@ -82,8 +82,9 @@ static void add_emitters(struct orl_lights *lights)
     const struct orl_scene *scene = lights->scene;
     for (size_t i = 0; i < scene->n_shining; i++) {
         const struct orl_material *m = orl_scene_material(scene, scene->shining[i]);
-        lights->emitters[lights->n_emitters++] = (struct orl_emitter){
-            scene->shining[i], orl_material_radiance_mean(m), orl_material_is_lamp(m)};
+        lights->emitters[lights->n_emitters++] =
+            (struct orl_emitter){scene->shining[i], orl_material_radiance_mean(m),
+                                 orl_material_radiance_most(m), orl_material_is_lamp(m)};
     }
 }
 

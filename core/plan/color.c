@@ -92,8 +92,10 @@ static void bleach(struct orl_world *world)
     }
     for (size_t i = 0; i < world->n_domes; i++)
         world->domes[i].radiance = gray_of(world->domes[i].radiance);
-    for (size_t i = 0; i < world->n_emitters; i++)
+    for (size_t i = 0; i < world->n_emitters; i++) {
         world->emitters[i].radiance = gray_of(world->emitters[i].radiance);
+        world->emitters[i].most = gray_of(world->emitters[i].most);
+    }
 }
 
 void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)

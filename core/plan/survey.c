@@ -57,7 +57,7 @@ void orl_survey_measure(struct orl_survey *survey)
     for (size_t i = 0; i < world->n_domes && !survey->sky_measured; i++)
         sky += ORL_PI * orl_survey_dome_peak(&world->domes[i]);
     for (size_t i = 0; i < world->n_emitters; i++)
-        lamp = fmax(lamp, ORL_PI * orl_luma(world->emitters[i].radiance));
+        lamp = fmax(lamp, ORL_PI * orl_luma(world->emitters[i].most));
     survey->sun_lx = ORL_EFFICACY_LM_PER_W * sun;
     if (world->n_domes == 0 || !survey->sky_measured)
         survey->sky_lx = ORL_EFFICACY_LM_PER_W * sky;

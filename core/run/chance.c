@@ -46,7 +46,7 @@ static double brightest_lamp(const struct orl_world *world)
     double most = 0;
     for (size_t i = 0; i < world->n_emitters; i++)
         if (world->emitters[i].direct)
-            most = fmax(most, orl_luma(world->emitters[i].radiance));
+            most = fmax(most, orl_luma(world->emitters[i].most));
     return most;
 }
 

@@ -26,6 +26,9 @@ void orl_description_done(struct orl_description *description)
     for (size_t i = 0; i < description->n_patterns; i++)
         orl_pattern_free(description->patterns[i]);
     free(description->patterns);
+    for (size_t i = 0; i < description->n_grids; i++)
+        orl_grid_free(description->grids[i]);
+    free(description->grids);
     free(description->materials);
     free(description->surfaces);
     free(description->opposed);

@@ -21,6 +21,7 @@
 #include <oriel/vec.h>
 
 struct orl_arena;
+struct orl_grid;
 struct orl_pattern;
 
 enum orl_material_kind {
@@ -67,7 +68,8 @@ struct orl_material {
     double cos_cone;                     /* spotlight: of the half angle */
     double focus;                        /* spotlight: how far behind the lamp its beam starts */
     int32_t seen_as;                     /* illum: material that views see, or orl_seen_as */
-    struct orl_pattern *pattern; /* plastic, metal: factor of color (material/pattern.h), or NULL */
+    struct orl_pattern *pattern; /* factor of color, of glass of what passes (material/pattern.h);
+                                    or NULL */
     int32_t sky;                 /* light, glow: index into skies that scales color, or -1 */
     uint32_t part; /* whose windows and shades have it, from 1 (swap.h); 0: no one's */
 };
@@ -134,8 +136,10 @@ struct orl_description {
     size_t n_skies;
     struct orl_pattern **patterns;
     size_t n_patterns;
+    struct orl_grid **grids; /* what patterns interpolate: each file once (grid/grid.h) */
+    size_t n_grids;
     size_t n_undefined; /* patterns that have no value somewhere (material/pattern.h) */
-    char **files; /* names of all files read, in order of first use */
+    char **files;       /* names of all files read, in order of first use */
     size_t n_files;
     size_t n_main;            /* the first n_main of them were named by the caller as scene text */
     size_t *first_surfaces;   /* of each name that the caller gave; in the arena */

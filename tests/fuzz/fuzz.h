@@ -28,6 +28,7 @@ bool fuzz_weather(const uint8_t *data, size_t size);
 bool fuzz_annual(const uint8_t *data, size_t size);
 bool fuzz_occupancy(const uint8_t *data, size_t size);
 bool fuzz_function(const uint8_t *data, size_t size);
+bool fuzz_grid(const uint8_t *data, size_t size);
 bool fuzz_hdr(const uint8_t *data, size_t size);
 bool fuzz_zip(const uint8_t *data, size_t size);
 bool fuzz_compiled(const uint8_t *data, size_t size);

@@ -97,6 +97,13 @@ static void test_map(void **state)
     repeat_trifles(fuzz_map);
 }
 
+static void test_grid(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/grid", fuzz_grid);
+    repeat_trifles(fuzz_grid);
+}
+
 static void test_hdr(void **state)
 {
     (void)state;
@@ -207,14 +214,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scene),     cmocka_unit_test(test_bsdf),
         cmocka_unit_test(test_job),       cmocka_unit_test(test_map),
-        cmocka_unit_test(test_hdr),       cmocka_unit_test(test_sensors),
-        cmocka_unit_test(test_function),  cmocka_unit_test(test_weather),
-        cmocka_unit_test(test_zip),       cmocka_unit_test(test_compiled),
-        cmocka_unit_test(test_framing),   cmocka_unit_test(test_multipart),
-        cmocka_unit_test(test_range),     cmocka_unit_test(test_route),
-        cmocka_unit_test(test_guard),     cmocka_unit_test(test_token),
-        cmocka_unit_test(test_view_file), cmocka_unit_test(test_annual),
-        cmocka_unit_test(test_occupancy),
+        cmocka_unit_test(test_grid),      cmocka_unit_test(test_hdr),
+        cmocka_unit_test(test_sensors),   cmocka_unit_test(test_function),
+        cmocka_unit_test(test_weather),   cmocka_unit_test(test_zip),
+        cmocka_unit_test(test_compiled),  cmocka_unit_test(test_framing),
+        cmocka_unit_test(test_multipart), cmocka_unit_test(test_range),
+        cmocka_unit_test(test_route),     cmocka_unit_test(test_guard),
+        cmocka_unit_test(test_token),     cmocka_unit_test(test_view_file),
+        cmocka_unit_test(test_annual),    cmocka_unit_test(test_occupancy),
     };
     if (sodium_init() < 0)
         return 1;

@@ -132,16 +132,19 @@ static const struct bad bad_scenes[] = {
     {"void brightfunc f 2 stripes stripes.cal 0 0", ORL_ERR_NOT_FOUND, 1, "brightfunc f",
      "stripes.cal"},
     {"void brightfunc f 2 stripes . 0 0", ORL_ERR_NOT_FOUND, 1, "brightfunc f", "'stripes'"},
-    {"void brightfunc f 2 Px*Rdot . 0 0", ORL_ERR_UNSUPPORTED, 1, "brightfunc f", "Rdot"},
+    {"void brightfunc f 2 Px*Ts . 0 0", ORL_ERR_UNSUPPORTED, 1, "brightfunc f", "Ts"},
     {"void brightfunc f 2 A2*Px . 0 1 7", ORL_ERR_RANGE, 1, "brightfunc f", "argument 2"},
     {"void brightfunc f 2 sin(Px . 0 0", ORL_ERR_SYNTAX, 1, "brightfunc f", "')'"},
     {"void colorfunc f 3 1 1 . 0 0", ORL_ERR_SYNTAX, 1, "colorfunc f", "three expressions"},
     {"void brightfunc f 3 Px . -q 0 0", ORL_ERR_SYNTAX, 1, "brightfunc f", "-q"},
-    {"void brightfunc f 2 Px . 0 0\nf glass g 0 0 3 1 1 1", ORL_ERR_UNSUPPORTED, 2, "glass g",
-     "plastic and metal"},
-    {"void brightfunc f 2 Px . 0 0\nf brightfunc g 2 Py . 0 0", ORL_ERR_UNSUPPORTED, 2,
-     "brightfunc g", "another"},
-    /* skies */
+    {"void brightfunc f 2 Px . 0 0\nf dielectric g 0 0 5 1 1 1 1.5 0", ORL_ERR_UNSUPPORTED, 2,
+     "dielectric g", "not simulated on dielectrics"},
+    {"void brightfunc f 2 Dx . 0 0\nf plastic g 0 0 5 1 1 1 0 0", ORL_ERR_UNSUPPORTED, 2,
+     "plastic g", "on what shines only"},
+    {"void brightfunc f 2 Px . 0 0\nf brightfunc g 2 skybr skybright.cal 0 3 2 1 1",
+     ORL_ERR_UNSUPPORTED, 2, "brightfunc g", "a pattern cannot modify a sky"},
+    {"void brightfunc f 2 Px . 0 0\nf glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180",
+     ORL_ERR_UNSUPPORTED, 3, "source s", "of distant light"},
     {"void brightfunc f 2 skybright perezlum.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f",
      "10"},
     {"void brightfunc f 2 skybr skybright.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f", "7"},
@@ -293,9 +296,9 @@ static void test_refusals_together(void **state)
 {
     static const char text[] = "void texfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
                                "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-                               "void colorpict cloth 7 r g b c.hdr . u v 0 0\n"
+                               "void colortext cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
                                "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
-                               "void colorpict paper 7 r g b p.hdr . u v 0 0\n"
+                               "void colortext paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
                                "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
                                "void prism1 film 5 a b c d e 0 0\n"
                                "film polygon q 0 0 9 0 0 0 1 0 0 0 1 0\n"
@@ -311,7 +314,7 @@ static void test_refusals_together(void **state)
     assert_string_equal(err.primitive, "texfunc bumps");
     assert_string_equal(err.message,
                         "not simulated: 1 x texfunc (first at a.rad:1), 1 x prism1 (first at "
-                        "a.rad:10), 1 x !gensurf (first at a.rad:14), 1 x colorpict (first at "
+                        "a.rad:10), 1 x !gensurf (first at a.rad:14), 1 x colortext (first at "
                         "a.rad:6), 1 x mesh (first at a.rad:16)");
     assert_non_null(strstr(err.hint, "texfunc: leave it out"));
     assert_non_null(strstr(err.hint, "mesh: include the polygons"));
@@ -383,7 +386,7 @@ static void test_refusals_unused(void **state)
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void alias coarse rough\n"
         "void BRTDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
-        "void brightfunc dirt 2 Px*Dx . 0 0\n"
+        "void brightfunc dirt 2 Px*T . 0 0\n"
         "dirt glow lamp 0 0 4 1 1 1 0\n"
         "void illum window 1 pane 0 3 1 1 1\n" RED;
     static const char *const users[] = {"coarse sphere", "pane sphere", "lamp sphere",

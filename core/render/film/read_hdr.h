@@ -1,13 +1,8 @@
 /*
- * Radiance pictures read: RGBE, flat or run-length encoded, by pixel (old) or by component (new).
+ * Radiance pictures read into films (base/rgbe.h).
  *
  * The header's EXPOSUREs and COLORCORRs are divided out, so that pixels are W/sr/m2 again. The last
- * VIEW line is the picture's. Any of the eight orders of scanlines is turned to ours: from the top
- * left, row by row; XYZE is refused.
- *
- * Bytes may be anybody's: sizes are bounded by limits.h before memory is asked for, and nothing is
- * read beyond the end. Reference: Ward, "Real Pixels", Graphics Gems II, 1991; Radiance's file
- * formats (filefmts).
+ * VIEW line is the picture's. XYZE is refused. Bytes may be anybody's.
  */
 #ifndef ORL_RENDER_FILM_READ_HDR_H
 #define ORL_RENDER_FILM_READ_HDR_H

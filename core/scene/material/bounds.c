@@ -58,5 +58,12 @@ bool orl_material_is_mirror(const struct orl_material *material)
 
 struct orl_rgb orl_material_radiance_mean(const struct orl_material *material)
 {
-    return material->color;
+    return material->pattern ? orl_rgb_mul(material->color, material->pattern->mean)
+                             : material->color;
+}
+
+struct orl_rgb orl_material_radiance_most(const struct orl_material *material)
+{
+    return material->pattern ? orl_rgb_mul(material->color, material->pattern->most)
+                             : material->color;
 }

@@ -23,7 +23,8 @@ double orl_material_lobes_most(const struct orl_material *material, bool front, 
 /* Whether anything is mirrored at any angle: what makes a flat surface show images of the sun. */
 bool orl_material_is_mirror(const struct orl_material *material);
 
-/* Of what shines: its radiance. */
+/* Of what shines: its radiance, on the whole (by the cosine where it depends on the direction). */
 struct orl_rgb orl_material_radiance_mean(const struct orl_material *material);
+struct orl_rgb orl_material_radiance_most(const struct orl_material *material);
 
 #endif

@@ -17,7 +17,14 @@ static inline struct orl_rgb orl_color_at(const struct orl_material *material,
     return material->color;
 }
 
-/* Of glass: of one pass at normal incidence. */
+/* Of glass: what its pattern leaves of the light that it lets through. */
+static inline struct orl_rgb orl_left_at(const struct orl_material *material,
+                                         const struct orl_hit *hit)
+{
+    return orl_patterned(orl_gray(1), orl_pattern_at(material->pattern, hit));
+}
+
+/* Of glass: of one pass at normal incidence, without its pattern. */
 static inline struct orl_rgb orl_transmissivity_at(const struct orl_material *material,
                                                    const struct orl_hit *hit)
 {

@@ -68,7 +68,8 @@ struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
                                        const struct orl_hit *hit, double cosine)
 {
     const struct pane pane = pane_at(material, hit, cosine);
-    return pane_share(&pane, pane_transmittance);
+    const struct orl_rgb through = pane_share(&pane, pane_transmittance);
+    return material->pattern ? orl_rgb_mul(through, orl_left_at(material, hit)) : through;
 }
 
 struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const struct orl_hit *hit,
@@ -83,8 +84,10 @@ struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[
     const struct pane pane =
         pane_at(draw->material, draw->hit, orl_dot(draw->from, draw->hit->normal));
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
-    const struct orl_rgb through =
+    struct orl_rgb through =
         draw->lobes & ORL_LOBE_TRANSMITTED ? pane_share(&pane, pane_transmittance) : orl_gray(0);
+    if (draw->material->pattern)
+        through = orl_rgb_mul(through, orl_left_at(draw->material, draw->hit));
     const struct orl_rgb back =
         draw->lobes & ORL_LOBE_REFLECTED ? pane_share(&pane, pane_reflectance) : orl_gray(0);
     const double t = orl_luma(through), r = orl_luma(back);

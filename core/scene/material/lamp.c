@@ -34,6 +34,9 @@ struct orl_rgb orl_material_emission(const struct orl_material *material, const 
                                      struct orl_vec3 towards)
 {
     const bool shines = orl_material_shines(material) && orl_dot(towards, hit->normal) > 0;
-    return shines && orl_material_beams(material, towards) ? orl_color_at(material, hit)
-                                                           : orl_gray(0);
+    if (!shines || !orl_material_beams(material, towards))
+        return orl_gray(0);
+    return material->pattern
+               ? orl_rgb_mul(material->color, orl_pattern_towards(material->pattern, hit, towards))
+               : material->color;
 }

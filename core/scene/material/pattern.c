@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "function/ray_names.h"
+#include "scene/material/hemisphere.h"
 
 enum { LANES = ORL_FUNCTION_LANES, PLACES = 1024, FEWEST = 64, ALL_PLACES = 1 << 22 };
 
@@ -13,6 +14,7 @@ void orl_pattern_free(struct orl_pattern *pattern)
     if (!pattern)
         return;
     orl_function_free(pattern->function);
+    orl_function_free(pattern->values);
     free(pattern);
 }
 
@@ -25,37 +27,78 @@ static struct orl_vec3 turned(const struct orl_pattern *pattern, struct orl_vec3
 /* Whether all of the function has a value at the hit; where it has none the colour stays. */
 enum worth { HAS_VALUE, HAS_NONE, TAKES_TOO_LONG };
 
-static enum worth factor_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
-                            struct orl_rgb *ret_factor)
+static void take(double *inputs, enum orl_ray_input first, struct orl_vec3 v)
 {
-    double inputs[ORL_RAY_INPUTS], values[3];
-    const struct orl_vec3 p =
-        orl_add(turned(pattern, orl_add(hit->point, pattern->center)), pattern->offset);
-    const struct orl_vec3 n = orl_scale(turned(pattern, orl_hit_facing(hit)), pattern->scale);
-    inputs[ORL_RAY_PX] = p.x;
-    inputs[ORL_RAY_PY] = p.y;
-    inputs[ORL_RAY_PZ] = p.z;
-    inputs[ORL_RAY_NX] = n.x;
-    inputs[ORL_RAY_NY] = n.y;
-    inputs[ORL_RAY_NZ] = n.z;
+    inputs[first] = v.x;
+    inputs[first + 1] = v.y;
+    inputs[first + 2] = v.z;
+}
+
+static enum worth run(const struct orl_function *function, const double *inputs, double *ret)
+{
     const struct orl_function_outcome outcome =
-        orl_function_at(pattern->function, orl_function_scratch_of_thread(), inputs, values);
-    if (!pattern->coloured)
-        values[1] = values[2] = values[0];
+        orl_function_at(function, orl_function_scratch_of_thread(), inputs, ret);
+    return outcome.exceeded ? TAKES_TOO_LONG : outcome.undefined ? HAS_NONE : HAS_VALUE;
+}
+
+/* What the grids hold at a place. */
+static void look_up(const struct orl_pattern *pattern, const double *place, double *ret_held)
+{
+    orl_grid_at(pattern->grids[0], place, ret_held);
+    for (uint32_t i = 1; i < pattern->n_grids; i++) {
+        double own[ORL_GRID_CHANNELS] = {ret_held[0]};
+        if (pattern->grids[i] != pattern->grids[0])
+            orl_grid_at(pattern->grids[i], place, own);
+        ret_held[i] = own[0];
+    }
+}
+
+/* Its own factor, without those under it. */
+static enum worth own_factor(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                             struct orl_vec3 towards, struct orl_rgb *ret_factor)
+{
+    double inputs[ORL_RAY_INPUTS], values[ORL_GRID_AXES];
+    const struct orl_vec3 facing = orl_hit_facing(hit);
+    take(inputs, ORL_RAY_PX,
+         orl_add(turned(pattern, orl_add(hit->point, pattern->center)), pattern->offset));
+    take(inputs, ORL_RAY_NX, orl_scale(turned(pattern, facing), pattern->scale));
+    take(inputs, ORL_RAY_DX, orl_scale(turned(pattern, towards), -pattern->scale));
+    inputs[ORL_RAY_RDOT] = orl_dot(towards, facing);
     *ret_factor = orl_gray(1);
-    if (outcome.exceeded)
-        return TAKES_TOO_LONG;
-    if (outcome.undefined || !isfinite(values[0]) || !isfinite(values[1]) || !isfinite(values[2]))
+    enum worth worth = run(pattern->function, inputs, values);
+    if (worth == HAS_VALUE && pattern->values) {
+        look_up(pattern, values, inputs + ORL_RAY_DATA);
+        worth = run(pattern->values, inputs, values);
+    }
+    if (worth != HAS_VALUE)
+        return worth;
+    if (!pattern->three)
+        values[1] = values[2] = values[0];
+    if (!isfinite(values[0]) || !isfinite(values[1]) || !isfinite(values[2]))
         return HAS_NONE;
     *ret_factor = (struct orl_rgb){fmax(values[0], 0), fmax(values[1], 0), fmax(values[2], 0)};
     return HAS_VALUE;
 }
 
-struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern, const struct orl_hit *hit)
+static enum worth factor_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                            struct orl_vec3 towards, struct orl_rgb *ret_factor)
+{
+    enum worth worth = own_factor(pattern, hit, towards, ret_factor);
+    for (const struct orl_pattern *p = pattern->under; p; p = p->under) {
+        struct orl_rgb factor;
+        const enum worth other = own_factor(p, hit, towards, &factor);
+        *ret_factor = orl_rgb_mul(*ret_factor, factor);
+        worth = other > worth ? other : worth;
+    }
+    return worth;
+}
+
+struct orl_rgb orl_pattern_towards(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                                   struct orl_vec3 towards)
 {
     struct orl_rgb factor = pattern->mean;
     if (!orl_hit_is_anywhere(hit))
-        factor_at(pattern, hit, &factor);
+        factor_at(pattern, hit, towards, &factor);
     return factor;
 }
 
@@ -115,7 +158,10 @@ static int evaluate(struct orl_pattern *pattern, const struct spread *spread, si
             passed += g->facets[spread->facets[at++]].area;
         hit.facet = spread->facets[at];
         orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
-        const enum worth worth = factor_at(pattern, &hit, &value);
+        const double round = 0.8191725133961645 * (double)k, down = 0.6710436067037893 * (double)k;
+        const struct orl_vec3 towards =
+            orl_hemisphere_about(hit.normal, down - floor(down), round - floor(round));
+        const enum worth worth = factor_at(pattern, &hit, towards, &value);
         if (worth == TAKES_TOO_LONG)
             return too_long(pattern, err);
         *ret_without += worth == HAS_NONE;
@@ -149,7 +195,7 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
     const size_t n = description->n_patterns;
     const size_t places = n > ALL_PLACES / PLACES ? FEWEST + ALL_PLACES / n : PLACES;
     size_t *const first = calloc(n + 3, sizeof *first);
-    uint32_t *const sorted = malloc((geometry->n_facets + 1) * sizeof *sorted);
+    uint32_t *const sorted = calloc(geometry->n_facets + 1, sizeof *sorted);
     int code = first && sorted ? 0 : ORL_ERR_NOMEM;
     if (code == 0)
         sort_facets(description, geometry, first, sorted);

@@ -1,14 +1,15 @@
 /*
- * Patterns of functions: factors of a reflector's colour that vary over its surface (brightfunc,
- * colorfunc). They are functions of the place and the normal alone; those that ask for the ray are
- * refused by the parser.
+ * Patterns: factors of a material's colour that vary over its surface, by functions (brightfunc,
+ * colorfunc), or by values on grids (brightdata, colordata, colorpict), of the place, the normal
+ * and, of what shines, the direction. A pattern may modify another: their factors multiply.
  *
- * What a pattern makes of a colour is from 0 to 1 in each channel: where Radiance would have a
- * surface return more than it gets, or less than nothing, it is cut to that. Where anything in a
- * function has no value (function.h), or it takes too long, the colour is left as it is.
+ * What a pattern makes of a reflector's colour is from 0 to 1 in each channel: where Radiance would
+ * have a surface return more than it gets, or less than nothing, it is cut to that. Where anything
+ * in a function has no value (function.h), or it takes too long, the colour is left as it is.
  *
  * Mean and most are found by evaluation at 1 024 places of even area, fewer where there are very
- * many patterns: what planners call a bound of a patterned surface is the most of these.
+ * many patterns, towards directions spread by the cosine: what planners call a bound of a patterned
+ * surface is the most of these.
  *
  * Frames: hits are in the geometry's moved coordinates, functions in their own. Ownership: a
  * description owns its patterns. Threads: immutable once settled; each thread has scratch of its
@@ -19,6 +20,7 @@
 
 #include "function/function.h"
 #include "scene/geometry/geometry.h"
+#include "scene/grid/grid.h"
 
 struct orl_pattern {
     const char *name; /* as errors have it: "brightfunc dirt" */
@@ -26,10 +28,16 @@ struct orl_pattern {
     int line;
     const unsigned char *key; /* what it was made of: two of the same are one */
     size_t key_size;
-    struct orl_function *function; /* owned; one expression, or red, green and blue */
-    bool coloured;
-    uint32_t index;         /* in the description */
-    struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
+    struct orl_function *function; /* owned; one factor, or three; of grids, the coordinates */
+    const struct orl_grid *grids[ORL_GRID_CHANNELS]; /* the description's */
+    uint32_t n_grids;                                /* 1 of a picture, with all channels */
+    struct orl_function *values;     /* owned; factors by what the grids hold; NULL without */
+    const struct orl_pattern *under; /* modifies this one; or NULL */
+    bool three;                      /* factors: one for each channel */
+    bool coloured;                   /* the same of it and all under it */
+    bool directed;                   /* it, or one under it, asks for the ray's direction */
+    uint32_t index;                  /* in the description */
+    struct orl_vec3 row[3];          /* from the files' coordinates to the function's */
     struct orl_vec3 offset;
     double scale;           /* lengths of the function's in units of the files' */
     struct orl_vec3 center; /* the geometry's */
@@ -38,8 +46,18 @@ struct orl_pattern {
 
 void orl_pattern_free(struct orl_pattern *pattern); /* NULL is allowed */
 
-/* Its factor at a hit; the mean at one that is anywhere. Not cut to anything but 0. */
-struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern, const struct orl_hit *hit);
+/*
+ * Its factor at a hit; the mean at one that is anywhere. Not cut to anything but 0. towards: unit,
+ * away from the surface, to whom the light goes.
+ */
+struct orl_rgb orl_pattern_towards(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                                   struct orl_vec3 towards);
+/* Of one that asks for no direction. */
+static inline struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern,
+                                            const struct orl_hit *hit)
+{
+    return orl_pattern_towards(pattern, hit, hit->normal);
+}
 
 /* A colour with a factor, cut as above. */
 static inline struct orl_rgb orl_patterned(struct orl_rgb color, struct orl_rgb factor)

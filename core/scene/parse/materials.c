@@ -1,11 +1,12 @@
 /*
  * Modifiers: materials, and aliases of them. A material's own modifier may be void, a sky, or, of
- * plastic and metal, a pattern; anything else is not simulated.
+ * most, a pattern; anything else is not simulated.
  * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
  */
 #include <string.h>
 
 #include "base/grow.h"
+#include "scene/material/pattern.h"
 #include "scene/parse/material_readers.h"
 
 struct material_type {
@@ -43,7 +44,7 @@ static const struct material_type *find_type(const char *name)
 
 bool orl_parser_is_modifier(const char *type)
 {
-    return find_type(type) || strcmp(type, "brightfunc") == 0 || strcmp(type, "colorfunc") == 0;
+    return find_type(type) || orl_parser_is_pattern(type);
 }
 
 /* ---- Definitions ----------------------------------------------------------------------------- */
@@ -223,16 +224,38 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
-/* Skies shine through light and glow only; patterns lie on plastic and metal. */
+/* What a pattern may lie on; and of what may depend on the direction there. */
+static bool is_patterned(enum orl_material_kind kind, bool directed)
+{
+    switch (kind) {
+    case ORL_MATERIAL_PLASTIC:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_GLASS:
+    case ORL_MATERIAL_MIRROR:
+        return !directed;
+    case ORL_MATERIAL_LIGHT:
+    case ORL_MATERIAL_GLOW:
+    case ORL_MATERIAL_SPOTLIGHT:
+    case ORL_MATERIAL_ILLUM:
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* Skies shine through light and glow only; patterns lie on what is no solid and no BSDF. */
 static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
                      const struct orl_material *material, struct orl_error *err)
 {
-    const bool lies =
-        material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL;
-    if (material->pattern && !lies) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "patterns are simulated on plastic and metal only: '%.200s' is one",
-                        parser->primitive.modifier);
+    if (material->pattern && !is_patterned(material->kind, material->pattern->directed)) {
+        orl_parser_fail(
+            parser, scope, err, ORL_ERR_UNSUPPORTED,
+            is_patterned(material->kind, false)
+                ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot) are "
+                  "simulated on what shines only: '%.200s' is one"
+                : "patterns are not simulated on dielectrics and BSDFs: '%.200s' is one",
+            parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;
     }
@@ -275,12 +298,13 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0)
         return code;
     if (!type) {
-        if (material.sky >= 0 || material.pattern)
+        const bool sky = orl_parser_is_sky(&parser->primitive);
+        if (material.sky >= 0 || (material.pattern && sky))
             return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                                   "a pattern cannot modify another");
-        if (orl_parser_is_sky(&parser->primitive))
+                                   "a pattern cannot modify a sky, nor a sky a pattern");
+        if (sky)
             return orl_parser_sky(parser, scope, parser->primitive.id, err);
-        code = orl_parser_pattern(parser, scope, err);
+        code = orl_parser_pattern(parser, scope, material.pattern, err);
         return orl_is_deferrable(code) ? put_off(parser, err) : code;
     }
     material.kind = type->kind;

@@ -27,7 +27,8 @@ struct orl_parser {
     struct orl_sources sources;
     struct orl_symbols symbols;
     struct orl_primitive primitive;
-    size_t surfaces_room, materials_room, distants_room, skies_room, patterns_room, warnings_room;
+    size_t surfaces_room, materials_room, distants_room, skies_room, patterns_room, grids_room,
+        warnings_room;
     struct orl_functions *functions; /* of all patterns; made when there is one */
     size_t text_bytes;               /* read so far, repeats included */
     size_t name_bytes;               /* of surfaces, kept so far */
@@ -72,9 +73,11 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
                      struct orl_error *err);
 bool orl_parser_is_modifier(const char *type);
 
-/* patterns.c: a brightfunc that is no sky, or a colorfunc. */
+/* patterns.c: a brightfunc that is no sky, a colorpict and the like; under: what modifies it, or
+ * NULL. */
+bool orl_parser_is_pattern(const char *type);
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_error *err);
+                       const struct orl_pattern *under, struct orl_error *err);
 
 /* skies.c: a brightfunc of a sky's file. */
 bool orl_parser_is_sky(const struct orl_primitive *primitive);

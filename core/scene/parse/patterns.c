@@ -1,126 +1,39 @@
 /*
- * Patterns of functions: brightfunc and colorfunc. Strings: one expression, or three, the function
- * file or '.', and the transform from the function's coordinates; numbers are arg(1) and on.
+ * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict. Strings: one function,
+ * or three; of grids, their files; the function file or '.'; of grids, an expression for each
+ * coordinate; and the transform from the function's coordinates. Numbers are arg(1) and on.
  * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.4.
  */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/grow.h"
 #include "function/ray_names.h"
-#include "scene/material/pattern.h"
-#include "scene/parse/parser.h"
+#include "scene/parse/pattern_programs.h"
 
-/* ---- Function files ---------------------------------------------------------------------------
- */
+struct pattern_type {
+    const char *name;
+    size_t n_functions, n_files; /* of factors; of grids */
+    bool picture;
+};
 
-/* The scene's files as a provider of function files: names are resolved, the source is known. */
-static int open_source(void *ctx, const char *name, struct orl_file *ret_file,
-                       struct orl_error *err)
+static const struct pattern_type pattern_types[] = {
+    {"brightfunc", 1, 0, false}, {"colorfunc", 3, 0, false}, {"brightdata", 1, 1, false},
+    {"colordata", 3, 3, false},  {"colorpict", 3, 1, true},
+};
+
+static const struct pattern_type *find_type(const char *name)
 {
-    struct orl_parser *const parser = ctx;
-    size_t index = 0;
-    const int code = orl_sources_find(&parser->sources, "", name, &index, err);
-    if (code == 0)
-        *ret_file = parser->sources.items[index].file;
-    return code;
+    for (size_t i = 0; i < sizeof pattern_types / sizeof *pattern_types; i++)
+        if (strcmp(pattern_types[i].name, name) == 0)
+            return pattern_types + i;
+    return NULL;
 }
 
-/* The context of the file that the primitive names. */
-static int load(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
-                int *ret_context, struct orl_error *err)
+bool orl_parser_is_pattern(const char *type)
 {
-    const struct orl_files files = {.ctx = parser, .open = open_source};
-    size_t index = 0;
-    *ret_context = ORL_FUNCTION_GLOBAL;
-    if (strcmp(name, ".") == 0)
-        return 0;
-    int code = orl_sources_find(&parser->sources, scope->folder, name, &index, err);
-    if (code == 0)
-        code = orl_functions_load(parser->functions, &files, parser->sources.items[index].name,
-                                  false, ret_context, err);
-    else if (code == ORL_ERR_NOT_FOUND)
-        code = orl_functions_load(parser->functions, NULL, name, false, ret_context, err);
-    return code;
-}
-
-/* ---- Programs ---------------------------------------------------------------------------------
- */
-
-/* The place of a pattern, from the transform to the world. */
-static void place_pattern(struct orl_pattern *pattern, const struct orl_xform *to_world)
-{
-    const struct orl_vec3 *const r = to_world->row;
-    const double square = to_world->scale * to_world->scale;
-    pattern->row[0] = orl_scale(orl_v3(r[0].x, r[1].x, r[2].x), 1 / square);
-    pattern->row[1] = orl_scale(orl_v3(r[0].y, r[1].y, r[2].y), 1 / square);
-    pattern->row[2] = orl_scale(orl_v3(r[0].z, r[1].z, r[2].z), 1 / square);
-    for (int i = 0; i < 3; i++)
-        (&pattern->offset.x)[i] = -orl_dot(pattern->row[i], to_world->offset);
-    pattern->scale = to_world->scale;
-}
-
-/* The world as the function sees it: the same everywhere. */
-static void fix_inputs(const struct orl_pattern *pattern, double ret_fixed[ORL_RAY_INPUTS])
-{
-    for (int i = 0; i < ORL_RAY_INPUTS; i++)
-        ret_fixed[i] = NAN;
-    ret_fixed[ORL_RAY_S] = 1 / pattern->scale;
-    ret_fixed[ORL_RAY_TX] = pattern->offset.x;
-    ret_fixed[ORL_RAY_TY] = pattern->offset.y;
-    ret_fixed[ORL_RAY_TZ] = pattern->offset.z;
-    for (int i = 0; i < 3; i++) {
-        ret_fixed[ORL_RAY_IX + i] = pattern->row[i].x * pattern->scale;
-        ret_fixed[ORL_RAY_JX + i] = pattern->row[i].y * pattern->scale;
-        ret_fixed[ORL_RAY_KX + i] = pattern->row[i].z * pattern->scale;
-    }
-}
-
-/* Patterns of the place and the normal are simulated; those of the ray are not. */
-static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope,
-                        const struct orl_function *function, struct orl_error *err)
-{
-    const uint64_t inputs = orl_function_inputs(function);
-    for (int i = 0; i < ORL_RAY_INPUTS; i++) {
-        if (!(inputs >> i & 1) || (i >= ORL_RAY_NX && i <= ORL_RAY_PZ))
-            continue;
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function asks for %s: patterns of the place (Px Py Pz) and the normal "
-                        "(Nx Ny Nz) alone are simulated",
-                        orl_function_ray_names[i]);
-        orl_error_hint(err, "leave what depends on the ray out of it");
-        return ORL_ERR_UNSUPPORTED;
-    }
-    return 0;
-}
-
-static int compile(struct orl_parser *parser, const struct orl_scope *scope,
-                   struct orl_pattern *pattern, size_t n, struct orl_error *err)
-{
-    const struct orl_primitive *const primitive = &parser->primitive;
-    double fixed[ORL_RAY_INPUTS];
-    const char *expressions[3];
-    struct orl_function_request request = {.expressions = expressions,
-                                           .n_expressions = n,
-                                           .arguments = primitive->reals,
-                                           .n_arguments = primitive->n_reals,
-                                           .fixed = fixed,
-                                           .file = scope->file,
-                                           .line = primitive->line};
-    for (size_t i = 0; i < n; i++)
-        expressions[i] = orl_primitive_string(primitive, i);
-    fix_inputs(pattern, fixed);
-    int code = load(parser, scope, orl_primitive_string(primitive, n), &request.context, err);
-    if (code == 0)
-        code = orl_function_compile(parser->functions, &request, &pattern->function, err);
-    if (code == 0)
-        return check_inputs(parser, scope, pattern->function, err);
-    const bool has_place = err->file[0] != '\0';
-    orl_error_at(err, has_place ? NULL : scope->file, has_place ? 0 : primitive->line,
-                 pattern->name);
-    return code;
+    return find_type(type) != NULL;
 }
 
 /* ---- Definitions ------------------------------------------------------------------------------
@@ -133,10 +46,19 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_primitive *const primitive = &parser->primitive;
     const size_t reals = primitive->n_reals * sizeof *primitive->reals;
     const size_t folder = strlen(scope->folder) + 1;
-    const double numbers[12] = {to_world->row[0].x, to_world->row[0].y, to_world->row[0].z,
-                                to_world->row[1].x, to_world->row[1].y, to_world->row[1].z,
-                                to_world->row[2].x, to_world->row[2].y, to_world->row[2].z,
-                                to_world->offset.x, to_world->offset.y, to_world->offset.z};
+    const double numbers[13] = {to_world->row[0].x,
+                                to_world->row[0].y,
+                                to_world->row[0].z,
+                                to_world->row[1].x,
+                                to_world->row[1].y,
+                                to_world->row[1].z,
+                                to_world->row[2].x,
+                                to_world->row[2].y,
+                                to_world->row[2].z,
+                                to_world->offset.x,
+                                to_world->offset.y,
+                                to_world->offset.z,
+                                pattern->under ? pattern->under->index + 1.0 : 0};
     size_t strings = 0;
     for (size_t i = 0; i < primitive->n_strings; i++)
         strings += strlen(orl_primitive_string(primitive, i)) + 1;
@@ -158,7 +80,7 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
         memcpy(at, orl_primitive_string(primitive, i), length);
         at += length;
     }
-    *at = pattern->coloured;
+    *at = (unsigned char)(pattern->n_grids << 1 | pattern->three); /* its type */
     return 0;
 }
 
@@ -197,42 +119,92 @@ static int begin(struct orl_parser *parser, const struct orl_scope *scope,
     return parser->functions && pattern->name ? 0 : ORL_ERR_NOMEM;
 }
 
-int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_error *err)
+/* The grids of the primitive's files; ret_axes: how many coordinates they take. */
+static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
+                      const struct pattern_type *type, struct orl_pattern *pattern,
+                      size_t *ret_axes, struct orl_error *err)
 {
-    const struct orl_primitive *const primitive = &parser->primitive;
-    const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, primitive->id);
-    const bool coloured = strcmp(primitive->type, "colorfunc") == 0;
-    const size_t n = coloured ? 3 : 1;
+    int code = 0;
+    *ret_axes = 0;
+    for (size_t i = 0; i < type->n_files && code == 0; i++) {
+        const char *const name = orl_primitive_string(&parser->primitive, type->n_functions + i);
+        code = orl_pattern_grid(parser, scope, name, type->picture, &pattern->grids[i], err);
+        if (code < 0)
+            return code;
+        if (i > 0 && pattern->grids[i]->n_axes != *ret_axes)
+            return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                                   "its data files have different numbers of axes");
+        *ret_axes = pattern->grids[i]->n_axes;
+    }
+    pattern->n_grids = (uint32_t)type->n_files;
+    return code;
+}
+
+/* One that was defined before and is the same, or NULL. */
+static const struct orl_symbol *find_same(const struct orl_parser *parser,
+                                          const struct orl_pattern *pattern)
+{
+    const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
+    return old && old->kind == ORL_SYMBOL_PATTERN &&
+                   same_pattern(parser->out->patterns[old->index], pattern)
+               ? old
+               : NULL;
+}
+
+/* Fills in the pattern; ret_same: there is no need of it. */
+static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope,
+                        const struct pattern_type *type, struct orl_pattern *pattern,
+                        const struct orl_symbol **ret_same, struct orl_error *err)
+{
+    const size_t file = type->n_functions + type->n_files;
     struct orl_xform to_world = orl_xform_identity;
-    if (primitive->n_strings < n + 1)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "%s takes %s and a function file ('.': none), and perhaps a "
-                               "transform; here are %zu string arguments",
-                               primitive->type, coloured ? "three expressions" : "an expression",
-                               primitive->n_strings);
-    int code = orl_parser_string_xform(parser, scope, n + 1, &to_world, err);
-    struct orl_pattern *const pattern = code == 0 ? calloc(1, sizeof *pattern) : NULL;
+    size_t axes = 0;
+    int code = find_grids(parser, scope, type, pattern, &axes, err);
     if (code < 0)
         return code;
-    if (!pattern)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    pattern->coloured = coloured;
-    place_pattern(pattern, &to_world);
-    code = begin(parser, scope, pattern);
+    if (parser->primitive.n_strings < file + 1 + axes)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "its %s takes %zu coordinates behind the function file",
+                               type->picture ? "picture" : "data", axes);
+    code = orl_parser_string_xform(parser, scope, file + 1 + axes, &to_world, err);
+    if (code == 0)
+        code = begin(parser, scope, pattern);
     if (code == 0)
         code = make_key(parser, scope, &to_world, pattern);
-    if (code == 0 && old && old->kind == ORL_SYMBOL_PATTERN &&
-        same_pattern(parser->out->patterns[old->index], pattern)) {
+    *ret_same = code == 0 ? find_same(parser, pattern) : NULL;
+    if (code < 0 || *ret_same)
+        return code;
+    code = orl_pattern_compile(parser, scope, pattern, &to_world,
+                               axes > 0 ? axes : type->n_functions, file, err);
+    pattern->coloured = pattern->three || (pattern->under && pattern->under->coloured);
+    pattern->directed = pattern->directed || (pattern->under && pattern->under->directed);
+    return code;
+}
+
+int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
+                       const struct orl_pattern *under, struct orl_error *err)
+{
+    const struct pattern_type *const type = find_type(parser->primitive.type);
+    const struct orl_symbol *same = NULL;
+    struct orl_pattern *pattern;
+    int code;
+    if (parser->primitive.n_strings < type->n_functions + type->n_files + 1)
+        return orl_parser_fail(
+            parser, scope, err, ORL_ERR_SYNTAX,
+            "%s takes %s%s and a function file ('.': none), and perhaps a "
+            "transform; here are %zu string arguments",
+            type->name, type->n_functions == 3 ? "three expressions" : "an expression",
+            type->n_files > 0 ? ", what to interpolate" : "", parser->primitive.n_strings);
+    pattern = calloc(1, sizeof *pattern);
+    if (!pattern)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    pattern->three = type->n_functions == 3;
+    pattern->under = under;
+    code = read_pattern(parser, scope, type, pattern, &same, err);
+    if (code < 0 || same)
         orl_pattern_free(pattern);
-        code = orl_symbols_set(&parser->symbols, *old);
-    } else {
-        if (code == 0)
-            code = compile(parser, scope, pattern, n, err);
-        if (code < 0)
-            orl_pattern_free(pattern);
-        else
-            code = define(parser, pattern, primitive->id);
-    }
+    if (code == 0)
+        code = same ? orl_symbols_set(&parser->symbols, *same)
+                    : define(parser, pattern, parser->primitive.id);
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }

@@ -1,0 +1,151 @@
+/*
+ * Data files: how many axes; of each its ends and how many points, or 0 0, how many, and where they
+ * lie; then the values, the last axis changing fastest. '#' begins a comment.
+ */
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "scene/grid/grid.h"
+
+struct reading {
+    const char *name;
+    const char *at, *end;
+    int line;
+    struct orl_grid *grid;
+};
+
+static int fail(const struct reading *r, int code, struct orl_error *err, const char *what)
+{
+    orl_error_set(err, code, "%s", what);
+    orl_error_at(err, r->name, r->line, NULL);
+    return code;
+}
+
+static bool is_space(char c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+/* The next word; of length 0 at the end. */
+static const char *next_word(struct reading *r, size_t *ret_length)
+{
+    for (; r->at < r->end && (is_space(*r->at) || *r->at == '#'); r->at++) {
+        if (*r->at == '#')
+            while (r->at + 1 < r->end && r->at[1] != '\n')
+                r->at++;
+        r->line += *r->at == '\n';
+    }
+    const char *const word = r->at;
+    while (r->at < r->end && !is_space(*r->at) && *r->at != '#')
+        r->at++;
+    *ret_length = (size_t)(r->at - word);
+    return word;
+}
+
+static int read_number(struct reading *r, double *ret_value, struct orl_error *err)
+{
+    size_t length;
+    const char *const word = next_word(r, &length);
+    if (length == 0)
+        return fail(r, ORL_ERR_SYNTAX, err, "the data file ends before its numbers do");
+    if (orl_number_read(word, length, ret_value) != ORL_NUMBER_OK)
+        return fail(r, ORL_ERR_SYNTAX, err, "here a number is expected");
+    return 0;
+}
+
+static int read_count(struct reading *r, int least, int most, int *ret_count, struct orl_error *err)
+{
+    size_t length;
+    const char *const word = next_word(r, &length);
+    if (orl_number_read_int(word, length, ret_count) != ORL_NUMBER_OK || *ret_count < least ||
+        *ret_count > most)
+        return fail(r, ORL_ERR_SYNTAX, err,
+                    least == 1 ? "a data file begins with the number of its axes, 1 to 5"
+                               : "here the number of an axis' points is expected, at least 2");
+    return 0;
+}
+
+/* Each number takes two bytes of the file: what is longer than it says is not worth memory. */
+static bool may_hold(const struct reading *r, size_t numbers)
+{
+    return numbers <= ORL_GRID_VALUES && numbers <= (size_t)(r->end - r->at) / 2 + 1;
+}
+
+static int read_places(struct reading *r, struct orl_grid_axis *axis, struct orl_error *err)
+{
+    int code = 0;
+    axis->places = malloc(axis->n * sizeof *axis->places);
+    if (!axis->places)
+        return fail(r, ORL_ERR_NOMEM, err, "out of memory for a data file");
+    for (uint32_t i = 0; i < axis->n && code == 0; i++)
+        code = read_number(r, &axis->places[i], err);
+    if (code < 0)
+        return code;
+    axis->origin = axis->places[0];
+    axis->size = axis->places[axis->n - 1] - axis->origin;
+    for (uint32_t i = 1; i < axis->n; i++)
+        if (!(axis->size > 0 ? axis->places[i] > axis->places[i - 1]
+                             : axis->places[i] < axis->places[i - 1]))
+            return fail(r, ORL_ERR_SYNTAX, err, "an axis' points are not in order");
+    return 0;
+}
+
+static int read_axis(struct reading *r, struct orl_grid_axis *axis, struct orl_error *err)
+{
+    double last = 0;
+    int n = 0, code = read_number(r, &axis->origin, err);
+    if (code == 0)
+        code = read_number(r, &last, err);
+    if (code == 0)
+        code = read_count(r, 2, INT32_MAX, &n, err);
+    if (code < 0)
+        return code;
+    axis->n = (uint32_t)n;
+    axis->size = last - axis->origin;
+    if (!may_hold(r, axis->n))
+        return fail(r, ORL_ERR_SYNTAX, err, "an axis has more points than the file has numbers");
+    return axis->size == 0 ? read_places(r, axis, err) : 0;
+}
+
+static int read_grid(struct reading *r, struct orl_error *err)
+{
+    struct orl_grid *const grid = r->grid;
+    int n_axes = 0, code = read_count(r, 1, ORL_GRID_AXES, &n_axes, err);
+    grid->n_values = grid->channels = 1;
+    for (int i = 0; code == 0 && i < n_axes; i++) {
+        code = read_axis(r, &grid->axes[grid->n_axes++], err);
+        grid->n_values *= code == 0 ? grid->axes[i].n : 1;
+        if (code == 0 && !may_hold(r, grid->n_values))
+            return fail(r, ORL_ERR_SYNTAX, err, "the axes' points are more than its numbers");
+    }
+    if (code < 0)
+        return code;
+    grid->values = malloc(grid->n_values * sizeof *grid->values);
+    if (!grid->values)
+        return fail(r, ORL_ERR_NOMEM, err, "out of memory for a data file");
+    for (size_t i = 0; code == 0 && i < grid->n_values; i++) {
+        double value = 0;
+        code = read_number(r, &value, err);
+        grid->values[i] = (float)value;
+        if (code == 0 && !(value >= -3e38 && value <= 3e38))
+            code = fail(r, ORL_ERR_SYNTAX, err, "a number is beyond measure");
+    }
+    return code;
+}
+
+int orl_grid_read_data(const char *name, const char *text, size_t size, struct orl_grid **ret_grid,
+                       struct orl_error *err)
+{
+    struct reading r = {.name = name, .at = text, .end = text + size, .line = 1};
+    r.grid = calloc(1, sizeof *r.grid);
+    if (!r.grid)
+        return fail(&r, ORL_ERR_NOMEM, err, "out of memory for a data file");
+    const int code = read_grid(&r, err);
+    if (code < 0)
+        orl_grid_free(r.grid);
+    else
+        *ret_grid = r.grid;
+    return code;
+}

@@ -1,0 +1,248 @@
+/*
+ * What patterns compute: their function files, the programs compiled over them, and the grids that
+ * they interpolate.
+ */
+#include "scene/parse/pattern_programs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/grow.h"
+#include "function/ray_names.h"
+
+/* ---- Function files ---------------------------------------------------------------------------
+ */
+
+/* The scene's files as a provider of function files: names are resolved, the source is known. */
+static int open_source(void *ctx, const char *name, struct orl_file *ret_file,
+                       struct orl_error *err)
+{
+    struct orl_parser *const parser = ctx;
+    size_t index = 0;
+    const int code = orl_sources_find(&parser->sources, "", name, &index, err);
+    if (code == 0)
+        *ret_file = parser->sources.items[index].file;
+    return code;
+}
+
+/* The context of the file that the primitive names. */
+static int load(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                int *ret_context, struct orl_error *err)
+{
+    const struct orl_files files = {.ctx = parser, .open = open_source};
+    size_t index = 0;
+    *ret_context = ORL_FUNCTION_GLOBAL;
+    if (strcmp(name, ".") == 0)
+        return 0;
+    int code = orl_sources_find(&parser->sources, scope->folder, name, &index, err);
+    if (code == 0)
+        code = orl_functions_load(parser->functions, &files, parser->sources.items[index].name,
+                                  false, ret_context, err);
+    else if (code == ORL_ERR_NOT_FOUND)
+        code = orl_functions_load(parser->functions, NULL, name, false, ret_context, err);
+    return code;
+}
+
+/* ---- Programs ---------------------------------------------------------------------------------
+ */
+
+/* The place of a pattern, from the transform to the world. */
+static void place_pattern(struct orl_pattern *pattern, const struct orl_xform *to_world)
+{
+    const struct orl_vec3 *const r = to_world->row;
+    const double square = to_world->scale * to_world->scale;
+    pattern->row[0] = orl_scale(orl_v3(r[0].x, r[1].x, r[2].x), 1 / square);
+    pattern->row[1] = orl_scale(orl_v3(r[0].y, r[1].y, r[2].y), 1 / square);
+    pattern->row[2] = orl_scale(orl_v3(r[0].z, r[1].z, r[2].z), 1 / square);
+    for (int i = 0; i < 3; i++)
+        (&pattern->offset.x)[i] = -orl_dot(pattern->row[i], to_world->offset);
+    pattern->scale = to_world->scale;
+}
+
+/* The world as the function sees it: the same everywhere. */
+static void fix_inputs(const struct orl_pattern *pattern, double ret_fixed[ORL_RAY_INPUTS])
+{
+    for (int i = 0; i < ORL_RAY_INPUTS; i++)
+        ret_fixed[i] = NAN;
+    ret_fixed[ORL_RAY_S] = 1 / pattern->scale;
+    ret_fixed[ORL_RAY_TX] = pattern->offset.x;
+    ret_fixed[ORL_RAY_TY] = pattern->offset.y;
+    ret_fixed[ORL_RAY_TZ] = pattern->offset.z;
+    for (int i = 0; i < 3; i++) {
+        ret_fixed[ORL_RAY_IX + i] = pattern->row[i].x * pattern->scale;
+        ret_fixed[ORL_RAY_JX + i] = pattern->row[i].y * pattern->scale;
+        ret_fixed[ORL_RAY_KX + i] = pattern->row[i].z * pattern->scale;
+    }
+}
+
+/* Patterns of the place, the normal and the direction are simulated; of what else there is none. */
+static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_pattern *pattern, const struct orl_function *function,
+                        struct orl_error *err)
+{
+    const uint64_t inputs = orl_function_inputs(function);
+    for (int i = 0; i < ORL_RAY_INPUTS; i++) {
+        const bool directed = i == ORL_RAY_RDOT || (i >= ORL_RAY_DX && i <= ORL_RAY_DZ);
+        const bool placed = i >= ORL_RAY_NX && i <= ORL_RAY_PZ;
+        const bool data = i >= ORL_RAY_DATA && i <= ORL_RAY_DATA_3 && function == pattern->values;
+        if (!(inputs >> i & 1) || placed || data)
+            continue;
+        pattern->directed = pattern->directed || directed;
+        if (directed)
+            continue;
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "its function asks for %s: patterns of the place (Px Py Pz) and the normal "
+                        "(Nx Ny Nz), and of what shines the direction, are simulated",
+                        orl_function_ray_names[i]);
+        orl_error_hint(err, "leave what depends on the ray's length and the like out of it");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    return 0;
+}
+
+/* One program of n expressions. */
+static int compile(struct orl_parser *parser, const struct orl_scope *scope,
+                   struct orl_pattern *pattern, int context, const char *const *expressions,
+                   size_t n, struct orl_function **ret_function, struct orl_error *err)
+{
+    const struct orl_primitive *const primitive = &parser->primitive;
+    double fixed[ORL_RAY_INPUTS];
+    const struct orl_function_request request = {.context = context,
+                                                 .expressions = expressions,
+                                                 .n_expressions = n,
+                                                 .arguments = primitive->reals,
+                                                 .n_arguments = primitive->n_reals,
+                                                 .fixed = fixed,
+                                                 .file = scope->file,
+                                                 .line = primitive->line};
+    fix_inputs(pattern, fixed);
+    const int code = orl_function_compile(parser->functions, &request, ret_function, err);
+    return code < 0 ? code : check_inputs(parser, scope, pattern, *ret_function, err);
+}
+
+/*
+ * The functions that make factors of what the grids hold: the first, and those that take three
+ * arguments, of all channels, the others of their own.
+ */
+static int compile_values(struct orl_parser *parser, const struct orl_scope *scope,
+                          struct orl_pattern *pattern, int context, struct orl_error *err)
+{
+    const size_t n = pattern->three ? ORL_GRID_CHANNELS : 1;
+    char *texts[ORL_GRID_CHANNELS] = {NULL};
+    int code = 0;
+    for (size_t i = 0; i < n && code == 0; i++) {
+        const char *const name = orl_primitive_string(&parser->primitive, i);
+        const char *const *const data = orl_function_ray_names + ORL_RAY_DATA;
+        const size_t room = strlen(name) + 64;
+        texts[i] = malloc(room);
+        if (!texts[i])
+            code = ORL_ERR_NOMEM;
+        else if (!pattern->three ||
+                 (i > 0 && orl_functions_arity(parser->functions, context, name) < n))
+            snprintf(texts[i], room, "%s(%s)", name, data[i]);
+        else
+            snprintf(texts[i], room, "%s(%s,%s,%s)", name, data[0], data[1], data[2]);
+    }
+    if (code == 0)
+        code = compile(parser, scope, pattern, context, (const char *const *)texts, n,
+                       &pattern->values, err);
+    for (size_t i = 0; i < n; i++)
+        free(texts[i]);
+    return code;
+}
+
+int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_pattern *pattern, const struct orl_xform *to_world, size_t n,
+                        size_t file, struct orl_error *err)
+{
+    const struct orl_primitive *const primitive = &parser->primitive;
+    const size_t first = pattern->n_grids > 0 ? file + 1 : 0;
+    const char *expressions[ORL_GRID_AXES];
+    int context = ORL_FUNCTION_GLOBAL;
+    place_pattern(pattern, to_world);
+    /* Of a picture the first coordinate is to the right, which is the grid's second axis. */
+    const bool picture = pattern->n_grids > 0 && pattern->grids[0]->channels > 1;
+    for (size_t i = 0; i < n; i++)
+        expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
+    int code = load(parser, scope, orl_primitive_string(primitive, file), &context, err);
+    if (code == 0)
+        code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
+    if (code == 0 && pattern->n_grids > 0)
+        code = compile_values(parser, scope, pattern, context, err);
+    if (code == 0 || code == ORL_ERR_NOMEM)
+        return code;
+    const bool has_place = err->file[0] != '\0';
+    orl_error_at(err, has_place ? NULL : scope->file, has_place ? 0 : primitive->line,
+                 pattern->name);
+    return code;
+}
+
+/* ---- Grids ------------------------------------------------------------------------------------
+ */
+
+/* Each file is read once, as what it is asked for first. */
+static struct orl_grid *find_grid(const struct orl_description *out, size_t source, bool picture)
+{
+    for (size_t i = 0; i < out->n_grids; i++)
+        if (out->grids[i]->source == source && (out->grids[i]->channels > 1) == picture)
+            return out->grids[i];
+    return NULL;
+}
+
+static size_t values_of(const struct orl_description *out)
+{
+    size_t values = 0;
+    for (size_t i = 0; i < out->n_grids; i++)
+        values += out->grids[i]->n_values;
+    return values;
+}
+
+static int read_grid(struct orl_parser *parser, size_t source, bool picture,
+                     struct orl_grid **ret_grid, struct orl_error *err)
+{
+    struct orl_description *const out = parser->out;
+    const struct orl_source *const s = &parser->sources.items[source];
+    struct orl_grid *grid = NULL;
+    int code = picture ? orl_grid_read_picture(s->name, s->file.data, s->file.size, &grid, err)
+                       : orl_grid_read_data(s->name, s->file.data, s->file.size, &grid, err);
+    if (code < 0)
+        return code;
+    if (grid->n_values > ORL_SCENE_GRID_VALUES - values_of(out)) {
+        orl_grid_free(grid);
+        code = orl_error_set(err, ORL_ERR_LIMIT,
+                             "the scene's pictures and data files hold more than %lu M numbers",
+                             ORL_SCENE_GRID_VALUES >> 20);
+        orl_error_at(err, s->name, 0, NULL);
+        return code;
+    }
+    if (!orl_grow(&out->grids, &parser->grids_room, out->n_grids, sizeof(struct orl_grid *))) {
+        orl_grid_free(grid);
+        return ORL_ERR_NOMEM;
+    }
+    grid->source = source;
+    out->grids[out->n_grids++] = grid;
+    *ret_grid = grid;
+    return 0;
+}
+
+int orl_pattern_grid(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                     bool picture, const struct orl_grid **ret_grid, struct orl_error *err)
+{
+    size_t source = 0;
+    int code = orl_sources_find(&parser->sources, scope->folder, name, &source, err);
+    struct orl_grid *grid = code == 0 ? find_grid(parser->out, source, picture) : NULL;
+    if (code == 0 && !grid)
+        code = read_grid(parser, source, picture, &grid, err);
+    if (code < 0 && code != ORL_ERR_NOMEM) {
+        char primitive[ORL_ERROR_NAME_MAX];
+        const bool has_place = err->file[0] != '\0';
+        snprintf(primitive, sizeof primitive, "%.40s %.200s", parser->primitive.type,
+                 parser->primitive.id);
+        orl_error_at(err, has_place ? NULL : scope->file, has_place ? 0 : parser->primitive.line,
+                     primitive);
+    }
+    *ret_grid = grid;
+    return code;
+}
