@@ -89,6 +89,8 @@ static void foresee(const struct orl_worth *worth, const uint64_t photons[ORL_SH
         f->known = f->known && (photons[k] == 0 || found);
         f->photons_s += f->seconds[k];
     }
+    const double rays = worth->rays[ORL_MAP_GLOBAL], ray_s = worth->emission_s[ORL_MAP_GLOBAL];
+    f->ray_s = rays > 0 && isfinite(ray_s) ? ray_s / rays : 0;
 }
 
 static void say_why(const struct orl_worth *worth, const struct orl_plan *plan, uint64_t asked,

@@ -3,7 +3,7 @@
 #include <math.h>
 
 /* From this part of a stage on its own progress is all that counts. */
-static const double known_from = 0.2;
+static const double known_from = 0.05;
 /* At the least so much of what a stage has taken is thought to be left of it, when it overruns. */
 static const double overrun = 0.1;
 /* What is trusted beside what was measured; bounds of the ratio. */
@@ -25,6 +25,19 @@ static double pace_of(const struct orl_ahead *a, double fraction)
     return fmin(fmax(spent / foreseen, least_pace), most_pace);
 }
 
+/* Of the stage, by its progress and its phase's. */
+static double by_progress(const struct orl_ahead *a, double fraction)
+{
+    const double done = (fraction - a->phase_from) / fmax(a->phase_to - a->phase_from, 1e-9);
+    const double of_stage = a->in_stage_s * (1 - fraction) / fraction;
+    if (!(a->phase_to > 0) || !(done > 0) || done > 1)
+        return of_stage;
+    const double of_phase = a->in_phase_s * (1 - done) / done;
+    const double after = (a->in_stage_s + of_phase) * (1 - a->phase_to) / a->phase_to;
+    const double weight = fmin(done / known_from, 1);
+    return (1 - weight) * of_stage + weight * (of_phase + after);
+}
+
 double orl_ahead_left_s(const struct orl_ahead *a)
 {
     const double fraction = fmin(fmax(a->fraction, 0), 1), pace = pace_of(a, fraction);
@@ -32,7 +45,7 @@ double orl_ahead_left_s(const struct orl_ahead *a)
     const double weight = fmin(fraction / known_from, 1);
     double left = fmax(foreseen - a->in_stage_s, overrun * a->in_stage_s);
     if (fraction > 0)
-        left = (1 - weight) * left + weight * a->in_stage_s * (1 - fraction) / fraction;
+        left = (1 - weight) * left + weight * by_progress(a, fraction);
     for (int i = (int)a->stage + 1; i < ORL_STAGE_COUNT; i++)
         left += pace * a->foreseen_s[i];
     return left;

@@ -36,11 +36,14 @@ void orl_rounds_foresee(struct orl_rounds *r)
     const double samples = r->samples, done = r->pace.samples + samples;
     state->after_s = 0;
     if (r->pace.rounds > 0) {
+        const double beside = r->pace.beside_s / r->pace.rounds; /* after its last progress */
         orl_pace_foresee(&r->pace, &r->work, samples, foreseen);
+        foreseen[ORL_STAGE_RENDER] -= beside;
+        state->after_s = beside;
         if (done < r->wanted)
-            state->after_s = r->planned > 0 ? (r->wanted - done) / samples *
-                                                  orl_pace_round_s(&r->pace, &r->work, samples)
-                                            : orl_pace_rest_s(&r->pace, &r->work, done, r->wanted);
+            state->after_s += r->planned > 0 ? (r->wanted - done) / samples *
+                                                   orl_pace_round_s(&r->pace, &r->work, samples)
+                                             : orl_pace_rest_s(&r->pace, &r->work, done, r->wanted);
         return;
     }
     const double share = r->planned > 0 ? 1.0 / r->planned : samples / ORL_DEFAULT_GATHER_SAMPLES;

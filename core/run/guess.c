@@ -10,6 +10,8 @@ static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, gather_us =
                     leaf_us = 0.9, path_us = 10, pixel_path_us = 15;
 /* Of a view by a final gather, beside its pixels. */
 static const double view_us = 3e5;
+/* Of a pixel in one file of a picture. */
+static const double write_us = 0.08;
 /* Of a pixel, by technique. */
 static const double pixel_us[] = {[ORL_TECHNIQUE_AUTO] = 20,
                                   [ORL_TECHNIQUE_DIRECT] = 20,
@@ -24,16 +26,31 @@ static double pixels_of(const struct orl_job *job)
     return pixels;
 }
 
-/* Microseconds of all views, and of all sensors, on one core. */
-static double views_us(const struct orl_run_state *state)
+/* Microseconds on one core that painting a pixel takes. */
+static double paint_us(const struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
     const double samples = job->pixel_samples ? job->pixel_samples : ORL_DEFAULT_PIXEL_SAMPLES;
     const enum orl_technique technique = state->result->plan.technique;
-    if (technique == ORL_TECHNIQUE_BACKWARD)
-        return pixels_of(job) * samples * pixel_path_us;
-    return pixels_of(job) * pixel_us[technique] +
-           (technique == ORL_TECHNIQUE_GATHER ? view_us * (double)job->n_views : 0);
+    return technique == ORL_TECHNIQUE_BACKWARD ? samples * pixel_path_us : pixel_us[technique];
+}
+
+/* And of all views, and of all sensors. */
+static double views_us(const struct orl_run_state *state)
+{
+    const struct orl_job *job = state->job;
+    const bool gathers = state->result->plan.technique == ORL_TECHNIQUE_GATHER;
+    return pixels_of(job) * paint_us(state) + (gathers ? view_us * (double)job->n_views : 0);
+}
+
+double orl_run_painting_share(const struct orl_run_state *state,
+                              const struct orl_view_request *view)
+{
+    double files = 4; /* HDR and PNG, and of errors */
+    for (uint32_t formats = view->formats; formats != 0; formats &= formats - 1)
+        files++;
+    const double painting = paint_us(state);
+    return state->take_film ? 1 : painting / (painting + files * write_us);
 }
 
 /* Of the map each part is read for the first time once: the more of it was, the fewer rays do. */
@@ -76,13 +93,24 @@ double orl_run_sensors_share(const struct orl_run_state *state)
     return all > 0 ? sensors / all : 1;
 }
 
+/* Of this machine in this scene, where a pilot has told, against what the costs above were found
+ * by: as the root, for gathering rays differ less from machine to machine than a short pilot's do.
+ */
+static double slowness(const struct orl_run_state *state)
+{
+    const struct orl_foresight *f = &state->result->plan.foresight;
+    const double usual_us = 0.28, least = 0.25, most = 4;
+    const double ray_us = 1e6 * f->ray_s * orl_crew_size(state->env->crew);
+    return f->known && ray_us > 0 ? sqrt(fmin(fmax(ray_us / usual_us, least), most)) : 1;
+}
+
 void orl_run_guess_costs(struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
     const bool planned = plan->technique != ORL_TECHNIQUE_AUTO;
     const double photons = planned ? (double)(plan->photons_global + plan->photons_caustic)
                                    : 2.0 * ORL_DEFAULT_PHOTONS;
-    const double crew = orl_crew_size(state->env->crew), us = 1e-6 / crew;
+    const double crew = orl_crew_size(state->env->crew), us = 1e-6 / crew * slowness(state);
     state->cost_s[ORL_STAGE_LOAD] = 0.2;
     state->cost_s[ORL_STAGE_BVH] = 0.05;
     state->cost_s[ORL_STAGE_PLAN] = 0.1;

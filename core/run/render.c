@@ -108,6 +108,7 @@ static int render_sensors(struct rendering *rendering, struct orl_error *err)
         return 0;
     }
     rendering->stride = orl_scatter_stride(n);
+    orl_run_phase(state, 0, rendering->share);
     for (rendering->first = 0; rendering->first < n; rendering->first += ROUND) {
         const size_t left = n - rendering->first, count = left < ROUND ? left : ROUND;
         orl_crew_for(state->env->crew, count, compute_sensor, rendering);
@@ -127,13 +128,20 @@ static int render_sensors(struct rendering *rendering, struct orl_error *err)
 /* Where one view stands among all that is rendered. */
 struct view_progress {
     const struct orl_run_state *state;
-    double before, share;
+    double before, share; /* of the stage; until it is painted */
 };
 
 static void view_progress(void *ctx, double fraction)
 {
     const struct view_progress *progress = ctx;
     orl_run_progress(progress->state, progress->before + progress->share * fraction);
+}
+
+static void view_phase(void *ctx, double from, double to)
+{
+    const struct view_progress *progress = ctx;
+    orl_run_phase(progress->state, progress->before + progress->share * from,
+                  progress->before + progress->share * to);
 }
 
 /* Where a picture goes when it is finished. */
@@ -161,6 +169,7 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
                                       .cancel = state->env->cancel,
                                       .index = index,
                                       .progress = view_progress,
+                                      .phase = view_phase,
                                       .ctx = progress};
     const double started = state->env->now_s(state->env->ctx);
     struct orl_film film = {0};
@@ -213,7 +222,8 @@ static int render_views(struct rendering *rendering, double before, struct orl_e
         all += pixels_of(&state->job->views[i]);
     for (size_t i = 0; i < n && code == 0; i++) {
         const double share = (1 - before) * pixels_of(&state->job->views[i]) / fmax(all, 1);
-        struct view_progress progress = {state, told, share};
+        const struct orl_view_request *view = &state->job->views[i];
+        struct view_progress progress = {state, told, share * orl_run_painting_share(state, view)};
         told += share;
         if (is_kept(state, i))
             continue;

@@ -199,7 +199,7 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
         keep_maps_apart(&env, &folder, &store);
     int code = orl_run_technique(&round, err);
     if (code == 0)
-        orl_run_enter(&round, ORL_STAGE_RENDER); /* books what is left of it */
+        orl_run_leave(&round);
     orl_run_release_maps(&round);
     state->emission = round.emission;
     take_spent(r, &result);

@@ -97,7 +97,7 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
                                   .only_plan = course->stages == prepare,
                                   .pilot = course->pilot};
     const double started = env->now_s(env->ctx);
-    struct orl_told told = {0, started};
+    struct orl_told told = {.at_s = started};
     int code;
     if (*scene)
         state.scene = orl_scene_hold(*scene);

@@ -10,8 +10,12 @@
 
 static double left_s(const struct orl_run_state *state, double fraction, double now)
 {
-    struct orl_ahead ahead = {
-        .stage = state->stage, .fraction = fraction, .in_stage_s = now - state->stage_started};
+    struct orl_ahead ahead = {.stage = state->stage,
+                              .fraction = fraction,
+                              .in_stage_s = now - state->stage_started,
+                              .phase_from = state->told->phase_from,
+                              .phase_to = state->told->phase_to,
+                              .in_phase_s = now - state->told->phase_s};
     for (int i = 0; i < ORL_STAGE_COUNT; i++) {
         ahead.foreseen_s[i] = state->cost_s[i];
         ahead.spent_s[i] = state->result->timings_s[i];
@@ -55,6 +59,13 @@ void orl_run_progress(const struct orl_run_state *state, double fraction)
     orl_run_report(state->env, state->stage, fraction, &report);
 }
 
+void orl_run_phase(const struct orl_run_state *state, double from, double to)
+{
+    state->told->phase_from = from;
+    state->told->phase_to = to;
+    state->told->phase_s = state->told->at_s;
+}
+
 void orl_run_leave(struct orl_run_state *state)
 {
     const double now = state->env->now_s(state->env->ctx);
@@ -71,6 +82,7 @@ void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seco
 void orl_run_enter(struct orl_run_state *state, enum orl_stage stage)
 {
     orl_run_leave(state);
+    orl_run_phase(state, 0, 0);
     state->stage = stage;
     orl_run_progress(state, 0);
 }

@@ -18,9 +18,10 @@ struct orl_sensor_round {
     double *groups; /* out, [sensor][ORL_MAP_BATCHES]: what each group found, lux */
 };
 
-/* The share that was told last, and when. */
+/* The share that was told last, and when; the phase under way (ahead.h), and when it began. */
 struct orl_told {
     double share, at_s;
+    double phase_from, phase_to, phase_s;
 };
 
 struct orl_pilot;
@@ -71,6 +72,8 @@ void orl_run_leave(struct orl_run_state *state);
 /* Books seconds of the stage under way, just spent, to that one instead. */
 void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seconds);
 void orl_run_progress(const struct orl_run_state *state, double fraction);
+/* Begins a phase of the stage, from that fraction of it to that one, at the last progress. */
+void orl_run_phase(const struct orl_run_state *state, double from, double to);
 /* Tells whoever waits; the share and the seconds, gone by and left, are of the run itself, which
  * may be a part of something larger. */
 struct orl_run_report {
@@ -190,6 +193,9 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 /* What the job is going to cost, roughly, once its sensors are known; and again when its photons
  * are: into state->cost_s. */
 void orl_run_guess_costs(struct orl_run_state *state);
+/* Of the time of a view of the job that is painted and written, the part until it is painted. */
+double orl_run_painting_share(const struct orl_run_state *state,
+                              const struct orl_view_request *view);
 /* Of the sensors' time, what such a share of their samples takes. */
 double orl_run_sensors_time(const struct orl_run_state *state, double taken);
 /* The part of the render stage that is the sensors'. */

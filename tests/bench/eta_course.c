@@ -1,10 +1,10 @@
 /*
- * The course of one job by its own processor time, on one thread: what it thought to have left, and
- * how much of it was done, whenever it told. Other work on the machine does not show.
+ * The course of one job by its own processor time, shared by its threads: what it thought to have
+ * left, and how much of it was done, whenever it told. Other work on the machine does not show.
  *
- * Usage: eta_course FOLDER, where the job is in FOLDER/job.json. Prints a line of each report,
- * "report seconds stage stage_fraction fraction left_s", of what is said twenty times a second,
- * "poll seconds fraction eta_s", and at last "end seconds".
+ * Usage: eta_course FOLDER [THREADS], where the job is in FOLDER/job.json. Prints a line of each
+ * report, "report seconds stage stage_fraction fraction left_s", of what is said twenty times a
+ * second, "poll seconds fraction eta_s", and at last "end seconds".
  */
 #include <jansson.h>
 #include <stdio.h>
@@ -18,8 +18,15 @@
 
 struct course {
     double started_s, polled_s, fraction;
+    uint32_t threads;
     struct orl_eta eta;
 };
+
+static double own_s(void *ctx)
+{
+    const struct course *course = ctx;
+    return bench_cpu_s(NULL) / course->threads;
+}
 
 /* Those that are due before the next report. */
 static void poll_until(struct course *course, double now)
@@ -34,7 +41,7 @@ static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, 
                         double left_s)
 {
     struct course *course = ctx;
-    const double now = bench_cpu_s(NULL);
+    const double now = own_s(course);
     poll_until(course, now);
     orl_eta_take(&course->eta, left_s, now);
     course->fraction = job_fraction;
@@ -64,10 +71,12 @@ static struct orl_task read_task(const char *folder)
 
 int main(int argc, char **argv)
 {
-    if (argc != 2)
+    const long threads = argc > 2 ? strtol(argv[2], NULL, 10) : 1;
+    if (argc < 2 || threads < 1)
         return 2;
     struct orl_task task = read_task(argv[1]);
-    struct course course = {.started_s = bench_cpu_s(NULL), .polled_s = bench_cpu_s(NULL)};
+    struct course course = {.threads = (uint32_t)threads};
+    course.started_s = course.polled_s = own_s(&course);
     struct orl_folder_store maps;
     struct orl_result result = {0};
     struct orl_error err = {0};
@@ -78,12 +87,12 @@ int main(int argc, char **argv)
     const struct orl_map_store store = orl_map_store_in_folder(&maps);
     const struct orl_files files = orl_files_from_folder(argv[1]);
     const struct orl_skies_env skies = {.done = on_sky_done};
-    const struct orl_run_env env = {.crew = orl_crew_start(1),
+    const struct orl_run_env env = {.crew = orl_crew_start(course.threads),
                                     .files = &files,
                                     .store = &store,
                                     .output_folder = output,
                                     .cancel = &cancel,
-                                    .now_s = bench_cpu_s,
+                                    .now_s = own_s,
                                     .progress = on_progress,
                                     .ctx = &course};
     const struct orl_job *job = &task.of.render;
@@ -91,7 +100,7 @@ int main(int argc, char **argv)
                                       : orl_run(job, &env, &result, &err);
     if (code < 0)
         bench_fail("the job", &err);
-    const double ended = bench_cpu_s(NULL);
+    const double ended = own_s(&course);
     poll_until(&course, ended);
     printf("end %.4f\n", ended - course.started_s);
     if (result.outcome.asked)

@@ -14,6 +14,7 @@
 
 #include "run/ahead.h"
 #include "run/deadline.h"
+#include "run/stages.h"
 
 static const double foreseen[ORL_STAGE_COUNT] = {0.2, 0.05, 0.1, 4, 1, 10};
 
@@ -100,6 +101,45 @@ static void test_photons_without_yield(void **state)
     for (int i = 0; i < MOMENTS; i++)
         if (m[i].stage > ORL_STAGE_PHOTONS || m[i].fraction > 0.2)
             assert_true(m[i].eta < m[i].left + 8 * 10.5 && m[i].eta > 0.4 * m[i].left - 1);
+}
+
+/* A stage of two phases, of which the first is thought to be half of it and is a tenth: what is
+ * left is known again as soon as the second goes on. */
+static void test_phases(void **state)
+{
+    struct orl_ahead ahead = {.stage = ORL_STAGE_RENDER, .phase_from = 0.5, .phase_to = 1};
+    (void)state;
+    for (double done = 0.1; done < 1; done += 0.1) {
+        ahead.fraction = 0.5 + 0.5 * done;
+        ahead.in_phase_s = 9 * done;
+        ahead.in_stage_s = 1 + 9 * done;
+        assert_true(fabs(orl_ahead_left_s(&ahead) - 9 * (1 - done)) < 1e-9);
+    }
+    /* After the phase comes as much as a part of what was before it. */
+    ahead = (struct orl_ahead){.stage = ORL_STAGE_RENDER, .phase_to = 0.8};
+    ahead.fraction = 0.4;
+    ahead.in_stage_s = ahead.in_phase_s = 4;
+    assert_true(fabs(orl_ahead_left_s(&ahead) - 6) < 1e-9);
+}
+
+/* Where a pilot has told how fast the machine is in a scene, all that comes is foreseen by
+ * that, as its root. */
+static void test_a_slow_machine(void **state)
+{
+    const struct orl_run_env env = {.crew = NULL};
+    const struct orl_job job = {.gather_samples = 4096};
+    double render_s[2];
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct orl_result result = {
+            .plan = {.technique = ORL_TECHNIQUE_GATHER,
+                     .photons_global = 1000000,
+                     .foresight = {.known = true, .ray_s = 2e-7 * (1 + i)}}};
+        struct orl_run_state run = {.job = &job, .env = &env, .result = &result, .n_sensors = 50};
+        orl_run_guess_costs(&run);
+        render_s[i] = run.cost_s[ORL_STAGE_RENDER];
+    }
+    assert_true(render_s[0] > 0 && fabs(render_s[1] / render_s[0] - sqrt(2)) < 1e-9);
 }
 
 /* A stage that tells nothing for twelve seconds: what is told moves all the same, and never all the
@@ -286,6 +326,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_any_machine),
                                        cmocka_unit_test(test_photons_without_yield),
+                                       cmocka_unit_test(test_phases),
+                                       cmocka_unit_test(test_a_slow_machine),
                                        cmocka_unit_test(test_a_silent_stage),
                                        cmocka_unit_test(test_share_of_time),
                                        cmocka_unit_test(test_found_out_late),

@@ -70,6 +70,7 @@ struct orl_foresight {
     double emitted[2];       /* global, caustic; NaN: not known */
     double seconds[2];       /* of the crew that made the plan; NaN likewise. Estimates */
     double photons_s;        /* of both */
+    double ray_s;            /* of one of the photons' rays; 0: there was no clock */
     double job_s;            /* the whole of it, from its start; NaN: not known */
     double caustic_share;    /* of all light */
     uint64_t enough_caustic; /* photons that are worth their time, whatever the job asks for */

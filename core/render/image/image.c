@@ -254,25 +254,37 @@ static int compute_wanted(struct painter *p)
     return code;
 }
 
-/* What records take of a view's time, roughly; all rounds about as much. */
-static double share_of_records(const struct painter *p)
+/* What each round of records takes of a view's time, from the coarsest on, and what fitting them
+ * does, roughly: pixels take the rest. */
+enum { STEPS = 5 };
+static const double shares_gathered[STEPS + 1] = {0.12, 0.1, 0.12, 0.18, 0.07, 0.03};
+static const double shares_read[STEPS + 1] = {0.04, 0.07, 0.1, 0.15, 0, 0};
+
+static double share_of_round(const struct painter *p, int round)
 {
-    return p->gather->rest == ORL_REST_GATHERED ? 0.6 : 0.35;
+    return (p->gather->rest == ORL_REST_GATHERED ? shares_gathered : shares_read)[round];
+}
+
+static double records_share(const struct painter *p)
+{
+    double share = 0;
+    for (int round = 0; round <= STEPS; round++)
+        share += share_of_round(p, round);
+    return share;
 }
 
 /* Rounds from a coarse lattice to every pixel. */
 static int place_records(struct painter *p)
 {
     const struct orl_film *film = p->painting->film;
-    int code = 0;
+    int code = 0, round = 0;
     const size_t across = (film->width + 1) / 2, down = (film->height + 1) / 2;
     p->seen = calloc(across * down, sizeof *p->seen);
     if (!p->seen)
         return ORL_ERR_NOMEM;
-    for (uint32_t step = COARSEST_STEP; step >= finest_step(p); step /= 2)
-        p->share++;
-    p->share = share_of_records(p) / p->share;
+    p->painting->env->phase(p->painting->env->ctx, 0, records_share(p));
     for (p->step = COARSEST_STEP; p->step >= finest_step(p) && code == 0; p->step /= 2) {
+        p->share = share_of_round(p, round++);
         const size_t rows = (film->height + p->step - 1) / p->step;
         p->rows = calloc(rows, sizeof *p->rows);
         if (!p->rows)
@@ -285,8 +297,10 @@ static int place_records(struct painter *p)
         p->before += p->share;
         p->painting->env->progress(p->painting->env->ctx, p->before);
     }
-    return code < 0 ? code
-                    : orl_icache_fit(&p->cache, p->gather->world->geometry, p->painting->env->crew);
+    if (code == 0)
+        code = orl_icache_fit(&p->cache, p->gather->world->geometry, p->painting->env->crew);
+    p->before += share_of_round(p, STEPS);
+    return code;
 }
 
 /* ---- The view -------------------------------------------------------------------------------- */

@@ -5,15 +5,18 @@
 
 #include "base/scatter.h"
 
-enum { TILES_A_ROUND = 64 };
+/* Where pixels are worked out one by one tiles are small: the crew comes to the end together. */
+enum { SMALL_TILE = 16 };
 
 struct tiles {
     const struct orl_painting *painting;
     orl_paint_tile *paint;
     void *ctx;
-    size_t first, across, all, stride;
-    atomic_size_t done;
-    double before; /* of the view */
+    uint32_t side;
+    size_t across, all, stride;
+    bool by_pixel;      /* whoever paints counts pixels by itself */
+    atomic_size_t done; /* pixels */
+    double before;      /* of the view */
 };
 
 /* Whether a view that is cut off in the distance has something before that. */
@@ -45,45 +48,44 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* By the lead, which alone tells: tiles that are done, and how much of its own. */
-static void tell(const struct tiles *tiles, double of_own)
+/* By any member; the lead alone tells. */
+static void count(struct tiles *tiles, size_t pixels, bool tell)
 {
     const struct orl_paint_env *env = tiles->painting->env;
-    const double done = ((double)atomic_load(&tiles->done) + of_own) / (double)tiles->all;
-    env->progress(env->ctx, tiles->before + (1 - tiles->before) * fmin(done, 1));
+    const struct orl_film *film = tiles->painting->film;
+    const size_t done = atomic_fetch_add(&tiles->done, pixels) + pixels;
+    const double share = (double)done / ((double)film->width * film->height);
+    if (tell)
+        env->progress(env->ctx, tiles->before + (1 - tiles->before) * share);
 }
 
 static void paint_tile(void *arg, size_t index, uint32_t member)
 {
     struct tiles *tiles = arg;
     const struct orl_painting *painting = tiles->painting;
-    const size_t tile = orl_scatter(tiles->first + index, tiles->stride, tiles->all);
-    const uint32_t x = (uint32_t)(tile % tiles->across) * ORL_PAINT_TILE;
-    const uint32_t y = (uint32_t)(tile / tiles->across) * ORL_PAINT_TILE;
-    const struct orl_tile at = {x, y, least(x + ORL_PAINT_TILE, painting->film->width),
-                                least(y + ORL_PAINT_TILE, painting->film->height)};
+    const size_t tile = orl_scatter(index, tiles->stride, tiles->all);
+    const uint32_t x = (uint32_t)(tile % tiles->across) * tiles->side;
+    const uint32_t y = (uint32_t)(tile / tiles->across) * tiles->side;
+    const struct orl_tile at = {x, y, least(x + tiles->side, painting->film->width),
+                                least(y + tiles->side, painting->film->height)};
     if (orl_paint_cancelled(painting->env))
         return;
     tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
-    atomic_fetch_add(&tiles->done, 1);
-    if (member == 0)
-        tell(tiles, 0);
+    if (!tiles->by_pixel)
+        count(tiles, (size_t)(at.x1 - at.x0) * (at.y1 - at.y0), member == 0);
 }
 
 static int paint_all(struct tiles *tiles)
 {
     const struct orl_painting *painting = tiles->painting;
     const struct orl_film *film = painting->film;
-    tiles->across = (film->width + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE;
-    tiles->all = tiles->across * ((film->height + ORL_PAINT_TILE - 1) / ORL_PAINT_TILE);
+    tiles->across = (film->width + tiles->side - 1) / tiles->side;
+    tiles->all = tiles->across * ((film->height + tiles->side - 1) / tiles->side);
     tiles->stride = orl_scatter_stride(tiles->all);
-    for (tiles->first = 0; tiles->first < tiles->all; tiles->first += TILES_A_ROUND) {
-        const size_t left = tiles->all - tiles->first;
-        orl_crew_for(painting->env->crew, left < TILES_A_ROUND ? left : TILES_A_ROUND, paint_tile,
-                     tiles);
-        if (orl_paint_cancelled(painting->env))
-            return ORL_ERR_CANCELLED;
-    }
+    painting->env->phase(painting->env->ctx, tiles->before, 1);
+    orl_crew_for(painting->env->crew, tiles->all, paint_tile, tiles);
+    if (orl_paint_cancelled(painting->env))
+        return ORL_ERR_CANCELLED;
     painting->env->progress(painting->env->ctx, 1);
     return 0;
 }
@@ -91,13 +93,13 @@ static int paint_all(struct tiles *tiles)
 int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *paint, void *ctx,
                     double before)
 {
-    struct tiles tiles = {.painting = painting, .paint = paint, .ctx = ctx, .before = before};
+    struct tiles tiles = {
+        .painting = painting, .paint = paint, .ctx = ctx, .side = ORL_PAINT_TILE, .before = before};
     return paint_all(&tiles);
 }
 
 struct pixels {
-    const struct orl_painting *painting;
-    const struct tiles *tiles;
+    struct tiles *tiles;
     orl_paint_pixel *pixel;
     void *ctx;
 };
@@ -105,23 +107,27 @@ struct pixels {
 static void paint_pixels(void *ctx, const struct orl_tile *tile, struct orl_search *search)
 {
     const struct pixels *pixels = ctx;
+    const struct orl_painting *painting = pixels->tiles->painting;
     for (uint32_t y = tile->y0; y < tile->y1; y++) {
         for (uint32_t x = tile->x0; x < tile->x1; x++) {
-            if (orl_paint_cancelled(pixels->painting->env))
+            if (orl_paint_cancelled(painting->env))
                 return;
             const struct orl_pixel pixel = pixels->pixel(pixels->ctx, x, y, search);
-            orl_film_set(pixels->painting->film, x, y, &pixel, &search->health);
+            orl_film_set(painting->film, x, y, &pixel, &search->health);
         }
-        if (search == &pixels->painting->env->searches[0] && y + 1 < tile->y1)
-            tell(pixels->tiles, (double)(y + 1 - tile->y0) / (tile->y1 - tile->y0));
+        count(pixels->tiles, tile->x1 - tile->x0, search == &painting->env->searches[0]);
     }
 }
 
 int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx, double before)
 {
-    struct pixels pixels = {painting, NULL, pixel, ctx};
-    struct tiles tiles = {
-        .painting = painting, .paint = paint_pixels, .ctx = &pixels, .before = before};
+    struct pixels pixels = {NULL, pixel, ctx};
+    struct tiles tiles = {.painting = painting,
+                          .paint = paint_pixels,
+                          .ctx = &pixels,
+                          .side = SMALL_TILE,
+                          .by_pixel = true,
+                          .before = before};
     pixels.tiles = &tiles;
     return paint_all(&tiles);
 }

@@ -21,6 +21,7 @@ struct orl_paint_env {
     atomic_bool *cancel;
     uint64_t index; /* of the view in the job: names its random numbers */
     void (*progress)(void *ctx, double fraction);
+    void (*phase)(void *ctx, double from, double to); /* work of one kind begins */
     void *ctx;
 };
 
