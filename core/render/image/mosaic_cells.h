@@ -58,8 +58,10 @@ static inline uint64_t orl_cell_index(const struct orl_tile_cells *mosaic, int x
 static inline struct orl_random orl_cell_numbers(const struct orl_tile_cells *mosaic, int x, int y,
                                                  uint32_t ray)
 {
+    const uint64_t cell = orl_cell_index(mosaic, x, y);
     return orl_random_stream(mosaic->m->seed, ORL_PURPOSE_PIXEL,
-                             orl_cell_index(mosaic, x, y) * (ORL_PIXEL_RAYS + 1) + ray);
+                             ray > ORL_PIXEL_RAYS ? orl_mix64(cell) + ray
+                                                  : cell * (ORL_PIXEL_RAYS + 1) + ray);
 }
 
 /* Of a pixel's shadow rays. */

@@ -70,7 +70,7 @@ struct found {
     double variance;
 };
 struct finds {
-    struct found list[ORL_PIXEL_RAYS];
+    struct found list[ORL_PIXEL_MOST_RAYS];
     uint32_t count;
     bool is_new; /* one of them nobody about has seen */
     /* Luma of the direct light of rays that go the pixel's own way. */
@@ -172,7 +172,7 @@ static bool is_close(const struct kin *kin, const struct orl_shaded *shaded)
 static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
                                   struct finds *finds)
 {
-    struct orl_random random = orl_cell_numbers(mosaic, x, y, ray);
+    struct orl_random random = orl_cell_numbers(mosaic, x, y, ray < ORL_PIXEL_RAYS ? ray : ray + 1);
     struct orl_shaded shaded;
     struct orl_cell seen;
     double place[2];
@@ -214,7 +214,7 @@ static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y
     finds.count = 0;
     finds.is_new = false;
     finds.least_direct = finds.most_direct = own;
-    for (uint32_t i = 0; i < rays || (i < ORL_PIXEL_RAYS && orl_pixel_is_uneven(&tally)); i++) {
+    for (uint32_t i = 0; i < rays || i < orl_pixel_wants(&tally); i++) {
         const struct orl_shade shade = shade_ray(mosaic, x, y, i, &finds);
         orl_pixel_add(&tally, &shade);
     }

@@ -5,11 +5,27 @@ enum { SIDE = 4 };
 /* Rays that differ by no more than this share of their mean agree. */
 static const double even_enough = 0.15;
 
+/* Those that differ by more than so many times their mean are too few. */
+static const double stark = 2;
+
+/* Rays after the usual ones: one to each of as many columns, at heights by the golden ratio. */
+static void place_more(uint32_t ray, double *ret_x, double *ret_y)
+{
+    static const double golden = 0.61803398874989485;
+    const uint32_t i = ray - ORL_PIXEL_RAYS;
+    *ret_x = (i + 0.5) / (ORL_PIXEL_MOST_RAYS - ORL_PIXEL_RAYS);
+    *ret_y = fmod(0.5 + i * golden, 1);
+}
+
 void orl_pixel_place(uint32_t ray, double *ret_x, double *ret_y)
 {
     static const uint8_t order[ORL_PIXEL_RAYS] = {1, 7, 8, 14, 2, 4, 11, 13,
                                                   0, 6, 9, 15, 3, 5, 10, 12};
     static const uint8_t across[SIDE] = {1, 3, 0, 2}, down[SIDE] = {2, 0, 3, 1};
+    if (ray >= ORL_PIXEL_RAYS) {
+        place_more(ray, ret_x, ret_y);
+        return;
+    }
     const uint32_t column = order[ray] % SIDE, row = order[ray] / SIDE;
     *ret_x = (column + (across[row] + 0.5) / SIDE) / SIDE;
     *ret_y = (row + (down[column] + 0.5) / SIDE) / SIDE;
@@ -28,9 +44,15 @@ void orl_pixel_add(struct orl_pixel_rays *tally, const struct orl_shade *shade)
     tally->rays++;
 }
 
-bool orl_pixel_is_uneven(const struct orl_pixel_rays *tally)
+uint32_t orl_pixel_wants(const struct orl_pixel_rays *tally)
 {
-    return tally->most - tally->least > even_enough * orl_luma(tally->sum) / tally->rays;
+    const double spread = tally->most - tally->least, mean = orl_luma(tally->sum) / tally->rays;
+    if (tally->rays > ORL_PIXEL_RAYS)
+        return ORL_PIXEL_MOST_RAYS;
+    if (!(spread > even_enough * mean))
+        return ORL_PIXEL_FIRST_RAYS;
+    return tally->rays == ORL_PIXEL_RAYS && spread > stark * mean ? ORL_PIXEL_MOST_RAYS
+                                                                  : ORL_PIXEL_RAYS;
 }
 
 struct orl_pixel orl_pixel_settle(const struct orl_pixel_rays *tally)

@@ -5,8 +5,11 @@
  * of four that have one ray in every row and column. All sixteen differ in height and in breadth,
  * so that each tells of a level or an upright edge (as in Chiu, Shirley and Wang 1994, shuffled
  * such that slanting edges are told as well). Where the first four agree they will do; where they
- * do not, as on edges, or where a shadow ends, all sixteen are followed. Places are not jittered:
- * beside a sky hundreds of times brighter, chance coverage frays an edge.
+ * do not, as on edges, or where a shadow ends, all sixteen are followed. Of bright things beside
+ * dark ones, a sunlit ledge thinner than a pixel, even sixteen are off by a tenth of the contrast;
+ * where that is more than twice the pixel's own light 48 more follow, of a lattice by the golden
+ * ratio. Places are not jittered: beside a sky hundreds of times brighter, chance coverage frays an
+ * edge.
  *
  * Threads: plain values; everybody has their own.
  */
@@ -17,7 +20,7 @@
 
 #include "render/film/film.h"
 
-enum { ORL_PIXEL_RAYS = 16, ORL_PIXEL_FIRST_RAYS = 4 };
+enum { ORL_PIXEL_MOST_RAYS = 64, ORL_PIXEL_RAYS = 16, ORL_PIXEL_FIRST_RAYS = 4 };
 
 /* Where a ray goes: in pixels, from the pixel's corner. */
 void orl_pixel_place(uint32_t ray, double *ret_x, double *ret_y);
@@ -39,8 +42,8 @@ struct orl_pixel_rays {
 
 void orl_pixel_add(struct orl_pixel_rays *tally, const struct orl_shade *shade);
 
-/* Whether the rays differ by more than one should see: then all are to be followed. */
-bool orl_pixel_is_uneven(const struct orl_pixel_rays *tally);
+/* How many rays it takes by what these have seen. */
+uint32_t orl_pixel_wants(const struct orl_pixel_rays *tally);
 
 /*
  * The mean of the rays. Photons err alike on all of them, the two ways by chances of their own; on
