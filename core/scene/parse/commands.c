@@ -81,23 +81,31 @@ static int check_nesting(const struct orl_scope *scope, const char *name, struct
     return 0;
 }
 
-/* Reads a file within the scope already made for it. */
-static int include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
-                   struct orl_error *err)
+int orl_parser_enter(struct orl_parser *parser, struct orl_scope *inner, const char *name,
+                     struct orl_file *ret_file, struct orl_error *err)
 {
-    struct orl_scope scope = *inner;
-    struct orl_file file;
     size_t index = 0;
     int code = orl_sources_find(&parser->sources, inner->folder, name, &index, err);
     if (code < 0)
         return code;
-    scope.file = parser->sources.items[index].name;
-    scope.folder = parser->sources.items[index].folder;
-    code = check_nesting(inner, scope.file, err);
+    code = check_nesting(inner, parser->sources.items[index].name, err);
     if (code < 0)
         return code;
-    scope.depth++;
-    file = parser->sources.items[index].file;
+    inner->file = parser->sources.items[index].name;
+    inner->folder = parser->sources.items[index].folder;
+    inner->depth++;
+    *ret_file = parser->sources.items[index].file;
+    return 0;
+}
+
+int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
+                       struct orl_error *err)
+{
+    struct orl_scope scope = *inner;
+    struct orl_file file;
+    const int code = orl_parser_enter(parser, &scope, name, &file, err);
+    if (code < 0)
+        return code;
     if (file.size == 0)
         orl_parser_warn(parser, "%.200s: the file is empty", scope.file);
     return orl_parser_read(parser, &scope, file.data, file.size, 0, err);
@@ -119,7 +127,7 @@ static int concatenate(struct run *run, const char *const *words, size_t count,
     if (run->stage > 0)
         return run_before(run, run->scope, err);
     for (size_t i = 1; i < count && code == 0; i++)
-        code = include(run->parser, run->scope, words[i], err);
+        code = orl_parser_include(run->parser, run->scope, words[i], err);
     return code;
 }
 
@@ -166,7 +174,7 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
     if (run->stage > 0)
         return run_before(run, &inner, err);
     for (size_t i = 0; i < use->n_files && code == 0; i++)
-        code = include(run->parser, &inner, use->files[i], err);
+        code = orl_parser_include(run->parser, &inner, use->files[i], err);
     return code;
 }
 
@@ -203,7 +211,7 @@ static int replace_marker(struct orl_parser *parser, const struct orl_scope *sco
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "its name is too long");
     struct orl_scope inner = enter(scope->markers->scope, &use, NULL);
     inner.prefix = name;
-    code = include(parser, &inner, marker->object, err);
+    code = orl_parser_include(parser, &inner, marker->object, err);
     if (code < 0 && err->file[0] == '\0') {
         snprintf(primitive, sizeof primitive, "polygon %.180s", name);
         orl_error_at(err, scope->file, line, primitive);
@@ -236,7 +244,7 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
         code = run_before(run, &inner, err);
     }
     for (size_t i = used + 1; i < count && code == 0; i++)
-        code = include(run->parser, &inner, words[i], err);
+        code = orl_parser_include(run->parser, &inner, words[i], err);
     free(markers);
     return code;
 }

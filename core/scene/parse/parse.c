@@ -6,6 +6,7 @@
 #include <oriel/crew.h>
 #include <oriel/limits.h>
 
+#include "scene/parse/compiled.h"
 #include "scene/parse/markers.h"
 
 /* Types that Radiance knows and Oriel does not simulate, and what to do about them. */
@@ -41,8 +42,6 @@ static const struct unsupported unsupported_types[] = {
     {"specfunc", "give the material's colour as RGB"},
     {"specdata", "give the material's colour as RGB"},
     {"specpict", "give the material's colour as RGB"},
-    {"instance", "include the scene's text with !xform instead of its octree"},
-    {"mesh", "include the polygons instead of the compiled mesh"},
 };
 
 static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
@@ -63,6 +62,12 @@ static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
     return ORL_ERR_SYNTAX;
 }
 
+static bool is_known(const char *type)
+{
+    return orl_parser_is_surface(type) || orl_parser_is_modifier(type) ||
+           orl_parser_is_compiled(type);
+}
+
 static int read_primitive(struct orl_parser *parser, const struct orl_scope *scope,
                           struct orl_lexer *lexer, struct orl_error *err)
 {
@@ -74,7 +79,7 @@ static int read_primitive(struct orl_parser *parser, const struct orl_scope *sco
         code = orl_primitive_read_reference(&parser->primitive, lexer, err);
         return code < 0 ? code : orl_parser_alias(parser, scope, err);
     }
-    if (!orl_parser_is_surface(primitive->type) && !orl_parser_is_modifier(primitive->type))
+    if (!is_known(primitive->type))
         return refuse_type(parser, scope, err);
     code = orl_primitive_read_arguments(&parser->primitive, lexer, err);
     if (code < 0)
@@ -84,6 +89,8 @@ static int read_primitive(struct orl_parser *parser, const struct orl_scope *sco
         return scope->markers->replace(parser, scope, marker, err);
     if (orl_parser_is_surface(primitive->type))
         return orl_parser_surface(parser, scope, err);
+    if (orl_parser_is_compiled(primitive->type))
+        return orl_parser_compiled(parser, scope, err);
     return orl_parser_modifier(parser, scope, err);
 }
 
@@ -126,8 +133,7 @@ static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
 /* Of the types that are not simulated these are no modifiers. */
 static bool is_surface(const char *type)
 {
-    return orl_parser_is_surface(type) || strcmp(type, "instance") == 0 ||
-           strcmp(type, "mesh") == 0;
+    return orl_parser_is_surface(type) || orl_parser_is_compiled(type);
 }
 
 /* Counts what is not simulated, and reads on behind it where that can be; modifiers wait until they
@@ -139,9 +145,7 @@ static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool
     const struct orl_error refused = *err;
     const struct orl_primitive *primitive = &parser->primitive;
     /* The arguments of types that are known have been read. */
-    const bool read = command || orl_parser_is_surface(primitive->type) ||
-                      orl_parser_is_modifier(primitive->type) ||
-                      strcmp(primitive->type, "alias") == 0;
+    const bool read = command || is_known(primitive->type) || strcmp(primitive->type, "alias") == 0;
     /* Reading them moves the words of the head. */
     if (!read && orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
         orl_refusals_add(&parser->refusals, &refused);

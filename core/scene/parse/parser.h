@@ -61,6 +61,13 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
                        int number, struct orl_error *err);
 
+/* Finds a file that text in the scope names, and makes the scope that of what is in it. */
+int orl_parser_enter(struct orl_parser *parser, struct orl_scope *inner, const char *name,
+                     struct orl_file *ret_file, struct orl_error *err);
+/* Reads a file within the scope already made for it. */
+int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
+                       struct orl_error *err);
+
 /* surfaces.c: polygon, sphere, ..., source. */
 int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err);

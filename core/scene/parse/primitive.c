@@ -226,3 +226,17 @@ int orl_primitive_read_reference(struct orl_primitive *primitive, struct orl_lex
     primitive->n_strings = 1;
     return read_strings(primitive, lexer, err);
 }
+
+bool orl_primitive_set(struct orl_primitive *primitive, const char *const head[3],
+                       const double *reals, size_t n_reals)
+{
+    if (reserve(&primitive->reals, &primitive->reals_room, n_reals, sizeof *primitive->reals) < 0)
+        return false;
+    primitive->modifier = head[0];
+    primitive->type = head[1];
+    primitive->id = head[2];
+    primitive->n_strings = 0;
+    primitive->n_reals = n_reals;
+    memcpy(primitive->reals, reals, n_reals * sizeof *reals);
+    return true;
+}

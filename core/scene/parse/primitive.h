@@ -32,6 +32,10 @@ int orl_primitive_read_head(struct orl_primitive *primitive, struct orl_lexer *l
 /* Reads the counted arguments that follow the head of every type but alias. */
 int orl_primitive_read_arguments(struct orl_primitive *primitive, struct orl_lexer *lexer,
                                  struct orl_error *err);
+/* Makes it a surface with these numbers, as if read; names are borrowed, and good for as long as
+ * they are. False without memory. */
+bool orl_primitive_set(struct orl_primitive *primitive, const char *const head[3],
+                       const double *reals, size_t n_reals);
 /* Reads the one word that follows the head of an alias, as string 0. */
 int orl_primitive_read_reference(struct orl_primitive *primitive, struct orl_lexer *lexer,
                                  struct orl_error *err);

@@ -1,0 +1,151 @@
+#include "scene/parse/patches.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "base/grow.h"
+
+/* Flags of a patch's vertices. */
+enum { HAS_POINTS = 1, HAS_NORMALS = 2, HAS_PLACES = 4, ALL_FLAGS = 7 };
+enum { VERTICES_MAX = 256, LOCAL_MAX = 512, JOINERS_MAX = 256, PATCH_BYTES_MIN = 14 };
+
+/* A place among 2^32 along an edge of the cube; the middle of its cell is meant. */
+static double place(struct orl_binary *binary, double corner, double size)
+{
+    const uint32_t cell = (uint32_t)orl_binary_int(binary, 4);
+    return corner + (cell + 0.5) * (1.0 / 4294967296.0) * size;
+}
+
+static int read_vertices(struct orl_binary *binary, struct orl_vec3 corner, double size,
+                         struct orl_patches *patches, struct orl_error *err)
+{
+    const int64_t flags = orl_binary_int(binary, 1), count = orl_binary_int(binary, 2);
+    if (!(flags & HAS_POINTS) || (flags & ~(int64_t)ALL_FLAGS) || count < 1 || count > VERTICES_MAX)
+        return orl_binary_fail(binary, "one of its patches is damaged", err);
+    for (int64_t i = 0; i < count; i++) {
+        struct orl_vec3 v;
+        v.x = place(binary, corner.x, size);
+        v.y = place(binary, corner.y, size);
+        v.z = place(binary, corner.z, size);
+        if (!orl_grow(&patches->vertices, &patches->vertices_room, patches->n_vertices,
+                      sizeof *patches->vertices))
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        patches->vertices[patches->n_vertices++] = v;
+    }
+    patches->has_normals |= (flags & HAS_NORMALS) != 0;
+    patches->has_places |= (flags & HAS_PLACES) != 0;
+    orl_binary_skip(binary, (uint64_t)count * (flags & HAS_NORMALS ? 4 : 0));
+    orl_binary_skip(binary, (uint64_t)count * (flags & HAS_PLACES ? 8 : 0));
+    return 0;
+}
+
+static int add(struct orl_patches *patches, const struct orl_patch_triangle *triangle,
+               struct orl_error *err)
+{
+    if (patches->n_triangles >= ORL_LIMIT_SURFACES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the mesh has more than %lu triangles",
+                             ORL_LIMIT_SURFACES);
+    if (!orl_grow(&patches->triangles, &patches->triangles_room, patches->n_triangles,
+                  sizeof *patches->triangles))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    patches->triangles[patches->n_triangles++] = *triangle;
+    return 0;
+}
+
+static uint32_t read_local(struct orl_binary *binary, uint32_t patch)
+{
+    return patch << 8 | ((uint32_t)orl_binary_int(binary, 1) & 0xff);
+}
+
+/* Triangles whose corners all lie in the patch, then their materials: one for all, or each its own.
+ */
+static int read_local_triangles(struct orl_binary *binary, uint32_t patch,
+                                struct orl_patches *patches, struct orl_error *err)
+{
+    const int64_t count = orl_binary_int(binary, 2);
+    const size_t first = patches->n_triangles;
+    int code = 0;
+    if (count < 0 || count > LOCAL_MAX)
+        return orl_binary_fail(binary, "one of its patches is damaged", err);
+    for (int64_t i = 0; i < count && code == 0; i++) {
+        struct orl_patch_triangle triangle = {.material = -1};
+        for (int k = 0; k < 3; k++)
+            triangle.corner[k] = read_local(binary, patch);
+        code = add(patches, &triangle, err);
+    }
+    if (code < 0)
+        return code;
+    const bool own = orl_binary_int(binary, 2) > 1;
+    int32_t material = own ? -1 : (int32_t)orl_binary_int(binary, 2);
+    for (int64_t i = 0; i < count; i++) {
+        material = own ? (int32_t)orl_binary_int(binary, 2) : material;
+        patches->triangles[first + (size_t)i].material = material;
+    }
+    return 0;
+}
+
+/* Triangles with so many corners in other patches, which come first. */
+static int read_joiners(struct orl_binary *binary, uint32_t patch, int others,
+                        struct orl_patches *patches, struct orl_error *err)
+{
+    const int64_t count = orl_binary_int(binary, 2);
+    int code = 0;
+    if (count < 0 || count > JOINERS_MAX)
+        return orl_binary_fail(binary, "one of its patches is damaged", err);
+    for (int64_t i = 0; i < count && code == 0; i++) {
+        struct orl_patch_triangle triangle;
+        for (int k = 0; k < 3; k++)
+            triangle.corner[k] =
+                k < others ? (uint32_t)orl_binary_int(binary, 4) : read_local(binary, patch);
+        triangle.material = (int32_t)orl_binary_int(binary, 2);
+        code = add(patches, &triangle, err);
+    }
+    return code;
+}
+
+int orl_patches_read(struct orl_binary *binary, struct orl_vec3 corner, double size,
+                     struct orl_patches *ret, struct orl_error *err)
+{
+    const int64_t count = orl_binary_int(binary, 4);
+    int code = 0;
+    memset(ret, 0, sizeof *ret);
+    if (binary->ended || count < 0 ||
+        (uint64_t)count > (binary->size - binary->at) / PATCH_BYTES_MIN)
+        return orl_binary_fail(binary, "the number of its patches is damaged", err);
+    ret->first = calloc((size_t)count + 1, sizeof *ret->first);
+    if (!ret->first)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (int64_t i = 0; i < count && code == 0; i++) {
+        code = read_vertices(binary, corner, size, ret, err);
+        ret->first[++ret->n_patches] = ret->n_vertices;
+        if (code == 0)
+            code = read_local_triangles(binary, (uint32_t)i, ret, err);
+        for (int others = 1; others <= 2 && code == 0; others++)
+            code = read_joiners(binary, (uint32_t)i, others, ret, err);
+        if (code == 0 && binary->ended)
+            code = orl_binary_fail(binary, "", err);
+    }
+    return code;
+}
+
+bool orl_patches_corners(const struct orl_patches *patches, const struct orl_patch_triangle *t,
+                         struct orl_vec3 ret_corners[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const size_t patch = t->corner[k] >> 8, at = t->corner[k] & 0xff;
+        if (patch >= patches->n_patches || at >= patches->first[patch + 1] - patches->first[patch])
+            return false;
+        ret_corners[k] = patches->vertices[patches->first[patch] + at];
+    }
+    return true;
+}
+
+void orl_patches_done(struct orl_patches *patches)
+{
+    free(patches->vertices);
+    free(patches->first);
+    free(patches->triangles);
+    memset(patches, 0, sizeof *patches);
+}

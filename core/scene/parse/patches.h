@@ -1,0 +1,36 @@
+/*
+ * The triangles of a compiled mesh: vertices in patches of at most 256, triangles that index them
+ * by patch and place. Reference: as binary.h.
+ */
+#ifndef ORL_SCENE_PARSE_PATCHES_H
+#define ORL_SCENE_PARSE_PATCHES_H
+
+#include <oriel/vec.h>
+
+#include "scene/parse/binary.h"
+
+struct orl_patch_triangle {
+    uint32_t corner[3]; /* vertices: patch << 8 | place in it */
+    int32_t material;   /* of those in the file, or -1 */
+};
+
+struct orl_patches {
+    struct orl_vec3 *vertices; /* in the mesh's own coordinates */
+    size_t n_vertices, vertices_room;
+    size_t *first; /* vertex of each patch, and one behind the last */
+    size_t n_patches;
+    struct orl_patch_triangle *triangles;
+    size_t n_triangles, triangles_room;
+    bool has_normals, has_places; /* of vertices; the latter are (u, v) */
+};
+
+/* corner: of the cube that holds all; ORL_ERR_SYNTAX, _LIMIT or _NOMEM. Whatever it returns, the
+ * caller passes ret to orl_patches_done. */
+int orl_patches_read(struct orl_binary *binary, struct orl_vec3 corner, double size,
+                     struct orl_patches *ret, struct orl_error *err);
+/* False where a corner names no vertex. */
+bool orl_patches_corners(const struct orl_patches *patches, const struct orl_patch_triangle *t,
+                         struct orl_vec3 ret_corners[3]);
+void orl_patches_done(struct orl_patches *patches);
+
+#endif

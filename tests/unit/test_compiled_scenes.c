@@ -1,0 +1,359 @@
+/*
+ * What oconv and obj2mesh compile, read by instance and mesh: files made here, byte by byte, as the
+ * formats have it.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/files.h>
+
+#include "scene/parse/parse.h"
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+struct bytes {
+    unsigned char data[4096];
+    size_t size;
+};
+
+static void put(struct bytes *b, const void *data, size_t size)
+{
+    assert_true(b->size + size <= sizeof b->data);
+    memcpy(b->data + b->size, data, size);
+    b->size += size;
+}
+
+static void put_int(struct bytes *b, int64_t value, unsigned bytes)
+{
+    for (unsigned i = bytes; i-- > 0;) {
+        const unsigned char byte = (unsigned char)((uint64_t)value >> 8 * i);
+        put(b, &byte, 1);
+    }
+}
+
+static void put_number(struct bytes *b, double value)
+{
+    int exponent;
+    const double mantissa = frexp(value, &exponent);
+    put_int(b, (int64_t)(mantissa * 0x7fffffff), 4);
+    put_int(b, value == 0 ? 0 : exponent, 1);
+}
+
+static void put_string(struct bytes *b, const char *text)
+{
+    put(b, text, strlen(text) + 1);
+}
+
+static void put_header(struct bytes *b, const char *format, int magic)
+{
+    char text[100];
+    const int n = snprintf(text, sizeof text, "#?RADIANCE\nsome program\nFORMAT=%s\n\n", format);
+    put(b, text, (size_t)n);
+    put_int(b, magic + 4, 2); /* numbers of primitives take four bytes */
+    put_string(b, "-1");
+    put_string(b, "-1");
+    put_string(b, "-1");
+    put_string(b, "8");
+}
+
+enum { POLYGON, SPHERE, PLASTIC, ALIAS };
+
+static void put_types(struct bytes *b)
+{
+    put_string(b, "polygon");
+    put_string(b, "sphere");
+    put_string(b, "plastic");
+    put_string(b, "alias");
+    put_string(b, "");
+}
+
+static void put_primitive(struct bytes *b, int modifier, int type, const char *name,
+                          const double *numbers, int count)
+{
+    put_int(b, type, 1);
+    put_int(b, modifier, 4);
+    put_string(b, name);
+    put_int(b, 0, 2);
+    put_int(b, count, 2);
+    for (int i = 0; i < count; i++)
+        put_number(b, numbers[i]);
+}
+
+static const double gray[5] = {.5, .25, .125, 0, 0}, ball[4] = {1, 2, 3, .5};
+
+/* A material, one that is the same by another name, and a ball of that; frozen, with an octree of
+ * one node and its leaves. */
+static void make_frozen(struct bytes *b)
+{
+    put_header(b, "Radiance_octree", 283);
+    put_string(b, ""); /* no files */
+    put_int(b, 3, 4);
+    put_int(b, 2, 1); /* eight children: one full, the others empty */
+    put_int(b, 1, 1);
+    put_int(b, 1, 4);
+    put_int(b, 2, 4);
+    for (int i = 0; i < 7; i++)
+        put_int(b, 0, 1);
+    put_types(b);
+    put_primitive(b, -1, PLASTIC, "some paint", gray, 5);
+    put_primitive(b, 0, ALIAS, "red", NULL, 0);
+    put_primitive(b, 1, SPHERE, "ball", ball, 4);
+    put_int(b, -1, 1);
+}
+
+static void make_named(struct bytes *b, const char *name)
+{
+    put_header(b, "Radiance_octree", 283);
+    put_string(b, name);
+    put_string(b, "");
+    put_int(b, 3, 4);
+    put_int(b, 0, 1);
+}
+
+/* A place along an edge of the cube from -1 to 7. */
+static void put_place(struct bytes *b, double x)
+{
+    put_int(b, (int64_t)((x + 1) / 8 * 4294967296.0), 4);
+}
+
+static void put_corner(struct bytes *b, double x, double y, double z)
+{
+    put_place(b, x);
+    put_place(b, y);
+    put_place(b, z);
+}
+
+/* A square of two triangles, the first in a patch of three corners; of the second, two corners are
+ * in that patch and one in another. */
+static void make_mesh(struct bytes *b, bool smooth)
+{
+    put_header(b, "Radiance_tmesh", 319);
+    for (int i = 0; i < 4; i++)
+        put_number(b, 0);
+    put_int(b, 0, 1);
+    put_types(b);
+    put_primitive(b, -1, PLASTIC, "paint", gray, 5);
+    put_int(b, -1, 1);
+    put_int(b, 2, 4);
+    put_int(b, smooth ? 3 : 1, 1);
+    put_int(b, 3, 2);
+    put_corner(b, 0, 0, 1);
+    put_corner(b, 1, 0, 1);
+    put_corner(b, 1, 1, 1);
+    for (int i = 0; i < 3 && smooth; i++)
+        put_int(b, 77, 4);
+    put_int(b, 1, 2);
+    for (int i = 0; i < 3; i++)
+        put_int(b, i, 1);
+    put_int(b, 1, 2);
+    put_int(b, 0, 2); /* all of the first material */
+    put_int(b, 0, 2);
+    put_int(b, 0, 2);
+    put_int(b, 1, 1);
+    put_int(b, 1, 2);
+    put_corner(b, 0, 1, 1);
+    put_int(b, 0, 2);
+    put_int(b, 0, 2);
+    put_int(b, 0, 2);
+    put_int(b, 0, 2);
+    put_int(b, 1, 2); /* joins two */
+    put_int(b, 0, 4);
+    put_int(b, 2, 4);
+    put_int(b, 0, 1);
+    put_int(b, 0, 2);
+}
+
+/* ---- Reading --------------------------------------------------------------------------------- */
+
+static int parse(const char *scene, const struct bytes *compiled, size_t size, const char *other,
+                 struct orl_description *ret, struct orl_error *err)
+{
+    static const char *const names[] = {"a.rad", "b.bin", "sub/c.rad"};
+    const struct orl_file contents[] = {{scene, strlen(scene), NULL},
+                                        {(const char *)compiled->data, size, NULL},
+                                        {other, strlen(other), NULL}};
+    struct orl_memory_files memory = {names, contents, 3};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    *err = (struct orl_error){0};
+    return orl_scene_parse(names, 1, &files, ret, err);
+}
+
+static struct orl_description parse_well(const char *scene, const struct bytes *compiled,
+                                         const char *other)
+{
+    struct orl_description d;
+    struct orl_error err;
+    if (parse(scene, compiled, compiled->size, other, &d, &err) < 0)
+        fail_msg("%s:%d: %s (%s)", err.file, err.line, err.message, err.hint);
+    return d;
+}
+
+static void expect_error(const char *scene, const struct bytes *compiled, int code,
+                         const char *words)
+{
+    struct orl_description d;
+    struct orl_error err;
+    assert_int_equal(parse(scene, compiled, compiled->size, "", &d, &err), code);
+    if (!strstr(err.message, words))
+        fail_msg("no '%s' in: %s", words, err.message);
+    assert_true(err.file[0] != '\0');
+}
+
+static void expect_point(struct orl_vec3 v, double x, double y, double z)
+{
+    assert_true(orl_length(orl_sub(v, orl_v3(x, y, z))) < 1e-8);
+}
+
+static const struct orl_material *material_of(const struct orl_description *d, size_t surface)
+{
+    return &d->materials[d->surfaces[surface].material];
+}
+
+static void test_frozen(void **state)
+{
+    struct bytes b = {.size = 0};
+    (void)state;
+    make_frozen(&b);
+    struct orl_description d =
+        parse_well("void instance \"two words\" 7 b.bin -s 2 -t 10 0 0 0 0\n", &b, "");
+    assert_int_equal(d.n_surfaces, 1);
+    assert_int_equal(d.surfaces[0].kind, ORL_SURFACE_SPHERE);
+    expect_point(d.surfaces[0].center[0], 12, 4, 6);
+    assert_true(fabs(d.surfaces[0].radius[0] - 1) < 1e-8);
+    assert_true(fabs(material_of(&d, 0)->color.g - .25) < 1e-8);
+    orl_description_done(&d);
+}
+
+/* Names inside are its own: red outside stays what it was, and is not seen inside. */
+static void test_names_inside(void **state)
+{
+    struct bytes b = {.size = 0};
+    (void)state;
+    make_frozen(&b);
+    struct orl_description d = parse_well("void plastic red 0 0 5 .9 0 0 0 0\n"
+                                          "void instance i 1 b.bin 0 0\n"
+                                          "red sphere s 0 0 4 0 0 0 1\n"
+                                          "red instance i 1 b.bin 0 0\n",
+                                          &b, "");
+    assert_int_equal(d.n_surfaces, 3);
+    assert_true(fabs(material_of(&d, 0)->color.r - .5) < 1e-8);
+    assert_true(fabs(material_of(&d, 1)->color.r - .9) < 1e-8);
+    assert_true(fabs(material_of(&d, 2)->color.r - .9) < 1e-8);
+    assert_true(d.surfaces[0].modifier_order < d.surfaces[2].modifier_order);
+    orl_description_done(&d);
+    expect_error("void instance i 1 b.bin 0 0\n\"some paint\" sphere s 0 0 4 0 0 0 1\n", &b,
+                 ORL_ERR_NOT_FOUND, "some paint");
+    struct bytes named = {.size = 0};
+    make_named(&named, "sub/c.rad");
+    struct orl_error err;
+    assert_int_equal(parse("void plastic red 0 0 5 .9 0 0 0 0\nvoid instance i 1 b.bin 0 0\n",
+                           &named, named.size, "red sphere s 0 0 4 0 0 0 1\n", &d, &err),
+                     ORL_ERR_NOT_FOUND);
+    assert_string_equal(err.file, "sub/c.rad");
+}
+
+static void test_named_files(void **state)
+{
+    struct bytes b = {.size = 0};
+    (void)state;
+    make_named(&b, "sub/c.rad");
+    struct orl_description d =
+        parse_well("void instance i 5 b.bin -t 0 0 5 0 0\n", &b,
+                   "void plastic p 0 0 5 .1 .1 .1 0 0\np sphere s 0 0 4 0 0 0 1\n");
+    assert_int_equal(d.n_surfaces, 1);
+    expect_point(d.surfaces[0].center[0], 0, 0, 5);
+    orl_description_done(&d);
+    struct bytes missing = {.size = 0}, itself = {.size = 0}, command = {.size = 0};
+    make_named(&missing, "away.rad");
+    expect_error("void instance i 1 b.bin 0 0\n", &missing, ORL_ERR_NOT_FOUND, "away.rad");
+    make_named(&itself, "a.rad");
+    expect_error("void instance i 1 b.bin 0 0\n", &itself, ORL_ERR_LIMIT, "itself");
+    make_named(&command, "!genbox");
+    expect_error("void instance i 1 b.bin 0 0\n", &command, ORL_ERR_UNSUPPORTED, "command");
+    expect_error("void instance i 1 c.bin 0 0\n", &b, ORL_ERR_NOT_FOUND, "c.bin");
+}
+
+static void test_mesh(void **state)
+{
+    struct bytes b = {.size = 0};
+    (void)state;
+    make_mesh(&b, false);
+    struct orl_description d = parse_well("void mesh m 5 b.bin -t 0 0 1 0 0\n", &b, "");
+    assert_int_equal(d.n_surfaces, 2);
+    assert_int_equal(d.n_warnings, 0);
+    for (size_t i = 0; i < 2; i++) {
+        assert_int_equal(d.surfaces[i].n_vertices, 3);
+        expect_point(d.surfaces[i].normal, 0, 0, 1);
+        assert_true(fabs(material_of(&d, i)->color.b - .125) < 1e-8);
+    }
+    expect_point(d.surfaces[0].vertices[1], 1, 0, 2);
+    expect_point(d.surfaces[1].vertices[1], 1, 1, 2);
+    expect_point(d.surfaces[1].vertices[2], 0, 1, 2);
+    orl_description_done(&d);
+    /* Mirrored, its front goes where the mirror takes it. */
+    d = parse_well("void plastic own 0 0 5 .7 .7 .7 0 0\nown mesh m 2 b.bin -mz 0 0\n", &b, "");
+    expect_point(d.surfaces[0].normal, 0, 0, -1);
+    assert_true(fabs(material_of(&d, 1)->color.r - .7) < 1e-8);
+    orl_description_done(&d);
+}
+
+static void test_smooth_mesh(void **state)
+{
+    struct bytes b = {.size = 0};
+    (void)state;
+    make_mesh(&b, true);
+    struct orl_description d = parse_well("void mesh m 1 b.bin 0 0\n", &b, "");
+    assert_int_equal(d.n_surfaces, 2);
+    assert_int_equal(d.n_warnings, 1);
+    assert_non_null(strstr(d.warnings[0], "flat"));
+    orl_description_done(&d);
+}
+
+/* Cut anywhere, or with any byte changed, it is refused with its name, or is another scene. */
+static void test_damaged(void **state)
+{
+    void (*const make[2])(struct bytes *) = {make_frozen, NULL};
+    static const char *const scenes[2] = {"void instance i 1 b.bin 0 0\n",
+                                          "void mesh m 1 b.bin 0 0\n"};
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        struct bytes b = {.size = 0};
+        struct orl_description d;
+        struct orl_error err;
+        if (make[kind])
+            make[kind](&b);
+        else
+            make_mesh(&b, true);
+        for (size_t cut = 1; cut < b.size; cut++) {
+            if (parse(scenes[kind], &b, cut, "", &d, &err) != ORL_ERR_SYNTAX)
+                fail_msg("kind %d, cut at %zu of %zu: %s", kind, cut, b.size, err.message);
+            assert_string_equal(err.file, "b.bin");
+        }
+        for (size_t at = 0; at < b.size; at++) {
+            struct bytes changed = b;
+            changed.data[at] ^= 0xff;
+            if (parse(scenes[kind], &changed, changed.size, "", &d, &err) == 0)
+                orl_description_done(&d);
+            else
+                assert_true(err.file[0] != '\0');
+        }
+        expect_error(scenes[!kind], &b, ORL_ERR_SYNTAX, "format");
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_frozen),      cmocka_unit_test(test_names_inside),
+        cmocka_unit_test(test_named_files), cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_smooth_mesh), cmocka_unit_test(test_damaged),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
