@@ -244,6 +244,8 @@ int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope
         return orl_parser_fail(parser, scope, err, code, "its file is missing: %s", name);
     }
     if (code == 0)
+        code = orl_parser_count_text(parser, &inside.scope, file.size, err);
+    if (code == 0)
         code = read_inside(&inside, scope, modifier, is_mesh, &file, err);
     free(inside.names.at);
     if (code < 0 && err->file[0] == '\0') {

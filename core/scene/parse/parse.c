@@ -108,8 +108,8 @@ static int read_command(struct orl_parser *parser, const struct orl_scope *scope
 }
 
 /* Arrays read files again and again: the sum is bounded, and a short read is not free. */
-static int count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
-                      struct orl_error *err)
+int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
+                          struct orl_error *err)
 {
     enum { READ_COST = 4096 };
     parser->text_bytes += size + READ_COST;
@@ -163,7 +163,7 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
 {
     struct orl_lexer lexer;
     enum orl_next next;
-    int code = count_text(parser, scope, size, err);
+    int code = orl_parser_count_text(parser, scope, size, err);
     orl_lexer_init(&lexer, scope->file, text, size);
     if (line > 0) {
         lexer.line = line;

@@ -57,6 +57,10 @@ struct orl_scope {
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
                     size_t size, int line, struct orl_error *err);
 
+/* parse.c: so much is read, again perhaps; ORL_ERR_LIMIT where that is too much together. */
+int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
+                          struct orl_error *err);
+
 /* commands.c: a '!' line. */
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
                        int number, struct orl_error *err);
