@@ -111,13 +111,40 @@ static const char rev[] =
     "rev_rad = sqrt(Px*Px + Py*Py); rev_dr = A3*rev_rad + A4;\n"
     "rev_dx = rev_dr*Px/rev_rad; rev_dy = rev_dr*Py/rev_rad; rev_dz = A1*Pz + A2;\n";
 
+/* Luminaires by ies2rad(1): theta from the z axis downwards, phi from x towards y, in degrees; what
+ * a distribution of intensities becomes on flat things, boxes A2 A3 A4 and cylinders A2 A3, all in
+ * metres. */
+static const char source[] =
+    "src_theta = Acos(Dz)/DEGREE; src_phi = mod(Atan2(-Dy, -Dx)/DEGREE, 360);\n"
+    "src_phi2 = tri(src_phi, 180); src_phi4 = tri(src_phi, 90);\n"
+    "srcB_vert = Atan2(-Dx, Dz)/DEGREE; srcB_horiz = Atan2(Dy, Dz)/DEGREE;\n"
+    "srcB_vert2 = abs(srcB_vert); srcB_horiz2 = abs(srcB_horiz);\n"
+    "box`S.(x,y,z) = A3*A4*x + A2*A4*y + A2*A3*z;\n"
+    "away`S.(p,d,side) = noneg(abs(p - d*Ts) - side/2)/Ts;\n"
+    "corr(v) = noneg(if(AC-.5, A1, 1)*v); flatcorr(v) = corr(v)/Rdot;\n"
+    "boxcorr(v) = corr(v)/box`S.(abs(Dx), abs(Dy), abs(Dz));\n"
+    "lboxcorr(v) = corr(v)/box`S.(away`S.(Px,Dx,A2), away`S.(Py,Dy,A3), away`S.(Pz,Dz,A4));\n"
+    "cylcorr(v) = corr(v)/(A2*(A3*Sqrt(1 - Dz*Dz) + A2*PI/4*abs(Dz)));\n";
+
+/* Pictures in the plane z = 0, from the origin on, A1 as high as wide, the shorter side 1 long:
+ * once, side by side, mirrored at the edges, or like bricks. */
+static const char picture[] =
+    "pic_u = Px; pic_v = Py; pic_aspect = if(AC-.5, A1, 1);\n"
+    "wide`I. = max(1, 1/pic_aspect); high`I. = max(1, pic_aspect);\n"
+    "inpic = if(and(inside(0, Px, wide`I.), inside(0, Py, high`I.)), 1, 0);\n"
+    "tile_u = mod(Px, wide`I.); tile_v = mod(Py, high`I.);\n"
+    "match_u = tri(Px, wide`I.); match_v = tri(Py, high`I.);\n"
+    "stag_u = mod(if(frac(Py/high`I./2)-.5, Px, Px + wide`I./2), wide`I.); stag_v = tile_v;\n";
+
 static const struct {
     const char *name, *text;
 } texts[] = {{ORL_STANDARD_START, start},
              {"skybright.cal", skybright},
              {"perezlum.cal", perezlum},
              {"illum.cal", illum},
-             {"rev.cal", rev}};
+             {"rev.cal", rev},
+             {"source.cal", source},
+             {"picture.cal", picture}};
 
 const char *orl_standard_text(const char *name)
 {

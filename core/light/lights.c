@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "light/sky.h"
 #include "scene/material/bounds.h"
+#include "scene/material/pattern.h"
 
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
 static const double widest_sun_deg = 10.0;
@@ -19,16 +20,25 @@ struct distant {
     enum orl_material_kind kind; /* LIGHT or GLOW */
     struct orl_rgb radiance;
     const struct orl_sky *sky; /* multiplies radiance; NULL for none */
+    const struct orl_pattern *pattern;
     struct orl_vec3 direction;
     double angle_deg;
 };
+
+struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 direction)
+{
+    if (dome->pattern)
+        return orl_rgb_mul(dome->radiance, orl_pattern_of_sky(dome->pattern, direction));
+    const double pattern = dome->sky ? orl_sky_brightness(dome->sky, direction) : 1.0;
+    return orl_rgb_scale(dome->radiance, pattern);
+}
 
 static void add(struct orl_lights *lights, const struct distant *d)
 {
     const double half = 0.5 * d->angle_deg * ORL_DEG_TO_RAD;
     if (d->kind != ORL_MATERIAL_LIGHT || d->angle_deg > widest_sun_deg) {
         lights->domes[lights->n_domes++] =
-            (struct orl_dome){d->direction, cos(half), d->radiance, d->sky};
+            (struct orl_dome){d->direction, cos(half), d->radiance, d->sky, d->pattern};
         return;
     }
     /* 1 - cos without cancellation: the disc is half a degree across. */
@@ -38,6 +48,8 @@ static void add(struct orl_lights *lights, const struct distant *d)
                           .cos_half_angle = cos(half),
                           .solid_angle_sr = solid,
                           .radiance = orl_rgb_scale(d->radiance, pattern)};
+    if (d->pattern)
+        sun.radiance = orl_rgb_mul(sun.radiance, orl_pattern_of_sky(d->pattern, d->direction));
     sun.irradiance = orl_rgb_scale(sun.radiance, solid);
     if (orl_luma(sun.radiance) > 0)
         lights->suns[lights->n_suns++] = sun;
@@ -49,8 +61,9 @@ static void add_of_scene(struct orl_lights *lights)
     for (size_t i = 0; i < d->n_distants; i++) {
         const struct orl_material *m = &d->materials[d->distants[i].material];
         add(lights, &(struct distant){.kind = m->kind,
-                                      .radiance = orl_material_radiance_mean(m),
+                                      .radiance = m->color,
                                       .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
+                                      .pattern = m->pattern,
                                       .direction = d->distants[i].direction,
                                       .angle_deg = d->distants[i].angle_deg});
     }
@@ -199,6 +212,8 @@ void orl_lights_digest(const struct orl_lights *lights, unsigned char ret_digest
                                   dome->radiance.b};
         orl_sha256_add(&hash, numbers, sizeof numbers);
         hash_sky(&hash, dome->sky);
+        if (dome->pattern)
+            orl_sha256_add(&hash, dome->pattern->key, dome->pattern->key_size);
     }
     orl_sha256_finish(&hash, ret_digest);
 }

@@ -23,8 +23,12 @@ struct orl_dome {
     struct orl_vec3 direction;
     double cos_half_angle;
     struct orl_rgb radiance;
-    const struct orl_sky *sky; /* multiplies radiance; NULL for none */
+    const struct orl_sky *sky;         /* multiplies radiance; NULL for none */
+    const struct orl_pattern *pattern; /* the same, of what is no such sky */
 };
+
+/* What a dome shines from a direction within it. */
+struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 direction);
 
 /* A surface that shines. */
 struct orl_emitter {

@@ -105,8 +105,7 @@ struct orl_rgb orl_world_dome_radiance(const struct orl_world *world, struct orl
         const struct orl_dome *dome = &world->domes[i];
         if (orl_dot(direction, dome->direction) < dome->cos_half_angle)
             continue;
-        const double pattern = dome->sky ? orl_sky_brightness(dome->sky, direction) : 1.0;
-        sum = orl_rgb_add(sum, orl_rgb_scale(dome->radiance, pattern));
+        sum = orl_rgb_add(sum, orl_dome_radiance(dome, direction));
     }
     return sum;
 }

@@ -34,13 +34,22 @@ static bool is_coloured(const struct orl_material *m)
            has_coloured_data(m);
 }
 
+static bool has_coloured_sky(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_domes; i++)
+        if (world->domes[i].pattern && world->domes[i].pattern->coloured)
+            return true;
+    return false;
+}
+
 static size_t coloured_lights(const struct orl_world *world)
 {
     size_t n = 0;
     for (size_t i = 0; i < world->n_suns; i++)
         n += !is_gray(world->suns[i].radiance);
     for (size_t i = 0; i < world->n_domes; i++)
-        n += !is_gray(world->domes[i].radiance);
+        n += !is_gray(world->domes[i].radiance) ||
+             (world->domes[i].pattern && world->domes[i].pattern->coloured);
     return n;
 }
 
@@ -113,7 +122,8 @@ void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)
     orl_settle(decision, &finding, "surfaces that have a colour: %zu; lights that have one: %zu",
                materials, lights);
     plan->channels = decision->simulated ? 3 : 1;
-    if (!decision->simulated && orl_survey_count(survey, has_coloured_data) > 0) {
+    if (!decision->simulated &&
+        (orl_survey_count(survey, has_coloured_data) > 0 || has_coloured_sky(world))) {
         /* Data cannot be bleached. */
         decision->simulated = true;
         plan->channels = 3;

@@ -17,18 +17,20 @@ enum { RAYS_A_SAMPLE = 3 };
 double orl_survey_dome_peak(const struct orl_dome *dome)
 {
     double most = 0;
-    if (!dome->sky)
+    if (!dome->sky && !dome->pattern)
         return orl_luma(dome->radiance);
     for (int row = 0; row < SKY_ROWS; row++) {
         for (int column = 0; column < SKY_COLUMNS; column++) {
             const double z = 2 * (row + 0.5) / SKY_ROWS - 1, s = sqrt(1 - z * z);
             const double phi = 2 * ORL_PI * (column + 0.5) / SKY_COLUMNS;
             const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
-            if (orl_dot(d, dome->direction) >= dome->cos_half_angle)
-                most = fmax(most, orl_sky_brightness(dome->sky, d));
+            if (orl_dot(d, dome->direction) < dome->cos_half_angle)
+                continue;
+            most = fmax(most, dome->pattern ? orl_luma(orl_dome_radiance(dome, d))
+                                            : orl_sky_brightness(dome->sky, d));
         }
     }
-    return sky_margin * most * orl_luma(dome->radiance);
+    return sky_margin * most * (dome->pattern ? 1 : orl_luma(dome->radiance));
 }
 
 double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx)

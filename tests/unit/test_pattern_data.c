@@ -95,6 +95,7 @@ static struct orl_scene *load(const char *text, const struct orl_file *first)
 /* ---- Against rtrace ---------------------------------------------------------------------------
  */
 
+#define RED "void plastic red 0 0 5 .5 .1 .1 0 0\nred sphere r 0 0 4 0 0 0 1\n"
 #define FLOOR "floor polygon q 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
 
 /* What a ray sees of the floor: what it shines, or lets through of light 1. */
@@ -355,11 +356,62 @@ static void test_lamps(void **state)
     }
 }
 
+/*
+ * Skies of functions and of pictures: a radiance of the sine of the altitude gives the ground
+ * 2 pi / 3, of which a picture that holds 1, 0.5 and 0.25 leaves so much in its channels.
+ */
+static void test_skies(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{0, 0, 1}, {0, 0, 1}}, {{0, 0, 1}, {0, 0, -1}}};
+    static const char scene[] =
+        "void brightfunc f 2 noneg(Dz) . 0 0\nf colorpict p 7 red green blue f.hdr . .5 .5 0 0\n"
+        "p glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180\n"
+        "void plastic dark 0 0 5 0 0 0 0 0\n"
+        "dark polygon q 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n";
+    /* 127.5 / 128 and so on, twice two pixels; no byte of a text is 0. */
+    static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n"
+                              "\x7f\x3f\x1f\x81\x7f\x3f\x1f\x81\x7f\x3f\x1f\x81\x7f\x3f\x1f\x81";
+    static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
+    (void)state;
+    const double left = (.265074126 * 127.5 + .670114631 * 63.5 + .064811243 * 31.5) / 128;
+    for (size_t t = 0; t < sizeof techniques / sizeof *techniques; t++) {
+        double lx[2];
+        scene_run_lx(&(struct scene_run){.scene = scene,
+                                         .resource_name = "f.hdr",
+                                         .resource_text = hdr,
+                                         .sensors = sensors,
+                                         .n_sensors = 2,
+                                         .technique = techniques[t],
+                                         .wishes = scene_wish_maps,
+                                         .samples = 16384,
+                                         .threads = 2},
+                     lx);
+        const double expected = 179 * left * 2 * ORL_PI / 3;
+        if (!(fabs(lx[0] / expected - 1) < .01))
+            fail_msg("technique %zu: %g lx, not %g", t, lx[0], expected);
+        assert_true(lx[1] == 0);
+    }
+}
+
+/* A sky with its sun in it is told of. */
+static void test_small_bright(void **state)
+{
+    static const char text[] = "void brightfunc f 2 if(Dz-.999,1000,.01) . 0 0\n"
+                               "f glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n" RED;
+    struct orl_scene *const scene = load(text, NULL);
+    (void)state;
+    assert_int_equal(scene->description.n_warnings, 1);
+    assert_non_null(strstr(scene->description.warnings[0], "light of source heaven"));
+    orl_scene_release(scene);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rtrace), cmocka_unit_test(test_png),  cmocka_unit_test(test_exr),
-        cmocka_unit_test(test_errors), cmocka_unit_test(test_keys), cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_rtrace), cmocka_unit_test(test_png),
+        cmocka_unit_test(test_exr),    cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_keys),   cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_skies),  cmocka_unit_test(test_small_bright),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

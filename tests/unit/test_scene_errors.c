@@ -143,8 +143,6 @@ static const struct bad bad_scenes[] = {
      "plastic g", "on what shines only"},
     {"void brightfunc f 2 Px . 0 0\nf brightfunc g 2 skybr skybright.cal 0 3 2 1 1",
      ORL_ERR_UNSUPPORTED, 2, "brightfunc g", "a pattern cannot modify a sky"},
-    {"void brightfunc f 2 Px . 0 0\nf glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180",
-     ORL_ERR_UNSUPPORTED, 3, "source s", "of distant light"},
     {"void brightfunc f 2 skybright perezlum.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f",
      "10"},
     {"void brightfunc f 2 skybr skybright.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f", "7"},

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/units.h>
+
 #include "function/ray_names.h"
 #include "scene/material/hemisphere.h"
 
@@ -102,6 +104,19 @@ struct orl_rgb orl_pattern_towards(const struct orl_pattern *pattern, const stru
     return factor;
 }
 
+static struct orl_hit hit_of_sky(struct orl_vec3 direction)
+{
+    const double far = 1e10;
+    return (struct orl_hit){
+        .point = orl_scale(direction, far), .normal = orl_neg(direction), .front = true};
+}
+
+struct orl_rgb orl_pattern_of_sky(const struct orl_pattern *pattern, struct orl_vec3 direction)
+{
+    const struct orl_hit hit = hit_of_sky(direction);
+    return orl_pattern_towards(pattern, &hit, hit.normal);
+}
+
 /* ---- Mean and most ----------------------------------------------------------------------------
  */
 
@@ -140,6 +155,11 @@ static int too_long(const struct orl_pattern *pattern, struct orl_error *err)
     return ORL_ERR_LIMIT;
 }
 
+static struct orl_rgb larger(struct orl_rgb a, struct orl_rgb b)
+{
+    return (struct orl_rgb){fmax(a.r, b.r), fmax(a.g, b.g), fmax(a.b, b.b)};
+}
+
 /* n places of even area, within a facet by a sequence of low discrepancy (Roberts'). */
 static int evaluate(struct orl_pattern *pattern, const struct spread *spread, size_t n,
                     size_t *ret_without, struct orl_error *err)
@@ -158,7 +178,8 @@ static int evaluate(struct orl_pattern *pattern, const struct spread *spread, si
             passed += g->facets[spread->facets[at++]].area;
         hit.facet = spread->facets[at];
         orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
-        const double round = 0.8191725133961645 * (double)k, down = 0.6710436067037893 * (double)k;
+        const double round = 0.8191725133961645 * ((double)k + 1),
+                     down = 0.6710436067037893 * ((double)k + 1);
         const struct orl_vec3 towards =
             orl_hemisphere_about(hit.normal, down - floor(down), round - floor(round));
         const enum worth worth = factor_at(pattern, &hit, towards, &value);
@@ -166,8 +187,7 @@ static int evaluate(struct orl_pattern *pattern, const struct spread *spread, si
             return too_long(pattern, err);
         *ret_without += worth == HAS_NONE;
         sum = orl_rgb_add(sum, value);
-        most =
-            (struct orl_rgb){fmax(most.r, value.r), fmax(most.g, value.g), fmax(most.b, value.b)};
+        most = larger(most, value);
     }
     pattern->mean = orl_rgb_scale(sum, 1 / (double)n);
     pattern->most = most;
@@ -187,6 +207,89 @@ static void warn(struct orl_description *description, const struct orl_pattern *
              "on: colours are left as they are there",
              pattern->file, pattern->line, pattern->name, without, n);
     orl_description_warn(description, text);
+}
+
+/* ---- Distant light ----------------------------------------------------------------------------
+ */
+
+enum { DIRECTIONS = 1 << 16, FEW = DIRECTIONS / 1000 };
+
+static int brighter(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x < y) - (x > y);
+}
+
+/* Warns when most of the light comes from few directions. */
+static void weigh(struct orl_description *description, const struct orl_distant *distant,
+                  const struct orl_pattern *pattern, double *lumas, size_t n)
+{
+    const double most_share = 0.25;
+    double all = 0, few = 0;
+    char text[1024];
+    qsort(lumas, n, sizeof *lumas, brighter);
+    for (size_t i = 0; i < n; i++) {
+        all += lumas[i];
+        few += i < FEW ? lumas[i] : 0;
+    }
+    if (n / 10 < FEW || !(few > most_share * all))
+        return;
+    snprintf(text, sizeof text,
+             "%.200s:%d: %.100s has %.0f %% of the light of source %.100s in a thousandth of all "
+             "directions, which rays find by chance: give that light as a source of its own",
+             pattern->file, pattern->line, pattern->name, 100 * few / all, distant->name);
+    orl_description_warn(description, text);
+}
+
+/* A pattern over the directions of a source, of equal solid angles. */
+static int settle_distant(struct orl_description *description, const struct orl_distant *distant,
+                          struct orl_pattern *pattern, bool alone, struct orl_error *err)
+{
+    const double least = cos(0.5 * distant->angle_deg * ORL_DEG_TO_RAD);
+    double *const lumas = malloc(sizeof *lumas * DIRECTIONS);
+    struct orl_rgb sum = orl_gray(0), most = sum;
+    size_t n = 0, without = 0;
+    enum worth worth = lumas ? HAS_VALUE : TAKES_TOO_LONG;
+    for (int i = 0; i < DIRECTIONS && worth != TAKES_TOO_LONG; i++) {
+        /* A spiral: each direction stands for as much. */
+        const double z = 1 - (2 * i + 1.0) / DIRECTIONS, s = sqrt(1 - z * z);
+        const double phi = 2 * ORL_PI * fmod(i * 0.6180339887498949, 1);
+        const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
+        struct orl_rgb value;
+        if (orl_dot(d, distant->direction) < least)
+            continue;
+        const struct orl_hit hit = hit_of_sky(d);
+        worth = factor_at(pattern, &hit, hit.normal, &value);
+        without += worth == HAS_NONE;
+        lumas[n++] = orl_luma(value);
+        sum = orl_rgb_add(sum, value);
+        most = larger(most, value);
+    }
+    if (worth != TAKES_TOO_LONG) {
+        weigh(description, distant, pattern, lumas, n);
+        warn(description, pattern, without, n);
+    }
+    if (alone && n > 0) {
+        pattern->mean = orl_rgb_scale(sum, 1 / (double)n);
+        pattern->most = most;
+    }
+    const int code = !lumas ? ORL_ERR_NOMEM : worth == TAKES_TOO_LONG ? too_long(pattern, err) : 0;
+    free(lumas);
+    return code;
+}
+
+static int settle_distants(struct orl_description *description, const size_t *first,
+                           struct orl_error *err)
+{
+    int code = 0;
+    for (size_t i = 0; i < description->n_distants && code == 0; i++) {
+        const struct orl_distant *const distant = &description->distants[i];
+        struct orl_pattern *const p = description->materials[distant->material].pattern;
+        if (p)
+            code = settle_distant(description, distant, p, first[p->index + 1] == first[p->index],
+                                  err);
+    }
+    return code;
 }
 
 int orl_patterns_settle(struct orl_description *description, const struct orl_geometry *geometry,
@@ -211,6 +314,8 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
             code = evaluate(pattern, &spread, places, &without, err);
         warn(description, pattern, without, places);
     }
+    if (code == 0)
+        code = settle_distants(description, first, err);
     free(first);
     free(sorted);
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory for patterns") : code;

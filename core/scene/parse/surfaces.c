@@ -368,15 +368,6 @@ static int fail_source(struct orl_parser *parser, const struct orl_scope *scope,
     return ORL_ERR_UNSUPPORTED;
 }
 
-static int fail_patterned(struct orl_parser *parser, const struct orl_scope *scope,
-                          struct orl_error *err)
-{
-    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                    "of distant light, only the skies of gensky and gendaylit have patterns");
-    orl_error_hint(err, "write void as the pattern of what it shines, or give the job a sky");
-    return ORL_ERR_UNSUPPORTED;
-}
-
 /* "skyfunc source sky" for "skyglow source sky", a slip that Radiance takes for a dark source. */
 static bool is_patterned_alone(const struct orl_parser *parser, const struct orl_scope *scope)
 {
@@ -419,8 +410,6 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     if (out->materials[distant.material].kind != ORL_MATERIAL_LIGHT &&
         out->materials[distant.material].kind != ORL_MATERIAL_GLOW)
         return fail_source(parser, scope, out->materials[distant.material].kind, err);
-    if (out->materials[distant.material].pattern)
-        return fail_patterned(parser, scope, err);
     distant.direction = orl_normalize(orl_xform_vector(&scope->xform, real3(parser, 0)));
     distant.angle_deg = r[3];
     if (!(fabs(orl_length(distant.direction) - 1.0) < 1e-6))
