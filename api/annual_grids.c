@@ -8,6 +8,7 @@
 #include <oriel/limits.h>
 
 #include "members.h"
+#include "sensors_json.h"
 
 enum { NAME_MAX_BYTES = ORL_TARGET_GRID - 1 };
 

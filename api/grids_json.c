@@ -5,8 +5,8 @@
 
 #include <oriel/limits.h>
 
-#include "job_json.h"
 #include "members.h"
+#include "sensors_json.h"
 
 enum { NAME_MAX_BYTES = 200 };
 

@@ -11,6 +11,7 @@
 #include "heat_map_json.h"
 #include "members.h"
 #include "plan_json.h"
+#include "sensors_json.h"
 #include "sequence_json.h"
 #include "skies_json.h"
 #include "sky_json.h"
@@ -83,42 +84,6 @@ static int decode_scene(const json_t *scene, const char *path, void *into, struc
 {
     struct draft *draft = into;
     return orl_job_scene_from_json(scene, path, draft->origin, &draft->job, &draft->scene_id, err);
-}
-
-static int decode_sensor(const json_t *row, const char *path, void *into, struct orl_error *err)
-{
-    struct orl_sensor *sensor = into;
-    double v[6] = {0};
-    int rc = orl_json_array(row, path, 6, err);
-    if (rc == 0 && json_array_size(row) != 6)
-        rc = orl_json_fail(err, ORL_ERR_INVALID, path,
-                           "six numbers are wanted: x, y, z and the direction dx, dy, dz");
-    for (size_t k = 0; k < 6 && rc == 0; k++) {
-        char at[ORL_JSON_PATH_MAX];
-        snprintf(at, sizeof at, "%.120s[%zu]", path, k);
-        rc = orl_json_real(json_array_get(row, k), at, &v[k], err);
-    }
-    if (rc == 0 && v[3] == 0 && v[4] == 0 && v[5] == 0)
-        rc = orl_json_fail(err, ORL_ERR_RANGE, path, "the direction is zero");
-    if (rc == 0)
-        *sensor = (struct orl_sensor){orl_v3(v[0], v[1], v[2]), orl_v3(v[3], v[4], v[5])};
-    return rc;
-}
-
-/* A file of them, or they themselves. */
-int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct orl_job *job,
-                              struct orl_error *err)
-{
-    const struct orl_json_member members[] = {
-        {"file", .text = &job->sensors_file, .longest = FILE_NAME_MAX_BYTES, .required = true},
-        {0}};
-    const struct orl_json_list list = {.items = &job->sensors,
-                                       .count = &job->n_sensors,
-                                       .size = sizeof *job->sensors,
-                                       .most = ORL_LIMIT_SENSORS,
-                                       .each = decode_sensor};
-    return json_is_object(sensors) ? orl_json_members(sensors, path, members, err)
-                                   : orl_json_list(sensors, path, &list, err);
 }
 
 static int decode_sensors(const json_t *sensors, const char *path, void *into,

@@ -42,11 +42,9 @@ enum orl_job_origin { ORL_JOB_LOCAL, ORL_JOB_REMOTE };
 int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
                       char **ret_scene_id, struct orl_error *err);
 
-/* Parts that other documents have too, into job, whose others are left alone: the scene (NULL:
- * absent; ret_scene_id as above) and sensors. What was read before an error stays in job. */
+/* A part that other documents have too, into job, whose others are left alone: the scene (NULL:
+ * absent; ret_scene_id as above). What was read before an error stays in job. */
 int orl_job_scene_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
                             struct orl_job *job, char **ret_scene_id, struct orl_error *err);
-int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct orl_job *job,
-                              struct orl_error *err);
 
 #endif

@@ -60,13 +60,14 @@ static int print_plan(void *ctx, const char *sky, const struct orl_result *plann
     return 0;
 }
 
-static int plan_document(const char *document, uint32_t threads, bool as_json)
+static int plan_document(const char *document, const struct orl_project_line *project,
+                         uint32_t threads, bool as_json)
 {
     struct plans plans = {.as_json = as_json};
     struct orl_job_file file = {0};
     struct orl_job job = {0};
     struct orl_error err = {0};
-    int rc = orl_job_file_read(document, &file, &err);
+    int rc = orl_job_file_open(document, project, &file, &err);
 
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
@@ -80,14 +81,16 @@ static int plan_document(const char *document, uint32_t threads, bool as_json)
 int orl_cmd_plan(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_local_line line = {0};
+    struct orl_project_line project = {0};
     bool as_json = false;
     const struct orl_option options[] = {
         {.name = "json", .help = "print the plan as JSON", .flag = &as_json},
+        ORL_OPTIONS_PROJECT(&project),
         ORL_OPTION_THREADS(&line.threads_text),
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 4, &line, &code))
         return code;
-    return plan_document(line.operand, line.threads, as_json);
+    return plan_document(line.operand, &project, line.threads, as_json);
 }

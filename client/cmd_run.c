@@ -87,7 +87,8 @@ static int render(const struct orl_job *job, const char *folder, const char *out
 }
 
 /* The whole of it, once the command line is understood. */
-static int run_document(const char *document, const char *output, uint32_t threads)
+static int run_document(const char *document, const struct orl_project_line *project,
+                        const char *output, uint32_t threads)
 {
     struct orl_job_file file = {0};
     struct orl_job job = {0};
@@ -102,7 +103,7 @@ static int run_document(const char *document, const char *output, uint32_t threa
     if (rc)
         return orl_report_error(&err);
     unlink(path); /* an earlier run's success must not outlive this one's start */
-    rc = orl_job_file_read(document, &file, &err);
+    rc = orl_job_file_open(document, project, &file, &err);
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)
@@ -129,17 +130,19 @@ static int run_document(const char *document, const char *output, uint32_t threa
 int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_local_line line = {.writes = true};
+    struct orl_project_line project = {0};
     const struct orl_option options[] = {
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
          .help = "where result.json and the images go",
          .value = &line.output},
+        ORL_OPTIONS_PROJECT(&project),
         ORL_OPTION_THREADS(&line.threads_text),
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 4, &line, &code))
         return code;
-    return run_document(line.operand, line.output, line.threads);
+    return run_document(line.operand, &project, line.output, line.threads);
 }

@@ -134,11 +134,11 @@ static int label(struct orl_job_file *file, const char *name, const char *tags,
 }
 
 /* Everything up to the daemon's 202. *ret_reply is the job's first document. */
-static int submit(struct orl_http *http, const char *path, const char *name, const char *tags,
-                  json_t **ret_reply, struct orl_error *err)
+static int submit(struct orl_http *http, const char *path, const struct orl_project_line *project,
+                  const char *name, const char *tags, json_t **ret_reply, struct orl_error *err)
 {
     struct orl_job_file file = {0};
-    int rc = orl_job_file_read(path, &file, err);
+    int rc = orl_job_file_open(path, project, &file, err);
 
     if (rc == 0)
         rc = label(&file, name, tags, err);
@@ -157,6 +157,7 @@ static int submit(struct orl_http *http, const char *path, const char *name, con
 int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
 {
     const char *server = NULL, *name = NULL, *tags = NULL;
+    struct orl_project_line project = {0};
     bool wait = false;
     const struct orl_option options[] = {
         ORL_OPTION_SERVER(&server),
@@ -165,6 +166,7 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
          .metavar = "TAG,...",
          .help = "what to find it by again, as oriel status --tag does",
          .value = &tags},
+        ORL_OPTIONS_PROJECT(&project),
         {.name = "wait", .help = "follow the job to its end", .flag = &wait},
     };
     struct orl_operands operands;
@@ -173,11 +175,11 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
     json_t *reply = NULL;
     int rc, code;
 
-    if (!orl_options_parse(self, argc, argv, options, 4, 1, 1, &operands, &code))
+    if (!orl_options_parse(self, argc, argv, options, 6, 1, 1, &operands, &code))
         return code;
     rc = orl_http_open(&http, server, &err);
     if (rc == 0)
-        rc = submit(&http, operands.items[0], name, tags, &reply, &err);
+        rc = submit(&http, operands.items[0], &project, name, tags, &reply, &err);
     if (rc) {
         code = orl_report_error(&err);
     } else {

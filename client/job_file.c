@@ -10,6 +10,7 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
+#include "files.h"
 #include "job_json.h"
 
 /* The folder part of path, "." when there is none. */
@@ -29,32 +30,126 @@ static int folder_of(const char *path, char *ret_folder, size_t size, struct orl
     return 0;
 }
 
-int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err)
+static int read_document(struct orl_job_file *file, struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
     struct orl_file text;
-    int rc;
-
-    *ret_file = (struct orl_job_file){.path = path};
-    rc = folder_of(path, ret_file->folder, sizeof ret_file->folder, err);
+    int rc = folder_of(file->path, file->folder, sizeof file->folder, err);
     if (rc)
         return rc;
-    rc = here.open(here.ctx, path, &text, err);
+    rc = here.open(here.ctx, file->path, &text, err);
     if (rc)
         return rc;
     if (text.size > ORL_LIMIT_JOB_BYTES)
         rc = orl_error_set(err, ORL_ERR_LIMIT, "the job document is larger than %lu MiB",
                            ORL_LIMIT_JOB_BYTES >> 20);
     else
-        rc = orl_json_parse(path, text.data, text.size, &ret_file->doc, err);
+        rc = orl_json_parse(file->path, text.data, text.size, &file->doc, err);
     here.close(here.ctx, &text);
     return rc;
 }
 
+/* "scene": {"project": PATH, ...} gives way to what the project has. */
+static int resolve_project(struct orl_job_file *file, const char *beside, struct orl_error *err)
+{
+    json_t *scene = json_incref(json_object_get(file->doc, "scene"));
+    const char *named = json_string_value(json_object_get(scene, "project"));
+    char path[4096];
+    int rc = named ? orl_join_path(file->folder, named, path, sizeof path, err) : 0;
+
+    if (rc == 0 && named)
+        rc = orl_project_open(scene, path, beside, &file->project, err);
+    if (rc == 0 && named) {
+        orl_project_tell(file->project.project);
+        snprintf(file->folder, sizeof file->folder, "%s", file->project.folder);
+        rc = orl_project_fill(&file->project, scene, file->doc, err);
+    }
+    json_decref(scene);
+    return rc;
+}
+
+int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err)
+{
+    int rc;
+
+    *ret_file = (struct orl_job_file){.path = path};
+    rc = read_document(ret_file, err);
+    return rc ? rc : resolve_project(ret_file, ret_file->folder, err);
+}
+
+/* "GROUP=STATE,..." */
+static int read_states(const char *text, json_t *scene, struct orl_error *err)
+{
+    json_t *states = json_object();
+    int rc = json_object_set_new(scene, "states", states);
+
+    while (rc == 0 && *text) {
+        const size_t length = strcspn(text, ","), group = strcspn(text, "=,");
+
+        if (group == length)
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--states takes GROUP=STATE, with commas");
+        else
+            rc = json_object_setn_new(states, text, group,
+                                      json_stringn(text + group + 1, length - group - 1));
+        text += length + (text[length] == ',');
+    }
+    return rc ? orl_error_set(err, ORL_ERR_INVALID, "--states takes GROUP=STATE,...") : 0;
+}
+
+int orl_project_wish(const char *path, const struct orl_project_line *line, json_t **ret_scene,
+                     struct orl_error *err)
+{
+    json_t *scene = json_pack("{s:s}", "project", path);
+    int rc = scene ? 0 : orl_error_set(err, ORL_ERR_INVALID, "the project's path is not UTF-8");
+
+    if (rc == 0 && line->states)
+        rc = read_states(line->states, scene, err);
+    if (rc == 0 && line->sky && line->sky[0] != '{')
+        json_object_set_new(scene, "sky", json_string(line->sky));
+    *ret_scene = scene;
+    return rc;
+}
+
+static int make_document(struct orl_job_file *file, const struct orl_project_line *line,
+                         struct orl_error *err)
+{
+    json_t *scene = NULL, *sky = NULL;
+    int rc = orl_project_wish(file->path, line, &scene, err);
+
+    file->doc = json_pack("{s:s, s:o*}", "kind", "render", "scene", scene);
+    if (rc == 0 && !file->doc)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc == 0 && line->sky && line->sky[0] == '{') {
+        rc = orl_json_parse("--sky", line->sky, strlen(line->sky), &sky, err);
+        if (rc == 0)
+            json_object_set_new(file->doc, "sky", sky);
+    }
+    return rc;
+}
+
+int orl_job_file_open(const char *path, const struct orl_project_line *line,
+                      struct orl_job_file *ret_file, struct orl_error *err)
+{
+    int rc;
+
+    if (!orl_project_is_one(path)) {
+        if (!line->sky && !line->states)
+            return orl_job_file_read(path, ret_file, err);
+        *ret_file = (struct orl_job_file){.path = path};
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "--sky and --states are for projects: a document says so itself");
+    }
+    *ret_file = (struct orl_job_file){.path = path, .folder = "."};
+    rc = make_document(ret_file, line, err);
+    return rc ? rc : resolve_project(ret_file, NULL, err);
+}
+
 void orl_job_file_done(struct orl_job_file *file)
 {
-    if (file)
-        json_decref(file->doc);
+    if (!file)
+        return;
+    json_decref(file->doc);
+    orl_project_done(&file->project);
 }
 
 int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job,

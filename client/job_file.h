@@ -10,14 +10,40 @@
 #include <oriel/error.h>
 #include <oriel/run.h>
 
+#include "project.h"
+
 struct orl_job_file {
     const char *path; /* borrowed from the command line */
     json_t *doc;      /* owned */
     char folder[4096];
+    struct orl_project_place project; /* that the document names, or is made of; else all zero */
 };
 
-/* Reads and parses the document; mistakes in the JSON come with file and line. */
+/* Reads and parses the document; mistakes in the JSON come with file and line. A project that it
+ * names as its scene is opened (project.h), and told of on stderr. */
 int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err);
+
+/* What the command line says of a project in place of a document. Borrowed. */
+struct orl_project_line {
+    const char *sky;    /* its name in the project, or "sky" of a job, as JSON; NULL */
+    const char *states; /* "GROUP=STATE,..."; NULL */
+};
+/* The scene of a document that asks for it, a new reference, after an error, too. */
+int orl_project_wish(const char *path, const struct orl_project_line *line, json_t **ret_scene,
+                     struct orl_error *err);
+/* The same, where path may be that of a project; wishes of any other are refused. */
+#define ORL_OPTIONS_PROJECT(line)                                                                  \
+    {.name = "sky",                                                                                \
+     .metavar = "SKY",                                                                             \
+     .help = "of a project: one of its own by name, or a job's \"sky\" as JSON",                   \
+     .value = &(line)->sky},                                                                       \
+    {                                                                                              \
+        .name = "states", .metavar = "GROUP=STATE,...",                                            \
+        .help = "of a project: which state its moving parts are in (default: the first)",          \
+        .value = &(line)->states                                                                   \
+    }
+int orl_job_file_open(const char *path, const struct orl_project_line *line,
+                      struct orl_job_file *ret_file, struct orl_error *err);
 void orl_job_file_done(struct orl_job_file *file); /* NULL and half-filled are fine */
 
 /* The document as a job, checked as far as that goes without the scene. */

@@ -7,17 +7,29 @@
 #include <curl/curl.h>
 
 static const struct orl_subcommand commands[] = {
-    {"run", "JOB.json -o DIR [--threads N]", "Render a job here, without a daemon",
+    {"run", "JOB.json|PROJECT -o DIR [--sky SKY] [--states GROUP=STATE,...] [--threads N]",
+     "Render a job here, without a daemon",
      "JOB.json names its scene as {\"files\": [...]}, relative to the document. Images and\n"
-     "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again.",
+     "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again. A "
+     "project\n"
+     "(a Honeybee model, or the folder that Honeybee exports of one) has its grids and views\n"
+     "rendered, by their names, under a sky of its own or that of --sky.",
      orl_cmd_run},
-    {"plan", "JOB.json [--json] [--threads N]",
+    {"plan", "JOB.json|PROJECT [--json] [--threads N]",
      "Show which technique and effects a job would get, and what accuracies take",
      "Prints a row for each effect of light: is it simulated, what does leaving it out cost any\n"
      "sensor or pixel at most (lux, or a share), what does it save (estimated seconds of one\n"
      "thread), and why. The job's \"effects\" can force or skip each. Then, from two small rounds\n"
      "by paths, the seconds that jobs for an accuracy would take here.",
      orl_cmd_plan},
+    {"project", "MODEL.hbjson|FOLDER [-o DIR]",
+     "Show what a Honeybee model or folder holds: scene, grids, views, skies, states",
+     "Prints, as JSON, which files make the scene, in their order; the names of its grids, views "
+     "and\n"
+     "skies, and the states of its moving parts; and what was left out, and why. With -o, a "
+     "model's\n"
+     "Radiance files go to DIR, with job.json that names them.",
+     orl_cmd_project},
     {"annual", "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--threads N]",
      "Daylight over a year: metrics and verdicts with their intervals",
      "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
@@ -25,7 +37,8 @@ static const struct orl_subcommand commands[] = {
      "it likes, hours of use, metrics, targets (\"sDA300/50 >= 55 %\") and rules (\"LEED\",\n"
      "\"EN 17037\"). Leaves result.json, sensors.csv, hours.csv, maps of every grid over the plan "
      "and\n"
-     "over the year, and a page of each to show (PDF). With --honeybee all hours go to DIR/results as\n"
+     "over the year, and a page of each to show (PDF). With --honeybee all hours go to DIR/results "
+     "as\n"
      "Honeybee keeps them, with --ill to Radiance matrices.",
      orl_cmd_annual},
     {"verify", "RESULT [--files DIR] [--threads N]",
@@ -43,7 +56,7 @@ static const struct orl_subcommand commands[] = {
      "several seeds, and compares them with a long unbiased one. Leaves study.json, study.csv,\n"
      "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
      orl_cmd_study},
-    {"submit", "JOB.json [--name NAME] [--tags TAG,...] [--server URL] [--wait]",
+    {"submit", "JOB.json|PROJECT [--name NAME] [--tags TAG,...] [--server URL] [--wait]",
      "Send a job, study or year, and the files it needs, to a daemon",
      "Uploads the scene's files and everything they refer to, then prints the job's id.",
      orl_cmd_submit},
@@ -57,8 +70,10 @@ static const struct orl_subcommand commands[] = {
      "as for the other commands.",
      orl_cmd_status},
     {"watch", "[--tag TAG] [--server URL]", "Show all jobs as they change, a line each",
-     "First those that are there, then what becomes of them and what is new: a line, as status has\n"
-     "it, for each new state, each round's error and each tenth of the way. A daemon that restarts\n"
+     "First those that are there, then what becomes of them and what is new: a line, as status "
+     "has\n"
+     "it, for each new state, each round's error and each tenth of the way. A daemon that "
+     "restarts\n"
      "in between is waited for. Ends with Ctrl-C.",
      orl_cmd_watch},
     {"wait", "ID [--server URL]", "Follow a job to its end, with progress",
@@ -76,7 +91,8 @@ static const struct orl_subcommand commands[] = {
      "BSDF when no scene has it. Photon maps: oriel maps --remove.",
      orl_cmd_remove},
     {"list", "scenes|bsdfs [--server URL]", "List the uploads a daemon keeps, the latest first",
-     "A scene's size, the jobs that had it and those under way, and when it was last used; a BSDF's\n"
+     "A scene's size, the jobs that had it and those under way, and when it was last used; a "
+     "BSDF's\n"
      "size, how many scenes have it, and its name.",
      orl_cmd_list},
     {"link", "ID FILE... [--seconds N] [--server URL]",

@@ -1,4 +1,4 @@
-/* `oriel run` of sensors in grids, by their names. */
+/* `oriel run` of sensors in grids and of Honeybee's projects, by their names. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -109,9 +109,105 @@ static void test_names_that_are_none_are_refused(void **state)
     assert_refused(f, JOB("{\"sensors\": [[1, 1, 1, 0, 0, 1]]}"), "grids[0]");
 }
 
+/* ---- Projects ---------------------------------------------------------------------------------
+ */
+
+static const char model[] = "tests/fixtures/honeybee/two_rooms.hbjson";
+
+/* The scene's files by `oriel project`. */
+static json_t *list_project(struct cli_desk *f, const char *path, const char *states)
+{
+    const char *const args[] = {"project", path, "--states", states, NULL};
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    json_t *project = json_loads(f->result.out, 0, NULL);
+    assert_non_null(project);
+    return project;
+}
+
+static void test_a_model_is_listed_and_written(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const args[] = {"project", model, "-o", f->output, NULL};
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    json_t *whole = json_loads(f->result.out, 0, NULL);
+    json_t *folder = list_project(f, f->output, "south_glass=0_south_glass");
+    /* What was written is found again, of the folder's own name, too. */
+    assert_true(json_equal(whole, folder));
+    json_decref(folder);
+    char own[128];
+    snprintf(own, sizeof own, "%s/model", f->output);
+    folder = list_project(f, own, "south_glass=0_south_glass");
+    assert_true(json_equal(whole, folder));
+    json_decref(folder);
+    folder = list_project(f, own, "south_glass=1_south_glass");
+    assert_false(json_equal(whole, folder));
+    json_decref(folder);
+    json_decref(whole);
+}
+
+/* Sensors of a grid of a run of the document, summed up. */
+static double run_project(struct cli_desk *f, const char *states)
+{
+    char job[600], here[256];
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(job, sizeof job,
+             "{\"kind\": \"render\", \"technique\": \"backward\", \"gather_samples\": 256,"
+             " \"scene\": {\"project\": \"%s/%s\", \"states\": {%s}, \"files\": [\"sky.rad\"]},"
+             " \"views\": []}",
+             here, model, states);
+    cli_write_file(f->folder, "job.json", job);
+    cli_write_file(f->folder, "sky.rad",
+                   "void glow sky_glow\n0\n0\n4 10 10 10 0\n"
+                   "sky_glow source sky\n0\n0\n4 0 0 1 180\n");
+    const char *const args[] = {"run", f->document, "-o", f->output, "--threads", "1", NULL};
+    cli_run(args, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    char *text = cli_read_file(f->output, "results/desks.res"), *at = text;
+    double sum = 0;
+    for (int i = 0; i < 4; i++)
+        sum += strtod(at, &at);
+    free(text);
+    return sum;
+}
+
+static void test_states_let_in_more_or_less(void **state)
+{
+    struct cli_desk *f = *state;
+    const double open = run_project(f, "");
+    const double tinted = run_project(f, "\"south_glass\": \"1_south_glass\"");
+    /* One window of two has a transmittance of 0.27 rather than 0.64, and a louvre. */
+    assert_true(open > 100 && tinted < 0.9 * open && tinted > 0.3 * open);
+    json_t *info = load(f->output, "results/grids_info.json");
+    assert_string_equal(json_string_value(json_object_get(json_array_get(info, 1), "full_id")),
+                        "store/floor");
+    json_decref(info);
+}
+
+static void test_what_is_no_project_is_refused(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const folder[] = {"project", "api", NULL};
+    cli_run(folder, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_non_null(strstr(f->result.err, "is no project"));
+    const char *const document[] = {"run", f->document, "-o", f->output, "--states", "a=b", NULL};
+    cli_run(document, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_non_null(strstr(f->result.err, "--states are for projects"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_a_model_is_listed_and_written, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_states_let_in_more_or_less, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_what_is_no_project_is_refused, set_up,
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_grids_keep_their_names, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_names_that_are_none_are_refused, set_up,
                                         cli_desk_tear_down),

@@ -1,0 +1,10 @@
+/* A model's sensor grids and views, each in a file by its name. */
+#ifndef ORL_API_HONEYBEE_ASSETS_H
+#define ORL_API_HONEYBEE_ASSETS_H
+
+#include "honeybee/writing.h"
+
+int orl_hb_grids_write(struct orl_hb *hb);
+int orl_hb_views_write(struct orl_hb *hb);
+
+#endif

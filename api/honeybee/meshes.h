@@ -1,0 +1,17 @@
+/* Meshes of shades: a polygon for each of their faces. */
+#ifndef ORL_API_HONEYBEE_MESHES_H
+#define ORL_API_HONEYBEE_MESHES_H
+
+#include "honeybee/writing.h"
+
+int orl_hb_meshes_write(struct orl_hb *hb);
+
+/* A mesh's corners (Mesh3D), the caller's. at: of the mesh. */
+int orl_hb_mesh_corners(struct orl_hb *hb, const json_t *mesh, const struct orl_hb_at *at,
+                        struct orl_vec3 **ret_corners, size_t *ret_count);
+/* The corners of one of its faces, three or four. */
+int orl_hb_mesh_face(struct orl_hb *hb, const json_t *face, const struct orl_hb_at *at,
+                     const struct orl_vec3 *corners, size_t count, struct orl_vec3 ret_face[4],
+                     size_t *ret_n);
+
+#endif

@@ -1,0 +1,218 @@
+#include "honeybee/polygon.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Reading --------------------------------------------------------------------------------- */
+
+void orl_hb_polygon_done(struct orl_hb_polygon *polygon)
+{
+    free(polygon->points);
+    free(polygon->ends);
+    *polygon = (struct orl_hb_polygon){0};
+}
+
+static bool make_room(struct orl_hb_polygon *p, size_t points)
+{
+    if (p->n_points + points > p->point_room) {
+        const size_t room = 2 * (p->n_points + points);
+        struct orl_vec3 *grown = realloc(p->points, room * sizeof *grown);
+        if (!grown)
+            return false;
+        p->points = grown;
+        p->point_room = room;
+    }
+    if (p->n_loops == p->loop_room) {
+        const size_t room = p->loop_room > 0 ? 2 * p->loop_room : 16;
+        size_t *grown = realloc(p->ends, room * sizeof *grown);
+        if (!grown)
+            return false;
+        p->ends = grown;
+        p->loop_room = room;
+    }
+    return true;
+}
+
+static int add_loop(struct orl_hb *hb, const json_t *corners, const struct orl_hb_at *at,
+                    struct orl_hb_polygon *polygon)
+{
+    const size_t n = json_array_size(corners);
+    int rc = 0;
+    if (n < 3)
+        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three points or more are wanted here");
+    if (!make_room(polygon, n))
+        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < n && rc == 0; i++) {
+        const struct orl_hb_at here = {at, NULL, i};
+        rc = orl_hb_point(hb, json_array_get(corners, i), &here,
+                          &polygon->points[polygon->n_points + i]);
+    }
+    if (rc == 0) {
+        polygon->n_points += n;
+        polygon->ends[polygon->n_loops++] = polygon->n_points;
+    }
+    return rc;
+}
+
+int orl_hb_polygon_cut(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
+                       struct orl_hb_polygon *polygon)
+{
+    const struct orl_hb_at here = {at, "geometry", 0}, boundary = {&here, "boundary", 0};
+    return add_loop(hb, json_object_get(geometry, "boundary"), &boundary, polygon);
+}
+
+int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
+                        struct orl_hb_polygon *polygon)
+{
+    const struct orl_hb_at here = {at, "geometry", 0}, list = {&here, "holes", 0};
+    const json_t *holes = NULL, *hole;
+    size_t i;
+    polygon->n_points = polygon->n_loops = 0;
+    int rc = orl_hb_polygon_cut(hb, geometry, at, polygon);
+    if (rc == 0)
+        rc = orl_hb_array(hb, geometry, &here, "holes", &holes);
+    json_array_foreach(holes, i, hole)
+    {
+        const struct orl_hb_at each = {&list, NULL, i};
+        rc = rc ? rc : add_loop(hb, hole, &each, polygon);
+    }
+    return rc;
+}
+
+/* ---- Where loops lie ------------------------------------------------------------------------- */
+
+static size_t begin_of(const struct orl_hb_polygon *p, size_t loop)
+{
+    return loop > 0 ? p->ends[loop - 1] : 0;
+}
+
+/* Twice the area, along the normal: Newell's sum, from the first corner, lest far away places cost
+ * digits. */
+static struct orl_vec3 area_of(const struct orl_hb_polygon *p, size_t loop)
+{
+    const size_t from = begin_of(p, loop), to = p->ends[loop];
+    struct orl_vec3 sum = orl_v3(0, 0, 0);
+    for (size_t i = from + 1; i + 1 < to; i++)
+        sum = orl_add(sum, orl_cross(orl_sub(p->points[i], p->points[from]),
+                                     orl_sub(p->points[i + 1], p->points[from])));
+    return sum;
+}
+
+struct orl_vec3 orl_hb_polygon_normal(const struct orl_hb_polygon *polygon)
+{
+    const struct orl_vec3 area = area_of(polygon, 0);
+    const double length = orl_length(area);
+    return length > 0 ? orl_scale(area, 1 / length) : orl_v3(0, 0, 0);
+}
+
+void orl_hb_polygon_move(struct orl_hb_polygon *polygon, struct orl_vec3 by)
+{
+    for (size_t i = 0; i < polygon->n_points; i++)
+        polygon->points[i] = orl_add(polygon->points[i], by);
+}
+
+/* ---- The order of holes ---------------------------------------------------------------------- */
+
+struct hole {
+    size_t loop;
+    double at[2]; /* of its first corner, in two of the axes */
+    long strip;
+};
+
+static int compare_along(const void *a, const void *b)
+{
+    const struct hole *x = a, *y = b;
+    return x->at[0] < y->at[0] ? -1 : x->at[0] > y->at[0];
+}
+
+/* Up in one strip, down in the next. */
+static int compare_strips(const void *a, const void *b)
+{
+    const struct hole *x = a, *y = b;
+    const int order = x->at[1] < y->at[1] ? -1 : x->at[1] > y->at[1];
+    return x->strip != y->strip ? (x->strip < y->strip ? -1 : 1)
+           : order == 0         ? (x->loop < y->loop ? -1 : 1)
+           : x->strip % 2 == 0  ? order
+                                : -order;
+}
+
+/* As many strips as holes in a strip. */
+static void order_holes(const struct orl_hb_polygon *p, struct hole *holes, size_t n)
+{
+    const struct orl_vec3 area = area_of(p, 0);
+    const double x = fabs(area.x), y = fabs(area.y), z = fabs(area.z);
+    const size_t each = (size_t)ceil(sqrt((double)n));
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_vec3 q = p->points[begin_of(p, i + 1)];
+        holes[i].loop = i + 1;
+        holes[i].at[0] = x > y && x > z ? q.y : q.x;
+        holes[i].at[1] = z > x && z > y ? q.y : q.z;
+    }
+    qsort(holes, n, sizeof *holes, compare_along);
+    for (size_t i = 0; i < n; i++)
+        holes[i].strip = (long)(i / each);
+    qsort(holes, n, sizeof *holes, compare_strips);
+}
+
+/* ---- Writing --------------------------------------------------------------------------------- */
+
+void orl_hb_put_point(struct orl_vec3 point, FILE *stream)
+{
+    fprintf(stream, "\n%.17g %.17g %.17g", point.x, point.y, point.z);
+}
+
+void orl_hb_put_name(const char *name, FILE *stream)
+{
+    enum { MOST = 100 };
+    for (size_t i = 0; name[i] && i < MOST; i++) {
+        const unsigned char c = (unsigned char)name[i];
+        fputc(c < 0x80 && (isalnum(c) || strchr("._-", c)) ? c : '_', stream);
+    }
+}
+
+/* All of its corners, and the first once more; backwards from it when it turns as the boundary. */
+static void put_hole(const struct orl_hb_polygon *p, size_t loop, FILE *stream)
+{
+    const size_t from = begin_of(p, loop), n = p->ends[loop] - from;
+    const bool turn = orl_dot(area_of(p, 0), area_of(p, loop)) > 0;
+    for (size_t i = 0; i <= n; i++)
+        orl_hb_put_point(p->points[from + (turn ? n - i : i) % n], stream);
+}
+
+static void put_holes(const struct orl_hb_polygon *p, const struct hole *holes, size_t n,
+                      FILE *stream)
+{
+    orl_hb_put_point(p->points[0], stream);
+    for (size_t i = 0; i < n; i++)
+        put_hole(p, holes[i].loop, stream);
+    for (size_t i = n - 1; i-- > 0;)
+        orl_hb_put_point(p->points[begin_of(p, holes[i].loop)], stream);
+}
+
+int orl_hb_polygon_write(struct orl_hb *hb, const struct orl_hb_polygon *polygon,
+                         const char *modifier, const char *name, struct orl_hb_file *file)
+{
+    const size_t holes = polygon->n_loops - 1;
+    /* To every hole and back: the boundary's first corner, and each hole's but the last's, and the
+     * first of each that closes it. */
+    const size_t corners = polygon->n_points + (holes > 0 ? 2 * holes : 0);
+    struct hole *order = NULL;
+    if (holes > 0) {
+        order = malloc(holes * sizeof *order);
+        if (!order)
+            return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        order_holes(polygon, order, holes);
+    }
+    fprintf(file->stream, "%s polygon ", modifier);
+    orl_hb_put_name(name, file->stream);
+    fprintf(file->stream, "\n0\n0\n%zu", 3 * corners);
+    for (size_t i = 0; i < polygon->ends[0]; i++)
+        orl_hb_put_point(polygon->points[i], file->stream);
+    if (holes > 0)
+        put_holes(polygon, order, holes, file->stream);
+    fputs("\n\n", file->stream);
+    free(order);
+    return orl_hb_check(hb, file);
+}

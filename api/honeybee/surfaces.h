@@ -1,0 +1,12 @@
+/*
+ * Rooms, faces, apertures, doors and shades of a model into its scene and aperture files; those
+ * that move, into groups.
+ */
+#ifndef ORL_API_HONEYBEE_SURFACES_H
+#define ORL_API_HONEYBEE_SURFACES_H
+
+#include "honeybee/groups.h"
+
+int orl_hb_surfaces_write(struct orl_hb *hb, struct orl_hb_groups *groups);
+
+#endif

@@ -1,0 +1,15 @@
+/*
+ * Sensors of a document, {"file": NAME} or [[x, y, z, dx, dy, dz], ...], into a job, whose other
+ * parts are left alone. What was read before an error stays in job.
+ */
+#ifndef ORL_API_SENSORS_JSON_H
+#define ORL_API_SENSORS_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/run.h>
+
+int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct orl_job *job,
+                              struct orl_error *err);
+
+#endif

@@ -1,0 +1,60 @@
+/* oriel project MODEL.hbjson|FOLDER: what a project holds, and a model's files written. */
+#include "command.h"
+
+#include <stdio.h>
+
+#include "files.h"
+#include "job_file.h"
+#include "report.h"
+
+/* A document that renders all of it. */
+static int write_job(const struct orl_project_place *place, struct orl_error *err)
+{
+    json_t *doc = json_pack("{s:s}", "kind", "render");
+    char path[4096];
+    int rc = doc ? orl_project_fill(place, NULL, doc, err)
+                 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    if (rc == 0)
+        rc = orl_join_path(place->folder, "job.json", path, sizeof path, err);
+    if (rc == 0)
+        rc = orl_write_json(path, doc, err);
+    json_decref(doc);
+    return rc;
+}
+
+int orl_cmd_project(const struct orl_subcommand *self, int argc, char **argv)
+{
+    const char *output = NULL;
+    struct orl_project_line line = {0};
+    const struct orl_option options[] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "DIR",
+         .help = "where a model's Radiance files go",
+         .value = &output},
+        ORL_OPTIONS_PROJECT(&line),
+    };
+    struct orl_operands operands;
+    struct orl_project_place place = {0};
+    struct orl_error err = {0};
+    json_t *scene = NULL;
+    int rc, code;
+
+    if (!orl_options_parse(self, argc, argv, options, 3, 1, 1, &operands, &code))
+        return code;
+    rc = orl_project_wish(operands.items[0], &line, &scene, &err);
+    if (rc == 0 && output)
+        rc = orl_project_write(scene, operands.items[0], output, &place, &err);
+    else if (rc == 0)
+        rc = orl_project_open(scene, operands.items[0], NULL, &place, &err);
+    if (rc == 0 && output)
+        rc = write_job(&place, &err);
+    if (rc == 0) {
+        json_dumpf(place.project, stdout, JSON_INDENT(2));
+        putchar('\n');
+    }
+    orl_project_done(&place);
+    json_decref(scene);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}

@@ -1,0 +1,407 @@
+#include "project.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <oriel/files.h>
+
+#include "decode.h"
+#include "files.h"
+#include "honeybee/hbjson.h"
+#include "honeybee/project.h"
+
+enum { PATH_SIZE = 4096, MOST_NAMES = 100000, DEPTH = 16, VIEW_SIDE = 800 };
+
+static bool is_folder(const char *path)
+{
+    struct stat info;
+
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+static bool ends_with(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), tail = strlen(ending);
+
+    return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
+bool orl_project_is_one(const char *path)
+{
+    return is_folder(path) || ends_with(path, ".hbjson");
+}
+
+/* ---- Names below a folder -------------------------------------------------------------------- */
+
+struct names {
+    char **items; /* owned */
+    size_t count, room;
+};
+
+static void names_done(struct names *names)
+{
+    for (size_t i = 0; i < names->count; i++)
+        free(names->items[i]);
+    free(names->items);
+}
+
+static int add_name(struct names *names, const char *name, struct orl_error *err)
+{
+    if (names->count == MOST_NAMES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the project has more than %d files", MOST_NAMES);
+    if (names->count == names->room) {
+        const size_t room = names->room > 0 ? 2 * names->room : 64;
+        char **grown = realloc(names->items, room * sizeof *grown);
+
+        if (!grown)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        names->items = grown;
+        names->room = room;
+    }
+    names->items[names->count] = strdup(name);
+    if (!names->items[names->count])
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    names->count++;
+    return 0;
+}
+
+/* Hidden ones, and what lies deeper than that, are passed over. */
+static int list_names(const char *folder, const char *prefix, unsigned depth, struct names *names,
+                      struct orl_error *err)
+{
+    DIR *entries = opendir(folder);
+    int rc = 0;
+
+    if (!entries) {
+        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
+        orl_error_at(err, folder, 0, NULL);
+        return rc;
+    }
+    for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
+        char path[PATH_SIZE], name[PATH_SIZE];
+
+        if (entry->d_name[0] == '.' ||
+            orl_join_path(folder, entry->d_name, path, sizeof path, NULL) ||
+            snprintf(name, sizeof name, "%s%s", prefix, entry->d_name) >= PATH_SIZE - 1)
+            continue;
+        if (!is_folder(path)) {
+            rc = add_name(names, name, err);
+        } else if (depth < DEPTH) {
+            strcat(name, "/");
+            rc = list_names(path, name, depth + 1, names, err);
+        }
+    }
+    closedir(entries);
+    return rc;
+}
+
+/* ---- The temporary folder -------------------------------------------------------------------- */
+
+static int make_place(char folder[PATH_SIZE], struct orl_error *err)
+{
+    const char *top = getenv("TMPDIR");
+
+    snprintf(folder, PATH_SIZE, "%s/oriel-project-XXXXXX", top && *top ? top : "/tmp");
+    if (mkdtemp(folder))
+        return 0;
+    folder[0] = '\0';
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot make a temporary folder: %s",
+                         strerror(errno));
+}
+
+/* A link in the place by that name, in front of one that is there. */
+static int link_as(const char *place, const char *name, const char *to, struct orl_error *err)
+{
+    char path[PATH_SIZE];
+    int rc = orl_join_path(place, name, path, sizeof path, err);
+
+    if (rc)
+        return rc;
+    unlink(path);
+    if (symlink(to, path) == 0)
+        return 0;
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot make the link '%s': %s", path,
+                         strerror(errno));
+}
+
+/* Links to all that the folder holds. */
+static int link_entries(const char *place, const char *folder, struct orl_error *err)
+{
+    char whole[PATH_MAX], to[PATH_SIZE];
+    DIR *entries = realpath(folder, whole) ? opendir(whole) : NULL;
+    int rc = 0;
+
+    if (!entries) {
+        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
+        orl_error_at(err, folder, 0, NULL);
+        return rc;
+    }
+    for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        rc = orl_join_path(whole, entry->d_name, to, sizeof to, err);
+        if (rc == 0)
+            rc = link_as(place, entry->d_name, to, err);
+    }
+    closedir(entries);
+    return rc;
+}
+
+/* Links are unlinked, never followed. */
+static void remove_place(const char *folder)
+{
+    DIR *entries = opendir(folder);
+
+    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
+        char path[PATH_SIZE];
+        struct stat info;
+
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+            orl_join_path(folder, entry->d_name, path, sizeof path, NULL) || lstat(path, &info))
+            continue;
+        if (S_ISDIR(info.st_mode))
+            remove_place(path);
+        else
+            unlink(path);
+    }
+    if (entries)
+        closedir(entries);
+    rmdir(folder);
+}
+
+/* ---- Models ---------------------------------------------------------------------------------- */
+
+static int write_file(const char *place, const struct orl_text_file *file, struct orl_error *err)
+{
+    char path[PATH_SIZE], folder[PATH_SIZE];
+    int rc = orl_join_path(place, file->name, path, sizeof path, err);
+    FILE *stream;
+
+    if (rc)
+        return rc;
+    snprintf(folder, sizeof folder, "%s", path);
+    *strrchr(folder, '/') = '\0';
+    rc = orl_make_folder(folder, err);
+    if (rc)
+        return rc;
+    stream = fopen(path, "wb");
+    if (stream && fwrite(file->text, 1, file->size, stream) == file->size && fclose(stream) == 0)
+        return 0;
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot write '%s': %s", path,
+                         strerror(errno));
+}
+
+static int translate(const char *path, const char *place, struct names *names,
+                     struct orl_error *err)
+{
+    const struct orl_files here = orl_files_from_folder(".");
+    struct orl_text_files files = {0};
+    struct orl_file text;
+    json_t *model = NULL;
+    int rc = here.open(here.ctx, path, &text, err);
+
+    if (rc)
+        return rc;
+    rc = orl_json_parse(path, text.data, text.size, &model, err);
+    here.close(here.ctx, &text);
+    if (rc == 0)
+        rc = orl_hbjson_translate(model, &files, err);
+    json_decref(model);
+    if (rc)
+        orl_error_at(err, path, 0, NULL);
+    for (size_t i = 0; i < files.count && rc == 0; i++) {
+        rc = write_file(place, &files.items[i], err);
+        if (rc == 0)
+            rc = add_name(names, files.items[i].name, err);
+    }
+    orl_text_files_done(&files);
+    return rc;
+}
+
+/* ---- Projects -------------------------------------------------------------------------------- */
+
+/* A model's own folder stands as "model" there, which its texts call it. */
+static int lay_out_folder(const char *path, const char *place, struct names *names,
+                          struct orl_error *err)
+{
+    char scene[PATH_SIZE], whole[PATH_MAX];
+    int rc = orl_join_path(path, "scene", scene, sizeof scene, err);
+
+    if (rc)
+        return rc;
+    if (!is_folder(scene)) {
+        rc = link_entries(place, path, err);
+        return rc ? rc : list_names(path, "", 0, names, err);
+    }
+    rc = realpath(path, whole) ? link_as(place, "model", whole, err)
+                               : orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
+    return rc ? rc : list_names(path, "model/", 0, names, err);
+}
+
+static int find_project(const char *path, const json_t *scene, const struct names *names,
+                        struct orl_project_place *place, struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(place->folder);
+    const struct orl_project_choice choice = {json_object_get(scene, "states"),
+                                              json_string_value(json_object_get(scene, "sky"))};
+    int rc = orl_project_find((const char *const *)names->items, names->count, &files, &choice,
+                              &place->project, err);
+
+    if (rc == 0 && !place->project) {
+        rc = orl_error_set(err, ORL_ERR_NOT_FOUND,
+                           "is no project: it has no .rad file in a folder "
+                           "\"scene\"");
+        orl_error_hint(err, "Name the scene's files instead, or the folder that Honeybee exported");
+    }
+    if (rc)
+        orl_error_at(err, path, 0, NULL);
+    return rc;
+}
+
+int orl_project_open(const json_t *scene, const char *path, const char *beside,
+                     struct orl_project_place *ret_place, struct orl_error *err)
+{
+    struct orl_project_place place = {{0}, false, NULL};
+    struct names names = {0};
+    int rc = make_place(place.folder, err);
+
+    if (rc == 0 && beside)
+        rc = link_entries(place.folder, beside, err);
+    if (rc == 0)
+        rc = is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
+                             : translate(path, place.folder, &names, err);
+    if (rc == 0)
+        rc = find_project(path, scene, &names, &place, err);
+    names_done(&names);
+    if (rc) {
+        orl_project_done(&place);
+        return rc;
+    }
+    *ret_place = place;
+    return 0;
+}
+
+int orl_project_write(const json_t *scene, const char *path, const char *into,
+                      struct orl_project_place *ret_place, struct orl_error *err)
+{
+    struct orl_project_place place = {.stays = true};
+    struct names names = {0};
+    int rc = 0;
+
+    snprintf(place.folder, sizeof place.folder, "%s", into);
+    if (is_folder(path)) {
+        rc = orl_error_set(err, ORL_ERR_INVALID, "is a folder of files already");
+        orl_error_at(err, path, 0, NULL);
+    }
+    if (rc == 0)
+        rc = orl_make_folder(into, err);
+    if (rc == 0)
+        rc = translate(path, place.folder, &names, err);
+    if (rc == 0)
+        rc = find_project(path, scene, &names, &place, err);
+    names_done(&names);
+    if (rc) {
+        orl_project_done(&place);
+        return rc;
+    }
+    *ret_place = place;
+    return 0;
+}
+
+void orl_project_done(struct orl_project_place *place)
+{
+    if (place->folder[0] && !place->stays)
+        remove_place(place->folder);
+    json_decref(place->project);
+    *place = (struct orl_project_place){{0}, false, NULL};
+}
+
+/* ---- Into documents ---------------------------------------------------------------------------
+ */
+
+static json_t *views_of(const json_t *project)
+{
+    json_t *views = json_array(), *view;
+    size_t i;
+
+    json_array_foreach(json_object_get(project, "views"), i, view)
+    {
+        json_array_append_new(views, json_pack("{s:O, s:O, s:i, s:i, s:i}", "name",
+                                               json_object_get(view, "name"), "file",
+                                               json_object_get(view, "file"), "width", VIEW_SIDE,
+                                               "height", VIEW_SIDE, "pixel_aspect", 1));
+    }
+    return views;
+}
+
+int orl_project_fill(const struct orl_project_place *place, const json_t *scene, json_t *doc,
+                     struct orl_error *err)
+{
+    const char *kind = json_string_value(json_object_get(doc, "kind"));
+    const json_t *grids = json_object_get(place->project, "grids");
+    const bool renders = !kind || strcmp(kind, "render") == 0;
+    json_t *files = json_copy(json_object_get(place->project, "files")),
+           *more = json_object_get(scene, "files");
+    int rc = more ? json_array_extend(files, more) : 0;
+    rc |= json_object_set_new(doc, "scene", json_pack("{s:o}", "files", files));
+
+    if (rc == 0 && !json_object_get(doc, "sensors") && !json_object_get(doc, "grids") &&
+        json_array_size(grids) > 0)
+        rc = json_object_set(doc, "grids", (json_t *)(uintptr_t)grids);
+    if (rc == 0 && renders && !json_object_get(doc, "views"))
+        rc = json_object_set_new(doc, "views", views_of(place->project));
+    return rc ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : 0;
+}
+
+static void tell_names(const char *what, const json_t *list)
+{
+    const json_t *item;
+    size_t i;
+
+    if (json_array_size(list) > 0)
+        fprintf(stderr, "%s:", what);
+    json_array_foreach(list, i, item)
+    {
+        const char *name = json_string_value(item);
+
+        fprintf(stderr, " %s", name ? name : json_string_value(json_object_get(item, "name")));
+    }
+    if (json_array_size(list) > 0)
+        fputc('\n', stderr);
+}
+
+void orl_project_tell(const json_t *project)
+{
+    const json_t *name, *left;
+    json_t *state;
+    const char *group;
+    size_t i;
+
+    fprintf(stderr, "project: %zu scene files\n",
+            json_array_size(json_object_get(project, "files")));
+    tell_names("grids", json_object_get(project, "grids"));
+    tell_names("views", json_object_get(project, "views"));
+    tell_names("skies", json_object_get(project, "skies"));
+    json_object_foreach((json_t *)(uintptr_t)json_object_get(project, "states"), group, state)
+    {
+        fprintf(stderr, "group %s: %s of", group,
+                json_string_value(json_object_get(state, "chosen")));
+        json_array_foreach(json_object_get(state, "of"), i, name)
+        {
+            fprintf(stderr, " %s", json_string_value(name));
+        }
+        fputc('\n', stderr);
+    }
+    json_array_foreach(json_object_get(project, "left_out"), i, left)
+    {
+        fprintf(stderr, "left out: %s (%s)\n", json_string_value(json_object_get(left, "file")),
+                json_string_value(json_object_get(left, "why")));
+    }
+}
