@@ -94,7 +94,10 @@ static int list_names(const char *folder, const char *prefix, unsigned depth, st
         if (!is_folder(path)) {
             rc = add_name(names, name, err);
         } else if (depth < DEPTH) {
-            strcat(name, "/");
+            const size_t length = strlen(name);
+
+            name[length] = '/';
+            name[length + 1] = '\0';
             rc = list_names(path, name, depth + 1, names, err);
         }
     }

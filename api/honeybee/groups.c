@@ -78,7 +78,7 @@ int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups, const jso
     int rc = orl_hb_identifier(hb, named, &here, &identifier);
     if (rc == 0)
         rc = find_group(hb, groups, identifier, shade, &group);
-    if (rc)
+    if (rc || !group)
         return rc;
     void *members = group->members;
     rc = make_room(hb, &members, &group->room, group->count, sizeof *group->members);

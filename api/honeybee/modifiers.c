@@ -215,7 +215,7 @@ static void write_generic(const struct orl_hb_modifier *modifier, FILE *stream)
 static int write_needed(struct writing *w, const json_t *value, const struct orl_hb_at *at,
                         const char **ret_identifier)
 {
-    size_t place;
+    size_t place = 0;
     *ret_identifier = "void";
     if (!value || json_is_null(value) || strcasecmp(type_of(value), "Void") == 0 ||
         (json_is_string(value) && strcmp(json_string_value(value), "void") == 0))
@@ -415,7 +415,7 @@ static int write_own(struct writing *w, size_t place, const struct orl_hb_at *at
     const json_t *other = json_object_get(json, "alternate_material");
     const struct orl_hb_at in_modifier = {at, "modifier", 0},
                            in_other = {at, "alternate_material", 0}, in_type = {at, "type", 0};
-    const char *modified_by, *alternate = NULL;
+    const char *modified_by = "void", *alternate = NULL;
     size_t k = 0;
     while (k < sizeof kinds / sizeof *kinds && strcasecmp(kinds[k].type, type_of(json)) != 0)
         k++;

@@ -143,7 +143,7 @@ static void order_holes(const struct orl_hb_polygon *p, struct hole *holes, size
 {
     const struct orl_vec3 area = area_of(p, 0);
     const double x = fabs(area.x), y = fabs(area.y), z = fabs(area.z);
-    const size_t each = (size_t)ceil(sqrt((double)n));
+    const size_t each = 1 + (size_t)sqrt((double)n);
     for (size_t i = 0; i < n; i++) {
         const struct orl_vec3 q = p->points[begin_of(p, i + 1)];
         holes[i].loop = i + 1;

@@ -51,7 +51,8 @@ static int compare_names(const void *a, const void *b)
 
 static const char *find_name(const struct finding *f, const char *name, size_t *ret_place)
 {
-    const char *const *found = bsearch(&name, f->names, f->count, sizeof *f->names, compare_names);
+    const char *const *found =
+        f->names ? bsearch(&name, f->names, f->count, sizeof *f->names, compare_names) : NULL;
     if (found)
         *ret_place = (size_t)(found - (const char *const *)f->names);
     return found ? *found : NULL;

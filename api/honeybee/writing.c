@@ -183,7 +183,7 @@ int orl_hb_number(struct orl_hb *hb, const json_t *value, const struct orl_hb_at
 int orl_hb_point(struct orl_hb *hb, const json_t *value, const struct orl_hb_at *at,
                  struct orl_vec3 *ret_point)
 {
-    double v[3];
+    double v[3] = {0};
     if (json_array_size(value) != 3)
         return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three numbers are wanted here");
     for (size_t i = 0; i < 3; i++) {
