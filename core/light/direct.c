@@ -37,16 +37,9 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
                          cosine);
 }
 
-/* A point of an emitter as seen from the query, with the solid angle it stands for. */
-struct aim {
-    struct orl_vec3 light;  /* unit, towards the point */
-    struct orl_vec3 normal; /* there */
-    double distance, measure_sr;
-};
-
 /* A sphere from outside: uniform over the cone it fills. */
 static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, const double u[2],
-                          struct aim *ret_aim)
+                          struct orl_lamp_aim *ret_aim)
 {
     const struct orl_vec3 way = orl_sub(facet->center[0], from);
     const double d2 = orl_dot(way, way), r2 = facet->radius[0] * facet->radius[0];
@@ -68,7 +61,7 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
 
 /* Any other surface: uniform by area. */
 static bool aim_by_area(const struct orl_world *world, const struct orl_emitter *emitter,
-                        struct orl_vec3 from, const double u[2], struct aim *ret_aim)
+                        struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
 {
     const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
     struct orl_vec3 point, normal;
@@ -84,8 +77,16 @@ static bool aim_by_area(const struct orl_world *world, const struct orl_emitter 
     return ret_aim->measure_sr > 0;
 }
 
+bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitter,
+                  struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
+{
+    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    return facet->kind == ORL_SURFACE_SPHERE ? aim_at_sphere(facet, from, u, ret_aim)
+                                             : aim_by_area(world, emitter, from, u, ret_aim);
+}
+
 /* The density with which a shadow ray is drawn that way: per steradian. */
-static double aim_pdf(const struct aim *aim)
+static double aim_pdf(const struct orl_lamp_aim *aim)
 {
     return 1 / aim->measure_sr;
 }
@@ -168,8 +169,8 @@ struct orl_chance orl_chance_after(const struct orl_world *world, const struct o
 
 /* What a patterned emitter sends from where the ray goes; others: the same from everywhere. */
 static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
-                                  const struct orl_material *material, const struct aim *aim,
-                                  struct orl_vec3 from)
+                                  const struct orl_material *material,
+                                  const struct orl_lamp_aim *aim, struct orl_vec3 from)
 {
     if (!material->pattern)
         return emitter->radiance;
@@ -185,11 +186,8 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
                                          const struct orl_direct_query *query, const double u[2])
 {
     const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
-    struct aim aim;
-    const bool aimed = facet->kind == ORL_SURFACE_SPHERE
-                           ? aim_at_sphere(facet, query->point, u, &aim)
-                           : aim_by_area(world, emitter, query->point, u, &aim);
-    if (!aimed)
+    struct orl_lamp_aim aim;
+    if (!orl_lamp_aim(world, emitter, query->point, u, &aim))
         return orl_gray(0);
     const struct orl_material *m = &world->materials[facet->material];
     const struct orl_rgb seen = response(query, aim.light);

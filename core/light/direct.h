@@ -33,6 +33,16 @@ struct orl_direct_query {
 struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
                                 struct orl_random *random);
 
+/* A point of an emitter as seen from somewhere, and the solid angle that it stands for. */
+struct orl_lamp_aim {
+    struct orl_vec3 light;  /* unit, towards the point */
+    struct orl_vec3 normal; /* there */
+    double distance, measure_sr;
+};
+/* u: two numbers in [0,1). False where the point shows its back, or a sphere its inside. */
+bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitter,
+                  struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim);
+
 /* Of that, with query.mirrored, the part of the suns' images in flat mirrors alone. */
 struct orl_rgb orl_direct_by_images(const struct orl_world *world,
                                     const struct orl_direct_query *query,

@@ -8,9 +8,10 @@
  * passed by pixels that are bright by chance. Values are those of the view as it is, and are not
  * corrected; their intervals are wide enough for a bias of that size (base/estimate.h).
  *
- * A source that no sample has met is in neither: of two lamps of a fifth of a pixel, 16 samples a
- * pixel, 1 run in 120 saw none, and was sure of a DGP that was 0.06 too low. Suns seen straight are
- * drawn by their discs (render/image/discs.h), and met in any case.
+ * A source that no sample has met is in neither. Suns and small lamps that are seen straight are
+ * drawn by rays of their own (render/image/discs.h), and met in any case: of two lamps of a fifth
+ * of a pixel, 16 samples a pixel, 1 run in 120 saw none before, and was sure of a DGP that was 0.06
+ * too low. What is small in mirrors, and skies between slats, is left to chance.
  *
  * No more than ORL_VIEW_BATCHES are kept: when there is no room, neighbours become one, so that
  * there are always half as many at least. Threads: the lead's only.

@@ -174,8 +174,12 @@ static int render_view(struct rendering *rendering, size_t index, struct view_pr
     const double started = state->env->now_s(state->env->ctx);
     struct orl_film film = {0};
     struct orl_view view;
-    const struct orl_painting painting = {&env, state->world->geometry, &view, &film,
-                                          request->irradiance};
+    const struct orl_painting painting = {.env = &env,
+                                          .geometry = state->world->geometry,
+                                          .view = &view,
+                                          .film = &film,
+                                          .irradiance = request->irradiance,
+                                          .shift = {state->shift[0], state->shift[1]}};
     state->result->n_views = index + 1;
     int code = orl_view_parse(request->view, &view, err);
     if (code == 0)

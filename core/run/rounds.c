@@ -1,5 +1,6 @@
 #include "run/rounds.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -139,6 +140,20 @@ static uint32_t share_of(uint32_t samples, uint32_t index, uint32_t shares)
     return samples / shares + (index < samples % shares);
 }
 
+/*
+ * Views by photon maps send rays to fixed places of pixels. Where glare is asked for they are
+ * moved from round to round, so that what lies between them is seen, and chance tells of it: by
+ * the additive sequence of the plastic number (Roberts 2018), whose first point is no move at all.
+ */
+static void move_rays(const struct orl_rounds *r, double ret_shift[2])
+{
+    static const double step[2] = {0.7548776662466927, 0.5698402909980532};
+    const bool moved =
+        r->work.technique != ORL_TECHNIQUE_BACKWARD && orl_job_asks_for_glare(r->state->job);
+    for (int i = 0; i < 2; i++)
+        ret_shift[i] = moved ? fmod(0.5 + r->count * step[i], 1) - 0.5 : 0;
+}
+
 /* The run's state as a round sees it: the same world, but a job, a plan and a result of its own. */
 static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run_env *env,
                        struct orl_result *result, struct orl_run_state *ret_round)
@@ -166,6 +181,7 @@ static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run
     ret_round->result = result;
     orl_work_bandwidths(r->samples, r->pace.samples, r->bandwidths);
     ret_round->bandwidths = r->bandwidths;
+    move_rays(r, ret_round->shift);
     ret_round->sensor_round = r->shares ? &r->sensor_round : NULL;
     ret_round->take_film = take_film;
     ret_round->take_ctx = r;

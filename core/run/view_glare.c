@@ -102,13 +102,15 @@ uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
                                                 : ORL_DEFAULT_PIXEL_SAMPLES;
 }
 
-/* By photon maps a view takes as long however few its photons are: it is left in one piece. */
+/* By photon maps a view takes as long however few its photons are: the fewest that have a spread of
+ * some degrees of freedom. */
 uint32_t orl_run_batches(const struct orl_run_state *state)
 {
-    enum { USUAL = 8 };
+    enum { OF_PATHS = 8, OF_MAPS = 4 };
     const uint32_t most = orl_run_pixel_samples(state);
-    if (!orl_job_asks_for_glare(state->job) ||
-        state->result->plan.technique != ORL_TECHNIQUE_BACKWARD)
+    if (!orl_job_asks_for_glare(state->job))
         return 1;
-    return most < USUAL ? most : USUAL;
+    if (state->result->plan.technique != ORL_TECHNIQUE_BACKWARD)
+        return OF_MAPS;
+    return most < OF_PATHS ? most : OF_PATHS;
 }

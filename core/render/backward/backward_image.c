@@ -17,7 +17,7 @@ struct painter {
     struct orl_effort effort;
     uint32_t samples;
     bool outside;
-    enum orl_suns suns;
+    struct orl_small_lights discs;
 };
 
 /* A lobe's ray has its own numbers: those of the look go on with it. */
@@ -88,7 +88,8 @@ static struct orl_shader shader_of(const struct painter *p)
                                .gloss_samples = p->of_rays->gloss_samples,
                                .dimmest = dimmest,
                                .by_lot = true,
-                               .suns = p->suns,
+                               .suns = p->discs.suns,
+                               .lamps_apart = p->discs.lamps,
                                .radiance = lobe_radiance,
                                .ctx = p->backward};
 }
@@ -136,13 +137,18 @@ int orl_backward_render(const struct orl_backward *backward, const struct orl_pa
                               .effort =
                                   orl_aim_effort(&backward->aim, efforts[of_sums].at_surfaces),
                               .samples = samples,
-                              .outside = orl_world_is_outside(backward->world, eye),
-                              .suns = orl_discs_suns(backward->world, painting)};
-    const int code = orl_paint(painting, compute_pixel, &painter, 0);
-    if (code < 0)
-        return orl_error_set(err, code, "cancelled while rendering a view");
+                              .outside = orl_world_is_outside(backward->world, eye)};
+    int code = orl_discs_init(&painter.discs, backward->world, painting);
+    if (code == 0)
+        code = orl_paint(painting, compute_pixel, &painter, 0);
     const struct orl_shader shader = shader_of(&painter);
-    orl_discs_paint(&shader, painting, painter.outside);
+    if (code == 0)
+        orl_discs_paint(&painter.discs, &shader, painting, painter.outside);
+    orl_discs_done(&painter.discs);
+    if (code == ORL_ERR_CANCELLED)
+        return orl_error_set(err, code, "cancelled while rendering a view");
+    if (code < 0)
+        return orl_error_set(err, code, "out of memory rendering a view");
     if (orl_film_smooth_errors(painting->film) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory rendering a view");
     return 0;

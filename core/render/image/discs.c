@@ -1,12 +1,15 @@
 #include "render/image/discs.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/random.h"
+#include "light/direct.h"
 
-/* Rays to a disc, to a side of the square that it is drawn from; they are few and cheap. */
-enum { SIDE = 32 };
-/* A sun that covers more pixels than this is seen well enough by their rays. */
+/* Rays to a disc, to a side of the square that it is drawn from; they are few and cheap. Of many
+ * lamps each has fewer, and of more than so many none has its own. */
+enum { SIDE = 32, LEAST_SIDE = 4, MOST_LAMPS = 1 << 14, RAYS_OF_LAMPS = 1 << 18 };
+/* A sun or lamp that covers more pixels than this is seen well enough by their rays. */
 static const double most_pixels = 8;
 
 /* Where the view has that direction: in pixels from the upper left. */
@@ -30,17 +33,23 @@ static double pixel_sr(const struct orl_painting *painting, double x, double y)
                                 1.0 / film->height);
 }
 
+/* Whether all rays come from one point and end where something is. */
+static bool is_of_a_point(const struct orl_view *view)
+{
+    return strchr("vha", view->type) && !(view->aft > 0);
+}
+
 static bool is_small(const struct orl_painting *painting, const struct orl_sun *sun)
 {
     double x, y;
-    if (!strchr("vha", painting->view->type) || painting->view->aft > 0)
+    if (!is_of_a_point(painting->view))
         return false;
     const double sr = 2 * ORL_PI * (1 - sun->cos_half_angle);
     /* One beside the picture, or half in it, is as good as small: what is of it is put in. */
     return !place_of(painting, sun->frame.n, &x, &y) || sr < most_pixels * pixel_sr(painting, x, y);
 }
 
-enum orl_suns orl_discs_suns(const struct orl_world *world, const struct orl_painting *painting)
+static enum orl_suns suns_of(const struct orl_world *world, const struct orl_painting *painting)
 {
     /* What is not shown is not put in. */
     if (painting->irradiance)
@@ -51,44 +60,135 @@ enum orl_suns orl_discs_suns(const struct orl_world *world, const struct orl_pai
     return world->n_suns > 0 ? ORL_SUNS_APART : ORL_SUNS_SEEN;
 }
 
-/* One ray to the disc. */
-static void put_ray(const struct orl_shader *shader, const struct orl_painting *painting,
-                    const struct orl_sun *sun, const double u[2], bool outside,
+static struct orl_vec3 eye_of(const struct orl_painting *painting)
+{
+    return orl_sub(painting->view->point, painting->geometry->center);
+}
+
+/* Places of a square, so many to a side. */
+static void place_in_square(uint32_t k, uint32_t side, double ret_u[2])
+{
+    const uint32_t column = k % side, row = k / side;
+    ret_u[0] = (column + 0.5) / side;
+    ret_u[1] = (row + 0.5) / side;
+}
+
+/* Of a lamp that the picture shows, by a few of its points. */
+static bool is_small_lamp(const struct orl_world *world, const struct orl_emitter *emitter,
+                          const struct orl_painting *painting)
+{
+    enum { POINTS = LEAST_SIDE * LEAST_SIDE };
+    const uint32_t material = world->geometry->facets[emitter->facet].material;
+    double sr = 0, least_pixel_sr = INFINITY;
+    if (world->materials[material].kind == ORL_MATERIAL_ILLUM)
+        return false; /* views see something else there */
+    for (uint32_t k = 0; k < POINTS; k++) {
+        struct orl_lamp_aim aim;
+        double u[2], x, y;
+        place_in_square(k, LEAST_SIDE, u);
+        if (!orl_lamp_aim(world, emitter, eye_of(painting), u, &aim))
+            continue;
+        sr += aim.measure_sr / POINTS;
+        if (place_of(painting, aim.light, &x, &y))
+            least_pixel_sr = fmin(least_pixel_sr, pixel_sr(painting, x, y));
+    }
+    return isfinite(least_pixel_sr) && sr < most_pixels * least_pixel_sr;
+}
+
+int orl_discs_init(struct orl_small_lights *discs, const struct orl_world *world,
+                   const struct orl_painting *painting)
+{
+    *discs = (struct orl_small_lights){.suns = suns_of(world, painting)};
+    if (painting->irradiance || !is_of_a_point(painting->view) || painting->view->fore > 0 ||
+        world->n_emitters == 0 || world->n_emitters > MOST_LAMPS)
+        return 0;
+    discs->lamps = calloc(world->geometry->n_facets, sizeof *discs->lamps);
+    if (!discs->lamps)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < world->n_emitters; i++)
+        discs->lamps[world->emitters[i].facet] =
+            is_small_lamp(world, &world->emitters[i], painting);
+    return 0;
+}
+
+void orl_discs_done(struct orl_small_lights *discs)
+{
+    free(discs->lamps);
+    *discs = (struct orl_small_lights){.lamps = NULL};
+}
+
+/* A picture, and what shows of it nothing but the one that rays are put in of. */
+struct alone {
+    const struct orl_painting *painting;
+    struct orl_shader shader;
+    bool outside;
+};
+
+/* One ray, of so many steradians. */
+static void put_ray(const struct alone *alone, struct orl_vec3 direction, double sr,
                     struct orl_random *random)
 {
-    const struct orl_vec3 direction = orl_sun_sample(sun, u);
+    const struct orl_painting *painting = alone->painting;
     struct orl_search *search = &painting->env->searches[0];
     struct orl_vec3 origin, along;
     struct orl_shaded shaded;
     double x, y;
     if (!place_of(painting, direction, &x, &y) || !orl_paint_ray(painting, x, y, &origin, &along))
         return;
-    const double sr = pixel_sr(painting, x, y);
-    const double share = 2 * ORL_PI * (1 - sun->cos_half_angle) / (SIDE * SIDE * sr);
-    orl_shade_ray(shader, origin, direction, outside, false, random, search, &shaded);
+    const double of_pixel = pixel_sr(painting, x, y);
+    orl_shade_ray(&alone->shader, origin, direction, alone->outside, false, random, search,
+                  &shaded);
     const struct orl_rgb light =
-        orl_rgb_scale(orl_health_keep(&search->health, shaded.rest), share);
+        orl_rgb_scale(orl_health_keep(&search->health, shaded.rest), sr / of_pixel);
     float *pixel = painting->film->pixels[(size_t)y * painting->film->width + (size_t)x];
-    if (!(sr > 0))
+    if (!(of_pixel > 0))
         return;
     pixel[0] = (float)((double)pixel[0] + light.r);
     pixel[1] = (float)((double)pixel[1] + light.g);
     pixel[2] = (float)((double)pixel[2] + light.b);
 }
 
-void orl_discs_paint(const struct orl_shader *shader, const struct orl_painting *painting,
-                     bool outside)
+static void paint_suns(struct alone *alone)
 {
-    const struct orl_world *world = shader->world;
-    struct orl_shader alone = *shader;
-    alone.suns = ORL_SUNS_ALONE;
-    if (orl_discs_suns(world, painting) != ORL_SUNS_APART)
-        return;
+    const struct orl_world *world = alone->shader.world;
+    alone->shader.suns = ORL_SUNS_ALONE;
     for (size_t i = 0; i < world->n_suns; i++)
         for (uint32_t k = 0; k < SIDE * SIDE; k++) {
+            const struct orl_sun *sun = &world->suns[i];
             struct orl_random random = orl_random_stream(i, ORL_PURPOSE_PIXEL, k);
-            const uint32_t column = k % SIDE, row = k / SIDE;
-            const double u[2] = {(column + 0.5) / SIDE, (row + 0.5) / SIDE};
-            put_ray(&alone, painting, &world->suns[i], u, outside, &random);
+            const double sr = 2 * ORL_PI * (1 - sun->cos_half_angle) / (SIDE * SIDE);
+            double u[2];
+            place_in_square(k, SIDE, u);
+            put_ray(alone, orl_sun_sample(sun, u), sr, &random);
         }
+}
+
+static void paint_lamps(struct alone *alone, const bool *lamps)
+{
+    const struct orl_world *world = alone->shader.world;
+    const double each = sqrt((double)RAYS_OF_LAMPS / (double)world->n_emitters);
+    const uint32_t side = (uint32_t)fmin(fmax(each, LEAST_SIDE), SIDE), points = side * side;
+    alone->shader.suns = ORL_LAMP_ALONE;
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        const struct orl_emitter *emitter = &world->emitters[i];
+        alone->shader.lamp = emitter->facet;
+        for (uint32_t k = 0; k < points && lamps[emitter->facet]; k++) {
+            struct orl_random random = orl_random_stream(i, ORL_PURPOSE_PIXEL, k);
+            struct orl_lamp_aim aim;
+            double u[2];
+            place_in_square(k, side, u);
+            if (orl_lamp_aim(world, emitter, eye_of(alone->painting), u, &aim))
+                put_ray(alone, aim.light, aim.measure_sr / points, &random);
+        }
+    }
+}
+
+void orl_discs_paint(const struct orl_small_lights *discs, const struct orl_shader *shader,
+                     const struct orl_painting *painting, bool outside)
+{
+    struct alone alone = {painting, *shader, outside};
+    if (discs->suns == ORL_SUNS_APART)
+        paint_suns(&alone);
+    if (discs->lamps)
+        paint_lamps(&alone, discs->lamps);
 }

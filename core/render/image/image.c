@@ -348,17 +348,22 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
     const double degrees = fmax(view->horizontal, view->vertical);
     const double side = fmax(painting->film->width, painting->film->height);
-    painter.shader.suns = orl_discs_suns(gather->world, painting);
+    struct orl_small_lights discs;
     painter.outside = orl_world_is_outside(gather->world, eye);
     painter.grain = view->type == 'l'
                         ? (struct orl_grain){.width = view->horizontal / painting->film->width}
                         : (struct orl_grain){.angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side};
     orl_icache_init(&painter.cache, gather->world->omit.channels);
-    int code = place_records(&painter);
+    int code = orl_discs_init(&discs, gather->world, painting);
+    painter.shader.suns = discs.suns;
+    painter.shader.lamps_apart = discs.lamps;
+    if (code == 0)
+        code = place_records(&painter);
     if (code == 0)
         code = paint_pixels(&painter);
     if (code == 0)
-        orl_discs_paint(&painter.shader, painting, painter.outside);
+        orl_discs_paint(&discs, &painter.shader, painting, painter.outside);
+    orl_discs_done(&discs);
     orl_icache_done(&painter.cache);
     free(painter.wanted);
     free(painter.seen);

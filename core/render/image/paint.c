@@ -36,6 +36,8 @@ bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
                    struct orl_vec3 *ret_origin, struct orl_vec3 *ret_direction)
 {
     const struct orl_film *film = painting->film;
+    x += painting->shift[0];
+    y += painting->shift[1];
     if (!orl_view_ray(painting->view, x / film->width, 1 - y / film->height, ret_origin,
                       ret_direction))
         return false;

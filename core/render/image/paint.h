@@ -31,6 +31,8 @@ struct orl_painting {
     const struct orl_view *view;         /* in the files' coordinates */
     struct orl_film *film;
     bool irradiance; /* of what is seen, W/m2, instead of its radiance */
+    double shift[2]; /* pixels, right and down, that all rays are moved by: of one of several
+                        pictures that become one, which places between fixed rays are to be in */
 };
 
 static inline bool orl_paint_cancelled(const struct orl_paint_env *env)

@@ -20,6 +20,7 @@ struct look {
     struct orl_search *search;
     struct orl_shaded *shaded;
     bool lobes;
+    struct orl_vec3 direction; /* of the ray itself */
     struct branch stack[MOST_BRANCHES];
     uint32_t depth;
 };
@@ -227,6 +228,21 @@ static const struct orl_material *seen_at(const struct look *look, const struct 
     return m->seen_as >= 0 ? &world->materials[m->seen_as] : NULL;
 }
 
+static bool is_straight(const struct look *look, struct orl_vec3 direction)
+{
+    return orl_dot(direction, look->direction) > straight;
+}
+
+/* Whether the ray is to show what shines there. */
+static bool shows_lamp(const struct look *look, struct orl_vec3 direction, uint32_t facet)
+{
+    const struct orl_shader *shader = look->shader;
+    if (shader->suns == ORL_LAMP_ALONE)
+        return facet == shader->lamp && is_straight(look, direction);
+    return shader->suns != ORL_SUNS_ALONE &&
+           !(shader->lamps_apart && shader->lamps_apart[facet] && is_straight(look, direction));
+}
+
 static void note_way(struct orl_shaded *shaded, uint64_t met)
 {
     shaded->way = orl_mix64(shaded->way + met + 1);
@@ -250,7 +266,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
 {
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
-    const bool alone = look->shader->suns == ORL_SUNS_ALONE;
+    const bool alone = look->shader->suns >= ORL_SUNS_ALONE;
     note_way(look->shaded, 2 * (uint64_t)hit->facet + hit->front);
     if (!m) {
         const struct orl_scatter on = {
@@ -270,7 +286,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     look->shaded->has_lobes = look->shaded->has_lobes || has_lobes;
     if (has_lobes && look->lobes)
         add_lobes(look, &at, hit, m);
-    if (!alone)
+    if (shows_lamp(look, at.path.direction, hit->facet))
         add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
 }
 
@@ -284,12 +300,15 @@ static void pass_proxies(const struct orl_world *world, double distance, struct 
 }
 
 /* Of the suns those that are for this ray, and the sky. */
-static struct orl_rgb seen_beyond(const struct orl_shader *shader, const struct orl_world *world,
-                                  struct orl_vec3 direction, bool is_straight)
+static struct orl_rgb seen_beyond(const struct look *look, struct orl_vec3 direction)
 {
-    const bool alone = shader->suns == ORL_SUNS_ALONE;
-    const bool suns = shader->suns == ORL_SUNS_SEEN || alone == is_straight;
-    const struct orl_rgb sky = alone ? orl_gray(0) : orl_world_dome_radiance(world, direction);
+    const struct orl_world *world = scene_of(look);
+    const enum orl_suns shown = look->shader->suns;
+    const struct orl_rgb sky =
+        shown >= ORL_SUNS_ALONE ? orl_gray(0) : orl_world_dome_radiance(world, direction);
+    const bool suns =
+        shown == ORL_SUNS_SEEN ||
+        (shown != ORL_LAMP_ALONE && (shown == ORL_SUNS_ALONE) == is_straight(look, direction));
     return suns ? orl_rgb_add(sky, orl_world_sun_radiance(world, direction)) : sky;
 }
 
@@ -304,6 +323,7 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
     look.search = search;
     look.shaded = ret_shaded;
     look.lobes = lobes;
+    look.direction = direction;
     look.depth = 0;
     ret_shaded->n_vertices = 0;
     ret_shaded->way = 0;
@@ -327,8 +347,6 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         orl_path_escape(&at.path);
         if (shader->irradiance)
             continue;
-        add(&look, at.path.weight,
-            seen_beyond(shader, world, at.path.direction,
-                        orl_dot(at.path.direction, direction) > straight));
+        add(&look, at.path.weight, seen_beyond(&look, at.path.direction));
     }
 }

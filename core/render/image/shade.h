@@ -42,7 +42,8 @@ typedef struct orl_rgb orl_shade_radiance(const void *ctx, struct orl_vec3 origi
 enum orl_suns {
     ORL_SUNS_SEEN,  /* all, as anything else */
     ORL_SUNS_APART, /* none: they are put in by rays of their own (discs.h) */
-    ORL_SUNS_ALONE  /* these, and nothing else at all: such a ray */
+    ORL_SUNS_ALONE, /* these, and nothing else at all: such a ray */
+    ORL_LAMP_ALONE  /* nothing but one lamp: a ray of that lamp's own */
 };
 
 /* How rays of a view are shaded, by whichever technique. */
@@ -57,6 +58,8 @@ struct orl_shader {
     bool by_lot;          /* or one in some is, and then counts for all: no bias */
     bool irradiance;      /* of the first diffuse surface, behind glass too, instead of radiance */
     enum orl_suns suns;
+    const bool *lamps_apart; /* by facet: not shown where met straight either; NULL: none are */
+    uint32_t lamp;           /* a facet, with ORL_LAMP_ALONE */
     orl_shade_radiance *radiance;
     const void *ctx;
 };
