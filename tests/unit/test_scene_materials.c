@@ -140,16 +140,17 @@ static void test_transforms(void **state)
 static void test_every_type_has_an_answer(void **state)
 {
     static const char *const read[] = {
-        "polygon",    "cone",       "sphere",   "ring",      "cylinder",  "cup",        "bubble",
-        "tube",       "source",     "alias",    "plastic",   "metal",     "glass",      "trans",
-        "plastic2",   "metal2",     "trans2",   "interface", "glow",      "light",      "illum",
-        "mirror",     "dielectric", "BSDF",     "aBSDF",     "spotlight", "brightfunc", "colorfunc",
-        "brightdata", "colordata",  "colorpict"};
+        "polygon",   "cone",      "sphere",     "ring",      "cylinder",   "cup",
+        "bubble",    "tube",      "source",     "alias",     "plastic",    "metal",
+        "glass",     "trans",     "plastic2",   "metal2",    "trans2",     "interface",
+        "glow",      "light",     "illum",      "mirror",    "dielectric", "BSDF",
+        "aBSDF",     "spotlight", "brightfunc", "colorfunc", "brightdata", "colordata",
+        "colorpict", "instance",  "mesh"};
     static const char *const refused[] = {
-        "texfunc",    "texdata",   "instance", "mesh",     "plasfunc", "metfunc",  "brighttext",
-        "mist",       "transfunc", "BRTDfunc", "WGMDfunc", "plasdata", "metdata",  "transdata",
-        "antimatter", "colortext", "mixfunc",  "mixdata",  "mixtext",  "mixpict",  "prism1",
-        "prism2",     "ashik2",    "spectrum", "specfile", "specfunc", "specdata", "specpict"};
+        "texfunc",  "texdata",  "plasfunc", "metfunc",  "brighttext", "mist",       "transfunc",
+        "BRTDfunc", "WGMDfunc", "plasdata", "metdata",  "transdata",  "antimatter", "colortext",
+        "mixfunc",  "mixdata",  "mixtext",  "mixpict",  "prism1",     "prism2",     "ashik2",
+        "spectrum", "specfile", "specfunc", "specdata", "specpict"};
     static const char *const names[] = {"a.rad"};
     (void)state;
     assert_int_equal(sizeof read / sizeof *read + sizeof refused / sizeof *refused, 59);
