@@ -1,4 +1,4 @@
-/* oriel upload scene FILE... | scene FOLDER | scene FILE.zip | bsdf FILE */
+/* oriel upload scene FILE... | scene FOLDER | scene FILE.zip | scene MODEL.hbjson | bsdf FILE */
 #include "command.h"
 
 #include <stdio.h>
@@ -95,11 +95,11 @@ static bool is_folder(const char *path)
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-static bool is_zip(const char *path)
+static bool ends_with(const char *path, const char *ending)
 {
-    const size_t length = strlen(path);
+    const size_t length = strlen(path), tail = strlen(ending);
 
-    return length > 4 && strcasecmp(path + length - 4, ".zip") == 0;
+    return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
 static int upload_scene(struct orl_http *http, char **names, int count, bool list_only,
@@ -107,10 +107,15 @@ static int upload_scene(struct orl_http *http, char **names, int count, bool lis
 {
     if (is_folder(names[0]))
         return upload_folder(http, names[0], names + 1, count - 1, list_only, err);
-    if (!is_zip(names[0]))
+    const bool model = ends_with(names[0], ".hbjson");
+    if (!model && !ends_with(names[0], ".zip"))
         return upload_files(http, ".", names, (size_t)count, list_only, err);
     if (list_only)
-        return orl_error_set(err, ORL_ERR_INVALID, "a zip is not listed: it travels as it is");
+        return orl_error_set(err, ORL_ERR_INVALID, "what travels as it is is not listed");
+    if (model && count > 1)
+        return orl_error_set(err, ORL_ERR_INVALID, "a Honeybee model has no further files");
+    if (model)
+        return post_and_print(http, "/v1/scenes", names[0], "application/json", err);
     return upload_zip(http, names[0], names + 1, count - 1, err);
 }
 

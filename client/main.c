@@ -104,13 +104,16 @@ static const struct orl_subcommand commands[] = {
      "List photon maps and BSDFs a daemon keeps, and what they saved",
      "With --remove it removes the one whose key begins so. A job that needs it makes it anew.",
      orl_cmd_maps},
-    {"upload", "scene FILE... | scene FOLDER|ZIP [FILE...] | bsdf FILE  [--server URL]",
+    {"upload",
+     "scene FILE... | scene FOLDER|ZIP|MODEL.hbjson [FILE...] | bsdf FILE  [--server URL]",
      "Send a scene or a BSDF; prints its id",
      "A scene's files are named relative to the working directory, or to the folder, as its texts\n"
      "refer to them. A folder's scene is made of the files named behind it, else of the .rad "
      "files\n"
      "in it that no command of another names, in the order of their names; what these refer to\n"
-     "goes along. A zip of a folder is sent whole, and unpacked by the daemon.",
+     "goes along. A zip of a folder is sent whole, and unpacked by the daemon; and so is a "
+     "Honeybee\n"
+     "model, which it translates.",
      orl_cmd_upload},
     {"bsdf", "check FILE [--json]", "Look a BSDF file over before it is used",
      "Prints type and resolution, reflectance and transmittance by direction, and what is wrong "

@@ -65,7 +65,7 @@ int orl_hb_set_of_room(struct orl_hb *hb, const json_t *room, const struct orl_h
                    ? json_object_get(hb->modifier_sets, json_string_value(named))
                    : NULL;
     return *ret_set ? 0
-                    : orl_hb_fail(&here, hb->err, ORL_ERR_NOT_FOUND,
+                    : orl_hb_fail(&here, hb->err, ORL_ERR_INVALID,
                                   "the model has no such modifier set");
 }
 

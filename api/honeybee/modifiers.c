@@ -168,9 +168,9 @@ int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct or
         *ret_place = (size_t)json_integer_value(place);
         return 0;
     }
-    orl_hb_fail(at, hb->err, ORL_ERR_NOT_FOUND, "the model has no modifier '%.100s'", identifier);
+    orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "the model has no modifier '%.100s'", identifier);
     orl_error_hint(hb->err, "It is to be in properties.radiance.modifiers");
-    return ORL_ERR_NOT_FOUND;
+    return ORL_ERR_INVALID;
 }
 
 size_t orl_hb_modifier_generic(const struct orl_hb *hb, const char *identifier)

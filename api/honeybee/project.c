@@ -77,6 +77,21 @@ static bool find_root(struct finding *f)
     return f->root;
 }
 
+/* A folder "scene" alone makes no project. */
+static bool has_more(const struct finding *f)
+{
+    static const char *const more[] = {"aperture/", "aperture_group/", "grid/", "view/",
+                                       "folder.cfg"};
+    for (size_t i = 0; i < f->count; i++) {
+        if (below(f, f->names[i], "scene/") && ends_with(f->names[i], ".mat"))
+            return true;
+        for (size_t k = 0; k < sizeof more / sizeof *more; k++)
+            if (below(f, f->names[i], more[k]))
+                return true;
+    }
+    return false;
+}
+
 /* ---- JSON beside the model --------------------------------------------------------------------
  */
 
@@ -131,10 +146,10 @@ static int find_state_file(const struct finding *f, const char *list, const char
     if (file && snprintf(name, sizeof name, "%.*s%s", folder, list, file) < NAME_SIZE &&
         find_name(f, name, ret_place))
         return 0;
-    orl_error_set(f->err, ORL_ERR_NOT_FOUND, "a state of the group '%.100s' has no file '%.200s'",
+    orl_error_set(f->err, ORL_ERR_INVALID, "a state of the group '%.100s' has no file '%.200s'",
                   group, file ? file : "");
     orl_error_at(f->err, list, 0, NULL);
-    return ORL_ERR_NOT_FOUND;
+    return ORL_ERR_INVALID;
 }
 
 /* Which of the states; all of them are told. */
@@ -154,10 +169,10 @@ static int choose_state(const struct finding *f, const char *list, const char *g
     }
     if (json_array_size(of) != json_array_size(states) || chosen >= json_array_size(states)) {
         json_decref(of);
-        orl_error_set(f->err, ORL_ERR_NOT_FOUND, "the group '%.100s' has no state '%.100s'", group,
+        orl_error_set(f->err, ORL_ERR_INVALID, "the group '%.100s' has no state '%.100s'", group,
                       wanted ? wanted : "");
         orl_error_at(f->err, list, 0, NULL);
-        return ORL_ERR_NOT_FOUND;
+        return ORL_ERR_INVALID;
     }
     *ret_chosen = chosen;
     *ret_told = json_pack("{s:O, s:o}", "chosen", json_array_get(of, chosen), "of", of);
@@ -214,7 +229,7 @@ static int check_wishes(const struct finding *f)
         if (!json_is_string(wish))
             return orl_json_fail(f->err, ORL_ERR_INVALID, "states", "a state is named by a string");
         if (!json_object_get(f->states, group))
-            return orl_json_fail(f->err, ORL_ERR_NOT_FOUND, "states",
+            return orl_json_fail(f->err, ORL_ERR_INVALID, "states",
                                  "the project has no group '%.100s'", group);
     }
     return 0;
@@ -331,7 +346,7 @@ static int add_skies(struct finding *f)
             return no_memory(f);
     }
     if (f->choice->sky && chosen == f->count)
-        return orl_json_fail(f->err, ORL_ERR_NOT_FOUND, "sky", "the project has no sky '%.100s'",
+        return orl_json_fail(f->err, ORL_ERR_INVALID, "sky", "the project has no sky '%.100s'",
                              f->choice->sky);
     chosen = f->choice->sky ? chosen : only;
     return chosen < f->count ? add_main(f, chosen) : 0;
@@ -415,7 +430,7 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
     struct finding f = {.count = count, .files = files, .choice = choice, .err = err};
     int rc = begin(&f, names);
     *ret_project = NULL;
-    if (rc == 0 && find_root(&f)) {
+    if (rc == 0 && find_root(&f) && has_more(&f)) {
         rc = find_parts(&f);
         if (rc == 0) {
             *ret_project = json_pack("{s:O, s:O, s:O, s:O, s:O, s:O}", "files", f.main, "grids",

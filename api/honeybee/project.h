@@ -4,7 +4,8 @@
  * left out, and why.
  *
  * A project is a model folder as Honeybee exports it: one that has .rad files in a folder
- * "scene". Of it are the scene: every .mat of scene/ and aperture/ first, then their .rad, in the
+ * "scene", and beside it "aperture", "aperture_group", "grid", "view" or "folder.cfg", or materials
+ * (.mat) there. Of it are the scene: every .mat of scene/ and aperture/ first, then their .rad, in the
  * order of their names; of every group in a states.json the chosen state's file, else the first
  * state's; and the chosen sky of a folder sky/, else the only one. Grids are the .pts of grid/
  * (those that its _info.json names, where there is one), views the .vf of view/.
@@ -31,7 +32,7 @@ struct orl_project_choice {
 
 /*
  * names: below one folder, '/' between folders, in any order; files opens them. *ret_project is a
- * new reference; NULL when the files are no project. ORL_ERR_NOT_FOUND: a group, state or sky is
+ * new reference; NULL when the files are no project. ORL_ERR_INVALID: a group, state or sky is
  * chosen that there is not.
  */
 int orl_project_find(const char *const *names, size_t count, const struct orl_files *files,

@@ -38,12 +38,13 @@ static int ask_for_text(struct orl_asking *asking, json_t *request, int digits, 
     return *ret_text ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, char **ret_summary,
-                  struct orl_error *err)
+int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, const json_t *choice,
+                  char **ret_summary, struct orl_error *err)
 {
-    return ask_for_text(
-        asking, json_pack("{s:s, s:o}", "kind", "scene", "files", orl_opened_to_json(bundle)), 0,
-        ret_summary, err);
+    return ask_for_text(asking,
+                        json_pack("{s:s, s:o, s:O*}", "kind", "scene", "files",
+                                  orl_opened_to_json(bundle), "choice", choice),
+                        0, ret_summary, err);
 }
 
 int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, char **ret_summary,
@@ -160,29 +161,40 @@ static int ask_for_files(struct orl_asking *asking, json_t *request,
 
 /* ---- Zips ------------------------------------------------------------------------------------ */
 
-static int ask_roles(void *ctx, struct orl_bundle *files, bool *ret_is_main, struct orl_error *err)
+/* Who asks, and what for. */
+struct guessing {
+    struct orl_asking *asking;
+    const json_t *choice; /* NULL: roles are not guessed */
+};
+
+static int ask_roles(void *ctx, struct orl_bundle *files, unsigned *ret_places,
+                     struct orl_error *err)
 {
+    const struct guessing *guessing = ctx;
     json_t *result = NULL;
-    int rc = ask(ctx, json_pack("{s:s, s:o}", "kind", "roles", "files", orl_opened_to_json(files)),
+    int rc = ask(guessing->asking,
+                 json_pack("{s:s, s:o, s:O}", "kind", "roles", "files", orl_opened_to_json(files),
+                           "choice", guessing->choice),
                  &result, err);
     if (rc == 0 && json_array_size(result) != files->count)
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     for (size_t i = 0; i < files->count && rc == 0; i++)
-        ret_is_main[i] = json_is_true(json_array_get(result, i));
+        ret_places[i] = (unsigned)json_integer_value(json_array_get(result, i));
     json_decref(result);
     return rc;
 }
 
 int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
-                  bool guess_roles, struct orl_bundle *bundle, struct orl_error *err)
+                  const json_t *choice, struct orl_bundle *bundle, struct orl_error *err)
 {
+    struct guessing guessing = {asking, choice};
     struct orl_bundle files = {0};
     json_t *result = NULL;
     int rc = ask_for_files(asking, json_pack("{s:s, s:s}", "kind", "unzip", "path", path), folders,
                            orl_bundle_bytes(bundle), &files, &result, err);
     json_decref(result);
     if (rc == 0)
-        rc = orl_unzip_settle(&files, guess_roles ? ask_roles : NULL, asking, bundle, err);
+        rc = orl_unzip_settle(&files, choice ? ask_roles : NULL, &guessing, bundle, err);
     orl_bundle_done(&files);
     return rc;
 }
@@ -190,13 +202,21 @@ int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_
 /* ---- Scene documents ------------------------------------------------------------------------- */
 
 int orl_ask_document(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
-                     struct orl_bundle *bundle, json_t **ret_bsdfs, struct orl_error *err)
+                     const json_t *choice, struct orl_bundle *bundle, json_t **ret_bsdfs,
+                     struct orl_error *err)
 {
+    struct guessing guessing = {asking, choice};
     struct orl_bundle files = {0};
     json_t *rest = NULL;
     int rc = ask_for_files(asking, json_pack("{s:s, s:s}", "kind", "files", "path", path), folders,
                            orl_bundle_bytes(bundle), &files, &rest, err);
     const json_t *resources = json_object_get(rest, "resources");
+    if (rc == 0 && json_is_true(json_object_get(rest, "model"))) {
+        rc = orl_unzip_settle(&files, choice ? ask_roles : NULL, &guessing, bundle, err);
+        json_decref(rest);
+        orl_bundle_done(&files);
+        return rc;
+    }
     if (rc == 0 && json_array_size(resources) != files.count)
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     for (size_t i = 0; i < files.count && rc == 0; i++)

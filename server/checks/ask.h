@@ -10,9 +10,10 @@
 #include "checks/lanes.h"
 #include "store/bundle.h"
 
-/* Is it a scene? *ret_summary is JSON text, the caller's. The bundle is sorted. */
-int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, char **ret_summary,
-                  struct orl_error *err);
+/* Is it a scene? *ret_summary is JSON text, the caller's. The bundle is sorted. choice: what of a
+ * project it was made of (child_checks.h), which the summary then tells; NULL: of none. */
+int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, const json_t *choice,
+                  char **ret_summary, struct orl_error *err);
 /* Is the file a BSDF? name: for messages. */
 int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, char **ret_summary,
                  struct orl_error *err);
@@ -37,11 +38,12 @@ int orl_ask_plan(struct orl_asking *asking, const struct orl_bundle *scene, cons
 int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
                    struct orl_job_inputs_found *ret_found, struct orl_error *err);
 
-/* As orl_unzip (unzip.h). */
+/* As orl_unzip (unzip.h). choice: of a project; NULL: all files are resources. */
 int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
-                  bool guess_roles, struct orl_bundle *bundle, struct orl_error *err);
+                  const json_t *choice, struct orl_bundle *bundle, struct orl_error *err);
 /* Appends the files of a scene document; *ret_bsdfs is its "bsdfs" (a new reference), or NULL. */
 int orl_ask_document(struct orl_asking *asking, const char *path, const struct orl_folders *folders,
-                     struct orl_bundle *bundle, json_t **ret_bsdfs, struct orl_error *err);
+                     const json_t *choice, struct orl_bundle *bundle, json_t **ret_bsdfs,
+                     struct orl_error *err);
 
 #endif

@@ -22,6 +22,7 @@
 #include "checks/scene_document.h"
 #include "encode.h"
 #include "health/blame.h"
+#include "honeybee/project.h"
 #include "json_read.h"
 #include "scene_json.h"
 #include "uploads/unzip.h"
@@ -35,6 +36,34 @@ struct check {
 
 /* ---- Kinds ----------------------------------------------------------------------------------- */
 
+/* What the files are as a project; *ret_project stays NULL when they are none. */
+static int find_project(struct check *check, json_t **ret_project, struct orl_error *err)
+{
+    const char *names[ORL_LIMIT_SCENE_FILES];
+    const struct orl_bundle *bundle = &check->files.bundle;
+    const json_t *wishes = json_object_get(check->request, "choice");
+    const struct orl_project_choice choice = {json_object_get(wishes, "states"),
+                                              json_string_value(json_object_get(wishes, "sky"))};
+    const struct orl_files files = orl_opened_provider(&check->files);
+    for (size_t i = 0; i < bundle->count; i++)
+        names[i] = bundle->files[i].name;
+    return orl_project_find(names, bundle->count, &files, &choice, ret_project, err);
+}
+
+/* A project's parts beside what its scene is. */
+static int add_project(struct check *check, json_t *summary, struct orl_error *err)
+{
+    json_t *project = NULL;
+    const int rc =
+        json_object_get(check->request, "choice") ? find_project(check, &project, err) : 0;
+    if (rc || !project)
+        return rc;
+    json_object_del(project, "files");
+    return json_object_set_new(summary, "project", project)
+               ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory")
+               : 0;
+}
+
 static int check_scene(struct check *check, json_t **ret_result, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
@@ -44,10 +73,11 @@ static int check_scene(struct check *check, json_t **ret_result, struct orl_erro
     for (size_t i = 0; i < count; i++)
         names[i] = bundle->files[i].name;
     const struct orl_files files = orl_opened_provider(&check->files);
-    const int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
+    int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
     if (rc == 0) {
         *ret_result = orl_scene_summary_to_json(&summary);
         orl_scene_summary_done(&summary);
+        rc = *ret_result ? add_project(check, *ret_result, err) : 0;
     }
     return rc;
 }
@@ -133,18 +163,50 @@ static int check_files(struct check *check, json_t **ret_result, struct orl_erro
     return orl_scene_document_read(&check->files.single, &sink, ret_result, err);
 }
 
-static int check_roles(struct check *check, json_t **ret_result, struct orl_error *err)
+static int guess_places(struct orl_opened *opened, unsigned *ret_places, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
     bool is_main[ORL_LIMIT_SCENE_FILES];
-    const struct orl_bundle *bundle = &check->files.bundle;
-    const struct orl_files files = orl_opened_provider(&check->files);
+    const struct orl_bundle *bundle = &opened->bundle;
+    const struct orl_files files = orl_opened_provider(opened);
+    unsigned place = 0;
     for (size_t i = 0; i < bundle->count; i++)
         names[i] = bundle->files[i].name;
     const int rc = orl_scene_guess_main(names, bundle->count, &files, is_main, err);
+    for (size_t i = 0; i < bundle->count && rc == 0; i++)
+        ret_places[i] = is_main[i] ? ++place : 0;
+    return rc;
+}
+
+/* The places of a project's files. */
+static void place_project(const struct orl_bundle *bundle, const json_t *project,
+                          unsigned *ret_places)
+{
+    const json_t *mains = json_object_get(project, "files"), *name;
+    size_t i;
+    memset(ret_places, 0, bundle->count * sizeof *ret_places);
+    json_array_foreach(mains, i, name)
+    {
+        const struct orl_bundle_file *file = orl_bundle_find(bundle, json_string_value(name));
+        if (file)
+            ret_places[file - bundle->files] = (unsigned)i + 1;
+    }
+}
+
+static int check_roles(struct check *check, json_t **ret_result, struct orl_error *err)
+{
+    unsigned places[ORL_LIMIT_SCENE_FILES];
+    struct orl_bundle *bundle = &check->files.bundle;
+    json_t *project = NULL;
+    int rc = find_project(check, &project, err);
+    if (rc == 0 && project)
+        place_project(bundle, project, places);
+    else if (rc == 0)
+        rc = guess_places(&check->files, places, err);
     json_t *roles = rc ? NULL : json_array();
     for (size_t i = 0; roles && i < bundle->count; i++)
-        json_array_append_new(roles, json_boolean(is_main[i]));
+        json_array_append_new(roles, json_integer(places[i]));
+    json_decref(project);
     *ret_result = roles;
     return rc;
 }

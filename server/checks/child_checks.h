@@ -4,14 +4,15 @@
  *
  * The request is {"kind", "memory", "cpu_s", ...}, the verdict {"error": {...}} or {"result": ...}:
  *
- *     scene     "files": [{"name", "path", "sha", "bytes", "resource"}], mains first
- *               -> the summary (scene_json.h)
+ *     scene     "files": [{"name", "path", "sha", "bytes", "resource"}], mains first, "choice" or
+ * none
+ *               -> the summary (scene_json.h), with a choice "project" (honeybee/project.h), too
  *     bsdf      "path", "name" -> the summary (bsdf_json.h)
  *     job       "path" -> job_brief.h
  *     unzip     "path" -> FILE and DATA packets, then null
  *     files     "path", of {"files": [...], "bsdfs": {...}} -> the same, then {"resources": [...],
- *               "bsdfs": {...}}
- *     roles     "files" -> [true, false, ...]: which are main ones
+ *               "bsdfs": {...}}; of a Honeybee model -> its files, then {"model": true}
+ *     roles     "files", "choice": {"states", "sky"} -> places of main ones among these, else 0
  *     inputs    "files", "uses": [[name, role, entry or null], ...] (job_inputs.h) -> [sensors of
  *               all files of them, rows of a year's weather]
  *     plan      "path", "files" -> child_plan.h

@@ -7,6 +7,7 @@
 
 #include <oriel/limits.h>
 
+#include "honeybee/hbjson.h"
 #include "members.h"
 #include "uploads/multipart.h"
 
@@ -75,16 +76,26 @@ static int read_file(const json_t *file, size_t index, const struct orl_incoming
     return rc;
 }
 
-int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
-                            json_t **ret_rest, struct orl_error *err)
+static int read_model(const json_t *model, const struct orl_incoming_sink *sink, json_t **ret_rest,
+                      struct orl_error *err)
+{
+    struct orl_text_files files = {0};
+    int rc = orl_hbjson_translate(model, &files, err);
+    for (size_t i = 0; i < files.count && rc == 0; i++)
+        rc = hand_on(files.items[i].name, (const unsigned char *)files.items[i].text,
+                     files.items[i].size, sink, err);
+    orl_text_files_done(&files);
+    *ret_rest = rc ? NULL : json_pack("{s:b}", "model", 1);
+    return rc == 0 && !*ret_rest ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : rc;
+}
+
+static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, json_t **ret_rest,
+                      struct orl_error *err)
 {
     static const struct orl_json_member members[] = {{.name = "files"}, {.name = "bsdfs"}, {0}};
-    json_t *doc = NULL, *resources = json_array();
-    int rc = orl_json_parse(NULL, document->data, document->size, &doc, err);
     const json_t *files = json_object_get(doc, "files");
-    json_t *bsdfs = json_object_get(doc, "bsdfs");
-    if (rc == 0)
-        rc = orl_json_members(doc, "", members, err);
+    json_t *bsdfs = json_object_get(doc, "bsdfs"), *resources = json_array();
+    int rc = orl_json_members(doc, "", members, err);
     if (rc == 0)
         rc = orl_json_array(files, "files", ORL_LIMIT_SCENE_FILES, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
@@ -98,8 +109,19 @@ int orl_scene_document_read(const struct orl_file *document, const struct orl_in
     if (rc == 0 && !rest)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     json_decref(resources);
-    json_decref(doc);
     if (rc == 0)
         *ret_rest = rest;
+    return rc;
+}
+
+int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
+                            json_t **ret_rest, struct orl_error *err)
+{
+    json_t *doc = NULL;
+    int rc = orl_json_parse(NULL, document->data, document->size, &doc, err);
+    if (rc == 0)
+        rc = orl_hbjson_is_model(doc) ? read_model(doc, sink, ret_rest, err)
+                                      : read_files(doc, sink, ret_rest, err);
+    json_decref(doc);
     return rc;
 }

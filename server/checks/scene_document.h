@@ -1,6 +1,6 @@
 /*
  * A scene as one JSON document: {"files": [{"name", "text" | "base64", "resource"}], "bsdfs":
- * {"name": "id"}}.
+ * {"name": "id"}}; or a Honeybee model, {"type": "Model", ...} (honeybee/hbjson.h).
  */
 #ifndef ORL_SERVER_CHECKS_SCENE_DOCUMENT_H
 #define ORL_SERVER_CHECKS_SCENE_DOCUMENT_H
@@ -10,7 +10,8 @@
 #include "uploads/incoming.h"
 
 /* Its files go to the sink, in their order. *ret_rest: {"resources": [true, ...], "bsdfs": ...},
- * the former one for each file, the latter as it stands in the document, if it does. */
+ * the former one for each file, the latter as it stands in the document, if it does; of a model
+ * {"model": true}. */
 int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
                             json_t **ret_rest, struct orl_error *err);
 

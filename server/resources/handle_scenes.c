@@ -32,7 +32,7 @@ static void scene_post_free(void *state)
 
 /* ---- On the pool ---------------------------------------------------------------------------- */
 
-/* Every argument "main" of the query. */
+/* Every argument of the query: main files, or what is chosen of a project. */
 static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *key,
                                 const char *value)
 {
@@ -40,6 +40,10 @@ static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *
     (void)kind;
     if (strcmp(key, "main") == 0 && value)
         post->rc = orl_scene_upload_add_main(&post->upload, value, &post->err);
+    else if (strcmp(key, "state") == 0 && value)
+        post->rc = orl_scene_upload_choose_state(&post->upload, value, &post->err);
+    else if (strcmp(key, "sky") == 0 && value)
+        post->rc = orl_scene_upload_choose_sky(&post->upload, value, &post->err);
     return post->rc ? MHD_NO : MHD_YES;
 }
 

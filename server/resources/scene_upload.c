@@ -15,7 +15,46 @@ void orl_scene_upload_done(struct orl_scene_upload *upload)
     orl_bundle_done(&upload->bundle);
     free(upload->mains);
     free(upload->summary);
+    json_decref(upload->choice);
     upload->mains = upload->summary = NULL;
+    upload->choice = NULL;
+}
+
+static int choose(struct orl_scene_upload *upload, const char *group, size_t length,
+                  const char *state, struct orl_error *err)
+{
+    if (!upload->choice)
+        upload->choice = json_pack("{s:{}}", "states");
+    json_t *states = json_object_get(upload->choice, "states"), *named = json_string(state);
+    const int failed = group ? json_object_setn_new(states, group, length, named)
+                             : json_object_set_new(upload->choice, "sky", named);
+    return failed ? orl_error_set(err, ORL_ERR_INVALID, "what is chosen of a project is no UTF-8")
+                  : 0;
+}
+
+int orl_scene_upload_choose_state(struct orl_scene_upload *upload, const char *choice,
+                                  struct orl_error *err)
+{
+    const char *state = strchr(choice, '=');
+    if (state)
+        return choose(upload, choice, (size_t)(state - choice), state + 1, err);
+    orl_error_set(err, ORL_ERR_INVALID, "a state is chosen by GROUP=STATE");
+    orl_error_at(err, NULL, 0, "state");
+    return ORL_ERR_INVALID;
+}
+
+int orl_scene_upload_choose_sky(struct orl_scene_upload *upload, const char *name,
+                                struct orl_error *err)
+{
+    return choose(upload, NULL, 0, name, err);
+}
+
+/* What is chosen of a project, nothing for one; NULL where main files are named. */
+static const json_t *choice_of(struct orl_scene_upload *upload)
+{
+    if (!upload->choice)
+        upload->choice = json_object();
+    return upload->mains ? NULL : upload->choice;
 }
 
 int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names,
@@ -134,7 +173,7 @@ static int add_zips(struct orl_scene_upload *upload, const struct orl_bundle *zi
 {
     int rc = 0;
     for (size_t i = 0; i < zips->count && rc == 0; i++)
-        rc = orl_ask_unzip(asking, zips->files[i].path, folders, !upload->mains, &upload->bundle,
+        rc = orl_ask_unzip(asking, zips->files[i].path, folders, choice_of(upload), &upload->bundle,
                            err);
     return rc;
 }
@@ -168,7 +207,8 @@ int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
                          const struct orl_folders *folders, struct orl_asking *asking,
                          struct orl_error *err)
 {
-    const int rc = orl_ask_unzip(asking, path, folders, !upload->mains, &upload->bundle, err);
+    const int rc = orl_ask_unzip(asking, path, folders, choice_of(upload), &upload->bundle, err);
+    upload->listed = !upload->mains;
     return rc ? rc : finish(upload, err);
 }
 
@@ -177,7 +217,9 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
                           struct orl_error *err)
 {
     json_t *bsdfs = NULL;
-    int rc = orl_ask_document(asking, path, folders, &upload->bundle, &bsdfs, err);
+    int rc =
+        orl_ask_document(asking, path, folders, choice_of(upload), &upload->bundle, &bsdfs, err);
+    upload->listed = !upload->mains;
     if (rc == 0 && bsdfs)
         rc = add_bsdfs(upload, bsdfs, folders, err);
     json_decref(bsdfs);
@@ -189,7 +231,8 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
 int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_asking *asking,
                            struct orl_error *err)
 {
-    return orl_ask_scene(asking, &upload->bundle, &upload->summary, err);
+    return orl_ask_scene(asking, &upload->bundle, upload->listed ? upload->choice : NULL,
+                         &upload->summary, err);
 }
 
 int orl_scene_upload_keep(struct orl_scene_upload *upload, const struct orl_folders *folders,

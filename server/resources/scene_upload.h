@@ -13,8 +13,10 @@
 struct orl_scene_upload {
     struct orl_bundle bundle; /* files still in tmp/ are removed by done */
     char id[ORL_SHA_HEX];
-    char *mains;   /* names of the main files, in order, a line each; NULL: as each form has it */
-    char *summary; /* JSON text, once checked */
+    json_t *choice; /* of a project: {"states", "sky"}; NULL: nothing is chosen */
+    bool listed;    /* the summary is to tell what the project holds */
+    char *mains;    /* names of the main files, in order, a line each; NULL: as each form has it */
+    char *summary;  /* JSON text, once checked */
 };
 
 void orl_scene_upload_done(struct orl_scene_upload *upload);
@@ -22,6 +24,12 @@ void orl_scene_upload_done(struct orl_scene_upload *upload);
 /* One more main file. The names given are the only ones then, of whatever form. */
 int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names,
                               struct orl_error *err);
+
+/* Of a project: "GROUP=STATE", and the name of a sky. */
+int orl_scene_upload_choose_state(struct orl_scene_upload *upload, const char *choice,
+                                  struct orl_error *err);
+int orl_scene_upload_choose_sky(struct orl_scene_upload *upload, const char *name,
+                                struct orl_error *err);
 
 /* From multipart/form-data; zips among its parts are unpacked after all others. */
 int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,

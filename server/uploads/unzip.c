@@ -185,9 +185,19 @@ static size_t common_folder(const struct orl_bundle *files)
     return length;
 }
 
+/* Files in it name each other by it. */
+static bool is_model_folder(const struct orl_bundle *files)
+{
+    static const char scene[] = "model/scene/";
+    for (size_t i = 0; i < files->count; i++)
+        if (strncmp(files->files[i].name, scene, sizeof scene - 1) == 0)
+            return true;
+    return false;
+}
+
 static void leave_out_folder(struct orl_bundle *files)
 {
-    const size_t length = common_folder(files);
+    const size_t length = is_model_folder(files) ? 0 : common_folder(files);
     for (size_t i = 0; i < files->count && length > 0; i++) {
         char *name = files->files[i].name;
         memmove(name, name + length, strlen(name + length) + 1);
@@ -200,29 +210,52 @@ static void make_all_resources(struct orl_bundle *files)
         files->files[i].resource = true;
 }
 
-int orl_unzip_guess(void *ctx, struct orl_bundle *files, bool *ret_is_main, struct orl_error *err)
+int orl_unzip_guess(void *ctx, struct orl_bundle *files, unsigned *ret_places,
+                    struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
+    bool is_main[ORL_LIMIT_SCENE_FILES];
+    unsigned place = 0;
     const struct orl_files provider = orl_bundle_provider(files);
     (void)ctx;
     for (size_t i = 0; i < files->count; i++)
         names[i] = files->files[i].name;
-    return orl_scene_guess_main(names, files->count, &provider, ret_is_main, err);
+    const int rc = orl_scene_guess_main(names, files->count, &provider, is_main, err);
+    for (size_t i = 0; i < files->count && rc == 0; i++)
+        ret_places[i] = is_main[i] ? ++place : 0;
+    return rc;
+}
+
+/* Main files in front, by their places; by insertion, as orl_bundle_sort. */
+static void give_roles(struct orl_bundle *files, unsigned *places)
+{
+    for (size_t i = 0; i < files->count; i++) {
+        const struct orl_bundle_file file = files->files[i];
+        const unsigned place = places[i];
+        size_t k = i;
+        for (; place > 0 && k > 0 && (places[k - 1] == 0 || places[k - 1] > place); k--) {
+            files->files[k] = files->files[k - 1];
+            places[k] = places[k - 1];
+        }
+        files->files[k] = file;
+        files->files[k].resource = place == 0;
+        places[k] = place;
+    }
 }
 
 int orl_unzip_settle(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
                      struct orl_bundle *bundle, struct orl_error *err)
 {
-    bool is_main[ORL_LIMIT_SCENE_FILES];
+    unsigned places[ORL_LIMIT_SCENE_FILES];
     int rc = 0;
     leave_out_folder(files);
     make_all_resources(files);
     if (guess) {
         orl_bundle_sort(files);
-        rc = guess(ctx, files, is_main, err);
+        rc = guess(ctx, files, places, err);
+        if (rc == 0)
+            give_roles(files, places);
     }
-    for (size_t i = 0; i < files->count && guess && rc == 0; i++)
-        files->files[i].resource = !is_main[i];
     return rc ? rc : orl_bundle_move(files, bundle, err);
 }
 

@@ -1,9 +1,10 @@
 /*
  * A zip of a scene's folder, unpacked into files of an upload.
  *
- * Names are those in the archive; where all lie in one folder at the top, its name is left out, and
- * so is what desktops put beside them (__MACOSX, .DS_Store, Thumbs.db, desktop.ini). Which of them
- * are main files, in the order of their names: orl_scene_guess_main.
+ * Names are those in the archive; where all lie in one folder at the top, its name is left out,
+ * unless it is the "model" of a project, whose texts know it by that (honeybee/project.h), and so
+ * is what desktops put beside them (__MACOSX, .DS_Store, Thumbs.db, desktop.ini). Which of them are
+ * main files, in the order of their names: orl_scene_guess_main.
  *
  * Refused, with the entry's name: names unfit for a bundle (absolute, climbing, not UTF-8), two
  * files of one name, links and devices, encrypted entries, methods other than deflate, damage;
@@ -32,10 +33,11 @@ int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *
                       const struct orl_incoming_sink *sink, uint64_t before,
                       struct orl_bundle *ret_files, struct orl_error *err);
 
-/* Which of the files, sorted by name, are main ones. */
-typedef int (*orl_unzip_guesser)(void *ctx, struct orl_bundle *files, bool *ret_is_main,
+/* Which of the files, sorted by name, are main ones: their places among those, from 1; else 0. */
+typedef int (*orl_unzip_guesser)(void *ctx, struct orl_bundle *files, unsigned *ret_places,
                                  struct orl_error *err);
-int orl_unzip_guess(void *ctx, struct orl_bundle *files, bool *ret_is_main, struct orl_error *err);
+int orl_unzip_guess(void *ctx, struct orl_bundle *files, unsigned *ret_places,
+                    struct orl_error *err);
 /* Names and roles; then the files are the bundle's. Without a guesser all are resources. */
 int orl_unzip_settle(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
                      struct orl_bundle *bundle, struct orl_error *err);

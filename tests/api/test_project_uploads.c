@@ -1,0 +1,152 @@
+/* Honeybee's models and folders sent to a daemon: what the scene holds, and a job of its grids. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+#include "support/daemon.h"
+#include "support/zip.h"
+
+static char *read_model(void)
+{
+    json_t *model = json_load_file("tests/fixtures/honeybee/two_rooms.hbjson", 0, NULL);
+    char *text = json_dumps(model, JSON_COMPACT);
+    json_decref(model);
+    assert_non_null(text);
+    return text;
+}
+
+static void post_model(struct daemon *daemon, const char *query, const char *text,
+                       struct reply *ret_reply)
+{
+    char path[128];
+    snprintf(path, sizeof path, "/v1/scenes%s", query);
+    daemon_request(daemon, "POST", path, "application/json", text, strlen(text), NULL, ret_reply);
+}
+
+static void expect_model(const struct reply *reply, const char *state)
+{
+    if (reply->status != 201)
+        fail_msg("%ld %s", reply->status, reply->body);
+    /* Faces, door, window, shades, mesh; and the other window. */
+    assert_true(reply_number(reply, "summary.surfaces") >= 19);
+    assert_string_equal(reply_text(reply, "summary.project.grids.0.name"), "desks");
+    assert_string_equal(reply_text(reply, "summary.project.grids.1.sensors.file"),
+                        "model/grid/store/floor.pts");
+    assert_string_equal(reply_text(reply, "summary.project.views.0.name"), "from_door");
+    assert_string_equal(reply_text(reply, "summary.project.states.south_glass.chosen"), state);
+}
+
+/* By the files that the summary names. */
+static void run_grids(struct daemon *daemon, const char *scene, const json_t *grids)
+{
+    char *list = json_dumps(grids, JSON_COMPACT), *job = NULL, path[128], file[200];
+    struct reply reply;
+    assert_true(asprintf(&job,
+                         "{\"kind\": \"render\", \"scene\": \"%s\", \"technique\": \"backward\","
+                         " \"gather_samples\": 64, \"grids\": %s, \"sky\": {\"cie\": {\"type\":"
+                         " \"overcast\", \"diffuse_horizontal_lx\": 10000}}}",
+                         scene, list) > 0);
+    daemon_post_json(daemon, "/v1/jobs", job, &reply);
+    if (reply.status != 202)
+        fail_msg("%ld %s", reply.status, reply.body);
+    snprintf(path, sizeof path, "/v1/jobs/%s", reply_text(&reply, "id"));
+    reply_done(&reply);
+    daemon_wait(daemon, path, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    reply_done(&reply);
+    snprintf(file, sizeof file, "%s/files/results/desks.res", path);
+    daemon_get(daemon, file, &reply);
+    if (reply.status != 200)
+        fail_msg("%s: %ld %s", file, reply.status, reply.body);
+    for (char *at = reply.body, *end; *at; at = end + 1) {
+        assert_true(strtod(at, &end) > 10);
+        assert_int_equal(*end, '\n');
+    }
+    reply_done(&reply);
+    free(list);
+    free(job);
+}
+
+static void test_a_model_becomes_a_scene(void **state)
+{
+    char *text = read_model(), first[65], second[65];
+    struct reply reply;
+    post_model(*state, "", text, &reply);
+    expect_model(&reply, "0_south_glass");
+    snprintf(first, sizeof first, "%s", reply_text(&reply, "id"));
+    run_grids(*state, first, reply_at(&reply, "summary.project.grids"));
+    reply_done(&reply);
+    post_model(*state, "?state=south_glass%3D1_south_glass", text, &reply);
+    expect_model(&reply, "1_south_glass");
+    snprintf(second, sizeof second, "%s", reply_text(&reply, "id"));
+    assert_string_not_equal(first, second);
+    reply_done(&reply);
+    free(text);
+}
+
+static void expect_refusal(struct daemon *daemon, const char *query, const char *text,
+                           const char *why)
+{
+    struct reply reply;
+    post_model(daemon, query, text, &reply);
+    if (reply.status != 422 && reply.status != 400)
+        fail_msg("%ld %s", reply.status, reply.body);
+    if (!strstr(reply.body, why))
+        fail_msg("\"%s\" is not in: %s", why, reply.body);
+    reply_done(&reply);
+}
+
+static void test_mistakes_are_told_by_their_place(void **state)
+{
+    char *text = read_model();
+    expect_refusal(*state, "?state=south_glass%3Dclosed", text, "no state 'closed'");
+    expect_refusal(*state, "?state=closed", text, "GROUP=STATE");
+    expect_refusal(*state, "?sky=noon", text, "no sky 'noon'");
+    expect_refusal(*state, "", "{\"type\": \"Model\", \"rooms\": [{\"faces\": [{}]}]}",
+                   "rooms[0].faces[0]");
+    expect_refusal(*state, "", "{\"type\": \"Model\"}", "no scene file was sent");
+    free(text);
+}
+
+/* The folder's own name stays: its texts say model/bsdf/NAME.xml. */
+static void test_a_folder_comes_as_a_zip(void **state)
+{
+    static const char mat[] = "void plastic white\n0\n0\n5 0.7 0.7 0.7 0 0\n";
+    static const char rad[] = "white polygon floor\n0\n0\n12 0 0 0 1 0 0 1 1 0 0 1 0\n";
+    static const char sky[] = "void glow g\n0\n0\n4 1 1 1 0\ng source sky\n0\n0\n4 0 0 1 180\n";
+    const struct zip_entry entries[] = {
+        ZIP_TEXT("model/scene/a.rad", rad),  ZIP_TEXT("model/scene/z.mat", mat),
+        ZIP_TEXT("model/scene/z.blk", mat),  ZIP_TEXT("model/grid/a b.pts", "0 0 1 0 0 1\n"),
+        ZIP_TEXT("model/sky/noon.rad", sky), ZIP_TEXT("model/sky/dusk.rad", sky)};
+    size_t size;
+    struct reply reply;
+    char *zip = zip_make(entries, sizeof entries / sizeof *entries, &size);
+    daemon_request(*state, "POST", "/v1/scenes?sky=dusk", "application/zip", zip, size, NULL,
+                   &reply);
+    if (reply.status != 201)
+        fail_msg("%ld %s", reply.status, reply.body);
+    assert_true(reply_number(&reply, "summary.sources") == 1);
+    assert_string_equal(reply_text(&reply, "summary.project.grids.0.name"), "a_b");
+    assert_string_equal(reply_text(&reply, "summary.project.grids.0.sensors.file"),
+                        "model/grid/a b.pts");
+    assert_string_equal(reply_text(&reply, "summary.project.left_out.0.file"), "model/scene/z.blk");
+    reply_done(&reply);
+    free(zip);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_model_becomes_a_scene),
+        cmocka_unit_test(test_mistakes_are_told_by_their_place),
+        cmocka_unit_test(test_a_folder_comes_as_a_zip),
+    };
+    return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
+}
