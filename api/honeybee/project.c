@@ -18,7 +18,8 @@ struct finding {
     const struct orl_project_choice *choice;
     const char *root; /* of the model, with its slash; borrowed from a name */
     size_t root_length;
-    bool *used;
+    bool *used;                                               /* told of */
+    bool *is_main;                                            /* of the scene */
     json_t *main, *grids, *views, *states, *skies, *left_out; /* owned */
     struct orl_error *err;
 };
@@ -114,9 +115,12 @@ static int read_json(const struct finding *f, const char *name, json_t **ret_doc
 /* ---- The scene --------------------------------------------------------------------------------
  */
 
+/* Once, though several groups may name it. */
 static int add_main(struct finding *f, size_t place)
 {
-    f->used[place] = true;
+    if (f->is_main[place])
+        return 0;
+    f->used[place] = f->is_main[place] = true;
     return json_array_append_new(f->main, json_string(f->names[place])) ? no_memory(f) : 0;
 }
 
@@ -409,14 +413,15 @@ static int begin(struct finding *f, const char *const *names)
 {
     f->names = calloc(f->count + 1, sizeof *f->names);
     f->used = calloc(f->count + 1, sizeof *f->used);
+    f->is_main = calloc(f->count + 1, sizeof *f->is_main);
     f->main = json_array();
     f->grids = json_array();
     f->views = json_array();
     f->states = json_object();
     f->skies = json_array();
     f->left_out = json_array();
-    if (!f->names || !f->used || !f->main || !f->grids || !f->views || !f->states || !f->skies ||
-        !f->left_out)
+    if (!f->names || !f->used || !f->is_main || !f->main || !f->grids || !f->views || !f->states ||
+        !f->skies || !f->left_out)
         return no_memory(f);
     memcpy(f->names, names, f->count * sizeof *names);
     qsort(f->names, f->count, sizeof *f->names, compare_names);
@@ -447,5 +452,6 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
     json_decref(f.left_out);
     free(f.names);
     free(f.used);
+    free(f.is_main);
     return rc;
 }

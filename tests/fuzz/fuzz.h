@@ -30,6 +30,7 @@ bool fuzz_occupancy(const uint8_t *data, size_t size);
 bool fuzz_function(const uint8_t *data, size_t size);
 bool fuzz_grid(const uint8_t *data, size_t size);
 bool fuzz_hdr(const uint8_t *data, size_t size);
+bool fuzz_hbjson(const uint8_t *data, size_t size);
 bool fuzz_zip(const uint8_t *data, size_t size);
 bool fuzz_compiled(const uint8_t *data, size_t size);
 bool fuzz_framing(const uint8_t *data, size_t size);

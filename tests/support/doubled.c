@@ -13,6 +13,7 @@
 #include "bsdf_json.h"
 #include "decode.h"
 #include "function/function.h"
+#include "honeybee/hbjson.h"
 #include "job_json.h"
 #include "light/weather.h"
 #include "run/stages.h"
@@ -182,6 +183,18 @@ static int read_zip(const struct doubled_input *input, struct orl_error *err)
     return code;
 }
 
+static int read_model(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_text_files files = {0};
+    json_t *doc = NULL;
+    int code = orl_json_parse("model.hbjson", input->data, input->size, &doc, err);
+    if (code == 0)
+        code = orl_hbjson_translate(doc, &files, err);
+    json_decref(doc);
+    orl_text_files_done(&files);
+    return code;
+}
+
 /* ---- Inputs ---------------------------------------------------------------------------------- */
 
 struct doubled_input doubled_make(const struct doubled *of, size_t n)
@@ -214,6 +227,7 @@ int doubled_read(const struct doubled_input *input, char text[256])
         [DOUBLED_STUDY] = read_study,         [DOUBLED_ZIP] = read_zip,
         [DOUBLED_VIEWS] = read_views,         [DOUBLED_YEAR] = read_year,
         [DOUBLED_OCCUPANCY] = read_occupancy, [DOUBLED_FUNCTION] = read_function,
+        [DOUBLED_MODEL] = read_model,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

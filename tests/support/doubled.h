@@ -22,6 +22,7 @@ enum doubled_kind {
     DOUBLED_OCCUPANCY, /* of a year in minutes */
     DOUBLED_FUNCTION,  /* definitions of x, and what it needs, compiled and evaluated */
     DOUBLED_ZIP,
+    DOUBLED_MODEL, /* Honeybee's, as files */
 };
 
 struct doubled {
@@ -33,8 +34,9 @@ struct doubled {
     double most; /* times the instructions, where more than 2.5 is right; 0: it is not */
 };
 
-extern const struct doubled doubled_scenes[], doubled_files[], doubled_functions[];
-extern const size_t doubled_n_scenes, doubled_n_files, doubled_n_functions;
+extern const struct doubled doubled_scenes[], doubled_files[], doubled_models[],
+    doubled_functions[];
+extern const size_t doubled_n_scenes, doubled_n_files, doubled_n_models, doubled_n_functions;
 
 /* An input in memory. */
 struct doubled_input {

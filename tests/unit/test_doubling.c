@@ -32,8 +32,11 @@ static const struct doubled *case_at(size_t i)
     i -= doubled_n_scenes;
     if (i < doubled_n_files)
         return &doubled_files[i];
-    return i - doubled_n_files < doubled_n_functions ? &doubled_functions[i - doubled_n_files]
-                                                     : NULL;
+    i -= doubled_n_files;
+    if (i < doubled_n_models)
+        return &doubled_models[i];
+    i -= doubled_n_models;
+    return i < doubled_n_functions ? &doubled_functions[i] : NULL;
 }
 
 /* ---- What callgrind runs --------------------------------------------------------------------- */

@@ -160,6 +160,13 @@ static void test_zip(void **state)
     repeat_trifles(fuzz_zip);
 }
 
+static void test_hbjson(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/hbjson", fuzz_hbjson);
+    repeat_trifles(fuzz_hbjson);
+}
+
 static void test_compiled(void **state)
 {
     (void)state;
@@ -222,6 +229,7 @@ int main(void)
         cmocka_unit_test(test_route),     cmocka_unit_test(test_guard),
         cmocka_unit_test(test_token),     cmocka_unit_test(test_view_file),
         cmocka_unit_test(test_annual),    cmocka_unit_test(test_occupancy),
+        cmocka_unit_test(test_hbjson),
     };
     if (sodium_init() < 0)
         return 1;
