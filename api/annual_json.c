@@ -5,6 +5,7 @@
 
 #include "annual_exposure.h"
 #include "annual_grids.h"
+#include "annual_matrices.h"
 #include "annual_shades.h"
 #include "annual_view_out.h"
 #include "members.h"
@@ -226,6 +227,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"weather", .text = &request->weather_file, .longest = FILE_MAX_BYTES, .required = true},
         {"north", .real = &request->north_deg, .least = -360, .most = 360},
         {"ground_reflectance", .real = &request->ground_reflectance, .least = 0, .most = 1},
+        {"matrices", .decode = orl_annual_matrices_from_json, .into = request},
         {"shades", .decode = orl_annual_shades_from_json, .into = request},
         {"occupancy", .decode = decode_occupancy, .into = wishes},
         {"metrics", .decode = decode_metrics, .into = wishes},

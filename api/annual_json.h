@@ -8,7 +8,7 @@
  *      "grids": [{"name": "desks" (by default its file's name), "area": 20.5 (for all or none),
  *                 "sensors": {"file": "desks.pts"} or [[x, y, z, dx, dy, dz], ...]}],
  *      or "sensors" alone, as in a job,
- *      "shades": [...] (annual_shades.h),
+ *      "shades": [...] (annual_shades.h), "matrices": [...] (annual_matrices.h),
  *      "occupancy": {"from": 8, "to": 18, "days": ["mon", ...], "first_day": "sun"}
  *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],

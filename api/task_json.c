@@ -228,6 +228,21 @@ static int visit_group(const struct visiting *v, const struct orl_window_group *
     return rc;
 }
 
+static int visit_term(const struct visiting *v, const struct orl_matrix_term *term, size_t i)
+{
+    const struct {
+        const char *member, *name;
+    } files[] = {{"coefficients", term->coefficients},
+                 {"view", term->view},
+                 {"transmission", term->transmission},
+                 {"daylight", term->daylight},
+                 {"sky", term->sky}};
+    int rc = 0;
+    for (size_t k = 0; k < sizeof files / sizeof *files && rc == 0; k++)
+        rc = tell(v, ORL_FILE_MATRIX, files[k].name, NULL, "matrices[%zu].%s", i, files[k].member);
+    return rc;
+}
+
 static int visit_year(const struct visiting *v, const struct orl_annual_job *year)
 {
     int rc = tell(v, ORL_FILE_YEAR, year->request.weather_file, NULL, "weather");
@@ -239,6 +254,8 @@ static int visit_year(const struct visiting *v, const struct orl_annual_job *yea
                                "grids[%zu].sensors.file", g);
     for (size_t g = 0; g < year->request.n_groups && rc == 0; g++)
         rc = visit_group(v, &year->request.groups[g], g);
+    for (size_t i = 0; i < year->request.n_terms && rc == 0; i++)
+        rc = visit_term(v, &year->request.terms[i], i);
     return rc;
 }
 

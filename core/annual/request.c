@@ -6,6 +6,8 @@
 
 #include <oriel/limits.h>
 
+#include "annual/matrix_terms.h"
+
 static const double usual_ground = 0.2;
 
 void orl_annual_request_init(struct orl_annual_request *request)
@@ -23,7 +25,10 @@ void orl_annual_request_done(struct orl_annual_request *request)
         free(request->grids[i].name);
     for (size_t i = 0; request->groups && i < request->n_groups; i++)
         orl_window_group_done(&request->groups[i]);
+    for (size_t i = 0; request->terms && i < request->n_terms; i++)
+        orl_matrix_term_done(&request->terms[i]);
     free(request->groups);
+    free(request->terms);
     free(request->scene_files);
     free(request->weather_file);
     free(request->sensors);
@@ -68,7 +73,9 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
     if (request->coefficients && request->n_groups > 0)
         return orl_error_set(err, ORL_ERR_INVALID,
                              "daylight coefficients are of one state: a year with shades has none");
-    const int code = orl_shades_validate(request, err);
+    int code = orl_matrix_terms_validate(request, err);
+    if (code == 0)
+        code = orl_shades_validate(request, err);
     return code < 0 ? code : check_sensors(request, err);
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "annual/matrices.h"
 #include "annual/schedule.h"
 #include "annual/shading.h"
 #include "scene/swap.h"
@@ -304,6 +305,8 @@ int orl_annual_run(const struct orl_annual_request *request, const struct orl_an
     const int code = orl_annual_validate(request, err);
     if (code < 0)
         return code;
+    if (request->n_terms > 0)
+        return orl_annual_run_matrices(request, env, ret_result, err);
     return request->n_groups > 0 ? run_shaded(request, env, ret_result, err)
                                  : orl_year_run(request, env, NULL, ret_result, err);
 }

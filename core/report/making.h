@@ -19,6 +19,9 @@ int orl_report_figure_of(const struct orl_report_making *making,
                          const struct orl_annual_figure *figure, size_t grid,
                          struct orl_annual_area *ret_area);
 
+/* Is nothing wished for that matrices cannot tell? ORL_ERR_INVALID. */
+int orl_report_check_matrices(const struct orl_annual_wishes *wishes, struct orl_error *err);
+
 /* Are there the grids that targets name? */
 int orl_report_check_grids(const struct orl_report_making *making);
 int orl_report_make_verdicts(const struct orl_report_making *making);

@@ -239,7 +239,9 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
 {
     struct orl_annual_report report = {.n_grids = 0};
     const struct orl_report_making m = {request, NULL, wishes, NULL, &report, err};
-    int code = make_grids(&m);
+    int code = request->n_terms > 0 ? orl_report_check_matrices(wishes, err) : 0;
+    if (code == 0)
+        code = make_grids(&m);
     if (code == 0)
         code = orl_report_check_grids(&m);
     orl_annual_report_done(&report);

@@ -82,6 +82,7 @@ void orl_handle_limits(struct orl_request *request)
         {"skies", ORL_LIMIT_SKIES},
         {"pictures", ORL_LIMIT_PICTURES},
         {"grids", ORL_LIMIT_GRIDS},
+        {"matrix_cells", ORL_LIMIT_MATRIX_CELLS},
         {"image_side", ORL_LIMIT_IMAGE_SIDE},
         {"image_pixels", ORL_LIMIT_IMAGE_PIXELS},
         {"picture_points", ORL_LIMIT_PICTURE_POINTS},

@@ -89,6 +89,8 @@ def jobs(lit, dark):
            "exposure": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "least_altitude": 10},
            "view_out": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "above_sensors": 0.4, "openings": ["pane"], "ground": ["pane"]}}
     yield {**year, "sensors": {"file": "s.txt"}, "occupancy": {"file": "u.csv"}}
+    three = {"grid": "a", "view": "s.txt", "transmission": "s.txt", "daylight": "s.txt", "sky": "s.txt", "subtract": True}
+    yield {**year, "grids": [{"name": "a", "sensors": SENSORS}], "matrices": [{"coefficients": "s.txt", "sky": "s.txt"}, three]}
     shut = {"name": "shut", "files": ["s.txt"], "material": "grey", "dark": False}
     shade = {"windows": ["pane"], "states": [{"name": "open"}, shut]}
     yield {**year, "sensors": SENSORS, "shades": [

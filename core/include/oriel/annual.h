@@ -27,6 +27,7 @@
 #ifndef ORIEL_ANNUAL_H
 #define ORIEL_ANNUAL_H
 
+#include <oriel/annual_matrices.h>
 #include <oriel/annual_shades.h>
 #include <oriel/run.h>
 
@@ -51,6 +52,8 @@ struct orl_annual_request {
     size_t n_grids;
     struct orl_window_group *groups; /* of windows with shades; may be none */
     size_t n_groups;
+    struct orl_matrix_term *terms; /* of others' matrices, in place of paths; may be none */
+    size_t n_terms;
     uint64_t seed;
     uint32_t samples;  /* paths a sensor; 0: ORL_ANNUAL_SAMPLES */
     bool coefficients; /* are wanted, of the result; not of years with shades */

@@ -70,6 +70,15 @@ struct orl_rgb orl_bsdf_eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, st
 /* The constant (Lambertian) part of f for in's side: reflected back, or transmitted. 1/sr. */
 struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool transmitted);
 
+/*
+ * Transmission from the back to the front as a matrix, [row][column][3]: rows are directions out,
+ * columns directions in, cells of the file's bases in its order; f times the projected solid angle
+ * of the direction in. ret_values: owned by the caller, free(). ORL_ERR_UNSUPPORTED (no matrix, no
+ * transmission), ORL_ERR_NOMEM.
+ */
+int orl_bsdf_transmission(const struct orl_bsdf *bsdf, size_t *ret_rows, size_t *ret_columns,
+                          float **ret_values, struct orl_error *err);
+
 /* Which hemisphere a sample may go to. */
 enum orl_bsdf_side { ORL_BSDF_REFLECT = 1, ORL_BSDF_TRANSMIT = 2, ORL_BSDF_BOTH = 3 };
 

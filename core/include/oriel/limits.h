@@ -27,6 +27,7 @@
 #define ORL_LIMIT_SEQUENCE 400U             /* of these skies, when their pictures are a sequence */
 #define ORL_LIMIT_PICTURES 4096U            /* views of one job, under each of its skies */
 #define ORL_LIMIT_GRIDS 4096U               /* grids of sensors in a year */
+#define ORL_LIMIT_MATRIX_CELLS (64UL << 20) /* values of three channels in one matrix of a year */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */
 #define ORL_LIMIT_PICTURE_POINTS 256U       /* named points in one view's false colours */

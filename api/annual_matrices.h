@@ -1,0 +1,21 @@
+/*
+ * Matrices of other programs in a year's document, in place of paths (oriel/annual_matrices.h has
+ * what they mean).
+ *
+ *     "matrices": [{"grid": "desks" (by default all sensors),
+ *                   "view": "v.mtx", "transmission": "blinds.xml" or "t.mtx", "daylight": "d.mtx",
+ *                   or "coefficients": "dc.mtx",
+ *                   "sky": "year.smx", "subtract": false}, ...]
+ */
+#ifndef ORL_API_ANNUAL_MATRICES_H
+#define ORL_API_ANNUAL_MATRICES_H
+
+#include <jansson.h>
+
+#include <oriel/annual.h>
+
+/* A decoder of members.h; into: a struct orl_annual_request. */
+int orl_annual_matrices_from_json(const json_t *value, const char *path, void *into,
+                                  struct orl_error *err);
+
+#endif

@@ -1,0 +1,311 @@
+#include "annual/matrix_file.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/crew.h>
+#include <oriel/limits.h>
+
+#include "base/number.h"
+
+enum format { FORMAT_NONE, FORMAT_ASCII, FORMAT_FLOAT, FORMAT_DOUBLE };
+
+struct reader {
+    const char *name, *at, *end;
+    int line;
+    size_t rows, columns, parts; /* parts: of a value */
+    enum format format;
+    bool swapped;
+    double exposure[3];
+    struct orl_error *err;
+};
+
+int orl_rgb_matrix_init(struct orl_rgb_matrix *matrix, size_t rows, size_t columns,
+                        struct orl_error *err)
+{
+    *matrix = (struct orl_rgb_matrix){.rows = rows, .columns = columns};
+    if (rows == 0 || columns == 0 || rows > ORL_LIMIT_MATRIX_CELLS / columns) {
+        orl_error_set(err, ORL_ERR_LIMIT,
+                      "a matrix of %zu rows and %zu columns, where %lu values are the most", rows,
+                      columns, ORL_LIMIT_MATRIX_CELLS);
+        return ORL_ERR_LIMIT;
+    }
+    matrix->values = calloc(rows * columns, 3 * sizeof *matrix->values);
+    if (matrix->values)
+        return 0;
+    orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a matrix");
+    return ORL_ERR_NOMEM;
+}
+
+void orl_rgb_matrix_done(struct orl_rgb_matrix *matrix)
+{
+    free(matrix->values);
+    *matrix = (struct orl_rgb_matrix){.rows = 0};
+}
+
+/* ---- Header ---------------------------------------------------------------------------------- */
+
+static int fail(const struct reader *r, int code, const char *what)
+{
+    orl_error_set(r->err, code, "%s", what);
+    orl_error_at(r->err, r->name, r->line, "matrix");
+    return code;
+}
+
+/* A number behind a key, of as many as there are wanted; false: another key. */
+static bool read_key(const char *line, size_t length, const char *key, double *ret_values, size_t n)
+{
+    const size_t k = strlen(key);
+    const char *at = line + k, *end = line + length;
+    double value = NAN;
+    if (length < k || memcmp(line, key, k) != 0)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        while (at < end && (*at == ' ' || *at == '\t'))
+            at++;
+        const char *from = at;
+        while (at < end && *at != ' ' && *at != '\t')
+            at++;
+        if (orl_number_read(from, (size_t)(at - from), &value) != ORL_NUMBER_OK)
+            value = NAN;
+        ret_values[i] = value;
+    }
+    return true;
+}
+
+static int read_format(struct reader *r, const char *word, size_t length)
+{
+    static const char *const names[] = {"ascii", "float", "double"};
+    for (int i = 0; i < 3; i++)
+        if (length == strlen(names[i]) && memcmp(word, names[i], length) == 0) {
+            r->format = (enum format)(i + 1);
+            return 0;
+        }
+    return fail(r, ORL_ERR_UNSUPPORTED, "a matrix has FORMAT=ascii, float or double");
+}
+
+static bool is_count(double value)
+{
+    return value >= 1 && value <= 1e9 && value == floor(value);
+}
+
+static int read_line(struct reader *r, const char *line, size_t length)
+{
+    static const char format[] = "FORMAT=";
+    double value[3] = {0};
+    if (length >= sizeof format - 1 && memcmp(line, format, sizeof format - 1) == 0) {
+        line += sizeof format - 1;
+        length -= sizeof format - 1;
+        for (; length > 0 && *line == ' '; line++)
+            length--;
+        while (length > 0 && line[length - 1] == ' ') /* gendaymtx has room for its length there */
+            length--;
+        return read_format(r, line, length);
+    }
+    if (read_key(line, length, "EXPOSURE=", value, 1) ||
+        read_key(line, length, "COLORCORR=", value, 3)) {
+        const bool all = line[0] == 'E';
+        for (int i = 0; i < 3; i++)
+            r->exposure[i] *= value[all ? 0 : i];
+        return r->exposure[0] > 0 && r->exposure[1] > 0 && r->exposure[2] > 0
+                   ? 0
+                   : fail(r, ORL_ERR_RANGE, "an exposure is above 0");
+    }
+    if (read_key(line, length, "BigEndian=", value, 1)) {
+        const bool big = value[0] > 0;
+        r->swapped = big != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+        return 0;
+    }
+    size_t *const counts[] = {&r->rows, &r->columns, &r->parts};
+    static const char *const keys[] = {"NROWS=", "NCOLS=", "NCOMP="};
+    for (int i = 0; i < 3; i++)
+        if (read_key(line, length, keys[i], value, 1)) {
+            if (!is_count(value[0]))
+                return fail(r, ORL_ERR_SYNTAX, "NROWS, NCOLS and NCOMP are whole numbers, from 1");
+            *counts[i] = (size_t)value[0];
+        }
+    return 0;
+}
+
+static int read_header(struct reader *r)
+{
+    static const char magic[] = "#?";
+    if (r->end - r->at < 2 || memcmp(r->at, magic, 2) != 0)
+        return fail(r, ORL_ERR_SYNTAX, "a matrix begins with \"#?RADIANCE\"");
+    for (;;) {
+        const char *newline = memchr(r->at, '\n', (size_t)(r->end - r->at));
+        if (!newline)
+            return fail(r, ORL_ERR_SYNTAX, "the matrix ends within its header");
+        size_t length = (size_t)(newline - r->at);
+        const char *line = r->at;
+        r->line++;
+        r->at = newline + 1;
+        if (length > 0 && line[length - 1] == '\r')
+            length--;
+        if (length == 0)
+            break;
+        const int code = read_line(r, line, length);
+        if (code < 0)
+            return code;
+    }
+    if (r->format == FORMAT_NONE || r->columns == 0)
+        return fail(r, ORL_ERR_SYNTAX, "the header of a matrix says NCOLS and FORMAT");
+    return r->parts == 1 || r->parts == 3
+               ? 0
+               : fail(r, ORL_ERR_UNSUPPORTED, "a matrix has values of 3 components, or of 1");
+}
+
+/* ---- Values ---------------------------------------------------------------------------------- */
+
+static bool is_space(char c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+static void skip_space(struct reader *r)
+{
+    for (; r->at < r->end && is_space(*r->at); r->at++)
+        r->line += *r->at == '\n';
+}
+
+static size_t count_words(const struct reader *r)
+{
+    size_t n = 0;
+    for (const char *at = r->at; at < r->end; at++)
+        n += !is_space(*at) && (at + 1 == r->end || is_space(at[1]));
+    return n;
+}
+
+/* As many rows as there are, where the header does not say. */
+static int find_rows(struct reader *r)
+{
+    const size_t bytes = r->format == FORMAT_DOUBLE ? sizeof(double) : sizeof(float);
+    const size_t row = r->columns * r->parts, left = (size_t)(r->end - r->at);
+    const size_t n = r->format == FORMAT_ASCII ? count_words(r) : left / bytes;
+    if (r->rows == 0 && (n % row != 0 || (r->format != FORMAT_ASCII && left % bytes != 0)))
+        return fail(r, ORL_ERR_SYNTAX, "its size is not that of whole rows");
+    if (r->rows == 0)
+        r->rows = n / row;
+    if (r->rows == 0 || r->rows > n / row)
+        return fail(r, ORL_ERR_SYNTAX, "it ends before its last row");
+    return r->rows < n / row ? fail(r, ORL_ERR_SYNTAX, "it goes on after its last row") : 0;
+}
+
+/* The next number; false: it is none. */
+static bool take(struct reader *r, double *ret_value)
+{
+    unsigned char bytes[sizeof(double)], turned[sizeof(double)];
+    const size_t size = r->format == FORMAT_DOUBLE ? sizeof(double) : sizeof(float);
+    float single;
+    if (r->format == FORMAT_ASCII) {
+        skip_space(r);
+        const char *from = r->at;
+        while (r->at < r->end && !is_space(*r->at))
+            r->at++;
+        return orl_number_read(from, (size_t)(r->at - from), ret_value) == ORL_NUMBER_OK;
+    }
+    memcpy(bytes, r->at, size);
+    r->at += size;
+    for (size_t i = 0; i < size; i++)
+        turned[i] = bytes[r->swapped ? size - 1 - i : i];
+    if (r->format == FORMAT_DOUBLE) {
+        memcpy(ret_value, turned, sizeof *ret_value);
+    } else {
+        memcpy(&single, turned, sizeof single);
+        *ret_value = (double)single;
+    }
+    return isfinite(*ret_value);
+}
+
+static int read_values(struct reader *r, struct orl_rgb_matrix *matrix)
+{
+    for (size_t i = 0; i < matrix->rows * matrix->columns; i++)
+        for (size_t k = 0; k < 3; k++) {
+            double value = 0;
+            if (k < r->parts && !take(r, &value))
+                return fail(r, ORL_ERR_RANGE, "a value is no finite number");
+            float *at = &matrix->values[3 * i + k];
+            *at = k < r->parts ? (float)(value / r->exposure[k]) : at[-1];
+            if (!isfinite(*at))
+                return fail(r, ORL_ERR_RANGE, "a value is too large");
+        }
+    return 0;
+}
+
+int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
+                        struct orl_rgb_matrix *ret_matrix, struct orl_error *err)
+{
+    struct reader r = {.name = name,
+                       .at = text,
+                       .end = text + size,
+                       .parts = 3,
+                       .exposure = {1, 1, 1},
+                       .err = err};
+    struct orl_rgb_matrix matrix = {.rows = 0};
+    int code = read_header(&r);
+    if (code == 0)
+        code = find_rows(&r);
+    if (code == 0) {
+        code = orl_rgb_matrix_init(&matrix, r.rows, r.columns, err);
+        if (code < 0)
+            orl_error_at(err, name, 0, "matrix");
+    }
+    if (code == 0)
+        code = read_values(&r, &matrix);
+    if (code < 0)
+        orl_rgb_matrix_done(&matrix);
+    else
+        *ret_matrix = matrix;
+    return code;
+}
+
+/* ---- Products -------------------------------------------------------------------------------- */
+
+struct product {
+    const struct orl_rgb_matrix *a, *b;
+    struct orl_rgb_matrix *product;
+    double *sums; /* a row of each member */
+};
+
+static void multiply_row(void *arg, size_t row, uint32_t member)
+{
+    const struct product *p = arg;
+    const size_t n = 3 * p->b->columns;
+    double *sums = p->sums + member * n;
+    memset(sums, 0, n * sizeof *sums);
+    for (size_t i = 0; i < p->a->columns; i++) {
+        const float *by = &p->a->values[3 * (row * p->a->columns + i)];
+        const float *of = &p->b->values[i * n];
+        if (by[0] == 0 && by[1] == 0 && by[2] == 0)
+            continue;
+        for (size_t k = 0; k < n; k += 3)
+            for (size_t c = 0; c < 3; c++)
+                sums[k + c] += (double)by[c] * (double)of[k + c];
+    }
+    for (size_t k = 0; k < n; k++)
+        p->product->values[row * n + k] = (float)sums[k];
+}
+
+int orl_rgb_matrix_multiply(const struct orl_rgb_matrix *a, const struct orl_rgb_matrix *b,
+                            struct orl_crew *crew, struct orl_rgb_matrix *ret_product,
+                            struct orl_error *err)
+{
+    struct orl_rgb_matrix made;
+    struct product p = {a, b, &made, NULL};
+    int code = orl_rgb_matrix_init(&made, a->rows, b->columns, err);
+    if (code < 0)
+        return code;
+    p.sums = calloc(orl_crew_size(crew) * b->columns, 3 * sizeof *p.sums);
+    if (!p.sums)
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a matrix");
+    else if (orl_crew_try(crew, a->rows, multiply_row, &p) < 0)
+        code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+    free(p.sums);
+    if (code < 0)
+        orl_rgb_matrix_done(&made);
+    else
+        *ret_product = made;
+    return code;
+}
