@@ -95,11 +95,19 @@ struct orl_surface {
     /* polygon */
     struct orl_vec3 *vertices;
     uint32_t n_vertices;
+    bool has_places; /* of a mesh: orl_surface_places */
     /* the others */
     struct orl_vec3 center[2];
     double radius[2];
     struct orl_vec3 normal; /* ring; for polygons the unit normal by Newell's method */
 };
+
+/* The coordinates (u, v) that a mesh gives each of a polygon's corners, for patterns; they lie
+ * behind the vertices. */
+static inline const double *orl_surface_places(const struct orl_surface *surface)
+{
+    return surface->has_places ? (const double *)(surface->vertices + surface->n_vertices) : NULL;
+}
 
 /* A "source" primitive: light from infinitely far away, within angle/2 of dir. */
 struct orl_distant {

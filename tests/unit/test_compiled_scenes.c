@@ -14,6 +14,7 @@
 
 #include <oriel/files.h>
 
+#include "scene/material/pattern.h"
 #include "scene/parse/parse.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -130,25 +131,33 @@ static void put_corner(struct bytes *b, double x, double y, double z)
     put_place(b, z);
 }
 
+enum { POINTS = 1, NORMALS = 2, PLACES = 4 };
+
 /* A square of two triangles, the first in a patch of three corners; of the second, two corners are
  * in that patch and one in another. */
-static void make_mesh(struct bytes *b, bool smooth)
+static void make_mesh(struct bytes *b, int flags)
 {
     put_header(b, "Radiance_tmesh", 319);
-    for (int i = 0; i < 4; i++)
-        put_number(b, 0);
+    for (int i = 0; i < 2; i++) { /* limits of (u, v) */
+        put_number(b, -1);
+        put_number(b, 3);
+    }
     put_int(b, 0, 1);
     put_types(b);
     put_primitive(b, -1, PLASTIC, "paint", gray, 5);
     put_int(b, -1, 1);
     put_int(b, 2, 4);
-    put_int(b, smooth ? 3 : 1, 1);
+    put_int(b, POINTS | flags, 1);
     put_int(b, 3, 2);
     put_corner(b, 0, 0, 1);
     put_corner(b, 1, 0, 1);
     put_corner(b, 1, 1, 1);
-    for (int i = 0; i < 3 && smooth; i++)
+    for (int i = 0; i < 3 && (flags & NORMALS); i++)
         put_int(b, 77, 4);
+    for (int i = 0; i < 3 && (flags & PLACES); i++) { /* u is x, v is 2 y */
+        put_int(b, (int64_t)((1 + (i > 0)) / 4.0 * 4294967296.0), 4);
+        put_int(b, (int64_t)((1 + 2 * (i == 2)) / 4.0 * 4294967296.0), 4);
+    }
     put_int(b, 1, 2);
     for (int i = 0; i < 3; i++)
         put_int(b, i, 1);
@@ -284,7 +293,7 @@ static void test_mesh(void **state)
 {
     struct bytes b = {.size = 0};
     (void)state;
-    make_mesh(&b, false);
+    make_mesh(&b, 0);
     struct orl_description d = parse_well("void mesh m 5 b.bin -t 0 0 1 0 0\n", &b, "");
     assert_int_equal(d.n_surfaces, 2);
     assert_int_equal(d.n_warnings, 0);
@@ -308,11 +317,41 @@ static void test_smooth_mesh(void **state)
 {
     struct bytes b = {.size = 0};
     (void)state;
-    make_mesh(&b, true);
+    make_mesh(&b, NORMALS);
     struct orl_description d = parse_well("void mesh m 1 b.bin 0 0\n", &b, "");
     assert_int_equal(d.n_surfaces, 2);
     assert_int_equal(d.n_warnings, 1);
     assert_non_null(strstr(d.warnings[0], "flat"));
+    orl_description_done(&d);
+}
+
+/* Of the two triangles the second has a corner without a place. */
+static void test_places(void **state)
+{
+    struct bytes b = {.size = 0};
+    (void)state;
+    make_mesh(&b, PLACES);
+    struct orl_description d = parse_well("void brightfunc f 2 Lu+10*Lv . 0 0\n"
+                                          "f plastic p 0 0 5 .01 .01 .01 0 0\n"
+                                          "p mesh m 2 b.bin -mz 0 0\n"
+                                          "p sphere s 0 0 4 9 9 9 1\n",
+                                          &b, "");
+    const double *const places = orl_surface_places(&d.surfaces[0]);
+    assert_non_null(places);
+    assert_null(orl_surface_places(&d.surfaces[1]));
+    struct orl_geometry *g = NULL;
+    struct orl_error err;
+    assert_int_equal(orl_geometry_new(&d, &g, &err), 0);
+    assert_int_equal(orl_patterns_settle(&d, g, &err), 0);
+    static const double x[3][2] = {{.5, .25}, {.9, .1}, {.25, .75}};
+    for (int i = 0; i < 3; i++) {
+        struct orl_hit hit;
+        const struct orl_vec3 from = orl_sub(orl_v3(x[i][0], x[i][1], 3), g->center);
+        assert_true(orl_geometry_intersect(g, from, orl_v3(0, 0, -1), 10, &hit));
+        const struct orl_rgb factor = orl_pattern_at(material_of(&d, 0)->pattern, &hit);
+        assert_true(fabs(factor.r - (i < 2 ? x[i][0] + 20 * x[i][1] : 0)) < 1e-6);
+    }
+    orl_geometry_free(g);
     orl_description_done(&d);
 }
 
@@ -330,7 +369,7 @@ static void test_damaged(void **state)
         if (make[kind])
             make[kind](&b);
         else
-            make_mesh(&b, true);
+            make_mesh(&b, NORMALS | PLACES);
         for (size_t cut = 1; cut < b.size; cut++) {
             if (parse(scenes[kind], &b, cut, "", &d, &err) != ORL_ERR_SYNTAX)
                 fail_msg("kind %d, cut at %zu of %zu: %s", kind, cut, b.size, err.message);
@@ -354,6 +393,7 @@ int main(void)
         cmocka_unit_test(test_frozen),      cmocka_unit_test(test_names_inside),
         cmocka_unit_test(test_named_files), cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_smooth_mesh), cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,6 +55,24 @@ static void look_up(const struct orl_pattern *pattern, const double *place, doub
     }
 }
 
+/* What a mesh says of the place; nothing else does, and has 0 there. */
+static void find_place(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                       double ret_place[2])
+{
+    const struct orl_surface *s = &pattern->surfaces[pattern->facets[hit->facet].surface];
+    const double *const at = orl_surface_places(s);
+    ret_place[0] = ret_place[1] = 0;
+    if (!at)
+        return;
+    const struct orl_vec3 ab = orl_sub(s->vertices[1], s->vertices[0]);
+    const struct orl_vec3 ac = orl_sub(s->vertices[2], s->vertices[0]), n = orl_cross(ab, ac);
+    const struct orl_vec3 ap = orl_sub(orl_add(hit->point, pattern->center), s->vertices[0]);
+    const double n2 = orl_dot(n, n), b = orl_dot(orl_cross(ap, ac), n) / n2;
+    const double c = orl_dot(orl_cross(ab, ap), n) / n2;
+    for (int k = 0; k < 2; k++)
+        ret_place[k] = (1 - b - c) * at[k] + b * at[2 + k] + c * at[4 + k];
+}
+
 /* Its own factor, without those under it. */
 static enum worth own_factor(const struct orl_pattern *pattern, const struct orl_hit *hit,
                              struct orl_vec3 towards, struct orl_rgb *ret_factor)
@@ -66,6 +84,8 @@ static enum worth own_factor(const struct orl_pattern *pattern, const struct orl
     take(inputs, ORL_RAY_NX, orl_scale(turned(pattern, facing), pattern->scale));
     take(inputs, ORL_RAY_DX, orl_scale(turned(pattern, towards), -pattern->scale));
     inputs[ORL_RAY_RDOT] = orl_dot(towards, facing);
+    if (pattern->meshed)
+        find_place(pattern, hit, inputs + ORL_RAY_LU);
     *ret_factor = orl_gray(1);
     enum worth worth = run(pattern->function, inputs, values);
     if (worth == HAS_VALUE && pattern->values) {
@@ -308,6 +328,8 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
         for (size_t k = 0; k < spread.n; k++)
             spread.area += geometry->facets[spread.facets[k]].area;
         pattern->center = geometry->center;
+        pattern->facets = geometry->facets;
+        pattern->surfaces = description->surfaces;
         pattern->mean = pattern->most = orl_gray(1);
         size_t without = 0;
         if (spread.area > 0)

@@ -38,11 +38,14 @@ struct orl_pattern {
     bool three;                      /* factors: one for each channel */
     bool coloured;                   /* the same of it and all under it */
     bool directed;                   /* it, or one under it, asks for the ray's direction */
+    bool meshed;                     /* it asks for a mesh's coordinates (Lu Lv) */
     uint32_t index;                  /* in the description */
     struct orl_vec3 row[3];          /* from the files' coordinates to the function's */
     struct orl_vec3 offset;
-    double scale;           /* lengths of the function's in units of the files' */
-    struct orl_vec3 center; /* the geometry's */
+    double scale;                   /* lengths of the function's in units of the files' */
+    struct orl_vec3 center;         /* the geometry's */
+    const struct orl_facet *facets; /* the geometry's, and the surfaces that they are of */
+    const struct orl_surface *surfaces;
     struct orl_rgb mean, most;
 };
 

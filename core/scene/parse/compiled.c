@@ -98,9 +98,12 @@ static int add_triangle(struct inside *inside, const struct orl_patches *patches
 {
     const struct orl_patch_triangle *triangle = &patches->triangles[number];
     struct orl_vec3 v[3];
+    double places[6];
+    bool placed;
     const size_t material = (size_t)triangle->material;
     const bool bare = triangle->material < 0;
-    if (!orl_patches_corners(patches, triangle, v) || (!bare && material >= inside->names.count))
+    if (!orl_patches_corners(patches, triangle, v, places, &placed) ||
+        (!bare && material >= inside->names.count))
         return orl_binary_fail(&inside->binary, "one of its triangles is damaged", err);
     const char *const head[3] = {bare ? "void" : inside->names.at[material], "polygon", inside->id};
     const double reals[9] = {v[0].x, v[0].y, v[0].z, v[1].x, v[1].y,
@@ -108,30 +111,18 @@ static int add_triangle(struct inside *inside, const struct orl_patches *patches
     if (!orl_primitive_set(&inside->parser->primitive, head, reals, 9))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     inside->parser->primitive.line = (int)number + 1;
-    return orl_parser_surface(inside->parser, &inside->scope, err);
-}
-
-/* Patterns may go by the places that the mesh gives its corners. */
-static bool has_patterns(const struct inside *inside, size_t first_surface)
-{
-    const struct orl_description *out = inside->parser->out;
-    for (size_t i = first_surface; i < out->n_surfaces; i++)
-        if (out->materials[out->surfaces[i].material].pattern)
-            return true;
-    return false;
+    inside->parser->places = placed ? places : NULL;
+    const int code = orl_parser_surface(inside->parser, &inside->scope, err);
+    inside->parser->places = NULL;
+    return code;
 }
 
 static int add_triangles(struct inside *inside, const struct orl_patches *patches,
                          struct orl_error *err)
 {
-    const size_t first_surface = inside->parser->out->n_surfaces;
     int code = 0;
     for (size_t i = 0; i < patches->n_triangles && code == 0; i++)
         code = add_triangle(inside, patches, i, err);
-    if (code == 0 && patches->has_places && has_patterns(inside, first_surface))
-        code = orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "the mesh has patterns, and coordinates for them (u, v), which are "
-                             "not simulated");
     if (code == 0 && patches->has_normals)
         orl_parser_warn(inside->parser,
                         "%.200s: the triangles of mesh %.60s are flat here: the normals of their "
@@ -142,20 +133,23 @@ static int add_triangles(struct inside *inside, const struct orl_patches *patche
 
 static int read_mesh(struct inside *inside, const struct orl_file *file, struct orl_error *err)
 {
-    enum { PLACE_LIMITS = 4 };
+    struct orl_patch_frame frame;
     struct orl_patches patches = {.n_patches = 0};
     double cube[4];
     int code = open_file(inside, file, "Radiance_tmesh", MESH_MAGIC, cube, err);
     if (code < 0)
         return code;
-    for (int i = 0; i < PLACE_LIMITS; i++)
-        orl_binary_number(&inside->binary);
+    frame.corner = orl_v3(cube[0], cube[1], cube[2]);
+    frame.size = cube[3];
+    for (int k = 0; k < 2; k++) {
+        frame.low[k] = orl_binary_number(&inside->binary);
+        frame.high[k] = orl_binary_number(&inside->binary);
+    }
     code = orl_binary_skip_octree(&inside->binary, inside->bytes, err);
     if (code == 0)
         code = read_primitives(inside, err);
     if (code == 0)
-        code = orl_patches_read(&inside->binary, orl_v3(cube[0], cube[1], cube[2]), cube[3],
-                                &patches, err);
+        code = orl_patches_read(&inside->binary, &frame, &patches, err);
     if (code == 0)
         code = add_triangles(inside, &patches, err);
     orl_patches_done(&patches);

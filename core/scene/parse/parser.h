@@ -33,7 +33,8 @@ struct orl_parser {
     size_t text_bytes;               /* read so far, repeats included */
     size_t name_bytes;               /* of surfaces, kept so far */
     uint64_t vertices;               /* kept so far */
-    int32_t void_material;           /* index, or -1 */
+    const double *places;  /* of a mesh's triangle at hand: (u, v) of its corners; or NULL */
+    int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;
     struct orl_deferred deferred;
     bool cut_short; /* what was refused could not be read past */

@@ -1,5 +1,6 @@
 #include "scene/parse/patches.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,33 +12,58 @@
 enum { HAS_POINTS = 1, HAS_NORMALS = 2, HAS_PLACES = 4, ALL_FLAGS = 7 };
 enum { VERTICES_MAX = 256, LOCAL_MAX = 512, JOINERS_MAX = 256, PATCH_BYTES_MIN = 14 };
 
-/* A place among 2^32 along an edge of the cube; the middle of its cell is meant. */
-static double place(struct orl_binary *binary, double corner, double size)
+/* One of 2^32 cells from low on; its middle is meant. */
+static double cell(int64_t number, double low, double size)
 {
-    const uint32_t cell = (uint32_t)orl_binary_int(binary, 4);
-    return corner + (cell + 0.5) * (1.0 / 4294967296.0) * size;
+    return low + ((uint32_t)number + 0.5) * (1.0 / 4294967296.0) * size;
 }
 
-static int read_vertices(struct orl_binary *binary, struct orl_vec3 corner, double size,
+static struct orl_vec3 read_vertex(struct orl_binary *binary, const struct orl_patch_frame *frame)
+{
+    struct orl_vec3 v;
+    v.x = cell(orl_binary_int(binary, 4), frame->corner.x, frame->size);
+    v.y = cell(orl_binary_int(binary, 4), frame->corner.y, frame->size);
+    v.z = cell(orl_binary_int(binary, 4), frame->corner.z, frame->size);
+    return v;
+}
+
+static int add_vertex(struct orl_patches *patches, struct orl_vec3 v, struct orl_error *err)
+{
+    if (!orl_grow(&patches->vertices, &patches->vertices_room, patches->n_vertices,
+                  sizeof *patches->vertices) ||
+        !orl_grow(&patches->places, &patches->places_room, patches->n_vertices,
+                  sizeof *patches->places))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    patches->places[patches->n_vertices][0] = patches->places[patches->n_vertices][1] = NAN;
+    patches->vertices[patches->n_vertices++] = v;
+    return 0;
+}
+
+/* A first number of 0 stands for none. */
+static void read_place(struct orl_binary *binary, const struct orl_patch_frame *frame,
+                       double ret_place[2])
+{
+    const int64_t number[2] = {orl_binary_int(binary, 4), orl_binary_int(binary, 4)};
+    for (int k = 0; k < 2 && number[0] != 0; k++)
+        ret_place[k] = cell(number[k], frame->low[k], frame->high[k] - frame->low[k]);
+}
+
+static int read_vertices(struct orl_binary *binary, const struct orl_patch_frame *frame,
                          struct orl_patches *patches, struct orl_error *err)
 {
     const int64_t flags = orl_binary_int(binary, 1), count = orl_binary_int(binary, 2);
+    const size_t first = patches->n_vertices;
+    int code = 0;
     if (!(flags & HAS_POINTS) || (flags & ~(int64_t)ALL_FLAGS) || count < 1 || count > VERTICES_MAX)
         return orl_binary_fail(binary, "one of its patches is damaged", err);
-    for (int64_t i = 0; i < count; i++) {
-        struct orl_vec3 v;
-        v.x = place(binary, corner.x, size);
-        v.y = place(binary, corner.y, size);
-        v.z = place(binary, corner.z, size);
-        if (!orl_grow(&patches->vertices, &patches->vertices_room, patches->n_vertices,
-                      sizeof *patches->vertices))
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        patches->vertices[patches->n_vertices++] = v;
-    }
+    for (int64_t i = 0; i < count && code == 0; i++)
+        code = add_vertex(patches, read_vertex(binary, frame), err);
+    if (code < 0)
+        return code;
     patches->has_normals |= (flags & HAS_NORMALS) != 0;
-    patches->has_places |= (flags & HAS_PLACES) != 0;
     orl_binary_skip(binary, (uint64_t)count * (flags & HAS_NORMALS ? 4 : 0));
-    orl_binary_skip(binary, (uint64_t)count * (flags & HAS_PLACES ? 8 : 0));
+    for (size_t i = first; i < patches->n_vertices && (flags & HAS_PLACES); i++)
+        read_place(binary, frame, patches->places[i]);
     return 0;
 }
 
@@ -105,7 +131,7 @@ static int read_joiners(struct orl_binary *binary, uint32_t patch, int others,
     return code;
 }
 
-int orl_patches_read(struct orl_binary *binary, struct orl_vec3 corner, double size,
+int orl_patches_read(struct orl_binary *binary, const struct orl_patch_frame *frame,
                      struct orl_patches *ret, struct orl_error *err)
 {
     const int64_t count = orl_binary_int(binary, 4);
@@ -118,7 +144,7 @@ int orl_patches_read(struct orl_binary *binary, struct orl_vec3 corner, double s
     if (!ret->first)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (int64_t i = 0; i < count && code == 0; i++) {
-        code = read_vertices(binary, corner, size, ret, err);
+        code = read_vertices(binary, frame, ret, err);
         ret->first[++ret->n_patches] = ret->n_vertices;
         if (code == 0)
             code = read_local_triangles(binary, (uint32_t)i, ret, err);
@@ -131,13 +157,17 @@ int orl_patches_read(struct orl_binary *binary, struct orl_vec3 corner, double s
 }
 
 bool orl_patches_corners(const struct orl_patches *patches, const struct orl_patch_triangle *t,
-                         struct orl_vec3 ret_corners[3])
+                         struct orl_vec3 ret_corners[3], double ret_places[6], bool *ret_placed)
 {
+    *ret_placed = true;
     for (int k = 0; k < 3; k++) {
         const size_t patch = t->corner[k] >> 8, at = t->corner[k] & 0xff;
         if (patch >= patches->n_patches || at >= patches->first[patch + 1] - patches->first[patch])
             return false;
+        const double *const place = patches->places[patches->first[patch] + at];
         ret_corners[k] = patches->vertices[patches->first[patch] + at];
+        memcpy(ret_places + 2 * k, place, 2 * sizeof *place);
+        *ret_placed = *ret_placed && isfinite(place[0]) && isfinite(place[1]);
     }
     return true;
 }
@@ -145,6 +175,7 @@ bool orl_patches_corners(const struct orl_patches *patches, const struct orl_pat
 void orl_patches_done(struct orl_patches *patches)
 {
     free(patches->vertices);
+    free(patches->places);
     free(patches->first);
     free(patches->triangles);
     memset(patches, 0, sizeof *patches);

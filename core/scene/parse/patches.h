@@ -17,20 +17,29 @@ struct orl_patch_triangle {
 struct orl_patches {
     struct orl_vec3 *vertices; /* in the mesh's own coordinates */
     size_t n_vertices, vertices_room;
+    double (*places)[2]; /* (u, v) of each vertex; not numbers where it has none */
+    size_t places_room;
     size_t *first; /* vertex of each patch, and one behind the last */
     size_t n_patches;
     struct orl_patch_triangle *triangles;
     size_t n_triangles, triangles_room;
-    bool has_normals, has_places; /* of vertices; the latter are (u, v) */
+    bool has_normals; /* of vertices; they are passed over */
 };
 
-/* corner: of the cube that holds all; ORL_ERR_SYNTAX, _LIMIT or _NOMEM. Whatever it returns, the
- * caller passes ret to orl_patches_done. */
-int orl_patches_read(struct orl_binary *binary, struct orl_vec3 corner, double size,
+/* What the numbers in patches are shares of: the cube that holds all, and the limits of (u, v). */
+struct orl_patch_frame {
+    struct orl_vec3 corner;
+    double size;
+    double low[2], high[2];
+};
+
+/* ORL_ERR_SYNTAX, _LIMIT or _NOMEM. Whatever it returns, the caller passes ret to orl_patches_done.
+ */
+int orl_patches_read(struct orl_binary *binary, const struct orl_patch_frame *frame,
                      struct orl_patches *ret, struct orl_error *err);
-/* False where a corner names no vertex. */
+/* False where a corner names no vertex. ret_placed: all have places. */
 bool orl_patches_corners(const struct orl_patches *patches, const struct orl_patch_triangle *t,
-                         struct orl_vec3 ret_corners[3]);
+                         struct orl_vec3 ret_corners[3], double ret_places[6], bool *ret_placed);
 void orl_patches_done(struct orl_patches *patches);
 
 #endif

@@ -85,16 +85,19 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
     const uint64_t inputs = orl_function_inputs(function);
     for (int i = 0; i < ORL_RAY_INPUTS; i++) {
         const bool directed = i == ORL_RAY_RDOT || (i >= ORL_RAY_DX && i <= ORL_RAY_DZ);
-        const bool placed = i >= ORL_RAY_NX && i <= ORL_RAY_PZ;
+        const bool meshed = i == ORL_RAY_LU || i == ORL_RAY_LV;
+        const bool placed = meshed || (i >= ORL_RAY_NX && i <= ORL_RAY_PZ);
         const bool data = i >= ORL_RAY_DATA && i <= ORL_RAY_DATA_3 && function == pattern->values;
+        if (inputs >> i & 1)
+            pattern->meshed = pattern->meshed || meshed;
         if (!(inputs >> i & 1) || placed || data)
             continue;
         pattern->directed = pattern->directed || directed;
         if (directed)
             continue;
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function asks for %s: patterns of the place (Px Py Pz) and the normal "
-                        "(Nx Ny Nz), and of what shines the direction, are simulated",
+                        "its function asks for %s: patterns of the place (Px Py Pz, Lu Lv) and the "
+                        "normal (Nx Ny Nz), and of what shines the direction, are simulated",
                         orl_function_ray_names[i]);
         orl_error_hint(err, "leave what depends on the ray's length and the like out of it");
         return ORL_ERR_UNSUPPORTED;

@@ -148,14 +148,20 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
         orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
         return ORL_ERR_LIMIT;
     }
-    surface->vertices = orl_arena_take(parser->out->arena, n * sizeof *surface->vertices);
+    const size_t place_bytes = parser->places ? 2 * sizeof *parser->places : 0;
+    surface->vertices =
+        orl_arena_take(parser->out->arena, n * (sizeof *surface->vertices + place_bytes));
     if (!surface->vertices)
         return out_of_memory(parser, scope, err);
     surface->n_vertices = (uint32_t)n;
+    surface->has_places = parser->places != NULL;
+    double *const places = (double *)(surface->vertices + n);
     for (size_t i = 0; i < n; i++) {
-        const struct orl_vec3 p =
-            orl_xform_point(&scope->xform, real3(parser, 3 * (backwards ? n - 1 - i : i)));
+        const size_t from = backwards ? n - 1 - i : i;
+        const struct orl_vec3 p = orl_xform_point(&scope->xform, real3(parser, 3 * from));
         surface->vertices[i] = p;
+        if (parser->places)
+            memcpy(places + 2 * i, parser->places + 2 * from, place_bytes);
         if (!in_reach(p))
             return too_far(parser, scope, err);
     }
