@@ -180,7 +180,8 @@ static double square_to(const struct line *l, double x, double y)
 {
     const double dx = l->b.x - l->a.x, dy = l->b.y - l->a.y, px = x - l->a.x, py = y - l->a.y;
     const double length2 = dx * dx + dy * dy;
-    const double share = length2 > 0 ? fmin(fmax((px * dx + py * dy) / length2, 0), 1) : 0;
+    const double along = length2 > 0 ? (px * dx + py * dy) / length2 : 0;
+    const double share = !(along > 0) ? 0 : along < 1 ? along : 1;
     const double ox = px - share * dx, oy = py - share * dy;
     return ox * ox + oy * oy;
 }
@@ -202,30 +203,83 @@ static uint32_t last_of(double high, uint32_t size)
     return !(high > 0) ? 0 : high >= size ? size : (uint32_t)ceil(high);
 }
 
+/* Of a row of pixels the lines that reach it, and how far along it. */
+struct inked_row {
+    double y; /* of the pixels' middles */
+    size_t count;
+    const struct line *lines[MOST_LINES];
+    double from[MOST_LINES], to[MOST_LINES];
+};
+
+/* Whether line l comes within reach of the row, and where along it at the most. */
+static bool reaches(const struct line *l, double y, double reach, double *ret_from, double *ret_to)
+{
+    const bool rising = l->b.y >= l->a.y;
+    const struct point low = rising ? l->a : l->b, high = rising ? l->b : l->a;
+    if (low.y > y + reach || high.y < y - reach)
+        return false;
+    const double height = high.y - low.y, slope = height > 0 ? (high.x - low.x) / height : 0;
+    /* Its ends, or where it leaves the band about the row; rounded outwards. */
+    const double x0 = low.y < y - reach ? low.x + (y - reach - low.y) * slope : low.x;
+    const double x1 = high.y > y + reach ? low.x + (y + reach - low.y) * slope : high.x;
+    *ret_from = (x0 < x1 ? x0 : x1) - reach - 0.01;
+    *ret_to = (x0 < x1 ? x1 : x0) + reach + 0.01;
+    return true;
+}
+
+static void find_row(const struct inking *k, double y, double reach, struct inked_row *row)
+{
+    row->y = y;
+    row->count = 0;
+    for (size_t i = 0; i < k->count; i++)
+        if (reaches(&k->lines[i], y, reach, &row->from[row->count], &row->to[row->count]))
+            row->lines[row->count++] = &k->lines[i];
+}
+
+static double least_square(const struct inked_row *row, double x)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < row->count; i++) {
+        if (x < row->from[i] || x > row->to[i])
+            continue;
+        const double square = square_to(row->lines[i], x, row->y);
+        least = square < least ? square : least;
+    }
+    return least;
+}
+
+static void ink_row(const struct inking *k, const struct inked_row *row, uint32_t y, double reach)
+{
+    const struct orl_raster *raster = k->raster;
+    double from = INFINITY, to = -INFINITY;
+    for (size_t i = 0; i < row->count; i++) {
+        from = row->from[i] < from ? row->from[i] : from;
+        to = row->to[i] > to ? row->to[i] : to;
+    }
+    const uint32_t x1 = last_of(to, raster->width);
+    for (uint32_t x = first_of(from, raster->width); x < x1; x++) {
+        const double share = reach - sqrt(least_square(row, x + 0.5));
+        if (share > 0)
+            blend(raster->rgb + 3 * ((size_t)y * raster->width + x), k->rgb, share < 1 ? share : 1);
+    }
+}
+
 static void ink(const struct inking *k)
 {
     const struct orl_raster *raster = k->raster;
     const double reach = k->half + 0.5;
-    struct point low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
+    struct inked_row row;
+    double low = INFINITY, high = -INFINITY;
     for (size_t i = 0; i < k->count; i++) {
-        const struct line *l = &k->lines[i];
-        low = (struct point){fmin(low.x, fmin(l->a.x, l->b.x)), fmin(low.y, fmin(l->a.y, l->b.y))};
-        high =
-            (struct point){fmax(high.x, fmax(l->a.x, l->b.x)), fmax(high.y, fmax(l->a.y, l->b.y))};
+        low = fmin(low, fmin(k->lines[i].a.y, k->lines[i].b.y));
+        high = fmax(high, fmax(k->lines[i].a.y, k->lines[i].b.y));
     }
-    const uint32_t x0 = first_of(low.x - reach, raster->width);
-    const uint32_t x1 = last_of(high.x + reach, raster->width);
-    const uint32_t y0 = first_of(low.y - reach, raster->height);
-    const uint32_t y1 = last_of(high.y + reach, raster->height);
-    for (uint32_t y = y0; y < y1; y++)
-        for (uint32_t x = x0; x < x1; x++) {
-            double least = INFINITY;
-            for (size_t i = 0; i < k->count; i++)
-                least = fmin(least, square_to(&k->lines[i], x + 0.5, y + 0.5));
-            const double share = fmin(reach - sqrt(least), 1);
-            if (share > 0)
-                blend(raster->rgb + 3 * ((size_t)y * raster->width + x), k->rgb, share);
-        }
+    const uint32_t y1 = last_of(high + reach, raster->height);
+    for (uint32_t y = first_of(low - reach, raster->height); y < y1; y++) {
+        find_row(k, y + 0.5, reach, &row);
+        if (row.count > 0)
+            ink_row(k, &row, y, reach);
+    }
 }
 
 static void add_line(void *ctx, bool begins, struct point p)
