@@ -16,6 +16,7 @@
 #include "files.h"
 #include "honeybee/hbjson.h"
 #include "honeybee/project.h"
+#include "rif.h"
 
 enum { PATH_SIZE = 4096, MOST_NAMES = 100000, DEPTH = 16, VIEW_SIDE = 800 };
 
@@ -35,7 +36,7 @@ static bool ends_with(const char *path, const char *ending)
 
 bool orl_project_is_one(const char *path)
 {
-    return is_folder(path) || ends_with(path, ".hbjson");
+    return is_folder(path) || ends_with(path, ".hbjson") || ends_with(path, ".rif");
 }
 
 /* ---- Names below a folder -------------------------------------------------------------------- */
@@ -248,6 +249,44 @@ static int lay_out_folder(const char *path, const char *place, struct names *nam
     return rc ? rc : list_names(path, "model/", 0, names, err);
 }
 
+/* Commands in a file of rad become scene files. */
+static int write_commands(const struct orl_project_place *place, struct orl_error *err)
+{
+    const json_t *command;
+    size_t i;
+    int rc = 0;
+
+    json_array_foreach(json_object_get(place->project, "commands"), i, command)
+    {
+        const struct orl_text_file file = {
+            (char *)(uintptr_t)json_string_value(json_object_get(command, "name")),
+            (char *)(uintptr_t)json_string_value(json_object_get(command, "text")),
+            json_string_length(json_object_get(command, "text"))};
+
+        rc = rc ? rc : write_file(place->folder, &file, err);
+    }
+    return rc;
+}
+
+/* Its names are relative to the folder that it lies in. */
+static int lay_out_rif(const char *path, struct orl_project_place *place, struct orl_error *err)
+{
+    const struct orl_files here = orl_files_from_folder(".");
+    const char *slash = strrchr(path, '/');
+    char folder[PATH_SIZE];
+    struct orl_file text;
+    int rc = here.open(here.ctx, path, &text, err);
+
+    if (rc)
+        return rc;
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
+    rc = link_entries(place->folder, slash == path ? "/" : folder, err);
+    if (rc == 0)
+        rc = orl_rif_read(path, text.data, text.size, &place->project, err);
+    here.close(here.ctx, &text);
+    return rc ? rc : write_commands(place, err);
+}
+
 static int find_project(const char *path, const json_t *scene, const struct names *names,
                         struct orl_project_place *place, struct orl_error *err)
 {
@@ -277,10 +316,12 @@ int orl_project_open(const json_t *scene, const char *path, const char *beside,
 
     if (rc == 0 && beside)
         rc = link_entries(place.folder, beside, err);
-    if (rc == 0)
+    if (rc == 0 && ends_with(path, ".rif"))
+        rc = lay_out_rif(path, &place, err);
+    else if (rc == 0)
         rc = is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
                              : translate(path, place.folder, &names, err);
-    if (rc == 0)
+    if (rc == 0 && !place.project)
         rc = find_project(path, scene, &names, &place, err);
     names_done(&names);
     if (rc) {
@@ -299,8 +340,8 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
     int rc = 0;
 
     snprintf(place.folder, sizeof place.folder, "%s", into);
-    if (is_folder(path)) {
-        rc = orl_error_set(err, ORL_ERR_INVALID, "is a folder of files already");
+    if (is_folder(path) || ends_with(path, ".rif")) {
+        rc = orl_error_set(err, ORL_ERR_INVALID, "is no model to be written: its files are there");
         orl_error_at(err, path, 0, NULL);
     }
     if (rc == 0)
@@ -336,6 +377,11 @@ static json_t *views_of(const json_t *project)
 
     json_array_foreach(json_object_get(project, "views"), i, view)
     {
+        if (json_object_get(view, "width")) { /* it has its size */
+            json_array_append(views, view);
+            json_object_set_new(view, "pixel_aspect", json_integer(1));
+            continue;
+        }
         json_array_append_new(views, json_pack("{s:O, s:O, s:i, s:i, s:i}", "name",
                                                json_object_get(view, "name"), "file",
                                                json_object_get(view, "file"), "width", VIEW_SIDE,

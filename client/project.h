@@ -1,6 +1,6 @@
 /*
- * Projects: a Honeybee model (.hbjson), or a folder as Honeybee exports one, in place of a scene's
- * list of files. A document says
+ * Projects: a Honeybee model (.hbjson), a folder as Honeybee exports one, or a file of rad (.rif),
+ * in place of a scene's list of files. A document says
  *
  *     "scene": {"project": PATH, "states": {"GROUP": "STATE"}, "sky": NAME, "files": [...]}
  *
@@ -17,7 +17,7 @@
 
 #include <oriel/error.h>
 
-/* A folder or a model, rather than a document of ours. */
+/* A folder, a model or a file of rad, rather than a document of ours. */
 bool orl_project_is_one(const char *path);
 
 /* A project laid out in a folder of its own. */

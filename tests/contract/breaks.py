@@ -69,6 +69,8 @@ def jobs(lit, dark):
     yield {"scene": lit, "accuracy": {"deadline_s": 0.01}, "sensors": SENSORS}
     yield {"scene": dark, "sky": sky[8], "technique": "backward", "pixel_samples": 1, "views": [
         {"name": "f", "file": "v.vf", "entry": 1, "width": 16, "height": 12}]}
+    yield {"scene": lit, "technique": "backward", "gather_samples": 8, "grids": [
+        {"name": "a/b", "sensors": SENSORS}, {"name": "c", "sensors": SENSORS}]}
     for one in sky:
         yield {"scene": dark, "sky": one, "sensors": {"file": "s.txt"}}
     for one in several:

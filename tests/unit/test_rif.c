@@ -1,0 +1,83 @@
+/* Files of Radiance's rad as projects. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "rif.h"
+
+static void assert_member(const json_t *project, const char *member, const char *wanted)
+{
+    char *text = json_dumps(json_object_get(project, member), JSON_COMPACT);
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
+static void test_materials_come_first(void **state)
+{
+    (void)state;
+    static const char text[] = "# a room\nOCTREE = room.oct\nscene= walls.rad \\\n furniture.rad\n"
+                               "mat= a.mat\nill= panes.rad # windows\nscene = sky.rad\r\n"
+                               "objects= chair.rad\nRES= 400 300\nview= def -vf inside.vf\n"
+                               "view= -vtv -vp 1 2 3 -vd 0 1 0\nview= Xvr\nQUAL= Med\n";
+    json_t *project = NULL;
+    struct orl_error err = {0};
+    assert_int_equal(orl_rif_read("room.rif", text, sizeof text - 1, &project, &err), 0);
+    assert_member(project, "files",
+                  "[\"a.mat\",\"panes.rad\",\"walls.rad\",\"furniture.rad\",\"sky.rad\"]");
+    assert_member(project, "views",
+                  "[{\"name\":\"def\",\"file\":\"inside.vf\",\"width\":400,\"height\":300},"
+                  "{\"name\":\"view2\",\"view\":\"-vtv -vp 1 2 3 -vd 0 1 0\",\"width\":400,"
+                  "\"height\":300}]");
+    assert_int_equal(json_array_size(json_object_get(project, "left_out")), 2);
+    json_decref(project);
+}
+
+static void test_commands_become_files(void **state)
+{
+    (void)state;
+    static const char text[] = "scene= a.rad \"!xform -t 1 2 3 b.rad\" 'c.rad'\n";
+    json_t *project = NULL;
+    struct orl_error err = {0};
+    assert_int_equal(orl_rif_read("room.rif", text, sizeof text - 1, &project, &err), 0);
+    assert_member(project, "files", "[\"a.rad\",\"+command-1.rad\",\"c.rad\"]");
+    assert_member(project, "commands",
+                  "[{\"name\":\"+command-1.rad\",\"text\":\"!xform -t 1 2 3 b.rad\\n\"}]");
+    json_decref(project);
+}
+
+static void assert_refused(const char *text, int line, const char *why)
+{
+    json_t *project = NULL;
+    struct orl_error err = {0};
+    assert_true(orl_rif_read("room.rif", text, strlen(text), &project, &err) < 0);
+    assert_null(project);
+    if (!strstr(err.message, why))
+        fail_msg("\"%s\" is not in: %s", why, err.message);
+    assert_int_equal(err.line, line);
+}
+
+static void test_what_makes_no_scene_is_refused(void **state)
+{
+    (void)state;
+    assert_refused("mat= a.mat\nscene= \"!genbox a b 1 1 1\n", 2, "a quote is open");
+    assert_refused("scene= a.oct\n", 1, "an octree");
+    assert_refused("scene= a.rad \\\n b.rad\nwhat\n", 3, "assigns nothing");
+    assert_refused("= a\n", 1, "a name is missing");
+    assert_refused("RES= wide\n", 1, "no resolution");
+    assert_refused("mat= a.mat\n", 1, "no scene files");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_materials_come_first),
+        cmocka_unit_test(test_commands_become_files),
+        cmocka_unit_test(test_what_makes_no_scene_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
