@@ -1,14 +1,11 @@
 #include "project.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <oriel/files.h>
 
@@ -16,16 +13,10 @@
 #include "files.h"
 #include "honeybee/hbjson.h"
 #include "honeybee/project.h"
+#include "place.h"
 #include "rif.h"
 
-enum { PATH_SIZE = 4096, MOST_NAMES = 100000, DEPTH = 16, VIEW_SIDE = 800 };
-
-static bool is_folder(const char *path)
-{
-    struct stat info;
-
-    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-}
+enum { PATH_SIZE = 4096, VIEW_SIDE = 800 };
 
 static bool ends_with(const char *path, const char *ending)
 {
@@ -36,148 +27,7 @@ static bool ends_with(const char *path, const char *ending)
 
 bool orl_project_is_one(const char *path)
 {
-    return is_folder(path) || ends_with(path, ".hbjson") || ends_with(path, ".rif");
-}
-
-/* ---- Names below a folder -------------------------------------------------------------------- */
-
-struct names {
-    char **items; /* owned */
-    size_t count, room;
-};
-
-static void names_done(struct names *names)
-{
-    for (size_t i = 0; i < names->count; i++)
-        free(names->items[i]);
-    free(names->items);
-}
-
-static int add_name(struct names *names, const char *name, struct orl_error *err)
-{
-    if (names->count == MOST_NAMES)
-        return orl_error_set(err, ORL_ERR_LIMIT, "the project has more than %d files", MOST_NAMES);
-    if (names->count == names->room) {
-        const size_t room = names->room > 0 ? 2 * names->room : 64;
-        char **grown = realloc(names->items, room * sizeof *grown);
-
-        if (!grown)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        names->items = grown;
-        names->room = room;
-    }
-    names->items[names->count] = strdup(name);
-    if (!names->items[names->count])
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    names->count++;
-    return 0;
-}
-
-/* Hidden ones, and what lies deeper than that, are passed over. */
-static int list_names(const char *folder, const char *prefix, unsigned depth, struct names *names,
-                      struct orl_error *err)
-{
-    DIR *entries = opendir(folder);
-    int rc = 0;
-
-    if (!entries) {
-        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
-        orl_error_at(err, folder, 0, NULL);
-        return rc;
-    }
-    for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
-        char path[PATH_SIZE], name[PATH_SIZE];
-
-        if (entry->d_name[0] == '.' ||
-            orl_join_path(folder, entry->d_name, path, sizeof path, NULL) ||
-            snprintf(name, sizeof name, "%s%s", prefix, entry->d_name) >= PATH_SIZE - 1)
-            continue;
-        if (!is_folder(path)) {
-            rc = add_name(names, name, err);
-        } else if (depth < DEPTH) {
-            const size_t length = strlen(name);
-
-            name[length] = '/';
-            name[length + 1] = '\0';
-            rc = list_names(path, name, depth + 1, names, err);
-        }
-    }
-    closedir(entries);
-    return rc;
-}
-
-/* ---- The temporary folder -------------------------------------------------------------------- */
-
-static int make_place(char folder[PATH_SIZE], struct orl_error *err)
-{
-    const char *top = getenv("TMPDIR");
-
-    snprintf(folder, PATH_SIZE, "%s/oriel-project-XXXXXX", top && *top ? top : "/tmp");
-    if (mkdtemp(folder))
-        return 0;
-    folder[0] = '\0';
-    return orl_error_set(err, orl_err_of_errno(errno), "cannot make a temporary folder: %s",
-                         strerror(errno));
-}
-
-/* A link in the place by that name, in front of one that is there. */
-static int link_as(const char *place, const char *name, const char *to, struct orl_error *err)
-{
-    char path[PATH_SIZE];
-    int rc = orl_join_path(place, name, path, sizeof path, err);
-
-    if (rc)
-        return rc;
-    unlink(path);
-    if (symlink(to, path) == 0)
-        return 0;
-    return orl_error_set(err, orl_err_of_errno(errno), "cannot make the link '%s': %s", path,
-                         strerror(errno));
-}
-
-/* Links to all that the folder holds. */
-static int link_entries(const char *place, const char *folder, struct orl_error *err)
-{
-    char whole[PATH_MAX], to[PATH_SIZE];
-    DIR *entries = realpath(folder, whole) ? opendir(whole) : NULL;
-    int rc = 0;
-
-    if (!entries) {
-        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
-        orl_error_at(err, folder, 0, NULL);
-        return rc;
-    }
-    for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
-            continue;
-        rc = orl_join_path(whole, entry->d_name, to, sizeof to, err);
-        if (rc == 0)
-            rc = link_as(place, entry->d_name, to, err);
-    }
-    closedir(entries);
-    return rc;
-}
-
-/* Links are unlinked, never followed. */
-static void remove_place(const char *folder)
-{
-    DIR *entries = opendir(folder);
-
-    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
-        char path[PATH_SIZE];
-        struct stat info;
-
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
-            orl_join_path(folder, entry->d_name, path, sizeof path, NULL) || lstat(path, &info))
-            continue;
-        if (S_ISDIR(info.st_mode))
-            remove_place(path);
-        else
-            unlink(path);
-    }
-    if (entries)
-        closedir(entries);
-    rmdir(folder);
+    return orl_is_folder(path) || ends_with(path, ".hbjson") || ends_with(path, ".rif");
 }
 
 /* ---- Models ---------------------------------------------------------------------------------- */
@@ -202,7 +52,7 @@ static int write_file(const char *place, const struct orl_text_file *file, struc
                          strerror(errno));
 }
 
-static int translate(const char *path, const char *place, struct names *names,
+static int translate(const char *path, const char *place, struct orl_names *names,
                      struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -223,7 +73,7 @@ static int translate(const char *path, const char *place, struct names *names,
     for (size_t i = 0; i < files.count && rc == 0; i++) {
         rc = write_file(place, &files.items[i], err);
         if (rc == 0)
-            rc = add_name(names, files.items[i].name, err);
+            rc = orl_names_add(names, files.items[i].name, err);
     }
     orl_text_files_done(&files);
     return rc;
@@ -232,7 +82,7 @@ static int translate(const char *path, const char *place, struct names *names,
 /* ---- Projects -------------------------------------------------------------------------------- */
 
 /* A model's own folder stands as "model" there, which its texts call it. */
-static int lay_out_folder(const char *path, const char *place, struct names *names,
+static int lay_out_folder(const char *path, const char *place, struct orl_names *names,
                           struct orl_error *err)
 {
     char scene[PATH_SIZE], whole[PATH_MAX];
@@ -240,13 +90,13 @@ static int lay_out_folder(const char *path, const char *place, struct names *nam
 
     if (rc)
         return rc;
-    if (!is_folder(scene)) {
-        rc = link_entries(place, path, err);
-        return rc ? rc : list_names(path, "", 0, names, err);
+    if (!orl_is_folder(scene)) {
+        rc = orl_place_link_entries(place, path, err);
+        return rc ? rc : orl_names_list(path, "", 0, names, err);
     }
-    rc = realpath(path, whole) ? link_as(place, "model", whole, err)
+    rc = realpath(path, whole) ? orl_place_link(place, "model", whole, err)
                                : orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
-    return rc ? rc : list_names(path, "model/", 0, names, err);
+    return rc ? rc : orl_names_list(path, "model/", 0, names, err);
 }
 
 /* Commands in a file of rad become scene files. */
@@ -280,14 +130,14 @@ static int lay_out_rif(const char *path, struct orl_project_place *place, struct
     if (rc)
         return rc;
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
-    rc = link_entries(place->folder, slash == path ? "/" : folder, err);
+    rc = orl_place_link_entries(place->folder, slash == path ? "/" : folder, err);
     if (rc == 0)
         rc = orl_rif_read(path, text.data, text.size, &place->project, err);
     here.close(here.ctx, &text);
     return rc ? rc : write_commands(place, err);
 }
 
-static int find_project(const char *path, const json_t *scene, const struct names *names,
+static int find_project(const char *path, const json_t *scene, const struct orl_names *names,
                         struct orl_project_place *place, struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(place->folder);
@@ -311,19 +161,19 @@ int orl_project_open(const json_t *scene, const char *path, const char *beside,
                      struct orl_project_place *ret_place, struct orl_error *err)
 {
     struct orl_project_place place = {{0}, false, NULL};
-    struct names names = {0};
-    int rc = make_place(place.folder, err);
+    struct orl_names names = {0};
+    int rc = orl_place_make(place.folder, err);
 
     if (rc == 0 && beside)
-        rc = link_entries(place.folder, beside, err);
+        rc = orl_place_link_entries(place.folder, beside, err);
     if (rc == 0 && ends_with(path, ".rif"))
         rc = lay_out_rif(path, &place, err);
     else if (rc == 0)
-        rc = is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
-                             : translate(path, place.folder, &names, err);
+        rc = orl_is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
+                                 : translate(path, place.folder, &names, err);
     if (rc == 0 && !place.project)
         rc = find_project(path, scene, &names, &place, err);
-    names_done(&names);
+    orl_names_done(&names);
     if (rc) {
         orl_project_done(&place);
         return rc;
@@ -336,11 +186,11 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
                       struct orl_project_place *ret_place, struct orl_error *err)
 {
     struct orl_project_place place = {.stays = true};
-    struct names names = {0};
+    struct orl_names names = {0};
     int rc = 0;
 
     snprintf(place.folder, sizeof place.folder, "%s", into);
-    if (is_folder(path) || ends_with(path, ".rif")) {
+    if (orl_is_folder(path) || ends_with(path, ".rif")) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "is no model to be written: its files are there");
         orl_error_at(err, path, 0, NULL);
     }
@@ -350,7 +200,7 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
         rc = translate(path, place.folder, &names, err);
     if (rc == 0)
         rc = find_project(path, scene, &names, &place, err);
-    names_done(&names);
+    orl_names_done(&names);
     if (rc) {
         orl_project_done(&place);
         return rc;
@@ -362,7 +212,7 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
 void orl_project_done(struct orl_project_place *place)
 {
     if (place->folder[0] && !place->stays)
-        remove_place(place->folder);
+        orl_place_remove(place->folder);
     json_decref(place->project);
     *place = (struct orl_project_place){{0}, false, NULL};
 }
