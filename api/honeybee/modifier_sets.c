@@ -64,9 +64,9 @@ int orl_hb_set_of_room(struct orl_hb *hb, const json_t *room, const struct orl_h
                : json_is_string(named)
                    ? json_object_get(hb->modifier_sets, json_string_value(named))
                    : NULL;
-    return *ret_set ? 0
-                    : orl_hb_fail(&here, hb->err, ORL_ERR_INVALID,
-                                  "the model has no such modifier set");
+    return *ret_set
+               ? 0
+               : orl_hb_fail(&here, hb->err, ORL_ERR_INVALID, "the model has no such modifier set");
 }
 
 int orl_hb_set_modifier(struct orl_hb *hb, const json_t *set, enum orl_hb_use use,
