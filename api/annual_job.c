@@ -119,6 +119,8 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     r.run.files = &r.files;
     int rc = orl_annual_grids_read(&job->request, job->grid_files, &r.files, err);
     if (rc == 0)
+        rc = orl_annual_schedules_read(&job->request, &r.files, err);
+    if (rc == 0)
         rc = orl_annual_validate(&job->request, err);
     if (rc == 0)
         rc = see_out(&r, err);

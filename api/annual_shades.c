@@ -54,6 +54,12 @@ static int decode_schedule(const json_t *value, const char *path, void *into, st
 {
     struct orl_window_group *group = into;
     uint64_t state = 0;
+    if (json_is_object(value)) {
+        const struct orl_json_member members[] = {
+            {"file", .text = &group->schedule_file, .longest = FILE_MAX_BYTES, .required = true},
+            {0}};
+        return orl_json_members(value, path, members, err);
+    }
     int rc = orl_json_array(value, path, ROWS_MAX, err);
     if (rc)
         return rc;

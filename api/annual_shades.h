@@ -6,6 +6,7 @@
  *                             "material": "lcp", "dark": false}, ...],
  *                 one of, or none:
  *                 "schedule": [0, 1, ...] (a state for every row of the weather file),
+ *                             or {"file": "shades.csv"} (with their names, or numbers),
  *                 "rules": [{"months": [5, 9], "from": 10, "to": 16, "state": "blinds"}, ...],
  *                 "control": {"by": "LM-83" or "sun" or "illuminance", "grid": "eyes",
  *                             "above": 1000 (lx), "share": 2 (%, by sun), "state": "blinds"}}]

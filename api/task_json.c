@@ -220,7 +220,7 @@ static int visit_job(const struct visiting *v, const struct orl_job *job)
 
 static int visit_group(const struct visiting *v, const struct orl_window_group *group, size_t g)
 {
-    int rc = 0;
+    int rc = tell(v, ORL_FILE_SCHEDULE, group->schedule_file, NULL, "shades[%zu].schedule.file", g);
     for (size_t s = 0; s < group->n_states && rc == 0; s++)
         for (size_t i = 0; i < group->states[s].n_files && rc == 0; i++)
             rc = tell(v, ORL_FILE_SCENE, group->states[s].files[i], NULL,

@@ -63,6 +63,7 @@ enum orl_file_role {
     ORL_FILE_OCCUPANCY, /* of that year's hours */
     ORL_FILE_SCENE,     /* scene text, of a state of its shades */
     ORL_FILE_MATRIX,    /* of a year's light, or a BSDF in its place */
+    ORL_FILE_SCHEDULE,  /* of its shades */
     ORL_FILE_ROLES
 };
 

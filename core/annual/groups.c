@@ -25,6 +25,7 @@ void orl_window_group_done(struct orl_window_group *group)
     free(group->name);
     free(group->states);
     free(group->series);
+    free(group->schedule_file);
     free(group->spans);
     free(group->control.grid);
     *group = (struct orl_window_group){.name = NULL};
@@ -93,7 +94,8 @@ static int check_control(const struct orl_annual_request *request,
 static int check_hours(const struct orl_window_group *group, struct orl_error *err)
 {
     const bool controlled = group->control.kind != ORL_SHADES_NO_CONTROL;
-    if ((group->series != NULL) + (group->n_spans > 0) + controlled > 1)
+    const bool listed = group->series || group->schedule_file;
+    if (listed + (group->n_spans > 0) + controlled > 1)
         return orl_error_set(err, ORL_ERR_INVALID,
                              "'%.100s' has more than one of schedule, rules and control",
                              group->name);

@@ -48,7 +48,7 @@ int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bund
     for (size_t i = 0; i < brief->n_files; i++) {
         const struct orl_named_file *named = &brief->files[i];
         if (named->role == ORL_FILE_MASK || named->role == ORL_FILE_SCENE ||
-            named->role == ORL_FILE_MATRIX)
+            named->role == ORL_FILE_MATRIX || named->role == ORL_FILE_SCHEDULE)
             continue; /* they are read when the job runs */
         const struct orl_bundle_file *file = orl_bundle_find(scene, named->name);
         size_t at = 0;

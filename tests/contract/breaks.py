@@ -96,7 +96,7 @@ def jobs(lit, dark):
     shut = {"name": "shut", "files": ["s.txt"], "material": "grey", "dark": False}
     shade = {"windows": ["pane"], "states": [{"name": "open"}, shut]}
     yield {**year, "sensors": SENSORS, "shades": [
-        {"name": "a", "schedule": [0, 1], **shade}]}
+        {"name": "a", "schedule": [0, 1], **shade}, {"name": "b", "schedule": {"file": "s.txt"}, **shade}]}
     yield {**year, "sensors": SENSORS, "shades": [
         {"name": "a", "rules": [{"months": [5, 9], "from": 9, "to": 17, "state": "shut"}], **shade}]}
     yield {**year, "grids": [{"name": "eyes", "sensors": SENSORS}], "shades": [

@@ -43,6 +43,16 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
                           const struct orl_files *files, struct orl_error *err);
 
 /*
+ * Series of those window groups that have a file of them: a line for each row of the weather file,
+ * of fields with commas between them, with the state's name or its number from 0. With one column,
+ * the first line may be a heading; of several the group's is the one headed by its name, or by
+ * "shades of" that, as hours.csv has it. Lines that are empty or begin with '#' are passed over.
+ * Errors: what opening says; ORL_ERR_SYNTAX, _RANGE (no such state), _LIMIT, with the line; _NOMEM.
+ */
+int orl_annual_schedules_read(struct orl_annual_request *request, const struct orl_files *files,
+                              struct orl_error *err);
+
+/*
  * Whether a year would take these bytes for its weather, and of how many steps and rows it is; or
  * for when its rooms are in use. Errors are those of the year, with file and line, as far as the
  * bytes alone tell.

@@ -9,10 +9,11 @@
  * that state alone. The first state of a group is the open one: the one that direct sunlight by
  * itself is told of (ASE has blinds open), and that controls look at.
  *
- * Hours. Of series, spans and control a group has one, or none: it stays open then. A series has
- * the state of every row of the weather file. Of spans the first one that an hour lies in counts,
- * by the month and the middle of the row's interval; outside of all the group is open. Controls
- * close groups by what the open ones let in, in each hour by itself, without a lag:
+ * Hours. A series may be a file's (orl_annual_schedules_read). Of series, spans and control a group
+ * has one, or none: it stays open then. A series has the state of every row of the weather file. Of
+ * spans the first one that an hour lies in counts, by the month and the middle of the row's
+ * interval; outside of all the group is open. Controls close groups by what the open ones let in,
+ * in each hour by itself, without a lag:
  *
  * by sun   IES LM-83-12, 2.2.6: in hours in which more than share_percent of the points of a grid
  *          have direct sunlight of above_lx or more by windows of that group, blinds of all other
@@ -74,6 +75,7 @@ struct orl_window_group {
     size_t n_states;
     unsigned char *series; /* of every row of the weather file; NULL: none */
     size_t n_series;
+    char *schedule_file; /* which the series is read from; or NULL */
     struct orl_shade_span *spans;
     size_t n_spans;
     struct orl_shade_control control;
