@@ -9,6 +9,7 @@
 #include <oriel/run.h>
 #include <oriel/study.h>
 
+#include "annual/matrix_file.h"
 #include "annual_json.h"
 #include "bsdf_json.h"
 #include "decode.h"
@@ -139,6 +140,30 @@ static int read_occupancy(const struct doubled_input *input, struct orl_error *e
     return orl_occupancy_read("use.csv", input->data, input->size, &minutes, marks, err);
 }
 
+static int read_schedule(const struct doubled_input *input, struct orl_error *err)
+{
+    static char name[] = "s.csv", group_name[] = "south", open[] = "open", shut[] = "shut";
+    static const char *const names[] = {name};
+    const struct orl_file contents[] = {{input->data, input->size, NULL}};
+    struct orl_memory_files memory = {names, contents, 1};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_shade_state states[2] = {{.name = open}, {.name = shut}};
+    struct orl_window_group group = {
+        .name = group_name, .states = states, .n_states = 2, .schedule_file = name};
+    struct orl_annual_request request = {.groups = &group, .n_groups = 1};
+    const int code = orl_annual_schedules_read(&request, &files, err);
+    free(group.series);
+    return code;
+}
+
+static int read_matrix(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_rgb_matrix matrix = {.rows = 0};
+    const int code = orl_rgb_matrix_read("m.mtx", input->data, input->size, &matrix, err);
+    orl_rgb_matrix_done(&matrix);
+    return code;
+}
+
 /* x, compiled and evaluated. */
 static int read_function(const struct doubled_input *input, struct orl_error *err)
 {
@@ -227,7 +252,8 @@ int doubled_read(const struct doubled_input *input, char text[256])
         [DOUBLED_STUDY] = read_study,         [DOUBLED_ZIP] = read_zip,
         [DOUBLED_VIEWS] = read_views,         [DOUBLED_YEAR] = read_year,
         [DOUBLED_OCCUPANCY] = read_occupancy, [DOUBLED_FUNCTION] = read_function,
-        [DOUBLED_MODEL] = read_model,
+        [DOUBLED_MODEL] = read_model,         [DOUBLED_SCHEDULE] = read_schedule,
+        [DOUBLED_MATRIX] = read_matrix,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

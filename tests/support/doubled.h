@@ -20,6 +20,8 @@ enum doubled_kind {
     DOUBLED_STUDY,
     DOUBLED_YEAR,      /* the document of one */
     DOUBLED_OCCUPANCY, /* of a year in minutes */
+    DOUBLED_SCHEDULE,  /* of shades */
+    DOUBLED_MATRIX,    /* of a year's light */
     DOUBLED_FUNCTION,  /* definitions of x, and what it needs, compiled and evaluated */
     DOUBLED_ZIP,
     DOUBLED_MODEL, /* Honeybee's, as files */

@@ -246,6 +246,35 @@ static void write_use_number(FILE *f, size_t n)
         fputs("0123456789", f);
 }
 
+static void write_schedule(FILE *f, size_t n)
+{
+    fputs("month,\"south\"\n", f);
+    for (size_t i = 0; i < n; i++)
+        fputs(i % 3 > 0 ? "1, \"open\"\n# use\n" : "1,1\n", f);
+}
+static void write_schedule_columns(FILE *f, size_t n)
+{
+    for (int row = 0; row < 2; row++) {
+        for (size_t i = 0; i < n; i++)
+            fputs("\"1\", ", f);
+        fputs(row == 0 ? "south\n" : "shut\n", f);
+    }
+}
+
+static void write_matrix(FILE *f, size_t n)
+{
+    fputs("#?RADIANCE\nNCOLS=2\nFORMAT=ascii\n\n", f);
+    for (size_t i = 0; i < n; i++)
+        fputs("1.5 2e-1 3\t4 5 6\n", f);
+}
+static void write_matrix_header(FILE *f, size_t n)
+{
+    fputs("#?RADIANCE\n", f);
+    for (size_t i = 0; i < n; i++)
+        fputs("EXPOSURE=1\nrcontrib -I+ -ab 3\n", f);
+    fprintf(f, "NCOLS=1 %*s\nFORMAT=%*sascii\n\n1 2 3\n", (int)n, "", (int)n, "");
+}
+
 #define YEAR_HEAD "{\"kind\": \"annual\", \"weather\": \"a.epw\", \"scene\": {\"files\": [\"a.rad\""
 #define YEAR_GRID "{\"name\": \"g%zu\", \"area\": 1, \"sensors\": [[%zu, 1, 0.8, 0, 0, 1]]}"
 static void write_year(FILE *f, size_t files, size_t grids, const char *rest)
@@ -382,6 +411,10 @@ const struct doubled doubled_files[] = {
     KIND(use_blanks, OCCUPANCY, 5000),
     KIND(use_line, OCCUPANCY, 50000),
     KIND(use_number, OCCUPANCY, 5000),
+    KIND(schedule, SCHEDULE, 3000),
+    KIND(schedule_columns, SCHEDULE, 5000),
+    KIND(matrix, MATRIX, 2000),
+    KIND(matrix_header, MATRIX, 3000),
     KIND(year_files, YEAR, 200),
     KIND(year_grids, YEAR, 500),
     KIND(year_grids_of_files, YEAR, 200),
