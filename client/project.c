@@ -217,8 +217,7 @@ void orl_project_done(struct orl_project_place *place)
     *place = (struct orl_project_place){{0}, false, NULL};
 }
 
-/* ---- Into documents ---------------------------------------------------------------------------
- */
+/* ---- Into documents -------------------------------------------------------------------------- */
 
 static json_t *views_of(const json_t *project)
 {

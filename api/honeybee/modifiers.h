@@ -33,8 +33,7 @@ bool orl_hb_modifier_is_void(const struct orl_hb *hb, size_t place);
 /* Into the file, unless it is there. */
 int orl_hb_modifier_write(struct orl_hb *hb, size_t place, struct orl_hb_file *file);
 
-/* ---- Shared by modifiers.c and modifier_text.c -------------------------------------------------
- */
+/* ---- Shared by modifiers.c and modifier_text.c ----------------------------------------------- */
 
 /* "type", or "". */
 const char *orl_hb_type_of(const json_t *json);

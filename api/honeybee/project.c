@@ -1,42 +1,26 @@
 #include "honeybee/project.h"
 
-#include <ctype.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/limits.h>
 
 #include "decode.h"
+#include "honeybee/project_parts.h"
 
-enum { NAME_SIZE = 1024, INFO_BYTES = 16 << 20 };
-
-struct finding {
-    const char **names; /* sorted */
-    size_t count;
-    const struct orl_files *files;
-    const struct orl_project_choice *choice;
-    const char *root; /* of the model, with its slash; borrowed from a name */
-    size_t root_length;
-    bool *used;                                               /* told of */
-    bool *is_main;                                            /* of the scene */
-    json_t *main, *grids, *views, *states, *skies, *left_out; /* owned */
-    struct orl_error *err;
-};
-
-static int no_memory(const struct finding *f)
+int orl_project_no_memory(const struct orl_project_finding *f)
 {
     return orl_error_set(f->err, ORL_ERR_NOMEM, "out of memory");
 }
 
-static bool ends_with(const char *name, const char *ending)
+bool orl_project_ends_with(const char *name, const char *ending)
 {
     const size_t length = strlen(name), tail = strlen(ending);
     return length > tail && strcmp(name + length - tail, ending) == 0;
 }
 
-/* The part of a name below the model's folder, or NULL. */
-static const char *below(const struct finding *f, const char *name, const char *folder)
+const char *orl_project_below(const struct orl_project_finding *f, const char *name,
+                              const char *folder)
 {
     const size_t length = strlen(folder);
     if (strncmp(name, f->root, f->root_length) != 0 ||
@@ -50,7 +34,8 @@ static int compare_names(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static const char *find_name(const struct finding *f, const char *name, size_t *ret_place)
+const char *orl_project_name(const struct orl_project_finding *f, const char *name,
+                             size_t *ret_place)
 {
     const char *const *found =
         f->names ? bsearch(&name, f->names, f->count, sizeof *f->names, compare_names) : NULL;
@@ -60,14 +45,14 @@ static const char *find_name(const struct finding *f, const char *name, size_t *
 }
 
 /* The shortest "" or "a/b/" in front of a .rad file in "scene/". */
-static bool find_root(struct finding *f)
+static bool find_root(struct orl_project_finding *f)
 {
     f->root = NULL;
     for (size_t i = 0; i < f->count; i++) {
         const char *name = f->names[i], *scene = strstr(name, "scene/");
         while (scene && scene != name && scene[-1] != '/')
             scene = strstr(scene + 1, "scene/");
-        if (!scene || !ends_with(name, ".rad"))
+        if (!scene || !orl_project_ends_with(name, ".rad"))
             continue;
         const size_t length = (size_t)(scene - name);
         if (!f->root || length < f->root_length) {
@@ -79,76 +64,74 @@ static bool find_root(struct finding *f)
 }
 
 /* A folder "scene" alone makes no project. */
-static bool has_more(const struct finding *f)
+static bool has_more(const struct orl_project_finding *f)
 {
     static const char *const more[] = {"aperture/", "aperture_group/", "grid/", "view/",
                                        "folder.cfg"};
     for (size_t i = 0; i < f->count; i++) {
-        if (below(f, f->names[i], "scene/") && ends_with(f->names[i], ".mat"))
+        if (orl_project_below(f, f->names[i], "scene/") &&
+            orl_project_ends_with(f->names[i], ".mat"))
             return true;
         for (size_t k = 0; k < sizeof more / sizeof *more; k++)
-            if (below(f, f->names[i], more[k]))
+            if (orl_project_below(f, f->names[i], more[k]))
                 return true;
     }
     return false;
 }
 
-/* ---- JSON beside the model --------------------------------------------------------------------
- */
+/* ---- JSON beside the model ------------------------------------------------------------------- */
 
-/* Whole documents of bounded size. */
-static int read_json(const struct finding *f, const char *name, json_t **ret_doc)
+int orl_project_json(const struct orl_project_finding *f, const char *name, json_t **ret_doc)
 {
     struct orl_file text;
     int rc = f->files->open(f->files->ctx, name, &text, f->err);
     if (rc)
         return rc;
-    if (text.size > INFO_BYTES)
+    if (text.size > ORL_PROJECT_INFO_BYTES)
         rc = orl_error_set(f->err, ORL_ERR_LIMIT, "'%.200s' is larger than %d MiB", name,
-                           INFO_BYTES >> 20);
+                           ORL_PROJECT_INFO_BYTES >> 20);
     else
         rc = orl_json_parse(name, text.data, text.size, ret_doc, f->err);
     f->files->close(f->files->ctx, &text);
     return rc;
 }
 
-/* ---- The scene --------------------------------------------------------------------------------
- */
+/* ---- The scene ------------------------------------------------------------------------------- */
 
-/* Once, though several groups may name it. */
-static int add_main(struct finding *f, size_t place)
+int orl_project_add_main(struct orl_project_finding *f, size_t place)
 {
     if (f->is_main[place])
         return 0;
     f->used[place] = f->is_main[place] = true;
-    return json_array_append_new(f->main, json_string(f->names[place])) ? no_memory(f) : 0;
+    return json_array_append_new(f->main, json_string(f->names[place])) ? orl_project_no_memory(f)
+                                                                        : 0;
 }
 
-static int add_static(struct finding *f, const char *ending)
+static int add_static(struct orl_project_finding *f, const char *ending)
 {
     static const char *const folders[] = {"scene/", "aperture/", "ies/"};
     int rc = 0;
     for (size_t k = 0; k < sizeof folders / sizeof *folders; k++)
         for (size_t i = 0; i < f->count && rc == 0; i++)
-            if (!f->used[i] && below(f, f->names[i], folders[k]) && ends_with(f->names[i], ending))
-                rc = add_main(f, i);
+            if (!f->used[i] && orl_project_below(f, f->names[i], folders[k]) &&
+                orl_project_ends_with(f->names[i], ending))
+                rc = orl_project_add_main(f, i);
     return rc;
 }
 
-/* ---- States -----------------------------------------------------------------------------------
- */
+/* ---- States ---------------------------------------------------------------------------------- */
 
 /* "./FILE" beside states.json. */
-static int find_state_file(const struct finding *f, const char *list, const char *file,
+static int find_state_file(const struct orl_project_finding *f, const char *list, const char *file,
                            const char *group, size_t *ret_place)
 {
     const char *slash = strrchr(list, '/');
     const int folder = slash ? (int)(slash + 1 - list) : 0;
-    char name[NAME_SIZE];
+    char name[ORL_PROJECT_NAME];
     while (file && strncmp(file, "./", 2) == 0)
         file += 2;
-    if (file && snprintf(name, sizeof name, "%.*s%s", folder, list, file) < NAME_SIZE &&
-        find_name(f, name, ret_place))
+    if (file && snprintf(name, sizeof name, "%.*s%s", folder, list, file) < ORL_PROJECT_NAME &&
+        orl_project_name(f, name, ret_place))
         return 0;
     orl_error_set(f->err, ORL_ERR_INVALID, "a state of the group '%.100s' has no file '%.200s'",
                   group, file ? file : "");
@@ -157,7 +140,7 @@ static int find_state_file(const struct finding *f, const char *list, const char
 }
 
 /* Which of the states; all of them are told. */
-static int choose_state(const struct finding *f, const char *list, const char *group,
+static int choose_state(const struct orl_project_finding *f, const char *list, const char *group,
                         const json_t *states, size_t *ret_chosen, json_t **ret_told)
 {
     const json_t *wish = json_object_get(f->choice->states, group), *state;
@@ -180,10 +163,11 @@ static int choose_state(const struct finding *f, const char *list, const char *g
     }
     *ret_chosen = chosen;
     *ret_told = json_pack("{s:O, s:o}", "chosen", json_array_get(of, chosen), "of", of);
-    return *ret_told ? 0 : no_memory(f);
+    return *ret_told ? 0 : orl_project_no_memory(f);
 }
 
-static int add_group(struct finding *f, const char *list, const char *group, const json_t *states)
+static int add_group(struct orl_project_finding *f, const char *list, const char *group,
+                     const json_t *states)
 {
     size_t chosen = 0, place = 0;
     json_t *told = NULL;
@@ -191,30 +175,30 @@ static int add_group(struct finding *f, const char *list, const char *group, con
     if (rc)
         return rc;
     if (json_object_set_new(f->states, group, told))
-        return no_memory(f);
+        return orl_project_no_memory(f);
     for (size_t i = json_array_size(states); i-- > 0 && rc == 0;) {
         const json_t *state = json_array_get(states, i);
         const char *file = json_string_value(json_object_get(state, "default"));
         rc = find_state_file(f, list, file, group, &place);
         if (rc == 0 && i == chosen)
-            rc = add_main(f, place);
+            rc = orl_project_add_main(f, place);
         else if (rc == 0)
             f->used[place] = true; /* told of under states */
     }
     return rc;
 }
 
-static int add_states(struct finding *f)
+static int add_states(struct orl_project_finding *f)
 {
     int rc = 0;
     for (size_t i = 0; i < f->count && rc == 0; i++) {
         const char *name = f->names[i], *slash = strrchr(name, '/');
         json_t *doc = NULL, *states;
         const char *group;
-        if (!below(f, name, "") || strcmp(slash ? slash + 1 : name, "states.json") != 0)
+        if (!orl_project_below(f, name, "") || strcmp(slash ? slash + 1 : name, "states.json") != 0)
             continue;
         f->used[i] = true;
-        rc = read_json(f, name, &doc);
+        rc = orl_project_json(f, name, &doc);
         json_object_foreach(doc, group, states)
         {
             rc = rc ? rc : add_group(f, name, group, states);
@@ -224,7 +208,7 @@ static int add_states(struct finding *f)
     return rc;
 }
 
-static int check_wishes(const struct finding *f)
+static int check_wishes(const struct orl_project_finding *f)
 {
     const char *group;
     json_t *wish;
@@ -239,159 +223,41 @@ static int check_wishes(const struct finding *f)
     return 0;
 }
 
-/* ---- Grids, views, skies ----------------------------------------------------------------------
- */
+/* ---- What is left ---------------------------------------------------------------------------- */
 
-/* The file's path below its folder without the ending, as jobs name things. */
-static void name_after(const char *path, const char *more, char ret_name[NAME_SIZE])
+static const char *why_left_out(const struct orl_project_finding *f, const char *name)
 {
-    const char *dot = strrchr(path, '.');
-    const size_t length = dot ? (size_t)(dot - path) : strlen(path);
-    size_t i = 0;
-    for (; i < length && i + 1 < 200; i++) {
-        const unsigned char c = (unsigned char)path[i];
-        const bool first = i == 0 || path[i - 1] == '/';
-        ret_name[i] =
-            (c < 0x80 && isalnum(c)) || (strchr(more, c) && !(first && (c == '.' || c == '/')))
-                ? (char)c
-                : '_';
-    }
-    ret_name[i] = '\0';
-}
-
-/* The names in the list that Honeybee writes beside grids, as members of an object; NULL: there is
- * no list, and every grid counts. */
-static int index_info(const struct finding *f, json_t **ret_listed)
-{
-    static const char *const members[] = {"full_id", "identifier"};
-    char name[NAME_SIZE];
-    json_t *info = NULL;
-    const json_t *grid;
-    size_t place, i;
-    snprintf(name, sizeof name, "%.*sgrid/_info.json", (int)f->root_length, f->root);
-    if (!find_name(f, name, &place))
-        return 0;
-    int rc = read_json(f, name, &info);
-    if (rc == 0 && !(*ret_listed = json_object()))
-        rc = no_memory(f);
-    json_array_foreach(info, i, grid)
-    {
-        for (size_t k = 0; k < 2 && rc == 0; k++) {
-            const char *own = json_string_value(json_object_get(grid, members[k]));
-            if (own && json_object_set_new(*ret_listed, own, json_true()))
-                rc = no_memory(f);
-        }
-    }
-    json_decref(info);
-    return rc;
-}
-
-static bool is_listed(const json_t *listed, const char *path)
-{
-    return !listed || json_object_getn(listed, path, strlen(path) - strlen(".pts"));
-}
-
-static int add_grids(struct finding *f)
-{
-    json_t *listed = NULL;
-    char name[NAME_SIZE];
-    int rc = index_info(f, &listed);
-    for (size_t i = 0; i < f->count && rc == 0; i++) {
-        const char *path = below(f, f->names[i], "grid/");
-        if (!path || !ends_with(path, ".pts") || !is_listed(listed, path))
-            continue;
-        name_after(path, "._-/", name);
-        f->used[i] = true;
-        if (json_array_append_new(f->grids, json_pack("{s:s, s:{s:s}}", "name", name, "sensors",
-                                                      "file", f->names[i])))
-            rc = no_memory(f);
-    }
-    json_decref(listed);
-    return rc;
-}
-
-static int add_views(struct finding *f)
-{
-    char name[NAME_SIZE];
-    for (size_t i = 0; i < f->count; i++) {
-        const char *path = below(f, f->names[i], "view/");
-        if (!path || !ends_with(path, ".vf"))
-            continue;
-        name_after(path, "._-", name);
-        f->used[i] = true;
-        if (json_array_append_new(f->views,
-                                  json_pack("{s:s, s:s}", "name", name, "file", f->names[i])))
-            return no_memory(f);
-    }
-    return 0;
-}
-
-/* sky/ in the model, or beside it. */
-static const char *below_sky(const struct finding *f, const char *name)
-{
-    const char *path = below(f, name, "sky/");
-    return path ? path : strncmp(name, "sky/", 4) == 0 ? name + 4 : NULL;
-}
-
-static int add_skies(struct finding *f)
-{
-    char name[NAME_SIZE];
-    size_t only = f->count, chosen = f->count, found = 0;
-    for (size_t i = 0; i < f->count; i++) {
-        const char *path = below_sky(f, f->names[i]);
-        if (!path || !(ends_with(path, ".rad") || ends_with(path, ".sky")))
-            continue;
-        name_after(path, "._-", name);
-        f->used[i] = true;
-        only = found++ == 0 ? i : f->count;
-        if (f->choice->sky && strcmp(name, f->choice->sky) == 0)
-            chosen = i;
-        if (json_array_append_new(f->skies, json_string(name)))
-            return no_memory(f);
-    }
-    if (f->choice->sky && chosen == f->count)
-        return orl_json_fail(f->err, ORL_ERR_INVALID, "sky", "the project has no sky '%.100s'",
-                             f->choice->sky);
-    chosen = f->choice->sky ? chosen : only;
-    return chosen < f->count ? add_main(f, chosen) : 0;
-}
-
-/* ---- What is left -----------------------------------------------------------------------------
- */
-
-static const char *why_left_out(const struct finding *f, const char *name)
-{
-    const bool sensors = ends_with(name, ".pts") || ends_with(name, ".vf");
-    const bool surfaces = ends_with(name, ".rad") || ends_with(name, ".mat");
-    if (!below(f, name, ""))
+    const bool sensors = orl_project_ends_with(name, ".pts") || orl_project_ends_with(name, ".vf");
+    const bool surfaces =
+        orl_project_ends_with(name, ".rad") || orl_project_ends_with(name, ".mat");
+    if (!orl_project_below(f, name, ""))
         return sensors || surfaces ? "it lies outside the model's folder" : NULL;
-    if (ends_with(name, ".blk"))
+    if (orl_project_ends_with(name, ".blk"))
         return "materials in black, for direct light alone";
     if (strstr(name, "..direct..") || strstr(name, "..black.") || strstr(name, "..mtx"))
         return "a state's copy for matrices or direct light";
-    if (below(f, name, "grid/") && sensors)
+    if (orl_project_below(f, name, "grid/") && sensors)
         return "grid/_info.json does not name it";
-    if (below(f, name, "receiver/"))
+    if (orl_project_below(f, name, "receiver/"))
         return "receivers of matrices";
     return sensors || surfaces ? "nothing names it" : NULL;
 }
 
 /* BSDFs are found by those that name them; lists and settings are no part of a scene. */
-static int tell_rest(struct finding *f)
+static int tell_rest(struct orl_project_finding *f)
 {
     for (size_t i = 0; i < f->count; i++) {
         const char *why = f->used[i] ? NULL : why_left_out(f, f->names[i]);
         if (why && json_array_append_new(f->left_out,
                                          json_pack("{s:s, s:s}", "file", f->names[i], "why", why)))
-            return no_memory(f);
+            return orl_project_no_memory(f);
     }
     return 0;
 }
 
-/* ---- All --------------------------------------------------------------------------------------
- */
+/* ---- All ------------------------------------------------------------------------------------- */
 
-static int find_parts(struct finding *f)
+static int find_parts(struct orl_project_finding *f)
 {
     int rc = add_static(f, ".mat");
     if (rc == 0)
@@ -401,15 +267,15 @@ static int find_parts(struct finding *f)
     if (rc == 0)
         rc = check_wishes(f);
     if (rc == 0)
-        rc = add_skies(f);
+        rc = orl_project_add_skies(f);
     if (rc == 0)
-        rc = add_grids(f);
+        rc = orl_project_add_grids(f);
     if (rc == 0)
-        rc = add_views(f);
+        rc = orl_project_add_views(f);
     return rc ? rc : tell_rest(f);
 }
 
-static int begin(struct finding *f, const char *const *names)
+static int begin(struct orl_project_finding *f, const char *const *names)
 {
     f->names = calloc(f->count + 1, sizeof *f->names);
     f->used = calloc(f->count + 1, sizeof *f->used);
@@ -422,7 +288,7 @@ static int begin(struct finding *f, const char *const *names)
     f->left_out = json_array();
     if (!f->names || !f->used || !f->is_main || !f->main || !f->grids || !f->views || !f->states ||
         !f->skies || !f->left_out)
-        return no_memory(f);
+        return orl_project_no_memory(f);
     memcpy(f->names, names, f->count * sizeof *names);
     qsort(f->names, f->count, sizeof *f->names, compare_names);
     return 0;
@@ -432,7 +298,7 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
                      const struct orl_project_choice *choice, json_t **ret_project,
                      struct orl_error *err)
 {
-    struct finding f = {.count = count, .files = files, .choice = choice, .err = err};
+    struct orl_project_finding f = {.count = count, .files = files, .choice = choice, .err = err};
     int rc = begin(&f, names);
     *ret_project = NULL;
     if (rc == 0 && find_root(&f) && has_more(&f)) {
@@ -441,7 +307,7 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
             *ret_project = json_pack("{s:O, s:O, s:O, s:O, s:O, s:O}", "files", f.main, "grids",
                                      f.grids, "views", f.views, "states", f.states, "skies",
                                      f.skies, "left_out", f.left_out);
-            rc = *ret_project ? 0 : no_memory(&f);
+            rc = *ret_project ? 0 : orl_project_no_memory(&f);
         }
     }
     json_decref(f.main);

@@ -109,8 +109,7 @@ static void test_names_that_are_none_are_refused(void **state)
     assert_refused(f, JOB("{\"sensors\": [[1, 1, 1, 0, 0, 1]]}"), "grids[0]");
 }
 
-/* ---- Projects ---------------------------------------------------------------------------------
- */
+/* ---- Projects -------------------------------------------------------------------------------- */
 
 static const char model[] = "tests/fixtures/honeybee/two_rooms.hbjson";
 

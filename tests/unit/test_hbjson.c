@@ -191,8 +191,7 @@ static void test_grids_and_views_have_their_names(void **state)
     json_decref(model);
 }
 
-/* ---- What is wrong ----------------------------------------------------------------------------
- */
+/* ---- What is wrong --------------------------------------------------------------------------- */
 
 /* A value by a path of members and indices, "rooms 0 faces". */
 static json_t *at_path(json_t *value, const char *path)
@@ -256,8 +255,7 @@ static void test_mistakes_are_told_by_their_place(void **state)
     }
 }
 
-/* ---- Projects ---------------------------------------------------------------------------------
- */
+/* ---- Projects -------------------------------------------------------------------------------- */
 
 /* Files of some names, all of one text. */
 static struct orl_files open_names(struct orl_memory_files *memory, const char *const *names,

@@ -1,0 +1,122 @@
+/* A project's grids, views and skies. */
+#include "honeybee/project_parts.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "decode.h"
+
+/* The file's path below its folder without the ending, as jobs name things. */
+static void name_after(const char *path, const char *more, char ret_name[ORL_PROJECT_NAME])
+{
+    const char *dot = strrchr(path, '.');
+    const size_t length = dot ? (size_t)(dot - path) : strlen(path);
+    size_t i = 0;
+    for (; i < length && i + 1 < 200; i++) {
+        const unsigned char c = (unsigned char)path[i];
+        const bool first = i == 0 || path[i - 1] == '/';
+        ret_name[i] =
+            (c < 0x80 && isalnum(c)) || (strchr(more, c) && !(first && (c == '.' || c == '/')))
+                ? (char)c
+                : '_';
+    }
+    ret_name[i] = '\0';
+}
+
+/* The names in the list that Honeybee writes beside grids, as members of an object; NULL: there is
+ * no list, and every grid counts. */
+static int index_info(const struct orl_project_finding *f, json_t **ret_listed)
+{
+    static const char *const members[] = {"full_id", "identifier"};
+    char name[ORL_PROJECT_NAME];
+    json_t *info = NULL;
+    const json_t *grid;
+    size_t place, i;
+    snprintf(name, sizeof name, "%.*sgrid/_info.json", (int)f->root_length, f->root);
+    if (!orl_project_name(f, name, &place))
+        return 0;
+    int rc = orl_project_json(f, name, &info);
+    if (rc == 0 && !(*ret_listed = json_object()))
+        rc = orl_project_no_memory(f);
+    json_array_foreach(info, i, grid)
+    {
+        for (size_t k = 0; k < 2 && rc == 0; k++) {
+            const char *own = json_string_value(json_object_get(grid, members[k]));
+            if (own && json_object_set_new(*ret_listed, own, json_true()))
+                rc = orl_project_no_memory(f);
+        }
+    }
+    json_decref(info);
+    return rc;
+}
+
+static bool is_listed(const json_t *listed, const char *path)
+{
+    return !listed || json_object_getn(listed, path, strlen(path) - strlen(".pts"));
+}
+
+int orl_project_add_grids(struct orl_project_finding *f)
+{
+    json_t *listed = NULL;
+    char name[ORL_PROJECT_NAME];
+    int rc = index_info(f, &listed);
+    for (size_t i = 0; i < f->count && rc == 0; i++) {
+        const char *path = orl_project_below(f, f->names[i], "grid/");
+        if (!path || !orl_project_ends_with(path, ".pts") || !is_listed(listed, path))
+            continue;
+        name_after(path, "._-/", name);
+        f->used[i] = true;
+        if (json_array_append_new(f->grids, json_pack("{s:s, s:{s:s}}", "name", name, "sensors",
+                                                      "file", f->names[i])))
+            rc = orl_project_no_memory(f);
+    }
+    json_decref(listed);
+    return rc;
+}
+
+int orl_project_add_views(struct orl_project_finding *f)
+{
+    char name[ORL_PROJECT_NAME];
+    for (size_t i = 0; i < f->count; i++) {
+        const char *path = orl_project_below(f, f->names[i], "view/");
+        if (!path || !orl_project_ends_with(path, ".vf"))
+            continue;
+        name_after(path, "._-", name);
+        f->used[i] = true;
+        if (json_array_append_new(f->views,
+                                  json_pack("{s:s, s:s}", "name", name, "file", f->names[i])))
+            return orl_project_no_memory(f);
+    }
+    return 0;
+}
+
+/* sky/ in the model, or beside it. */
+static const char *below_sky(const struct orl_project_finding *f, const char *name)
+{
+    const char *path = orl_project_below(f, name, "sky/");
+    return path ? path : strncmp(name, "sky/", 4) == 0 ? name + 4 : NULL;
+}
+
+int orl_project_add_skies(struct orl_project_finding *f)
+{
+    char name[ORL_PROJECT_NAME];
+    size_t only = f->count, chosen = f->count, found = 0;
+    for (size_t i = 0; i < f->count; i++) {
+        const char *path = below_sky(f, f->names[i]);
+        if (!path || !(orl_project_ends_with(path, ".rad") || orl_project_ends_with(path, ".sky")))
+            continue;
+        name_after(path, "._-", name);
+        f->used[i] = true;
+        only = found++ == 0 ? i : f->count;
+        if (f->choice->sky && strcmp(name, f->choice->sky) == 0)
+            chosen = i;
+        if (json_array_append_new(f->skies, json_string(name)))
+            return orl_project_no_memory(f);
+    }
+    if (f->choice->sky && chosen == f->count)
+        return orl_json_fail(f->err, ORL_ERR_INVALID, "sky", "the project has no sky '%.100s'",
+                             f->choice->sky);
+    chosen = f->choice->sky ? chosen : only;
+    return chosen < f->count ? orl_project_add_main(f, chosen) : 0;
+}
