@@ -32,16 +32,18 @@ static int load(struct orl_parser *parser, const struct orl_scope *scope, const 
                 int *ret_context, struct orl_error *err)
 {
     const struct orl_files files = {.ctx = parser, .open = open_source};
+    struct orl_error missing = {0};
     size_t index = 0;
     *ret_context = ORL_FUNCTION_GLOBAL;
     if (strcmp(name, ".") == 0)
         return 0;
-    int code = orl_sources_find(&parser->sources, scope->folder, name, &index, err);
+    const int code = orl_sources_find(&parser->sources, scope->folder, name, &index, &missing);
     if (code == 0)
-        code = orl_functions_load(parser->functions, &files, parser->sources.items[index].name,
+        return orl_functions_load(parser->functions, &files, parser->sources.items[index].name,
                                   false, ret_context, err);
-    else if (code == ORL_ERR_NOT_FOUND)
-        code = orl_functions_load(parser->functions, NULL, name, false, ret_context, err);
+    if (code == ORL_ERR_NOT_FOUND)
+        return orl_functions_load(parser->functions, NULL, name, false, ret_context, err);
+    *err = missing;
     return code;
 }
 
