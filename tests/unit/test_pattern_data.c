@@ -133,6 +133,16 @@ static void test_rtrace(void **state)
                   "w light floor 0 0 3 2 1 .5\n" FLOOR,
                   {4440.21767, 2220.10883, 1110.05442, 52.340537, 26.1702685, 13.0851342, 20804.393,
                    5201.09825, 1300.27456}},
+                 {"void brightdata w 5 noneg a.dat f.cal v u 0 0\nvoid glow a 0 0 4 1 2 3 0\n"
+                  "w glow b 0 0 4 3 1 .5 0\nvoid mixpict m 7 a b grey p.hdr f.cal u v 0 0\n"
+                  "void alias floor m\n" FLOOR,
+                  {1447.37541, 1237.14807, 1524.20155, -0.409999005, 0.69696379, 1.34883733,
+                   2258.19219, 1777.28185, 3184.40925}},
+                 {"void glow a 0 0 4 1 2 3 0\nvoid glow b 0 0 4 3 1 .5 0\n"
+                  "void mixfunc m 6 a b u*v f.cal -rz 20 0 0\n"
+                  "void mixdata floor 6 m a noneg r.dat f.cal u*3 0 0\n" FLOOR,
+                  {1266.75439, 1866.6228, 2666.55701, 3.63507585, 0.621479999, -0.397516385,
+                   1789.1607, 3530.40419, 7398.79816}},
                  {"void colorpict p 7 clip_r clip_g clip_b p.hdr f.cal u v 0 0\n"
                   "p glass floor 0 0 3 .8 .7 .9\n" FLOOR,
                   {401.484208, 260.601963, 291.203694, -0.943380356, 1.7264356, -9.21947829,
@@ -278,6 +288,56 @@ static void test_errors(void **state)
     assert_non_null(strstr(err.message, "direction"));
 }
 
+/* Mixtures of what is not alike, or of too much. */
+static void test_mixtures(void **state)
+{
+    static const struct {
+        const char *second, *words;
+    } cases[] = {{"void plastic b 0 0 5 .2 .2 .2 .1 0", "not in gloss"},
+                 {"void metal b 0 0 5 .2 .2 .2 0 0", "of one type"},
+                 {"void glass b 0 0 3 .2 .2 .2", "of one type"},
+                 {"void brightfunc b 2 Px . 0 0", "'b' is none"}};
+    struct orl_description d = {0};
+    struct orl_error err = {0};
+    char text[8192];
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text,
+                 "void plastic a 0 0 5 .5 .5 .5 0 0\n%s\nvoid mixfunc floor 4 a b Px . 0 0\n" FLOOR,
+                 cases[i].second);
+        assert_int_equal(parse(text, NULL, &d, &err), ORL_ERR_UNSUPPORTED);
+        assert_int_equal(err.line, 3);
+        assert_non_null(strstr(err.message, cases[i].words));
+    }
+    int length = snprintf(text, sizeof text, "void plastic m0 0 0 5 .5 .5 .5 0 0\n");
+    for (int i = 0; i < 7; i++) /* twice as much each */
+        length += snprintf(text + length, sizeof text - (size_t)length,
+                           "void mixfunc m%d 4 m%d m%d Px . 0 0\n", i + 1, i, i);
+    assert_int_equal(parse(text, NULL, &d, &err), ORL_ERR_LIMIT);
+    assert_int_equal(err.line, 8);
+}
+
+/* In arrays a mixture is read again and again, and stays one. */
+static void test_mixture_twice(void **state)
+{
+    static const char text[] = "void plastic a 0 0 5 .8 .4 .2 .05 0\n"
+                               "void plastic b 0 0 5 0 .4 .6 .05 0\n"
+                               "void mixfunc floor 4 a b if(Px-2,1,.25) . 0 0\n" FLOOR
+                               "void mixfunc floor 4 a b if(Px-2,1,.25) . 0 0\n";
+    struct orl_scene *const scene = load(text, NULL);
+    const struct orl_material *const m = orl_scene_material(scene, 0);
+    const struct orl_hit hit = {.point = orl_sub(orl_v3(1, 1, 0), scene->geometry->center),
+                                .normal = {0, 0, 1},
+                                .front = true};
+    (void)state;
+    assert_int_equal(scene->description.n_patterns, 1);
+    assert_int_equal(scene->description.n_materials, 3);
+    const struct orl_rgb diffuse = orl_material_diffuse(m, &hit);
+    assert_true(fabs(diffuse.r - .95 * .2) < 1e-6 && fabs(diffuse.g - .95 * .4) < 1e-6 &&
+                fabs(diffuse.b - .95 * .5) < 1e-6);
+    orl_scene_release(scene);
+}
+
 /* Every byte of a data file changes what maps are called; a file that two patterns use is one. */
 static void test_keys(void **state)
 {
@@ -408,10 +468,11 @@ static void test_small_bright(void **state)
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rtrace), cmocka_unit_test(test_png),
-        cmocka_unit_test(test_exr),    cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_keys),   cmocka_unit_test(test_lamps),
-        cmocka_unit_test(test_skies),  cmocka_unit_test(test_small_bright),
+        cmocka_unit_test(test_rtrace),        cmocka_unit_test(test_png),
+        cmocka_unit_test(test_exr),           cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_keys),          cmocka_unit_test(test_mixtures),
+        cmocka_unit_test(test_mixture_twice), cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_skies),         cmocka_unit_test(test_small_bright),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

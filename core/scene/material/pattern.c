@@ -55,13 +55,17 @@ static void look_up(const struct orl_pattern *pattern, const double *place, doub
     }
 }
 
+static const uint32_t no_facet = UINT32_MAX; /* of distant light */
+
 /* What a mesh says of the place; nothing else does, and has 0 there. */
 static void find_place(const struct orl_pattern *pattern, const struct orl_hit *hit,
                        double ret_place[2])
 {
+    ret_place[0] = ret_place[1] = 0;
+    if (hit->facet == no_facet)
+        return;
     const struct orl_surface *s = &pattern->surfaces[pattern->facets[hit->facet].surface];
     const double *const at = orl_surface_places(s);
-    ret_place[0] = ret_place[1] = 0;
     if (!at)
         return;
     const struct orl_vec3 ab = orl_sub(s->vertices[1], s->vertices[0]);
@@ -71,6 +75,28 @@ static void find_place(const struct orl_pattern *pattern, const struct orl_hit *
     const double c = orl_dot(orl_cross(ab, ap), n) / n2;
     for (int k = 0; k < 2; k++)
         ret_place[k] = (1 - b - c) * at[k] + b * at[2 + k] + c * at[4 + k];
+}
+
+static enum worth factor_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                            struct orl_vec3 towards, struct orl_rgb *ret_factor);
+
+/* Colours by the first's share. Patterns are as deep as they were defined, ORL_PATTERN_STEPS. */
+static enum worth mix(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                      struct orl_vec3 towards, double share, struct orl_rgb *ret_color)
+{
+    enum worth worth = HAS_VALUE;
+    const double shares[2] = {share, 1 - share};
+    *ret_color = orl_gray(0);
+    for (int i = 0; i < 2; i++) {
+        struct orl_rgb factor = orl_gray(1);
+        if (pattern->mixed[i].pattern && shares[i] > 0) {
+            const enum worth own = factor_at(pattern->mixed[i].pattern, hit, towards, &factor);
+            worth = own > worth ? own : worth;
+        }
+        const struct orl_rgb color = orl_rgb_mul(pattern->mixed[i].color, factor);
+        *ret_color = orl_rgb_add(*ret_color, orl_rgb_scale(color, shares[i]));
+    }
+    return worth;
 }
 
 /* Its own factor, without those under it. */
@@ -91,6 +117,13 @@ static enum worth own_factor(const struct orl_pattern *pattern, const struct orl
     if (worth == HAS_VALUE && pattern->values) {
         look_up(pattern, values, inputs + ORL_RAY_DATA);
         worth = run(pattern->values, inputs, values);
+    }
+    if (pattern->mixture) {
+        const bool valued = worth == HAS_VALUE && isfinite(values[0]);
+        const double share = valued ? fmin(fmax(values[0], 0), 1) : 1;
+        const enum worth other = mix(pattern, hit, towards, share, ret_factor);
+        worth = valued ? HAS_VALUE : worth > HAS_NONE ? worth : HAS_NONE;
+        return other > worth ? other : worth;
     }
     if (worth != HAS_VALUE)
         return worth;
@@ -127,8 +160,10 @@ struct orl_rgb orl_pattern_towards(const struct orl_pattern *pattern, const stru
 static struct orl_hit hit_of_sky(struct orl_vec3 direction)
 {
     const double far = 1e10;
-    return (struct orl_hit){
-        .point = orl_scale(direction, far), .normal = orl_neg(direction), .front = true};
+    return (struct orl_hit){.point = orl_scale(direction, far),
+                            .normal = orl_neg(direction),
+                            .facet = no_facet,
+                            .front = true};
 }
 
 struct orl_rgb orl_pattern_of_sky(const struct orl_pattern *pattern, struct orl_vec3 direction)

@@ -3,6 +3,10 @@
  * colorfunc), or by values on grids (brightdata, colordata, colorpict), of the place, the normal
  * and, of what shines, the direction. A pattern may modify another: their factors multiply.
  *
+ * A mixture of two materials that differ in nothing but colours and patterns is a pattern too: its
+ * function's value, cut to 0 to 1, is the first's share of the colour, which is all of it where
+ * there is no value.
+ *
  * What a pattern makes of a reflector's colour is from 0 to 1 in each channel: where Radiance would
  * have a surface return more than it gets, or less than nothing, it is cut to that. Where anything
  * in a function has no value (function.h), or it takes too long, the colour is left as it is.
@@ -24,6 +28,14 @@
 #include "scene/geometry/geometry.h"
 #include "scene/grid/grid.h"
 
+enum { ORL_PATTERN_STEPS = 64 }; /* functions of one pattern, with all that it depends on */
+
+/* What a mixture mixes. */
+struct orl_mixed {
+    struct orl_rgb color;
+    const struct orl_pattern *pattern; /* or NULL */
+};
+
 struct orl_pattern {
     const char *name; /* as errors have it: "brightfunc dirt" */
     const char *file; /* where it is defined */
@@ -35,12 +47,15 @@ struct orl_pattern {
     uint32_t n_grids;                                /* 1 of a picture, with all channels */
     struct orl_function *values;     /* owned; factors by what the grids hold; NULL without */
     const struct orl_pattern *under; /* modifies this one; or NULL */
-    bool three;                      /* factors: one for each channel */
-    bool coloured;                   /* the same of it and all under it */
-    bool directed;                   /* it, or one under it, asks for the ray's direction */
-    bool meshed;                     /* it asks for a mesh's coordinates (Lu Lv) */
-    uint32_t index;                  /* in the description */
-    struct orl_vec3 row[3];          /* from the files' coordinates to the function's */
+    bool mixture;
+    struct orl_mixed mixed[2];
+    uint32_t steps;         /* evaluations of functions that it takes, at most */
+    bool three;             /* factors: one for each channel */
+    bool coloured;          /* the same of it and all under it */
+    bool directed;          /* it, or one under it, asks for the ray's direction */
+    bool meshed;            /* it asks for a mesh's coordinates (Lu Lv) */
+    uint32_t index;         /* in the description */
+    struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
     struct orl_vec3 offset;
     double scale;                   /* lengths of the function's in units of the files' */
     struct orl_vec3 center;         /* the geometry's */

@@ -187,10 +187,12 @@ static const struct orl_symbol *refused_with(const struct orl_parser *parser)
 {
     const struct orl_primitive *primitive = &parser->primitive;
     const struct orl_symbol *refused = find_refused(parser, primitive->modifier);
+    const bool mixture = orl_parser_is_mixture(primitive->type);
     const bool seen_as =
         strcmp(primitive->type, "illum") == 0 || strcmp(primitive->type, "mirror") == 0;
-    if (!refused && seen_as && primitive->n_strings > 0)
-        refused = find_refused(parser, orl_primitive_string(primitive, 0));
+    for (size_t i = 0; !refused && i < primitive->n_strings && i < 2; i++)
+        if (mixture || (seen_as && i == 0))
+            refused = find_refused(parser, orl_primitive_string(primitive, i));
     return refused;
 }
 
@@ -284,6 +286,60 @@ static int put_off(struct orl_parser *parser, struct orl_error *err)
     return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
 }
 
+/* One of the materials that the primitive at hand mixes. */
+static int find_mixed(struct orl_parser *parser, const struct orl_scope *scope, size_t which,
+                      struct orl_material *ret_material, struct orl_error *err)
+{
+    const char *const name = orl_primitive_string(&parser->primitive, which);
+    const struct orl_symbol *const symbol = orl_symbols_find(&parser->symbols, name);
+    if (symbol && symbol->kind == ORL_SYMBOL_MATERIAL) {
+        *ret_material = parser->out->materials[symbol->index];
+        return 0;
+    }
+    if (!symbol && strcmp(name, "void") != 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
+                               "'%.200s', which it mixes, is not defined", name);
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                    "mixtures are simulated of two materials: '%.200s' is none", name);
+    orl_error_hint(err, "name one of the materials instead");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+/* Two that are the same but for colour and pattern make a third of that kind. */
+static int mix(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
+{
+    struct orl_material two[2] = {{0}}, bare[2];
+    struct orl_pattern *pattern = NULL;
+    int code = 0;
+    if (parser->primitive.n_strings < 2 || strcmp(parser->primitive.modifier, "void") != 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "a mixture takes two materials, and is modified by void");
+    for (size_t i = 0; i < 2 && code == 0; i++) {
+        code = find_mixed(parser, scope, i, &two[i], err);
+        bare[i] = two[i];
+        bare[i].color = orl_gray(1);
+        bare[i].pattern = NULL;
+    }
+    if (code < 0)
+        return code;
+    const bool colored =
+        two[0].kind != ORL_MATERIAL_GLASS && two[0].sky < 0 && is_patterned(two[0].kind, false);
+    if (!colored || !same_material(&bare[0], &bare[1])) {
+        orl_parser_fail(
+            parser, scope, err, ORL_ERR_UNSUPPORTED,
+            "mixtures are simulated of two materials of one type, no glass, that differ "
+            "in colours and patterns alone, not in gloss");
+        orl_error_hint(err, "name one of the materials instead, or give both the same gloss");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    code = orl_parser_mixture(parser, scope, two, &pattern, err);
+    if (code < 0)
+        return code;
+    bare[0].pattern = pattern;
+    code = check_lit(parser, scope, &bare[0], err);
+    return code < 0 ? code : define(parser, scope, parser->primitive.id, &bare[0], err);
+}
+
 int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_error *err)
 {
@@ -293,6 +349,10 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     int code = check_name(parser, scope, err);
     if (code == 0 && refused)
         return define_like(parser, scope, refused, err);
+    if (code == 0 && orl_parser_is_mixture(parser->primitive.type)) {
+        code = mix(parser, scope, err);
+        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+    }
     if (code == 0)
         code = find_pattern(parser, scope, &material, err);
     if (code < 0)
@@ -341,8 +401,13 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (symbol->kind != ORL_SYMBOL_MATERIAL)
         return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
+    const bool mixture = material.pattern && material.pattern->mixture;
+    if (mixture && (own.pattern || own.sky >= 0))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                               "a mixture, '%.200s', has no pattern but those of what it mixes",
+                               target);
     material.sky = inherit ? material.sky : own.sky;
-    material.pattern = inherit ? material.pattern : own.pattern;
+    material.pattern = inherit || mixture ? material.pattern : own.pattern;
     code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;

@@ -91,6 +91,13 @@ bool orl_parser_is_pattern(const char *type);
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_pattern *under, struct orl_error *err);
 
+/* patterns.c: a mixture of two materials that differ in colour and pattern alone: the pattern that
+ * has what they are together, as a factor of 1. */
+bool orl_parser_is_mixture(const char *type);
+int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
+                       const struct orl_material mixed[2], struct orl_pattern **ret_pattern,
+                       struct orl_error *err);
+
 /* skies.c: a brightfunc of a sky's file. */
 bool orl_parser_is_sky(const struct orl_primitive *primitive);
 int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,

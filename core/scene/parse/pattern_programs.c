@@ -132,20 +132,21 @@ static int compile(struct orl_parser *parser, const struct orl_scope *scope,
  * arguments, of all channels, the others of their own.
  */
 static int compile_values(struct orl_parser *parser, const struct orl_scope *scope,
-                          struct orl_pattern *pattern, int context, struct orl_error *err)
+                          struct orl_pattern *pattern, int context, size_t first,
+                          struct orl_error *err)
 {
+    const bool channels = pattern->three || pattern->grids[0]->channels > 1;
     const size_t n = pattern->three ? ORL_GRID_CHANNELS : 1;
     char *texts[ORL_GRID_CHANNELS] = {NULL};
     int code = 0;
     for (size_t i = 0; i < n && code == 0; i++) {
-        const char *const name = orl_primitive_string(&parser->primitive, i);
+        const char *const name = orl_primitive_string(&parser->primitive, first + i);
         const char *const *const data = orl_function_ray_names + ORL_RAY_DATA;
         const size_t room = strlen(name) + 64;
         texts[i] = malloc(room);
         if (!texts[i])
             code = ORL_ERR_NOMEM;
-        else if (!pattern->three ||
-                 (i > 0 && orl_functions_arity(parser->functions, context, name) < n))
+        else if (!channels || (i > 0 && orl_functions_arity(parser->functions, context, name) < n))
             snprintf(texts[i], room, "%s(%s)", name, data[i]);
         else
             snprintf(texts[i], room, "%s(%s,%s,%s)", name, data[0], data[1], data[2]);
@@ -159,11 +160,12 @@ static int compile_values(struct orl_parser *parser, const struct orl_scope *sco
 }
 
 int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope,
-                        struct orl_pattern *pattern, const struct orl_xform *to_world, size_t n,
-                        size_t file, struct orl_error *err)
+                        struct orl_pattern *pattern, const struct orl_xform *to_world,
+                        const struct orl_pattern_strings *strings, struct orl_error *err)
 {
     const struct orl_primitive *const primitive = &parser->primitive;
-    const size_t first = pattern->n_grids > 0 ? file + 1 : 0;
+    const size_t first = pattern->n_grids > 0 ? strings->file + 1 : strings->functions;
+    const size_t n = strings->n;
     const char *expressions[ORL_GRID_AXES];
     int context = ORL_FUNCTION_GLOBAL;
     place_pattern(pattern, to_world);
@@ -171,11 +173,11 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     const bool picture = pattern->n_grids > 0 && pattern->grids[0]->channels > 1;
     for (size_t i = 0; i < n; i++)
         expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
-    int code = load(parser, scope, orl_primitive_string(primitive, file), &context, err);
+    int code = load(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
     if (code == 0)
         code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
     if (code == 0 && pattern->n_grids > 0)
-        code = compile_values(parser, scope, pattern, context, err);
+        code = compile_values(parser, scope, pattern, context, strings->functions, err);
     if (code == 0 || code == ORL_ERR_NOMEM)
         return code;
     const bool has_place = err->file[0] != '\0';

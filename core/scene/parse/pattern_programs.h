@@ -9,14 +9,17 @@
 
 #define ORL_SCENE_GRID_VALUES (64UL << 20) /* of all pictures and data files of a scene */
 
-/*
- * Fills in place, functions and what they ask for. n: expressions, which of a pattern without grids
- * are the primitive's first strings; of one with grids, coordinates, behind the function file;
- * file: which string names that.
- */
+/* Which of the primitive's strings are what. */
+struct orl_pattern_strings {
+    size_t functions; /* the first of its functions, or, without grids, its expressions */
+    size_t file;      /* the function file; of grids the coordinates follow */
+    size_t n;         /* expressions or coordinates */
+};
+
+/* Fills in place, functions and what they ask for. */
 int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope,
-                        struct orl_pattern *pattern, const struct orl_xform *to_world, size_t n,
-                        size_t file, struct orl_error *err);
+                        struct orl_pattern *pattern, const struct orl_xform *to_world,
+                        const struct orl_pattern_strings *strings, struct orl_error *err);
 
 /* The grid that a file holds, read when it is asked for first. The description's. */
 int orl_pattern_grid(struct orl_parser *parser, const struct orl_scope *scope, const char *name,

@@ -1,6 +1,7 @@
 /*
- * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict. Strings: one function,
- * or three; of grids, their files; the function file or '.'; of grids, an expression for each
+ * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; and mixtures of
+ * materials: mixfunc, mixdata, mixpict. Strings: of mixtures, two materials; one function, or
+ * three; of grids, their files; the function file or '.'; of grids, an expression for each
  * coordinate; and the transform from the function's coordinates. Numbers are arg(1) and on.
  * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.4.
  */
@@ -16,11 +17,13 @@ struct pattern_type {
     const char *name;
     size_t n_functions, n_files; /* of factors; of grids */
     bool picture;
+    size_t n_materials; /* that it mixes, before all else */
 };
 
 static const struct pattern_type pattern_types[] = {
-    {"brightfunc", 1, 0, false}, {"colorfunc", 3, 0, false}, {"brightdata", 1, 1, false},
-    {"colordata", 3, 3, false},  {"colorpict", 3, 1, true},
+    {"brightfunc", 1, 0, false, 0}, {"colorfunc", 3, 0, false, 0}, {"brightdata", 1, 1, false, 0},
+    {"colordata", 3, 3, false, 0},  {"colorpict", 3, 1, true, 0},  {"mixfunc", 1, 0, false, 2},
+    {"mixdata", 1, 1, false, 2},    {"mixpict", 1, 1, true, 2},
 };
 
 static const struct pattern_type *find_type(const char *name)
@@ -36,6 +39,12 @@ bool orl_parser_is_pattern(const char *type)
     return find_type(type) != NULL;
 }
 
+bool orl_parser_is_mixture(const char *type)
+{
+    const struct pattern_type *const found = find_type(type);
+    return found && found->n_materials > 0;
+}
+
 /* ---- Definitions ------------------------------------------------------------------------------
  */
 
@@ -46,19 +55,25 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_primitive *const primitive = &parser->primitive;
     const size_t reals = primitive->n_reals * sizeof *primitive->reals;
     const size_t folder = strlen(scope->folder) + 1;
-    const double numbers[13] = {to_world->row[0].x,
-                                to_world->row[0].y,
-                                to_world->row[0].z,
-                                to_world->row[1].x,
-                                to_world->row[1].y,
-                                to_world->row[1].z,
-                                to_world->row[2].x,
-                                to_world->row[2].y,
-                                to_world->row[2].z,
-                                to_world->offset.x,
-                                to_world->offset.y,
-                                to_world->offset.z,
-                                pattern->under ? pattern->under->index + 1.0 : 0};
+    double numbers[13 + 8] = {to_world->row[0].x,
+                              to_world->row[0].y,
+                              to_world->row[0].z,
+                              to_world->row[1].x,
+                              to_world->row[1].y,
+                              to_world->row[1].z,
+                              to_world->row[2].x,
+                              to_world->row[2].y,
+                              to_world->row[2].z,
+                              to_world->offset.x,
+                              to_world->offset.y,
+                              to_world->offset.z,
+                              pattern->under ? pattern->under->index + 1.0 : 0};
+    for (size_t i = 0; i < 2; i++) {
+        const struct orl_mixed *const m = &pattern->mixed[i];
+        const double own[4] = {m->color.r, m->color.g, m->color.b,
+                               m->pattern ? m->pattern->index + 1.0 : 0};
+        memcpy(numbers + 13 + 4 * i, own, sizeof own);
+    }
     size_t strings = 0;
     for (size_t i = 0; i < primitive->n_strings; i++)
         strings += strlen(orl_primitive_string(primitive, i)) + 1;
@@ -90,20 +105,29 @@ static bool same_pattern(const struct orl_pattern *a, const struct orl_pattern *
 }
 
 /* Takes the pattern, whatever happens. */
-static int define(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
+static int keep(struct orl_parser *parser, struct orl_pattern *pattern)
 {
     struct orl_description *const out = parser->out;
-    struct orl_symbol symbol = {.kind = ORL_SYMBOL_PATTERN, .index = (uint32_t)out->n_patterns};
-    symbol.name = orl_arena_text(out->arena, id, strlen(id));
-    if (!symbol.name || out->n_patterns >= UINT32_MAX ||
-        !orl_grow(&out->patterns, &parser->patterns_room, out->n_patterns,
-                  sizeof(struct orl_pattern *))) {
+    if (out->n_patterns >= UINT32_MAX || !orl_grow(&out->patterns, &parser->patterns_room,
+                                                   out->n_patterns, sizeof(struct orl_pattern *))) {
         orl_pattern_free(pattern);
         return ORL_ERR_NOMEM;
     }
-    pattern->index = symbol.index;
+    pattern->index = (uint32_t)out->n_patterns;
     out->patterns[out->n_patterns++] = pattern;
-    return orl_symbols_set(&parser->symbols, symbol);
+    return 0;
+}
+
+/* The same, by a name. */
+static int define(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
+{
+    struct orl_symbol symbol = {.kind = ORL_SYMBOL_PATTERN};
+    const int code = keep(parser, pattern);
+    if (code < 0)
+        return code;
+    symbol.index = pattern->index;
+    symbol.name = orl_arena_text(parser->out->arena, id, strlen(id));
+    return symbol.name ? orl_symbols_set(&parser->symbols, symbol) : ORL_ERR_NOMEM;
 }
 
 static int begin(struct orl_parser *parser, const struct orl_scope *scope,
@@ -127,7 +151,8 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
     int code = 0;
     *ret_axes = 0;
     for (size_t i = 0; i < type->n_files && code == 0; i++) {
-        const char *const name = orl_primitive_string(&parser->primitive, type->n_functions + i);
+        const char *const name =
+            orl_primitive_string(&parser->primitive, type->n_materials + type->n_functions + i);
         code = orl_pattern_grid(parser, scope, name, type->picture, &pattern->grids[i], err);
         if (code < 0)
             return code;
@@ -145,10 +170,38 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
                                           const struct orl_pattern *pattern)
 {
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
-    return old && old->kind == ORL_SYMBOL_PATTERN &&
-                   same_pattern(parser->out->patterns[old->index], pattern)
-               ? old
-               : NULL;
+    const struct orl_pattern *other = NULL;
+    if (old && old->kind == ORL_SYMBOL_PATTERN && !pattern->mixture)
+        other = parser->out->patterns[old->index];
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && pattern->mixture)
+        other = parser->out->materials[old->index].pattern;
+    return other && same_pattern(other, pattern) ? old : NULL;
+}
+
+static void depend(struct orl_pattern *pattern, const struct orl_pattern *other)
+{
+    pattern->steps += other ? other->steps : 0;
+    pattern->coloured = pattern->coloured || (other && other->coloured);
+    pattern->directed = pattern->directed || (other && other->directed);
+}
+
+/* What it is for all that it depends on. */
+static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
+                  struct orl_pattern *pattern, struct orl_error *err)
+{
+    pattern->steps = 1;
+    pattern->coloured = pattern->three;
+    depend(pattern, pattern->under);
+    for (int i = 0; pattern->mixture && i < 2; i++) {
+        const struct orl_rgb c = pattern->mixed[i].color;
+        depend(pattern, pattern->mixed[i].pattern);
+        pattern->coloured = pattern->coloured || c.r != c.g || c.g != c.b;
+    }
+    if (pattern->steps <= ORL_PATTERN_STEPS)
+        return 0;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
+                           "with all that it depends on it has more than %d functions",
+                           ORL_PATTERN_STEPS);
 }
 
 /* Fills in the pattern; ret_same: there is no need of it. */
@@ -156,7 +209,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
                         const struct pattern_type *type, struct orl_pattern *pattern,
                         const struct orl_symbol **ret_same, struct orl_error *err)
 {
-    const size_t file = type->n_functions + type->n_files;
+    const size_t file = type->n_materials + type->n_functions + type->n_files;
     struct orl_xform to_world = orl_xform_identity;
     size_t axes = 0;
     int code = find_grids(parser, scope, type, pattern, &axes, err);
@@ -174,11 +227,33 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     *ret_same = code == 0 ? find_same(parser, pattern) : NULL;
     if (code < 0 || *ret_same)
         return code;
-    code = orl_pattern_compile(parser, scope, pattern, &to_world,
-                               axes > 0 ? axes : type->n_functions, file, err);
-    pattern->coloured = pattern->three || (pattern->under && pattern->under->coloured);
-    pattern->directed = pattern->directed || (pattern->under && pattern->under->directed);
-    return code;
+    const struct orl_pattern_strings strings = {type->n_materials, file,
+                                                axes > 0 ? axes : type->n_functions};
+    code = orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
+    return code < 0 ? code : sum_up(parser, scope, pattern, err);
+}
+
+/* What both entry points check, and begin with; NULL: err says why not. */
+static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct orl_scope *scope,
+                                       const struct pattern_type *type, struct orl_error *err)
+{
+    struct orl_pattern *pattern;
+    if (parser->primitive.n_strings < type->n_materials + type->n_functions + type->n_files + 1) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                        "%s takes %s%s%s and a function file ('.': none), and perhaps a "
+                        "transform; here are %zu string arguments",
+                        type->name, type->n_materials > 0 ? "two materials, " : "",
+                        type->n_functions == 3 ? "three expressions" : "an expression",
+                        type->n_files > 0 ? ", what to interpolate" : "",
+                        parser->primitive.n_strings);
+        return NULL;
+    }
+    pattern = calloc(1, sizeof *pattern);
+    if (!pattern)
+        orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    else
+        pattern->three = type->n_functions == 3;
+    return pattern;
 }
 
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
@@ -186,25 +261,37 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
 {
     const struct pattern_type *const type = find_type(parser->primitive.type);
     const struct orl_symbol *same = NULL;
-    struct orl_pattern *pattern;
-    int code;
-    if (parser->primitive.n_strings < type->n_functions + type->n_files + 1)
-        return orl_parser_fail(
-            parser, scope, err, ORL_ERR_SYNTAX,
-            "%s takes %s%s and a function file ('.': none), and perhaps a "
-            "transform; here are %zu string arguments",
-            type->name, type->n_functions == 3 ? "three expressions" : "an expression",
-            type->n_files > 0 ? ", what to interpolate" : "", parser->primitive.n_strings);
-    pattern = calloc(1, sizeof *pattern);
+    struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
     if (!pattern)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    pattern->three = type->n_functions == 3;
+        return err->code;
     pattern->under = under;
-    code = read_pattern(parser, scope, type, pattern, &same, err);
+    int code = read_pattern(parser, scope, type, pattern, &same, err);
     if (code < 0 || same)
         orl_pattern_free(pattern);
     if (code == 0)
         code = same ? orl_symbols_set(&parser->symbols, *same)
                     : define(parser, pattern, parser->primitive.id);
+    return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
+}
+
+int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
+                       const struct orl_material mixed[2], struct orl_pattern **ret_pattern,
+                       struct orl_error *err)
+{
+    const struct pattern_type *const type = find_type(parser->primitive.type);
+    const struct orl_symbol *same = NULL;
+    struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
+    if (!pattern)
+        return err->code;
+    pattern->mixture = true;
+    for (int i = 0; i < 2; i++)
+        pattern->mixed[i] = (struct orl_mixed){mixed[i].color, mixed[i].pattern};
+    int code = read_pattern(parser, scope, type, pattern, &same, err);
+    if (code < 0 || same)
+        orl_pattern_free(pattern);
+    else
+        code = keep(parser, pattern);
+    if (code == 0)
+        *ret_pattern = same ? parser->out->materials[same->index].pattern : pattern;
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }
