@@ -14,6 +14,7 @@
 #include "digest.h"
 #include "files.h"
 #include "json_get.h"
+#include "main_files.h"
 #include "progress.h"
 
 static bool name_can_travel(const char *name)
@@ -117,7 +118,15 @@ static int compare_names(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Files of a folder whose names end in .rad, sorted. */
+static bool is_of_scene(const char *name)
+{
+    const size_t length = strlen(name);
+
+    return (length > 4 && strcasecmp(name + length - 4, ".rad") == 0) ||
+           (length > 5 && strcasecmp(name + length - 5, ".json") == 0);
+}
+
+/* Files of a folder whose names end in .rad or .json, sorted. */
 static int list_scene_files(const char *folder, char **names, size_t *count, struct orl_error *err)
 {
     DIR *entries = opendir(folder);
@@ -129,13 +138,11 @@ static int list_scene_files(const char *folder, char **names, size_t *count, str
         return rc;
     }
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
-        const size_t length = strlen(entry->d_name);
-
-        if (length <= 4 || entry->d_name[0] == '.' ||
-            strcasecmp(entry->d_name + length - 4, ".rad") != 0)
+        if (entry->d_name[0] == '.' || !is_of_scene(entry->d_name))
             continue;
         if (*count == ORL_LIMIT_SCENE_FILES)
-            rc = orl_error_set(err, ORL_ERR_LIMIT, "the folder has more than %u scene files",
+            rc = orl_error_set(err, ORL_ERR_LIMIT,
+                               "the folder has more than %u .rad and .json files",
                                ORL_LIMIT_SCENE_FILES);
         else if (!(names[*count] = strdup(entry->d_name)))
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -150,27 +157,25 @@ int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_cou
                           struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(folder);
-    bool is_main[ORL_LIMIT_SCENE_FILES];
+    size_t chosen[ORL_LIMIT_SCENE_FILES];
     char **names = calloc(ORL_LIMIT_SCENE_FILES, sizeof *names);
     size_t count = 0, kept = 0;
     int rc = names ? list_scene_files(folder, names, &count, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 
     if (rc == 0)
-        rc = orl_scene_guess_main((const char *const *)names, count, &files, is_main, err);
-    if (rc) {
-        orl_bundle_names_free(names, count);
-        return rc;
+        rc = orl_main_files_choose((const char *const *)names, count, &files, chosen, &kept, err);
+    char **mains = rc == 0 ? calloc(kept + 1, sizeof *mains) : NULL;
+    if (rc == 0 && !mains)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < kept && mains; i++) {
+        mains[i] = names[chosen[i]]; /* taken over, once */
+        names[chosen[i]] = NULL;
     }
-    for (size_t i = 0; i < count; i++) {
-        if (is_main[i])
-            names[kept++] = names[i];
-        else
-            free(names[i]);
-    }
-    *ret_names = names;
-    *ret_count = kept;
-    return 0;
+    orl_bundle_names_free(names, count);
+    *ret_names = mains;
+    *ret_count = mains ? kept : 0;
+    return rc;
 }
 
 int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *name,

@@ -45,7 +45,7 @@ export class CachePage {
   async #load() {
     try {
       const [maps, scenes, bsdfs, limits] = await Promise.all([get('/v1/maps'), all('/v1/scenes', 'scenes'), all('/v1/bsdfs', 'bsdfs'), get('/v1/limits')]);
-      this.#show(maps.maps, scenes, bsdfs, limits);
+      this.#show(maps.maps, scenes, bsdfs.filter((one) => one.by_itself), limits);
     } catch (error) {
       this.word.hidden = true;
       this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)));

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -24,6 +25,7 @@
 #include "health/blame.h"
 #include "honeybee/project.h"
 #include "json_read.h"
+#include "main_files.h"
 #include "scene_json.h"
 #include "uploads/unzip.h"
 
@@ -64,6 +66,32 @@ static int add_project(struct check *check, json_t *summary, struct orl_error *e
                : 0;
 }
 
+static bool is_listed(const json_t *list, const char *name)
+{
+    const json_t *one;
+    size_t i;
+    json_array_foreach(list, i, one) if (strcmp(json_string_value(one), name) == 0) return true;
+    return false;
+}
+
+/* Of the Radiance files: which are main ones, and which nobody reads. */
+static void add_files(json_t *summary, const struct orl_bundle *bundle)
+{
+    json_t *mains = json_array(), *unread = json_array();
+    const json_t *referenced = json_object_get(summary, "referenced");
+    for (size_t i = 0; i < bundle->count; i++) {
+        const char *name = bundle->files[i].name;
+        const size_t length = strlen(name);
+        const bool radiance = length > 4 && strcasecmp(name + length - 4, ".rad") == 0;
+        if (!bundle->files[i].resource)
+            json_array_append_new(mains, json_string(name));
+        else if (radiance && !is_listed(referenced, name))
+            json_array_append_new(unread, json_string(name));
+    }
+    json_object_set_new(summary, "main", mains);
+    json_object_set_new(summary, "unread", unread);
+}
+
 static int check_scene(struct check *check, json_t **ret_result, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
@@ -76,6 +104,7 @@ static int check_scene(struct check *check, json_t **ret_result, struct orl_erro
     int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
     if (rc == 0) {
         *ret_result = orl_scene_summary_to_json(&summary);
+        add_files(*ret_result, bundle);
         orl_scene_summary_done(&summary);
         rc = *ret_result ? add_project(check, *ret_result, err) : 0;
     }
@@ -166,16 +195,11 @@ static int check_files(struct check *check, json_t **ret_result, struct orl_erro
 static int guess_places(struct orl_opened *opened, unsigned *ret_places, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
-    bool is_main[ORL_LIMIT_SCENE_FILES];
     const struct orl_bundle *bundle = &opened->bundle;
     const struct orl_files files = orl_opened_provider(opened);
-    unsigned place = 0;
     for (size_t i = 0; i < bundle->count; i++)
         names[i] = bundle->files[i].name;
-    const int rc = orl_scene_guess_main(names, bundle->count, &files, is_main, err);
-    for (size_t i = 0; i < bundle->count && rc == 0; i++)
-        ret_places[i] = is_main[i] ? ++place : 0;
-    return rc;
+    return orl_main_files_places(names, bundle->count, &files, ret_places, err);
 }
 
 /* The places of a project's files. */

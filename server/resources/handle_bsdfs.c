@@ -164,11 +164,6 @@ void orl_handle_bsdf_post(struct orl_request *request)
     orl_request_work(request, hash_upload, look_up);
 }
 
-void orl_handle_bsdf_get(struct orl_request *request)
-{
-    orl_reply_stored_item(request, &orl_item_bsdf, request->params[0], 200, NULL);
-}
-
 void orl_handle_bsdf_delete(struct orl_request *request)
 {
     struct orl_server *server = request->server;

@@ -1,6 +1,7 @@
 /*
  * Looks at what is stored, made anew each time in a child (checks/child_looks.h): GET
- * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, where a BSDF sends light.
+ * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, where a BSDF sends light;
+ * and GET /v1/bsdfs/ID of those that came with a scene. Of others the check was kept.
  */
 #include "resources/handlers.h"
 
@@ -14,6 +15,7 @@
 #include "http/reply.h"
 #include "resources/stored_item.h"
 #include "server.h"
+#include "store/scene_lists.h"
 
 /* A scene is some kilometres large, in whatever unit; light comes from less than 90 degrees. */
 static const double highest = 1e9, most_theta_deg = 89.9, most_phi_deg = 360;
@@ -24,7 +26,8 @@ struct look {
     struct orl_incidence from; /* of a polar map */
     struct orl_bundle scene;
     char bsdf[ORL_SHA_HEX];
-    struct orl_blobs *blobs; /* with a claim on the BSDF; NULL: none */
+    struct orl_scene_bsdf of_scene; /* which came with one */
+    struct orl_blobs *blobs;        /* with a claim on the BSDF; NULL: none */
     struct orl_check check;
     char *text; /* the answer */
     int rc;
@@ -62,6 +65,17 @@ static void look_at_bsdf(struct orl_request *request)
     look->rc = orl_ask_polar(&look->check.asking, path, &look->from, &look->text, &look->err);
 }
 
+static void check_bsdf(struct orl_request *request)
+{
+    struct look *look = request->state;
+    char path[ORL_PATH_MAX];
+    free(look->text);
+    look->text = NULL;
+    orl_blob_path(&request->server->folders, look->bsdf, path);
+    look->rc =
+        orl_ask_bsdf(&look->check.asking, path, look->of_scene.name, &look->text, &look->err);
+}
+
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
 /* Is it there? err is set on failure alone. */
@@ -71,7 +85,10 @@ static int find(struct orl_request *request, const struct orl_item_kind *kind, b
     struct orl_stored_item item = {.summary = NULL};
     const int rc = kind->find(&request->server->db, request->params[0], &item, ret_found, err);
     free(item.summary);
-    return rc;
+    if (rc || *ret_found || kind != &orl_item_bsdf)
+        return rc;
+    struct orl_scene_bsdf bsdf;
+    return orl_scene_bsdf_find(&request->server->db, request->params[0], &bsdf, ret_found, err);
 }
 
 /* What was good once and now is not has been damaged, or a fault is ours: nobody else's. */
@@ -136,6 +153,21 @@ static bool take_number(struct orl_request *request, const char *name, double lo
     return false;
 }
 
+/* Of the request's BSDF, which stays while it is looked at. */
+static void begin_bsdf(struct orl_request *request, void (*work)(struct orl_request *request),
+                       void (*done)(struct orl_request *request))
+{
+    struct orl_server *server = request->server;
+    struct look *look = request->state;
+    memcpy(look->bsdf, request->params[0], ORL_SHA_HEX);
+    if (orl_blobs_claim(server->blobs, look->bsdf, &look->err)) {
+        orl_reply_error(request, &look->err);
+        return;
+    }
+    look->blobs = server->blobs;
+    orl_check_begin(&server->checks, &look->check, request, work, done);
+}
+
 void orl_handle_scene_outline(struct orl_request *request)
 {
     struct orl_server *server = request->server;
@@ -154,7 +186,6 @@ void orl_handle_scene_outline(struct orl_request *request)
 
 void orl_handle_bsdf_polar(struct orl_request *request)
 {
-    struct orl_server *server = request->server;
     struct look *look = begin(request, &orl_item_bsdf);
     if (!look)
         return;
@@ -168,11 +199,51 @@ void orl_handle_bsdf_polar(struct orl_request *request)
     if (!take_number(request, "theta_deg", 0, most_theta_deg, &look->from.theta_deg) ||
         !take_number(request, "phi_deg", 0, most_phi_deg, &look->from.phi_deg))
         return;
-    memcpy(look->bsdf, request->params[0], ORL_SHA_HEX);
-    if (orl_blobs_claim(server->blobs, look->bsdf, &look->err)) {
+    begin_bsdf(request, look_at_bsdf, reply_look);
+}
+
+/* A scene may have XML files that are none. */
+static void reply_bsdf(struct orl_request *request)
+{
+    struct look *look = request->state;
+    const char *id = request->params[0];
+    if (!orl_check_ended(&look->check, &look->rc, &look->err))
+        return;
+    if (look->rc == ORL_ERR_SYNTAX || look->rc == ORL_ERR_INVALID ||
+        look->rc == ORL_ERR_UNSUPPORTED || look->rc == ORL_ERR_RANGE) {
+        orl_reply_problem(request, 404, "no-such-resource", "There is no such resource",
+                          "the scene's file '%s' is none: %s", look->of_scene.name,
+                          look->err.message);
+        return;
+    }
+    if (look->rc) {
         orl_reply_error(request, &look->err);
         return;
     }
-    look->blobs = server->blobs;
-    orl_check_begin(&server->checks, &look->check, request, look_at_bsdf, reply_look);
+    const struct orl_stored_item item = {look->of_scene.created_ms, look->of_scene.bytes,
+                                         look->text};
+    orl_reply_json(request, 200, orl_stored_item_to_json(id, &item, NULL));
+    orl_reply_etag(request, id);
+}
+
+void orl_handle_bsdf_get(struct orl_request *request)
+{
+    struct orl_scene_bsdf of_scene;
+    struct orl_error err;
+    bool found = false;
+    if (orl_scene_bsdf_find(&request->server->db, request->params[0], &of_scene, &found, &err)) {
+        orl_reply_error(request, &err);
+        return;
+    }
+    if (!found) {
+        orl_reply_stored_item(request, &orl_item_bsdf, request->params[0], 200, NULL);
+        return;
+    }
+    if (orl_reply_if_none_match(request, request->params[0]))
+        return;
+    struct look *look = begin(request, &orl_item_bsdf);
+    if (look) {
+        look->of_scene = of_scene;
+        begin_bsdf(request, check_bsdf, reply_bsdf);
+    }
 }

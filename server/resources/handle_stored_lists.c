@@ -17,6 +17,7 @@
 struct list {
     json_t *items; /* NULL: out of memory */
     unsigned long limit;
+    const char *scene; /* of BSDFs: whose; NULL: all */
     bool more;
     struct orl_stored_place last; /* of those in it */
 };
@@ -86,10 +87,11 @@ static int add_bsdf(void *ctx, const struct orl_listed_bsdf *bsdf)
     orl_time_format(bsdf->place.created_ms, created);
     orl_time_format(bsdf->last_used_ms, used);
     return add(ctx,
-               json_pack("{s:s, s:o, s:s, s:I, s:s, s:I, s:o}", "id", bsdf->place.id, "name",
-                         orl_json_from_text(bsdf->name), "created_at", created, "bytes",
-                         (json_int_t)bsdf->bytes, "last_used", used, "scene_count",
-                         (json_int_t)bsdf->n_scenes, "scenes", split_ids(bsdf->scenes)),
+               json_pack("{s:s, s:o, s:s, s:b, s:I, s:s, s:I, s:o}", "id", bsdf->place.id, "name",
+                         orl_json_from_text(bsdf->name), "created_at", created, "by_itself",
+                         bsdf->by_itself, "bytes", (json_int_t)bsdf->bytes, "last_used", used,
+                         "scene_count", (json_int_t)bsdf->n_scenes, "scenes",
+                         split_ids(bsdf->scenes)),
                &bsdf->place);
 }
 
@@ -102,7 +104,7 @@ static int read_scenes(struct orl_db *db, const struct orl_stored_place *behind,
 static int read_bsdfs(struct orl_db *db, const struct orl_stored_place *behind, struct list *list,
                       struct orl_error *err)
 {
-    return orl_bsdf_rows(db, behind, list->limit + 1, add_bsdf, list, err);
+    return orl_bsdf_rows(db, behind, list->scene, list->limit + 1, add_bsdf, list, err);
 }
 
 struct kind {
@@ -113,7 +115,7 @@ struct kind {
 
 static void reply(struct orl_request *request, const struct list *list, const struct kind *kind)
 {
-    static const char *const kept[] = {"limit", NULL};
+    static const char *const kept[] = {"limit", "scene", NULL};
     char cursor[ORL_SHA_HEX + 24];
     orl_reply_json(request, 200,
                    json_pack("{s:o, s:b}", kind->member, list->items, "more", list->more));
@@ -124,9 +126,9 @@ static void reply(struct orl_request *request, const struct list *list, const st
     orl_page_link(request, kind->path, kept, cursor);
 }
 
-static void reply_list(struct orl_request *request, const struct kind *kind)
+static void reply_list(struct orl_request *request, const struct kind *kind, const char *scene)
 {
-    struct list list = {.limit = 100};
+    struct list list = {.limit = 100, .scene = scene};
     struct orl_stored_place behind;
     struct orl_error err;
     if (!orl_page_limit(request, &list.limit) || !read_cursor(request, &behind))
@@ -144,11 +146,14 @@ static void reply_list(struct orl_request *request, const struct kind *kind)
 void orl_handle_scene_list(struct orl_request *request)
 {
     static const struct kind scenes = {"/v1/scenes", "scenes", read_scenes};
-    reply_list(request, &scenes);
+    reply_list(request, &scenes, NULL);
 }
 
 void orl_handle_bsdf_list(struct orl_request *request)
 {
     static const struct kind bsdfs = {"/v1/bsdfs", "bsdfs", read_bsdfs};
-    reply_list(request, &bsdfs);
+    const char *scene = orl_request_query(request, "scene");
+    if (!scene || orl_is_sha256(scene) ||
+        orl_page_refuse(request, "scene is the id of one, 64 hexadecimal digits"))
+        reply_list(request, &bsdfs, scene);
 }

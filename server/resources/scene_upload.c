@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #include <oriel/limits.h>
@@ -130,6 +131,12 @@ static int make_main(struct orl_bundle *bundle, size_t place, const char *name,
     return 0;
 }
 
+static bool ends_in_rad(const char *name)
+{
+    const size_t length = strlen(name);
+    return length > 4 && strcasecmp(name + length - 4, ".rad") == 0;
+}
+
 static int choose_mains(struct orl_scene_upload *upload, struct orl_error *err)
 {
     size_t place = 0;
@@ -145,18 +152,56 @@ static int choose_mains(struct orl_scene_upload *upload, struct orl_error *err)
     return rc;
 }
 
+/* Of the bundle's files those that end in .rad, or all where none does: the first of them, by name.
+ */
+static void list_names(const struct orl_bundle *bundle, bool mains, char *ret_text, size_t room)
+{
+    enum { MOST = 8 };
+    size_t n_radiance = 0, listed = 0, length = 0;
+    for (size_t i = 0; i < bundle->count; i++)
+        n_radiance += ends_in_rad(bundle->files[i].name);
+    for (size_t i = 0; i < bundle->count && length < room; i++) {
+        const struct orl_bundle_file *file = &bundle->files[i];
+        if (mains ? file->resource : n_radiance > 0 && !ends_in_rad(file->name))
+            continue;
+        if (listed++ == MOST) {
+            snprintf(ret_text + length, room - length, " and others");
+            return;
+        }
+        length += (size_t)snprintf(ret_text + length, room - length, "%s%.60s",
+                                   listed > 1 ? ", " : "", file->name);
+    }
+}
+
+/* Nobody has said which files are the scene, and none could be told. */
+static int refuse_without_mains(struct orl_bundle *bundle, struct orl_error *err)
+{
+    char names[ORL_ERROR_TEXT_MAX / 2] = "";
+    bool radiance = false;
+    for (size_t i = 0; i < bundle->count; i++)
+        radiance = radiance || ends_in_rad(bundle->files[i].name);
+    orl_bundle_sort(bundle);
+    list_names(bundle, false, names, sizeof names);
+    if (radiance)
+        orl_error_set(err, ORL_ERR_INVALID, "which files are the scene is not clear: %s", names);
+    else
+        orl_error_set(err, ORL_ERR_INVALID, "no scene file was sent%s%s",
+                      bundle->count > 0 ? ", only " : "", names);
+    orl_error_hint(err, radiance
+                            ? "They lie in several folders, or each is named by another's command: "
+                              "say which by main, or put them at the top"
+                            : "Send at least one Radiance file (.rad)");
+    return ORL_ERR_INVALID;
+}
+
 /* What all forms end with: at least one main file, none of them empty; the order and the id. */
 static int finish(struct orl_scene_upload *upload, struct orl_error *err)
 {
     const int rc = choose_mains(upload, err);
     if (rc)
         return rc;
-    if (orl_bundle_main_count(&upload->bundle) == 0) {
-        orl_error_set(err, ORL_ERR_INVALID, "no scene file was sent");
-        orl_error_hint(err, "Send at least one part with a file name, other than an .xml; of a zip "
-                            "whose .rad files lie in several folders, say which by main");
-        return ORL_ERR_INVALID;
-    }
+    if (orl_bundle_main_count(&upload->bundle) == 0)
+        return refuse_without_mains(&upload->bundle, err);
     for (size_t i = 0; i < upload->bundle.count; i++)
         if (upload->bundle.files[i].bytes == 0) {
             orl_error_set(err, ORL_ERR_SYNTAX, "the file is empty");
@@ -172,6 +217,7 @@ static int add_zips(struct orl_scene_upload *upload, const struct orl_bundle *zi
                     struct orl_error *err)
 {
     int rc = 0;
+    upload->guessed = zips->count > 0 && !upload->mains;
     for (size_t i = 0; i < zips->count && rc == 0; i++)
         rc = orl_ask_unzip(asking, zips->files[i].path, folders, choice_of(upload), &upload->bundle,
                            err);
@@ -208,7 +254,7 @@ int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
                          struct orl_error *err)
 {
     const int rc = orl_ask_unzip(asking, path, folders, choice_of(upload), &upload->bundle, err);
-    upload->listed = !upload->mains;
+    upload->listed = upload->guessed = !upload->mains;
     return rc ? rc : finish(upload, err);
 }
 
@@ -228,11 +274,24 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
 
 /* ---- Checking and keeping ------------------------------------------------------------------- */
 
+/* Of an error in a scene whose main files were found, not said: which they were. */
+static void say_what_was_read(const struct orl_scene_upload *upload, struct orl_error *err)
+{
+    char names[ORL_ERROR_TEXT_MAX / 2] = "", hint[ORL_ERROR_TEXT_MAX];
+    list_names(&upload->bundle, true, names, sizeof names);
+    snprintf(hint, sizeof hint, "%.*s", (int)sizeof hint - 1, err->hint);
+    orl_error_hint(err, "%.*s%sRead as the scene, in this order: %s; main says otherwise",
+                   (int)sizeof hint / 3, hint, hint[0] ? ". " : "", names);
+}
+
 int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_asking *asking,
                            struct orl_error *err)
 {
-    return orl_ask_scene(asking, &upload->bundle, upload->listed ? upload->choice : NULL,
-                         &upload->summary, err);
+    const int rc = orl_ask_scene(asking, &upload->bundle, upload->listed ? upload->choice : NULL,
+                                 &upload->summary, err);
+    if (rc && upload->guessed && rc != ORL_ERR_NOMEM && rc != ORL_ERR_IO && rc != ORL_ERR_CANCELLED)
+        say_what_was_read(upload, err);
+    return rc;
 }
 
 int orl_scene_upload_keep(struct orl_scene_upload *upload, const struct orl_folders *folders,

@@ -15,6 +15,7 @@ struct orl_scene_upload {
     char id[ORL_SHA_HEX];
     json_t *choice; /* of a project: {"states", "sky"}; NULL: nothing is chosen */
     bool listed;    /* the summary is to tell what the project holds */
+    bool guessed;   /* nobody has said which files are main ones (main_files.h) */
     char *mains;    /* names of the main files, in order, a line each; NULL: as each form has it */
     char *summary;  /* JSON text, once checked */
 };

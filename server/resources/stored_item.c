@@ -12,7 +12,8 @@
 const struct orl_item_kind orl_item_scene = {"scene", "/v1/scenes", orl_scene_find};
 const struct orl_item_kind orl_item_bsdf = {"BSDF", "/v1/bsdfs", orl_bsdf_find};
 
-static json_t *item_to_json(const char *id, const struct orl_stored_item *item, const bool *created)
+json_t *orl_stored_item_to_json(const char *id, const struct orl_stored_item *item,
+                                const bool *created)
 {
     char when[ORL_TIME_TEXT];
     orl_time_format(item->created_ms, when);
@@ -42,7 +43,7 @@ void orl_reply_stored_item(struct orl_request *request, const struct orl_item_ki
         return;
     }
     if (created || !orl_reply_if_none_match(request, id)) {
-        orl_reply_json(request, status, item_to_json(id, &item, created));
+        orl_reply_json(request, status, orl_stored_item_to_json(id, &item, created));
         orl_reply_etag(request, id);
     }
     if (created) {

@@ -4,6 +4,8 @@
 #ifndef ORL_SERVER_RESOURCES_STORED_ITEM_H
 #define ORL_SERVER_RESOURCES_STORED_ITEM_H
 
+#include <jansson.h>
+
 #include "http/request.h"
 #include "store/scenes.h"
 
@@ -14,6 +16,10 @@ struct orl_item_kind {
                 bool *ret_found, struct orl_error *err);
 };
 extern const struct orl_item_kind orl_item_scene, orl_item_bsdf;
+
+/* The document of one, as below; NULL: out of memory. */
+json_t *orl_stored_item_to_json(const char *id, const struct orl_stored_item *item,
+                                const bool *created);
 
 /*
  * Replies with the item's document: {"id", "created_at", "bytes", "summary"} and, when created is

@@ -52,22 +52,30 @@ int orl_scene_rows(struct orl_db *db, const struct orl_stored_place *behind, siz
     return end(db, stmt, rc, step, err);
 }
 
-int orl_bsdf_rows(struct orl_db *db, const struct orl_stored_place *behind, size_t limit,
-                  int (*visit)(void *ctx, const struct orl_listed_bsdf *bsdf), void *ctx,
-                  struct orl_error *err)
+/* BSDFs of either origin, b: id, created_ms, name, bytes, and whether they were uploaded by
+ * themselves. */
+#define ALL_BSDFS                                                                                  \
+    "WITH b AS (SELECT id, created_ms, name, bytes, 1 AS own FROM bsdfs UNION ALL "                \
+    "SELECT f.blob, min(s.created_ms), min(f.name), f.bytes, 0 FROM scene_files f "                \
+    "JOIN scenes s ON s.id = f.scene WHERE f.resource = 1 AND f.name LIKE '%.xml' AND "            \
+    "f.blob NOT IN (SELECT id FROM bsdfs) GROUP BY f.blob) "
+
+static const char bsdf_rows[] =
+    ALL_BSDFS "SELECT id, created_ms, name, bytes, own, max(created_ms, coalesce((SELECT "
+              "max(s.last_used_ms) FROM scene_files f JOIN scenes s ON s.id = f.scene WHERE "
+              "f.blob = b.id), 0)), (SELECT count(DISTINCT scene) FROM scene_files WHERE blob = "
+              "b.id), (SELECT group_concat(scene) FROM (SELECT DISTINCT scene FROM scene_files "
+              "WHERE blob = b.id ORDER BY scene LIMIT ?1)) "
+              "FROM b WHERE (created_ms, id) < (?2, ?3) AND (?4 IS NULL OR EXISTS "
+              "(SELECT 1 FROM scene_files WHERE scene = ?4 AND blob = b.id)) "
+              "ORDER BY created_ms DESC, id DESC LIMIT ?5";
+
+int orl_bsdf_rows(struct orl_db *db, const struct orl_stored_place *behind, const char *scene,
+                  size_t limit, int (*visit)(void *ctx, const struct orl_listed_bsdf *bsdf),
+                  void *ctx, struct orl_error *err)
 {
-    char sql[900];
-    snprintf(
-        sql, sizeof sql,
-        "SELECT id, created_ms, name, bytes, max(created_ms, coalesce((SELECT "
-        "max(s.last_used_ms) FROM scene_files f JOIN scenes s ON s.id = f.scene WHERE f.blob = "
-        "b.id), 0)), (SELECT count(DISTINCT scene) FROM scene_files WHERE blob = b.id), "
-        "(SELECT group_concat(scene) FROM (SELECT DISTINCT scene FROM scene_files WHERE blob = "
-        "b.id ORDER BY scene LIMIT %d)) "
-        "FROM bsdfs b WHERE (created_ms, id) < (?, ?) ORDER BY created_ms DESC, id DESC "
-        "LIMIT ?",
-        ORL_LISTED_SCENES);
-    sqlite3_stmt *stmt = prepare(db, sql, behind, limit, err);
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, bsdf_rows, "iissi", (int64_t)ORL_LISTED_SCENES,
+                                        behind->created_ms, behind->id, scene, (int64_t)limit);
     int rc = 0, step = SQLITE_DONE;
     if (!stmt)
         return ORL_ERR_IO;
@@ -75,10 +83,30 @@ int orl_bsdf_rows(struct orl_db *db, const struct orl_stored_place *behind, size
         const struct orl_listed_bsdf bsdf = {.place = read_place(stmt),
                                              .name = orl_db_text(stmt, 2),
                                              .bytes = (uint64_t)sqlite3_column_int64(stmt, 3),
-                                             .last_used_ms = sqlite3_column_int64(stmt, 4),
-                                             .n_scenes = (uint64_t)sqlite3_column_int64(stmt, 5),
-                                             .scenes = orl_db_text(stmt, 6)};
+                                             .by_itself = sqlite3_column_int(stmt, 4) != 0,
+                                             .last_used_ms = sqlite3_column_int64(stmt, 5),
+                                             .n_scenes = (uint64_t)sqlite3_column_int64(stmt, 6),
+                                             .scenes = orl_db_text(stmt, 7)};
         rc = visit(ctx, &bsdf);
     }
     return end(db, stmt, rc, step, err);
+}
+
+int orl_scene_bsdf_find(struct orl_db *db, const char *id, struct orl_scene_bsdf *ret_bsdf,
+                        bool *ret_found, struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(
+        db, err, ALL_BSDFS "SELECT created_ms, name, bytes FROM b WHERE id = ? AND own = 0", "s",
+        id);
+    int step;
+    *ret_found = false;
+    if (!stmt)
+        return ORL_ERR_IO;
+    while ((step = sqlite3_step(stmt)) == SQLITE_ROW) {
+        *ret_found = true;
+        ret_bsdf->created_ms = sqlite3_column_int64(stmt, 0);
+        ret_bsdf->bytes = (uint64_t)sqlite3_column_int64(stmt, 2);
+        snprintf(ret_bsdf->name, sizeof ret_bsdf->name, "%s", orl_db_text(stmt, 1));
+    }
+    return end(db, stmt, 0, step, err);
 }

@@ -10,6 +10,7 @@
 
 #include <oriel/run.h>
 
+#include "main_files.h"
 #include "process/limits.h"
 #include "uploads/incoming.h"
 
@@ -214,16 +215,11 @@ int orl_unzip_guess(void *ctx, struct orl_bundle *files, unsigned *ret_places,
                     struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
-    bool is_main[ORL_LIMIT_SCENE_FILES];
-    unsigned place = 0;
     const struct orl_files provider = orl_bundle_provider(files);
     (void)ctx;
     for (size_t i = 0; i < files->count; i++)
         names[i] = files->files[i].name;
-    const int rc = orl_scene_guess_main(names, files->count, &provider, is_main, err);
-    for (size_t i = 0; i < files->count && rc == 0; i++)
-        ret_places[i] = is_main[i] ? ++place : 0;
-    return rc;
+    return orl_main_files_places(names, files->count, &provider, ret_places, err);
 }
 
 /* Main files in front, by their places; by insertion, as orl_bundle_sort. */

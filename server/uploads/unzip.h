@@ -4,7 +4,7 @@
  * Names are those in the archive; where all lie in one folder at the top, its name is left out,
  * unless it is the "model" of a project, whose texts know it by that (honeybee/project.h), and so
  * is what desktops put beside them (__MACOSX, .DS_Store, Thumbs.db, desktop.ini). Which of them are
- * main files, in the order of their names: orl_scene_guess_main.
+ * main files, and in which order: main_files.h.
  *
  * Refused, with the entry's name: names unfit for a bundle (absolute, climbing, not UTF-8), two
  * files of one name, links and devices, encrypted entries, methods other than deflate, damage;

@@ -103,7 +103,36 @@ static void test_scene_in_a_folder(void **state)
     reply_done(&reply);
     post_zip(*state, "", two, 3, &reply);
     assert_int_equal(reply.status, 422);
+    assert_non_null(strstr(reply_text(&reply, "detail"), "a/hut.rad, b/hut.rad"));
     assert_non_null(strstr(reply_text(&reply, "hint"), "say which by main"));
+    reply_done(&reply);
+    post_zip(*state, "", two, 1, &reply);
+    assert_int_equal(reply.status, 422);
+    assert_non_null(strstr(reply_text(&reply, "detail"), "readme.txt"));
+    reply_done(&reply);
+}
+
+/* Materials are read first, whatever they are called; the answer, and an error, say what was read.
+ */
+static void test_order_of_reading(void **state)
+{
+    static const char grey[] = "void plastic grey\n0\n0\n5 0.4 0.4 0.4 0 0\n";
+    static const char ball[] = "grey sphere ball\n0\n0\n4 1 1 1 0.4\n";
+    static const char wrong[] = "wood sphere ball\n0\n0\n4 1 1 1 0.4\n";
+    static const char job[] = "{\"scene\": {\"files\": [\"materials.rad\", \"ball.rad\"]}}";
+    const struct zip_entry sound[] = {ZIP_TEXT("ball.rad", ball), ZIP_TEXT("materials.rad", grey),
+                                      ZIP_TEXT("other.rad", grey), ZIP_TEXT("job.json", job)};
+    const struct zip_entry unsound[] = {ZIP_TEXT("ball.rad", wrong), ZIP_TEXT("m.rad", grey)};
+    struct reply reply;
+    post_zip(*state, "", sound, 4, &reply);
+    assert_int_equal(reply.status, 201);
+    assert_string_equal(reply_text(&reply, "summary.main.0"), "materials.rad");
+    assert_string_equal(reply_text(&reply, "summary.main.1"), "ball.rad");
+    assert_string_equal(reply_text(&reply, "summary.unread.0"), "other.rad");
+    reply_done(&reply);
+    post_zip(*state, "", unsound, 2, &reply);
+    assert_true(reply.status >= 400);
+    assert_non_null(strstr(reply_text(&reply, "hint"), "in this order: ball.rad, m.rad"));
     reply_done(&reply);
 }
 
@@ -241,8 +270,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_scene_as_by_parts), cmocka_unit_test(test_main_files),
-        cmocka_unit_test(test_scene_in_a_folder),      cmocka_unit_test(test_entries_refused),
-        cmocka_unit_test(test_archives_refused),       cmocka_unit_test(test_bombs_refused),
+        cmocka_unit_test(test_scene_in_a_folder),      cmocka_unit_test(test_order_of_reading),
+        cmocka_unit_test(test_entries_refused),        cmocka_unit_test(test_archives_refused),
+        cmocka_unit_test(test_bombs_refused),
     };
     return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
 }

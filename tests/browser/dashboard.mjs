@@ -249,6 +249,20 @@ test('a BSDF that is dropped tells what its check found, and where light goes', 
   await browser.keep(page, 'bsdf');
 }));
 
+test('a BSDF that came with a scene has its page', () => visit({ path: '/#/new' }, async (page) => {
+  await page.locator('.drop').waitFor();
+  const blinds = `void BSDF pane 6 0 blinds.xml 0 0 1 . 0 0\n${ROOM.split('\n').filter((line) => !line.startsWith('void glass')).join('\n')}`;
+  await drop(page, [['room.rad', blinds], ['blinds.xml', readFileSync('tests/fixtures/bsdf_lcp8.xml', 'latin1')], ['old.rad', ROOM], ['job.json', '{"scene": {"files": ["room.rad"]}}']]);
+  await page.getByText('Read: room.rad, not old.rad').waitFor();
+  await page.getByRole('link', { name: 'blinds.xml' }).click();
+  await page.getByRole('heading', { name: 'What the check found' }).waitFor();
+  await page.getByRole('img', { name: /^Transmitted: [0-9.]+\s% of the light/ }).waitFor();
+  await page.getByRole('link', { name: 'BSDFs' }).first().click();
+  await page.getByRole('row', { name: /blinds.xml with a scene/ }).waitFor();
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'bsdfs');
+}));
+
 test('what is kept is listed and removed, and the daemon says how it fares', () => visit({}, async (page) => {
   for (const { kind, key } of (await daemon.ask('GET', '/v1/maps')).maps) await daemon.ask('DELETE', `/v1/maps/${kind}/${key}`);
   const id = await daemon.submit({ name: 'by photons', sensors: SENSORS, technique: 'gather', photons: { global: 5000 }, gather_samples: 16 });

@@ -5,6 +5,7 @@ A new status or route: api/openapi.yaml first, then a few lines here that provok
 been provoked is listed at the end and fails the test.
 """
 
+import base64
 import io
 import json
 import os
@@ -154,6 +155,28 @@ def zips(daemon, same):
     daemon.ask("POST", "/v1/scenes", zipped("r.rad", " " * (80 << 20)), kind, want=413)
 
 
+def bsdfs_of_scenes(daemon, window):
+    """One that a scene brings along is listed, checked and drawn; an XML file that is none is not."""
+    files = {"r.rad": window.encode(), "k.xml": bsdf("bsdf_lcp8.xml"), "other.xml": b"<x/>"}
+    scene = daemon.ask("POST", "/v1/scenes", {"files": [
+        {"name": name, "base64": base64.b64encode(data).decode(), "resource": name != "r.rad"}
+        for name, data in files.items()]}, want=201).id
+    listed = daemon.ask("GET", "/v1/bsdfs?scene=" + scene, want=200).json["bsdfs"]
+    found = {one["name"]: one for one in listed}
+    assert sorted(found) == ["k.xml", "other.xml"]
+    assert all(not one["by_itself"] and one["scenes"] == [scene] for one in listed)
+    path = "/v1/bsdfs/" + found["k.xml"]["id"]
+    first = daemon.ask("GET", path, want=200)
+    assert first.json["summary"]["check"]["verdicts"]
+    daemon.ask("GET", path, headers={"If-None-Match": first.headers["etag"]}, want=304)
+    daemon.ask("GET", path + "/polar", want=200)
+    daemon.ask("DELETE", path, want=404)
+    none = daemon.ask("GET", "/v1/bsdfs/" + found["other.xml"]["id"], want=404)
+    assert "other.xml" in none.json["detail"]
+    daemon.ask("GET", "/v1/bsdfs?scene=x", want=400)
+    assert daemon.ask("GET", "/v1/bsdfs?scene=" + UNKNOWN, want=200).json["bsdfs"] == []
+
+
 def bsdfs(daemon):
     data = bsdf("bsdf_klems41.xml")
     first = daemon.ask("POST", "/v1/bsdfs?name=klems.xml", data, want=201)
@@ -172,6 +195,7 @@ def bsdfs(daemon):
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],
                                       "bsdfs": {"k.xml": first.id}}, want=201)
     daemon.ask("DELETE", path, want=409)
+    bsdfs_of_scenes(daemon, window)
     daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_lcp8.xml"), want=201)
     stored_lists(daemon, "bsdfs")
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": window}],

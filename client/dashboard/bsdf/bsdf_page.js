@@ -1,4 +1,4 @@
-// BSDFs: those uploaded by themselves; of one what its check found, and where it sends light.
+// BSDFs, uploaded by themselves or with a scene; of one what its check found, and where it sends light.
 
 import { Problem, ask, explain, get } from '../api.js';
 import { fill, h, setText } from '../dom.js';
@@ -54,10 +54,10 @@ export class BsdfsPage {
   async #load() {
     try {
       const { bsdfs } = await get('/v1/bsdfs?limit=200');
-      this.list.replaceChildren(bsdfs.length === 0 ? h('p', { class: 'quiet' }, 'None have been uploaded by themselves; those that came with scenes are theirs.')
+      this.list.replaceChildren(bsdfs.length === 0 ? h('p', { class: 'quiet' }, 'None yet. One that is dropped here is listed, and so are those that come with scenes.')
         : h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': 'BSDFs' }, h('table', { class: 'kept' },
-          h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Name'), ['Uploaded', 'Size', 'Scenes'].map((word) => h('th', { scope: 'col', class: 'n' }, word)))),
-          h('tbody', {}, bsdfs.map((one) => h('tr', {}, h('td', {}, h('a', { href: `#/bsdfs/${one.id}` }, one.name)),
+          h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Name'), h('th', { scope: 'col' }, 'Came'), ['Uploaded', 'Size', 'Scenes'].map((word) => h('th', { scope: 'col', class: 'n' }, word)))),
+          h('tbody', {}, bsdfs.map((one) => h('tr', {}, h('td', {}, h('a', { href: `#/bsdfs/${one.id}` }, one.name)), h('td', {}, one.by_itself ? 'by itself' : 'with a scene'),
             [moment(one.created_at), bytes(one.bytes), count(one.scene_count)].map((cell) => h('td', { class: 'n' }, cell))))))));
     } catch (error) {
       this.notice.replaceChildren(h('p', { class: 'notice after' }, explain(error)));

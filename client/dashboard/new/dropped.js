@@ -1,6 +1,6 @@
 // What was dropped or chosen, as the body of an upload: a zip as it is, anything else as a zip of it.
 
-import { choose } from './mains.js';
+import { candidates } from './mains.js';
 import { zip } from './zip.js';
 
 async function filesOf(entry, path) {
@@ -23,8 +23,8 @@ export async function ofDrop(transfer) {
 
 export const ofChoice = (files) => [...files].map((file) => ({ name: file.webkitRelativePath || file.name, file }));
 
-// {body, names, mains}: names as the service will know them, without a folder that holds all; mains of
-// mains.js, null of a zip.
+// {body, names, mains}: names as the service will know them, without a folder that holds all; mains as
+// mains.js has candidates, null of a zip.
 export async function upload(found) {
   if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, names: [], mains: null };
   const files = [];
@@ -33,6 +33,6 @@ export async function upload(found) {
   const inOne = files.every(({ name }) => name.startsWith(`${top}/`));
   const named = files.map(({ name, bytes }) => [inOne ? name.slice(top.length + 1) : name, bytes]);
   const decoder = new TextDecoder('latin1');
-  const texts = new Map(named.filter(([name]) => /^[^/]+\.(rad|json)$/.test(name)).map(([name, bytes]) => [name, decoder.decode(bytes)]));
-  return { body: zip(files), names: named.map(([name]) => name), mains: choose(texts) };
+  const texts = new Map(named.filter(([name]) => /^[^/]+\.rad$/i.test(name)).map(([name, bytes]) => [name, decoder.decode(bytes)]));
+  return { body: zip(files), names: named.map(([name]) => name), mains: candidates(texts) };
 }

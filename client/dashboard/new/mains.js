@@ -1,5 +1,5 @@
-// Which of a folder's Radiance files make the scene, and in which order: a name has to be defined
-// before it is used. The service's own choice is by name alone.
+// The order in which files that somebody picks are read: a name has to be defined before it is used.
+// Which files make the scene the service says, as long as nobody picks any.
 
 const SURFACES = new Set(['polygon', 'sphere', 'bubble', 'cone', 'cup', 'cylinder', 'tube', 'ring', 'instance', 'mesh', 'source']);
 
@@ -39,26 +39,9 @@ export function ordered(files) {
   return done.map(({ name }) => name);
 }
 
-// Lists of scene files in job documents of the folder: [{document, files}], of those whose files are all here.
-function documents(texts, names) {
-  const found = [];
-  for (const [name, text] of texts) {
-    if (!name.endsWith('.json')) continue;
-    try {
-      const { kind, scene } = JSON.parse(text);
-      const files = scene?.files;
-      if (Array.isArray(files) && files.length && files.every((one) => names.includes(one))) found.push({ name, kind: kind || 'render', files });
-    } catch { /* some other JSON */ }
-  }
-  return found.sort((a, b) => (a.kind === 'render' ? 0 : 1) - (b.kind === 'render' ? 0 : 1) || (a.name < b.name ? -1 : 1));
-}
-
-// texts: Map of name to text, of the scene files and documents at the top.
-// {all: what may be a main file, in order, chosen, by: the document that says so, or null}
-export function choose(texts) {
-  const files = [...texts].filter(([name]) => name.endsWith('.rad')).map(([name, text]) => ({ name, scan: scan(text) }));
-  const free = files.filter(({ name }) => !files.some((other) => other.scan.files.has(name)));
-  const all = ordered(free);
-  const [document] = documents(texts, files.map(({ name }) => name));
-  return { files, all, chosen: document?.files || all, by: document?.name || null };
+// texts: Map of name to text, of the scene files at the top.
+// {files: of {name, scan}, all: what may be a main file, in order}
+export function candidates(texts) {
+  const files = [...texts].map(([name, text]) => ({ name, scan: scan(text) }));
+  return { files, all: ordered(files.filter(({ name }) => !files.some((other) => other.scan.files.has(name)))) };
 }

@@ -73,14 +73,14 @@ export class NewPage {
     this.sceneWords.replaceChildren(h('p', { class: 'quiet' }, 'Reading, sending and checking\u2026'));
     try {
       this.dropped = await upload(await found);
-      this.chosen = this.dropped.mains?.chosen || [];
+      this.chosen = [];
       await this.#send();
     } catch (error) {
       this.#say(error);
     }
   }
 
-  // What was dropped, with these files as the scene's.
+  // What was dropped; with the files that were picked as the scene's, if any were.
   async #send() {
     const { body, names, mains } = this.dropped, { chosen } = this;
     this.#say('');
@@ -93,23 +93,24 @@ export class NewPage {
       if (!answer.ok) throw new Problem(answer.status, scene);
       await this.#show(scene);
     } catch (error) {
-      this.sceneWords.replaceChildren(mains?.all.length > 1 ? parts.section('mains', 'Scene', this.#mains()) : '');
+      this.sceneWords.replaceChildren(mains?.all.length > 1 ? parts.section('mains', 'Scene', this.#mains(chosen.length ? chosen : mains.all, mains.all)) : '');
       this.form.hidden = true;
       this.#say(error);
     }
   }
 
   // Which files make the scene: of a folder often not all that lie there.
-  #mains() {
-    const { all, files, by } = this.dropped.mains, { chosen } = this;
-    const known = [...new Set([...chosen, ...all])];
+  #mains(chosen, others) {
+    const files = this.dropped.mains?.files || [];
+    const known = [...new Set([...chosen, ...others])], left = others.filter((name) => !chosen.includes(name));
     const boxes = known.map((name, i) => h('label', { class: 'check' }, h('input', { type: 'checkbox', id: `main-${i}`, value: name, checked: chosen.includes(name) }), name));
     const again = () => {
-      const picked = new Set(boxes.map((box) => box.firstChild).filter((box) => box.checked).map((box) => box.value));
-      this.chosen = ordered(files.filter(({ name }) => picked.has(name)));
+      const picked = boxes.map((box) => box.firstChild).filter((box) => box.checked).map((box) => box.value);
+      const seen = picked.map((name) => files.find((one) => one.name === name));
+      this.chosen = seen.every(Boolean) ? ordered(seen) : picked;
       if (this.chosen.length) this.#send();
     };
-    return h('details', { class: 'mains' }, h('summary', {}, `Read: ${chosen.join(', ')}${by ? `, as in ${by}` : ''}`),
+    return h('details', { class: 'mains' }, h('summary', {}, `Read: ${chosen.join(', ')}${left.length ? `, not ${left.slice(0, 4).join(', ')}${left.length > 4 ? ` and ${left.length - 4} more` : ''}` : ''}`),
       h('p', { class: 'quiet' }, 'Files of the folder that make the scene. They are read in the order that their names need.'), boxes, h('button', { type: 'button', onclick: again }, 'Read these'));
   }
 
@@ -126,12 +127,12 @@ export class NewPage {
 
   async #show(scene) {
     this.scene = scene;
-    const { surfaces, materials, sources, bsdfs, bounds, referenced } = scene.summary;
+    const { surfaces, materials, sources, bsdfs, bounds, referenced, main = [], unread = [] } = scene.summary;
     const extent = bounds.min.every(Number.isFinite) ? bounds.min.map((low, i) => number(bounds.max[i] - low)).join(' \u00d7 ') : '';
     this.outline = extent ? new Outline(scene, (change) => this.#place(change)) : null;
     this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'found' },
-      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), this.dropped?.mains?.all.length > 1 && this.#mains(), parts.facts([
-        ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', count(bsdfs)], ['Suns, skies', count(sources)], ['Extent', extent],
+      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), this.dropped && main.length + unread.length > 1 && this.#mains(main, unread), parts.facts([
+        ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', bsdfs ? this.#bsdfs(scene) : '0'], ['Suns, skies', count(sources)], ['Extent', extent],
         ['Refers to', referenced.length ? referenced.slice(0, 12).join(', ') + (referenced.length > 12 ? ` and ${referenced.length - 12} more` : '') : null], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]])),
       this.outline?.node)));
     const height = extent ? Number((bounds.min[2] + 0.85).toFixed(2)) : 0.85;
@@ -141,6 +142,14 @@ export class NewPage {
     this.form.hidden = false;
     this.planPlace.replaceChildren();
     this.#settle();
+  }
+
+  // Each with a page of its own.
+  #bsdfs(scene) {
+    const place = h('span', {}, count(scene.summary.bsdfs));
+    get(`/v1/bsdfs?${new URLSearchParams({ scene: scene.id, limit: 12 })}`).then(({ bsdfs, more }) => bsdfs.length && place.replaceChildren(
+      ...bsdfs.flatMap((one, i) => [i ? ', ' : '', h('a', { href: `#/bsdfs/${one.id}` }, one.name)]), more ? ' and others' : '')).catch(() => {});
+    return place;
   }
 
   #skyPart(own) {

@@ -1,0 +1,311 @@
+#include "main_order.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MOST_DEFINERS = 16, DEEPEST = 8 };
+
+struct word {
+    const char *at;
+    size_t size;
+    size_t file; /* the main file that it counts for */
+};
+
+struct words {
+    struct word *items;
+    size_t count, room;
+};
+
+/* What is known so far; words lie in the texts, which stay open. */
+struct order {
+    const char *const *names;
+    size_t count;
+    const struct orl_files *files;
+    struct orl_file *texts; /* of those opened */
+    bool *opened, *seen;
+    struct words defined, used;
+    size_t file; /* the main file under way */
+    bool out_of_memory;
+};
+
+static bool is_word(const struct word *word, const char *text)
+{
+    return word->size == strlen(text) && memcmp(word->at, text, word->size) == 0;
+}
+
+static bool is_one_of(const struct word *word, const char *const *texts)
+{
+    while (*texts && !is_word(word, *texts))
+        texts++;
+    return *texts != NULL;
+}
+
+static void add(struct order *order, struct words *words, const struct word *word)
+{
+    if (is_word(word, "void"))
+        return;
+    if (words->count == words->room) {
+        const size_t room = words->room ? 2 * words->room : 256;
+        struct word *grown = realloc(words->items, room * sizeof *grown);
+        if (!grown) {
+            order->out_of_memory = true;
+            return;
+        }
+        words->items = grown;
+        words->room = room;
+    }
+    words->items[words->count++] = (struct word){word->at, word->size, order->file};
+}
+
+/* ---- A text ---------------------------------------------------------------------------------- */
+
+struct text {
+    const char *at, *end;
+};
+
+static bool is_space(char c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+static bool next_word(struct text *text, struct word *ret_word)
+{
+    while (text->at < text->end && is_space(*text->at))
+        text->at++;
+    ret_word->at = text->at;
+    while (text->at < text->end && !is_space(*text->at))
+        text->at++;
+    ret_word->size = (size_t)(text->at - ret_word->at);
+    return ret_word->size > 0;
+}
+
+/* To the line's end; a command goes on behind a backslash. */
+static struct text take_line(struct text *text, bool of_command)
+{
+    struct text line = {text->at, text->end};
+    while (text->at < text->end) {
+        const char *end = memchr(text->at, '\n', (size_t)(text->end - text->at));
+        line.end = end ? end : text->end;
+        text->at = end ? end + 1 : text->end;
+        const char *last = line.end > line.at && line.end[-1] == '\r' ? line.end - 1 : line.end;
+        if (!of_command || !end || last == line.at || last[-1] != '\\')
+            break;
+    }
+    return line;
+}
+
+static void look_at_file(struct order *order, size_t index, unsigned depth);
+
+/* By its last part: which folder it is in does not matter for the order. */
+static void look_at_named(struct order *order, const struct word *word, unsigned depth)
+{
+    size_t begin = word->size;
+    while (begin > 0 && word->at[begin - 1] != '/')
+        begin--;
+    const size_t size = word->size - begin;
+    for (size_t i = 0; i < order->count && depth < DEEPEST; i++) {
+        const char *slash = strrchr(order->names[i], '/');
+        const char *last = slash ? slash + 1 : order->names[i];
+        if (strlen(last) == size && memcmp(last, word->at + begin, size) == 0 && !order->seen[i])
+            look_at_file(order, i, depth + 1);
+    }
+}
+
+static void look_at_command(struct order *order, struct text line, unsigned depth)
+{
+    static const char *const skies[] = {"gensky", "gendaylit", NULL};
+    static const struct word sky = {"skyfunc", 7, 0};
+    struct word word, before = {"", 0, 0};
+    line.at++; /* the mark */
+    for (size_t i = 0; next_word(&line, &word); i++) {
+        const bool file = word.size > 4 && strncasecmp(word.at + word.size - 4, ".rad", 4) == 0;
+        if (i == 0 && is_one_of(&word, skies))
+            add(order, &order->defined, &sky);
+        else if (file)
+            look_at_named(order, &word, depth);
+        else if (is_word(&before, "-m") ||
+                 (i == 1 && before.size > 3 && memcmp(before.at, "gen", 3) == 0))
+            add(order, &order->used, &word);
+        before = word;
+    }
+}
+
+/* The next word of a primitive, behind comments and, where one may begin, commands. */
+static bool next_of_scene(struct order *order, struct text *text, bool first, unsigned depth,
+                          struct word *ret_word)
+{
+    for (;;) {
+        while (text->at < text->end && is_space(*text->at))
+            text->at++;
+        if (text->at < text->end && *text->at == '#')
+            take_line(text, false);
+        else if (first && text->at < text->end && *text->at == '!')
+            look_at_command(order, take_line(text, true), depth);
+        else
+            return next_word(text, ret_word);
+    }
+}
+
+/* The three lists of arguments; of some types the first word names a modifier. */
+static void skip_arguments(struct order *order, struct text *text, bool names_modifier)
+{
+    struct word word;
+    for (int list = 0; list < 3 && next_of_scene(order, text, false, 0, &word); list++) {
+        unsigned long left = 0;
+        for (size_t i = 0; i < word.size && i < 9 && word.at[i] >= '0' && word.at[i] <= '9'; i++)
+            left = 10 * left + (unsigned long)(word.at[i] - '0');
+        for (bool named = names_modifier && list == 0;
+             left > 0 && next_of_scene(order, text, false, 0, &word); left--, named = false)
+            if (named)
+                add(order, &order->used, &word);
+    }
+}
+
+static void look_at_text(struct order *order, struct text text, unsigned depth)
+{
+    static const char *const surfaces[] = {"polygon", "sphere",   "bubble", "cone",
+                                           "cup",     "cylinder", "tube",   "ring",
+                                           "source",  "instance", "mesh",   NULL};
+    static const char *const others[] = {"illum", "mirror", "antimatter", NULL};
+    struct word modifier, type, name;
+    while (next_of_scene(order, &text, true, depth, &modifier) &&
+           next_of_scene(order, &text, false, depth, &type) &&
+           next_of_scene(order, &text, false, depth, &name)) {
+        add(order, &order->used, &modifier);
+        if (!is_one_of(&type, surfaces))
+            add(order, &order->defined, &name);
+        if (!is_word(&type, "alias"))
+            skip_arguments(order, &text, is_one_of(&type, others));
+        else if (next_of_scene(order, &text, false, depth, &name))
+            add(order, &order->used, &name);
+    }
+}
+
+static void look_at_file(struct order *order, size_t index, unsigned depth)
+{
+    order->seen[index] = true;
+    if (!order->opened[index] &&
+        order->files->open(order->files->ctx, order->names[index], &order->texts[index], NULL) < 0)
+        return; /* which is told when the scene is read */
+    order->opened[index] = true;
+    const struct orl_file *file = &order->texts[index];
+    look_at_text(order, (struct text){file->data, file->data + file->size}, depth);
+}
+
+/* ---- Who needs whom -------------------------------------------------------------------------- */
+
+static int compare_names(const struct word *a, const struct word *b)
+{
+    const int order = memcmp(a->at, b->at, a->size < b->size ? a->size : b->size);
+    return order != 0 ? order : (a->size > b->size) - (a->size < b->size);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const struct word *x = a, *y = b;
+    const int order = compare_names(x, y);
+    return order != 0 ? order : (x->file > y->file) - (x->file < y->file);
+}
+
+static void sort_once(struct words *words)
+{
+    size_t kept = 0;
+    if (words->count > 0)
+        qsort(words->items, words->count, sizeof *words->items, compare);
+    for (size_t i = 0; i < words->count; i++)
+        if (kept == 0 || compare(&words->items[kept - 1], &words->items[i]) != 0)
+            words->items[kept++] = words->items[i];
+    words->count = kept;
+}
+
+/* needs[i * count + j]: main file i uses what j defines, and it does not. */
+static void find_needs(const struct order *order, bool *needs)
+{
+    const struct words *used = &order->used, *defined = &order->defined;
+    size_t first = 0, end = 0;
+    for (size_t i = 0; i < used->count; i++) {
+        const struct word *word = &used->items[i];
+        while (first < defined->count && compare_names(&defined->items[first], word) < 0)
+            first++;
+        end = end < first ? first : end;
+        while (end < defined->count && end - first < MOST_DEFINERS &&
+               compare_names(&defined->items[end], word) == 0)
+            end++;
+        bool own = false;
+        for (size_t k = first; k < end; k++)
+            own = own || defined->items[k].file == word->file;
+        for (size_t k = first; k < end && !own; k++)
+            needs[word->file * order->count + defined->items[k].file] = true;
+        end = first;
+    }
+}
+
+static bool waits(const bool *needs, const bool *left, size_t count, size_t index)
+{
+    for (size_t j = 0; j < count; j++)
+        if (left[j] && needs[index * count + j])
+            return true;
+    return false;
+}
+
+/* Again and again the first that waits for none; where all wait, the first. left: the main files.
+ */
+static size_t put_in_order(const bool *needs, bool *left, size_t count, size_t *ret_order)
+{
+    size_t placed = 0;
+    for (;;) {
+        size_t first = count, next = count;
+        for (size_t i = 0; i < count && next == count; i++) {
+            if (left[i] && first == count)
+                first = i;
+            if (left[i] && !waits(needs, left, count, i))
+                next = i;
+        }
+        if (first == count)
+            return placed;
+        next = next < count ? next : first;
+        ret_order[placed++] = next;
+        left[next] = false;
+    }
+}
+
+int orl_main_order(const char *const *names, size_t count, const bool *is_main,
+                   const struct orl_files *files, size_t *ret_order, size_t *ret_count,
+                   struct orl_error *err)
+{
+    struct order order = {.names = names,
+                          .count = count,
+                          .files = files,
+                          .texts = calloc(count + 1, sizeof *order.texts),
+                          .opened = calloc(2 * count + 1, sizeof(bool)),
+                          .seen = calloc(count + 1, sizeof(bool))};
+    bool *needs = calloc(count * count + 1, sizeof *needs);
+    order.out_of_memory = !order.texts || !order.opened || !order.seen || !needs;
+    for (order.file = 0; order.file < count && !order.out_of_memory; order.file++) {
+        if (!is_main[order.file])
+            continue;
+        memset(order.seen, 0, count);
+        look_at_file(&order, order.file, 0);
+    }
+    if (!order.out_of_memory) {
+        bool *left = order.opened + count;
+        memcpy(left, is_main, count);
+        sort_once(&order.defined);
+        sort_once(&order.used);
+        find_needs(&order, needs);
+        *ret_count = put_in_order(needs, left, count, ret_order);
+    }
+    for (size_t i = 0; i < count && order.opened && order.texts; i++)
+        if (order.opened[i])
+            files->close(files->ctx, &order.texts[i]);
+    free(order.texts);
+    free(order.opened);
+    free(order.seen);
+    free(order.defined.items);
+    free(order.used.items);
+    free(needs);
+    return order.out_of_memory
+               ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu files", count)
+               : 0;
+}

@@ -1,0 +1,132 @@
+/* Which files of a folder make its scene, when nobody says so, and in which order. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/files.h>
+
+#include "main_files.h"
+
+enum { MOST = 8 };
+
+struct entry {
+    const char *name, *text;
+};
+
+/* The names chosen, in order, with blanks between them. Entries: sorted by name. */
+static const char *choose(const struct entry *entries, size_t count)
+{
+    static char chosen[256];
+    const char *names[MOST];
+    struct orl_file contents[MOST];
+    size_t order[MOST], n = 0, length = 0;
+    struct orl_error err;
+    for (size_t i = 0; i < count; i++) {
+        names[i] = entries[i].name;
+        contents[i] = (struct orl_file){.data = entries[i].text, .size = strlen(entries[i].text)};
+        assert_true(i == 0 || strcmp(names[i - 1], names[i]) < 0);
+    }
+    struct orl_memory_files memory = {names, contents, count};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    assert_int_equal(orl_main_files_choose(names, count, &files, order, &n, &err), 0);
+    chosen[0] = '\0';
+    for (size_t i = 0; i < n; i++)
+        length += (size_t)snprintf(chosen + length, sizeof chosen - length, "%s%s", i ? " " : "",
+                                   names[order[i]]);
+    return chosen;
+}
+
+#define CHOOSE(...)                                                                                \
+    choose((const struct entry[]){__VA_ARGS__},                                                    \
+           sizeof((const struct entry[]){__VA_ARGS__}) / sizeof(struct entry))
+
+#define GREY "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
+#define BALL "grey sphere ball 0 0 4 0 0 0 1\n"
+
+/* Materials stand before what uses them, whatever they are called; else names decide. */
+static void test_definitions_come_first(void **state)
+{
+    (void)state;
+    assert_string_equal(
+        CHOOSE({"a_room.rad", BALL}, {"b_other.rad", ""}, {"z_materials.rad", GREY}),
+        "b_other.rad z_materials.rad a_room.rad");
+    assert_string_equal(CHOOSE({"a.rad", BALL}, {"b.rad", GREY BALL}, {"c.rad", "#" GREY}),
+                        "b.rad a.rad c.rad");
+    /* What a file defines itself it needs of nobody. */
+    assert_string_equal(CHOOSE({"a.rad", GREY BALL}, {"b.rad", GREY}), "a.rad b.rad");
+    /* By way of an alias, of an illum's other material, of a generator, and of a transformed file.
+     */
+    assert_string_equal(
+        CHOOSE({"a.rad", "void alias grey gray grey sphere s 0 0 4 0 0 0 1"},
+               {"b.rad", "void illum pane 1 glassy 0 3 1 1 1"},
+               {"c.rad", "!genbox wood box 1 1 1\n"},
+               {"d.rad", "void plastic gray 0 0 5 1 1 1 0 0 void glass glassy 0 0 3 1 1 1\n"
+                         "void plastic wood 0 0 5 1 1 1 0 0\n"}),
+        "d.rad a.rad b.rad c.rad");
+    assert_string_equal(CHOOSE({"a.rad", "! xform -rz 30 \\\n parts/desk.rad\n"}, {"m.rad", GREY},
+                               {"parts/desk.rad", BALL}),
+                        "m.rad a.rad");
+    assert_string_equal(
+        CHOOSE({"a.rad", "skyfunc glow ground 0 0 4 1 1 1 0\n"}, {"b.rad", "!gensky 3 21 12\n"}),
+        "b.rad a.rad");
+}
+
+/* Where files need each other names decide, and all are read. */
+static void test_circles(void **state)
+{
+    (void)state;
+    assert_string_equal(CHOOSE({"a.rad", GREY "wood sphere s 0 0 4 0 0 0 1\n"},
+                               {"b.rad", "void plastic wood 0 0 5 1 1 1 0 0\n" BALL}),
+                        "a.rad b.rad");
+}
+
+/* Nonsense is no reason not to choose: what is wrong with it the scene's check tells. */
+static void test_nonsense(void **state)
+{
+    (void)state;
+    assert_string_equal(CHOOSE({"a.rad", "grey sphere ball 0 0 999999999 1"},
+                               {"b.rad", "void plastic grey x y"}, {"c.rad", "!"}),
+                        "b.rad a.rad c.rad");
+    assert_string_equal(CHOOSE({"readme.txt", "void"}), "");
+}
+
+/* A job document beside them says which; one that lists what is not there does not. */
+static void test_documents(void **state)
+{
+    static const char other[] = "{\"kind\":\"study\",\"scene\":{\"files\":[\"b.rad\"]}}";
+    static const char job[] = "{\"scene\":{\"files\":[\"b.rad\",\"a.rad\"]}}";
+    static const char lost[] = "{\"scene\":{\"files\":[\"a.rad\",\"lost.rad\"]}}";
+    static const char twice[] = "{\"scene\":{\"files\":[\"a.rad\",\"a.rad\"]}}";
+    (void)state;
+    assert_string_equal(CHOOSE({"a.rad", ""}, {"a_study.json", other}, {"b.rad", ""}, {"c.rad", ""},
+                               {"job.json", job}),
+                        "b.rad a.rad");
+    assert_string_equal(CHOOSE({"a.rad", ""}, {"b.rad", ""}, {"study.json", other}), "b.rad");
+    assert_string_equal(CHOOSE({"a.rad", ""}, {"b.rad", ""}, {"bad.json", "{"}, {"lost.json", lost},
+                               {"t.json", twice}),
+                        "a.rad b.rad");
+    assert_string_equal(CHOOSE({"in/a.rad", ""}, {"in/b.rad", ""}, {"in/job.json", job}),
+                        "in/b.rad in/a.rad");
+}
+
+/* The top is one folder; of two as deep nobody can tell. */
+static void test_folders(void **state)
+{
+    (void)state;
+    assert_string_equal(CHOOSE({"a/room.rad", ""}, {"b/room.rad", ""}), "");
+    assert_string_equal(CHOOSE({"a/deep/room.rad", ""}, {"b/room.rad", ""}), "b/room.rad");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_definitions_come_first), cmocka_unit_test(test_circles),
+        cmocka_unit_test(test_nonsense), cmocka_unit_test(test_documents),
+        cmocka_unit_test(test_folders)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
