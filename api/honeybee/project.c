@@ -8,40 +8,9 @@
 #include "decode.h"
 #include "honeybee/project_parts.h"
 
-int orl_project_no_memory(const struct orl_project_finding *f)
-{
-    return orl_error_set(f->err, ORL_ERR_NOMEM, "out of memory");
-}
-
-bool orl_project_ends_with(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && strcmp(name + length - tail, ending) == 0;
-}
-
-const char *orl_project_below(const struct orl_project_finding *f, const char *name,
-                              const char *folder)
-{
-    const size_t length = strlen(folder);
-    if (strncmp(name, f->root, f->root_length) != 0 ||
-        strncmp(name + f->root_length, folder, length) != 0)
-        return NULL;
-    return name + f->root_length + length;
-}
-
 static int compare_names(const void *a, const void *b)
 {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
-const char *orl_project_name(const struct orl_project_finding *f, const char *name,
-                             size_t *ret_place)
-{
-    const char *const *found =
-        f->names ? bsearch(&name, f->names, f->count, sizeof *f->names, compare_names) : NULL;
-    if (found)
-        *ret_place = (size_t)(found - (const char *const *)f->names);
-    return found ? *found : NULL;
 }
 
 /* The shortest "" or "a/b/" in front of a .rad file in "scene/". */
@@ -79,33 +48,7 @@ static bool has_more(const struct orl_project_finding *f)
     return false;
 }
 
-/* ---- JSON beside the model ------------------------------------------------------------------- */
-
-int orl_project_json(const struct orl_project_finding *f, const char *name, json_t **ret_doc)
-{
-    struct orl_file text;
-    int rc = f->files->open(f->files->ctx, name, &text, f->err);
-    if (rc)
-        return rc;
-    if (text.size > ORL_PROJECT_INFO_BYTES)
-        rc = orl_error_set(f->err, ORL_ERR_LIMIT, "'%.200s' is larger than %d MiB", name,
-                           ORL_PROJECT_INFO_BYTES >> 20);
-    else
-        rc = orl_json_parse(name, text.data, text.size, ret_doc, f->err);
-    f->files->close(f->files->ctx, &text);
-    return rc;
-}
-
 /* ---- The scene ------------------------------------------------------------------------------- */
-
-int orl_project_add_main(struct orl_project_finding *f, size_t place)
-{
-    if (f->is_main[place])
-        return 0;
-    f->used[place] = f->is_main[place] = true;
-    return json_array_append_new(f->main, json_string(f->names[place])) ? orl_project_no_memory(f)
-                                                                        : 0;
-}
 
 static int add_static(struct orl_project_finding *f, const char *ending)
 {

@@ -6,17 +6,6 @@
 #include "base/arena.h"
 #include "scene/material/pattern.h"
 
-void orl_description_warn(struct orl_description *description, const char *text)
-{
-    char *copy = orl_arena_text(description->arena, text, strlen(text));
-    char **grown = realloc(description->warnings,
-                           (description->n_warnings + 1) * sizeof *description->warnings);
-    if (grown)
-        description->warnings = grown;
-    if (grown && copy)
-        grown[description->n_warnings++] = copy;
-}
-
 void orl_description_done(struct orl_description *description)
 {
     if (!description)

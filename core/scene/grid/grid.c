@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include <oriel/limits.h>
+
 void orl_grid_free(struct orl_grid *grid)
 {
     if (!grid)
@@ -90,4 +92,48 @@ void orl_grid_at(const struct orl_grid *grid, const double *place,
         for (uint32_t c = 0; c < grid->channels; c++)
             ret_values[c] += share * (double)grid->values[at * grid->channels + c];
     }
+}
+
+/* ---- Pictures --------------------------------------------------------------------------------
+ */
+
+int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, double aspect,
+                         struct orl_grid **ret_grid, struct orl_error *err)
+{
+    const uint64_t values = (uint64_t)ORL_GRID_CHANNELS * width * height;
+    struct orl_grid *grid;
+    int code =
+        width > ORL_LIMIT_IMAGE_SIDE || height > ORL_LIMIT_IMAGE_SIDE || values > ORL_GRID_VALUES
+            ? ORL_ERR_LIMIT
+            : 0;
+    if (code < 0 || width < 2 || height < 2) {
+        code = code < 0 ? code : ORL_ERR_SYNTAX;
+        orl_error_set(err, code,
+                      "the picture has %u x %u pixels: 2 x 2 at least, and %lu M at most", width,
+                      height, (ORL_GRID_VALUES >> 20) / ORL_GRID_CHANNELS);
+        orl_error_at(err, name, 0, NULL);
+        return code;
+    }
+    grid = calloc(1, sizeof *grid);
+    if (grid)
+        grid->values = calloc(values, sizeof *grid->values);
+    if (!grid || !grid->values) {
+        orl_grid_free(grid);
+        orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
+        return ORL_ERR_NOMEM;
+    }
+    const double up = aspect * height / width; /* of a unit of width */
+    grid->n_axes = 2;
+    grid->channels = ORL_GRID_CHANNELS;
+    grid->n_values = values;
+    grid->axes[0] = (struct orl_grid_axis){.size = up >= 1 ? up : 1, .n = height};
+    grid->axes[1] = (struct orl_grid_axis){.size = up >= 1 ? 1 : 1 / up, .n = width};
+    *ret_grid = grid;
+    return 0;
+}
+
+float *orl_grid_pixel(struct orl_grid *grid, uint32_t x, uint32_t y)
+{
+    const size_t width = grid->axes[1].n, row = grid->axes[0].n - 1 - y;
+    return grid->values + (row * width + x) * grid->channels;
 }
