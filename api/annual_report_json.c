@@ -256,7 +256,7 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
 {
     json_t *all = report->n_grids > 1 ? figures_to_json(report, report->n_grids) : json_null();
     return json_pack(
-        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O, s:o, "
+        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O, "
         "s:o, s:o, s:o, s:o, s:I, s:o}",
         "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
