@@ -146,7 +146,7 @@ static int read_row(const struct table *t, struct span line, unsigned char *ret_
 static int read_rows(struct table *t, unsigned char *states, size_t *ret_count)
 {
     struct span line;
-    bool is_head;
+    bool is_head = false;
     int code = find_column(t, &is_head);
     if (code == 0 && is_head)
         next_line(t, &line);
