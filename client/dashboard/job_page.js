@@ -222,10 +222,11 @@ export class JobPage {
     const goal = accuracy?.asked.relative_error ?? null;
     fill(this.accuracy, accuracy && [accuracy, next, isOver(this.job.state)], () => {
       if (!accuracy) return [];
+      const { deadline_s: deadline } = accuracy.asked, rounds = `after ${accuracy.rounds} round${accuracy.rounds === 1 ? '' : 's'}`;
       const now = accuracy.asked.dgp_error ? accuracy.achieved?.toPrecision(2) : percent(accuracy.achieved ?? NaN);
       if (!this.chart && course.length > 1) this.chart = new ErrorChart();
       return parts.section('accuracy', 'Error',
-        h('p', { class: 'figure' }, h('strong', {}, now), h('span', {}, ` of ${GOALS(accuracy.asked)} asked for, after ${accuracy.rounds} round${accuracy.rounds === 1 ? '' : 's'}`)),
+        h('p', { class: 'figure' }, h('strong', {}, now), h('span', {}, deadline ? ` ${rounds}; ${duration(deadline)} are allowed` : ` of ${GOALS(accuracy.asked)} asked for, ${rounds}`)),
         course.length > 1 && this.chart.node,
         isOver(this.job.state) && h('p', { class: 'quiet' }, sentence(accuracy.why), next?.one_percent_s > 0 && ` For 1\u202f% such a job takes about ${duration(next.one_percent_s)}.`));
     });

@@ -46,6 +46,4 @@ export function healthWords(health) {
   return { sound: lines.length === 0, lines: lines.length ? lines : ['Nothing went wrong in numbers.'], work };
 }
 
-export const GOALS = (asked) =>
-  asked.deadline_s ? `what ${number(asked.deadline_s)}\u202fs allow`
-    : asked.dgp_error ? `DGP to \u00b1\u202f${number(asked.dgp_error)}` : percent(asked.relative_error);
+export const GOALS = (asked) => asked.dgp_error ? `DGP to \u00b1\u202f${number(asked.dgp_error)}` : percent(asked.relative_error);

@@ -28,3 +28,8 @@ struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const st
     next.samples = orl_pace_samples(pace, work, fmax(seconds, least), growth * pace->samples);
     return next;
 }
+
+double orl_deadline_left_s(double round_s, double until_s, double deadline_s)
+{
+    return until_s - round_s < crumbs * deadline_s ? round_s : until_s;
+}

@@ -29,4 +29,8 @@ struct orl_deadline_next {
 struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const struct orl_work *work,
                                            double deadline_s, double left_s);
 
+/* What is left of the job while a round goes on that still takes so long, when it is so long until
+ * the deadline: all of that, unless the round leaves no more than what is not worth another one. */
+double orl_deadline_left_s(double round_s, double until_s, double deadline_s);
+
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "run/ahead.h"
+#include "run/deadline.h"
 #include "run/stages.h"
 
 static double left_s(const struct orl_run_state *state, double fraction, double now)
@@ -21,7 +22,9 @@ static double left_s(const struct orl_run_state *state, double fraction, double 
         ahead.spent_s[i] = state->result->timings_s[i];
     }
     const double left = orl_ahead_left_s(&ahead) + state->after_s;
-    return fmax(left, state->ends_s - now);
+    return state->ends_s > 0
+               ? orl_deadline_left_s(left, state->ends_s - now, state->job->goal.deadline_s)
+               : left;
 }
 
 /* What comes after the part that the run is of something larger. */

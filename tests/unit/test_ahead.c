@@ -301,6 +301,16 @@ static void test_whatever_rounds_take(void **state)
             }
 }
 
+/* A round that leaves crumbs is the last one, and what is said goes by it, not by the deadline. */
+static void test_what_is_left_of_a_deadline(void **state)
+{
+    (void)state;
+    assert_true(fabs(orl_deadline_left_s(5, 18, 30) - 18) < 1e-9);
+    assert_true(fabs(orl_deadline_left_s(17.5, 18, 30) - 17.5) < 1e-9);
+    assert_true(fabs(orl_deadline_left_s(0.01, 0.6, 30) - 0.01) < 1e-9);
+    assert_true(fabs(orl_deadline_left_s(9, 4, 30) - 9) < 1e-9);
+}
+
 /*
  * Views by photon maps take as long each round: 9 s go into 30 three times, 19 s once. What is left
  * then is not "used up".
@@ -336,6 +346,7 @@ int main(void)
                                        cmocka_unit_test(test_news),
                                        cmocka_unit_test(test_a_deadline_is_used),
                                        cmocka_unit_test(test_whatever_rounds_take),
+                                       cmocka_unit_test(test_what_is_left_of_a_deadline),
                                        cmocka_unit_test(test_no_room)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

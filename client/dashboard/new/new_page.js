@@ -132,7 +132,7 @@ export class NewPage {
     this.outline = extent ? new Outline(scene, (change) => this.#place(change)) : null;
     this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'found' },
       h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), this.dropped && main.length + unread.length > 1 && this.#mains(main, unread), parts.facts([
-        ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', bsdfs ? this.#bsdfs(scene) : '0'], ['Suns, skies', count(sources)], ['Extent', extent],
+        ['Read', main.length === 1 && !unread.length ? main[0] : null], ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', bsdfs ? this.#bsdfs(scene) : '0'], ['Suns, skies', count(sources)], ['Extent', extent],
         ['Refers to', referenced.length ? referenced.slice(0, 12).join(', ') + (referenced.length > 12 ? ` and ${referenced.length - 12} more` : '') : null], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]])),
       this.outline?.node)));
     const height = extent ? Number((bounds.min[2] + 0.85).toFixed(2)) : 0.85;
