@@ -52,30 +52,23 @@ int orl_scene_rows(struct orl_db *db, const struct orl_stored_place *behind, siz
     return end(db, stmt, rc, step, err);
 }
 
-/* BSDFs of either origin, b: id, created_ms, name, bytes, and whether they were uploaded by
- * themselves. */
-#define ALL_BSDFS                                                                                  \
-    "WITH b AS (SELECT id, created_ms, name, bytes, 1 AS own FROM bsdfs UNION ALL "                \
-    "SELECT f.blob, min(s.created_ms), min(f.name), f.bytes, 0 FROM scene_files f "                \
-    "JOIN scenes s ON s.id = f.scene WHERE f.resource = 1 AND f.name LIKE '%.xml' AND "            \
-    "f.blob NOT IN (SELECT id FROM bsdfs) GROUP BY f.blob) "
-
-static const char bsdf_rows[] =
-    ALL_BSDFS "SELECT id, created_ms, name, bytes, own, max(created_ms, coalesce((SELECT "
-              "max(s.last_used_ms) FROM scene_files f JOIN scenes s ON s.id = f.scene WHERE "
-              "f.blob = b.id), 0)), (SELECT count(DISTINCT scene) FROM scene_files WHERE blob = "
-              "b.id), (SELECT group_concat(scene) FROM (SELECT DISTINCT scene FROM scene_files "
-              "WHERE blob = b.id ORDER BY scene LIMIT ?1)) "
-              "FROM b WHERE (created_ms, id) < (?2, ?3) AND (?4 IS NULL OR EXISTS "
-              "(SELECT 1 FROM scene_files WHERE scene = ?4 AND blob = b.id)) "
-              "ORDER BY created_ms DESC, id DESC LIMIT ?5";
+/* A row of each is kept, with what uses it (migrations/0013_bsdf_list.sql): a page reads no others.
+ */
+#define BSDF_ROWS                                                                                  \
+    "SELECT id, created_ms, name, bytes, own, last_used_ms, scenes, (SELECT group_concat(scene) "  \
+    "FROM (SELECT DISTINCT scene FROM scene_files WHERE blob = b.id ORDER BY scene LIMIT ?1)) "    \
+    "FROM listed_bsdfs b WHERE (created_ms, id) < (?2, ?3) "
+#define IN_SCENE "AND id IN (SELECT blob FROM scene_files WHERE scene = ?5) "
+#define LATEST_FIRST "ORDER BY created_ms DESC, id DESC LIMIT ?4"
 
 int orl_bsdf_rows(struct orl_db *db, const struct orl_stored_place *behind, const char *scene,
                   size_t limit, int (*visit)(void *ctx, const struct orl_listed_bsdf *bsdf),
                   void *ctx, struct orl_error *err)
 {
-    sqlite3_stmt *stmt = orl_db_prepare(db, err, bsdf_rows, "iissi", (int64_t)ORL_LISTED_SCENES,
-                                        behind->created_ms, behind->id, scene, (int64_t)limit);
+    sqlite3_stmt *stmt =
+        orl_db_prepare(db, err, scene ? BSDF_ROWS IN_SCENE LATEST_FIRST : BSDF_ROWS LATEST_FIRST,
+                       scene ? "iisis" : "iisi", (int64_t)ORL_LISTED_SCENES, behind->created_ms,
+                       behind->id, (int64_t)limit, scene);
     int rc = 0, step = SQLITE_DONE;
     if (!stmt)
         return ORL_ERR_IO;
@@ -96,7 +89,7 @@ int orl_scene_bsdf_find(struct orl_db *db, const char *id, struct orl_scene_bsdf
                         bool *ret_found, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(
-        db, err, ALL_BSDFS "SELECT created_ms, name, bytes FROM b WHERE id = ? AND own = 0", "s",
+        db, err, "SELECT created_ms, name, bytes FROM listed_bsdfs WHERE id = ? AND own = 0", "s",
         id);
     int step;
     *ret_found = false;

@@ -12,6 +12,7 @@
 #include <time.h>
 
 #include "support/daemon.h"
+#include "support/scene_text.h"
 
 static void nap(void)
 {
@@ -105,17 +106,6 @@ static void test_scenes(void **state)
     reply_done(&reply);
 }
 
-static char *read_whole(const char *path, size_t *ret_size)
-{
-    FILE *file = fopen(path, "rb");
-    char *text = malloc(1 << 22);
-    assert_non_null(file);
-    assert_non_null(text);
-    *ret_size = fread(text, 1, 1 << 22, file);
-    fclose(file);
-    return text;
-}
-
 static void test_bsdfs(void **state)
 {
     struct daemon *daemon = *state;
@@ -126,7 +116,7 @@ static void test_bsdfs(void **state)
     for (int i = 0; i < 2; i++) {
         char path[120];
         snprintf(path, sizeof path, "tests/fixtures/%s", files[i]);
-        char *xml = read_whole(path, &sizes[i]);
+        char *xml = (char *)scene_read_bytes(path, &sizes[i]);
         snprintf(path, sizeof path, "/v1/bsdfs?name=%s", files[i]);
         daemon_request(daemon, "POST", path, "application/xml", xml, sizes[i], NULL, &reply);
         assert_int_equal(reply.status, 201);

@@ -69,7 +69,7 @@ def damage(daemon):
     daemon.ask("GET", path + "/result", want=500)
     daemon.ask("GET", path + "/files/result.json", want=500)
     with sqlite3.connect(os.path.join(daemon.folder, "oriel.db"), timeout=30) as database:
-        for table in ("scenes", "bsdfs", "jobs", "maps"):
+        for table in ("scenes", "bsdfs", "listed_bsdfs", "jobs", "maps"):
             database.execute("ALTER TABLE %s RENAME TO lost_%s" % (table, table))
     database.close()
     daemon.ask("GET", "/v1/scenes/" + scene, want=500)
