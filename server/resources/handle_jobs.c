@@ -223,6 +223,15 @@ static int check_references(struct orl_server *server, struct job_post *post)
     return rc ? rc : check_memory(server, post);
 }
 
+/* Whoever is told of no job, for want of memory, asks again; only with a key for this same one. */
+static void withdraw(struct orl_server *server, const struct orl_jobs_job *job)
+{
+    struct orl_error err = {0};
+    if (orl_jobs_cancel(server->jobs, job->row.id, &err))
+        orl_log_event(&server->log, ORL_LOG_WARN, "job-not-withdrawn", "ss", "job", job->row.id,
+                      "why", err.message);
+}
+
 static void submit(struct orl_request *request)
 {
     struct job_post *post = request->state;
@@ -252,10 +261,13 @@ static void submit(struct orl_request *request)
                                          .request_key = *post->key ? post->key : NULL};
     if (post->rc == 0)
         post->rc = orl_jobs_submit(request->server->jobs, &order, &job, &post->err);
-    if (post->rc)
+    if (post->rc) {
         orl_reply_error(request, &post->err);
-    else
-        reply_accepted(request, job);
+        return;
+    }
+    reply_accepted(request, job);
+    if (request->status != 202 && !order.request_key)
+        withdraw(request->server, job);
 }
 
 static void admit(struct orl_request *request)

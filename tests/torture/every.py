@@ -123,6 +123,7 @@ class Trials(Case):
         answer = self.persist(lambda: self.try_to_submit(seed=seed))
         if answer.status != 202:
             self.check_problem(answer.json())
+            self.expect_withdrawn()
             return
         job = answer.json()["id"]
         try:
@@ -137,6 +138,18 @@ class Trials(Case):
             self.compare(job, self.images[seed])
             self.done_as_asked += 1
         expect("its removal", self.client.request("DELETE", "/v1/jobs/" + job).status, 204)
+
+    def expect_withdrawn(self):
+        """A job that nobody was told of does not go on."""
+        self.calm()
+        until = time.monotonic() + TRIAL_S
+        while True:
+            jobs = [job for job in self.client.request("GET", "/v1/jobs").json()["jobs"]
+                    if job["state"] in ("queued", "running", "cancelling")]
+            if not jobs:
+                return
+            expect("time for %s to stop" % [job["id"] for job in jobs], time.monotonic() < until, True)
+            time.sleep(0.01)
 
     def evict(self):
         """A job whose maps have to take the place of those of the job before."""
