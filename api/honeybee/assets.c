@@ -150,8 +150,8 @@ int orl_hb_grids_write(struct orl_hb *hb)
     int rc = orl_hb_array(hb, orl_hb_radiance(hb->model), &radiance, "sensor_grids", &list);
     const size_t n = json_array_size(list);
     struct grid *grids = calloc(n + 1, sizeof *grids);
-    if (rc == 0 && !grids)
-        rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    if (!grids)
+        return rc ? rc : orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < n && rc == 0; i++) {
         const struct orl_hb_at here = {&at, NULL, i};
         grids[i].index = i;

@@ -126,19 +126,16 @@ static int write_surface(struct orl_hb *hb, const json_t *object, size_t modifie
 static int write_state_shades(struct orl_hb *hb, const json_t *state, const struct orl_hb_at *at,
                               struct orl_hb_polygon *polygon, struct orl_hb_file *file)
 {
-    const struct orl_hb_at list = {at, "shades", 0};
-    const json_t *shades = NULL, *shade;
-    size_t i;
-    int rc = orl_hb_array(hb, state, at, "shades", &shades);
-    json_array_foreach(shades, i, shade)
-    {
-        const struct orl_hb_at here = {&list, NULL, i}, in = {&here, "modifier", 0};
+    struct orl_hb_walk shades;
+    int rc = orl_hb_walk(hb, state, at, "shades", &shades);
+    for (const json_t *shade; rc == 0 && (shade = orl_hb_next(&shades));) {
+        const struct orl_hb_at in = {&shades.here, "modifier", 0};
         const json_t *named = orl_hb_get(shade, "modifier");
         size_t modifier = orl_hb_modifier_generic(hb, "generic_exterior_shade_0.35");
-        if (rc == 0 && named)
+        if (named)
             rc = orl_hb_modifier_find(hb, named, &in, &modifier);
         if (rc == 0)
-            rc = write_surface(hb, shade, modifier, &here, polygon, file);
+            rc = write_surface(hb, shade, modifier, &shades.here, polygon, file);
     }
     return rc;
 }

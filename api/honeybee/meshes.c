@@ -101,15 +101,10 @@ static int write_mesh(struct orl_hb *hb, const json_t *shade, const struct orl_h
 
 static int write_meshes(struct orl_hb *hb, struct orl_hb_file *mat, struct orl_hb_file *rad)
 {
-    const struct orl_hb_at list = {NULL, "shade_meshes", 0};
-    const json_t *meshes = NULL, *mesh;
-    size_t i;
-    int rc = orl_hb_array(hb, hb->model, NULL, "shade_meshes", &meshes);
-    json_array_foreach(meshes, i, mesh)
-    {
-        const struct orl_hb_at here = {&list, NULL, i};
-        rc = rc ? rc : write_mesh(hb, mesh, &here, mat, rad);
-    }
+    struct orl_hb_walk meshes;
+    int rc = orl_hb_walk(hb, hb->model, NULL, "shade_meshes", &meshes);
+    for (const json_t *mesh; rc == 0 && (mesh = orl_hb_next(&meshes));)
+        rc = write_mesh(hb, mesh, &meshes.here, mat, rad);
     return rc;
 }
 

@@ -29,22 +29,18 @@ static const struct {
 int orl_hb_sets_read(struct orl_hb *hb)
 {
     const struct orl_hb_at properties = {NULL, "properties", 0},
-                           radiance = {&properties, "radiance", 0},
-                           list = {&radiance, "modifier_sets", 0};
-    const json_t *sets = NULL;
-    json_t *set;
-    size_t i;
+                           radiance = {&properties, "radiance", 0};
+    struct orl_hb_walk sets;
     hb->modifier_sets = json_object();
     if (!hb->modifier_sets)
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
-    int rc = orl_hb_array(hb, orl_hb_radiance(hb->model), &radiance, "modifier_sets", &sets);
-    json_array_foreach(sets, i, set)
-    {
-        const struct orl_hb_at here = {&list, NULL, i}, named = {&here, "identifier", 0};
+    int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "modifier_sets", &sets);
+    for (json_t *set; rc == 0 && (set = orl_hb_next(&sets));) {
+        const struct orl_hb_at named = {&sets.here, "identifier", 0};
         const char *identifier = json_string_value(json_object_get(set, "identifier"));
-        if (rc == 0 && !identifier)
+        if (!identifier)
             rc = orl_hb_fail(&named, hb->err, ORL_ERR_INVALID, "an identifier is wanted here");
-        if (rc == 0 && json_object_set(hb->modifier_sets, identifier, set))
+        else if (json_object_set(hb->modifier_sets, identifier, set))
             rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     }
     return rc;

@@ -87,16 +87,11 @@ static int write_needed(struct writing *w, const json_t *value, const struct orl
 
 static int write_dependencies(struct writing *w, const json_t *json, const struct orl_hb_at *at)
 {
-    const struct orl_hb_at list = {at, "dependencies", 0};
-    const json_t *dependencies = NULL, *dependency;
+    struct orl_hb_walk dependencies;
     const char *identifier;
-    size_t i;
-    int rc = orl_hb_array(w->hb, json, at, "dependencies", &dependencies);
-    json_array_foreach(dependencies, i, dependency)
-    {
-        const struct orl_hb_at here = {&list, NULL, i};
-        rc = rc ? rc : write_needed(w, dependency, &here, &identifier);
-    }
+    int rc = orl_hb_walk(w->hb, json, at, "dependencies", &dependencies);
+    for (const json_t *dependency; rc == 0 && (dependency = orl_hb_next(&dependencies));)
+        rc = write_needed(w, dependency, &dependencies.here, &identifier);
     return rc;
 }
 

@@ -73,20 +73,16 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
 int orl_hb_modifiers_read(struct orl_hb *hb)
 {
     const struct orl_hb_at properties = {NULL, "properties", 0},
-                           radiance = {&properties, "radiance", 0},
-                           list = {&radiance, "modifiers", 0};
-    const json_t *modifiers = NULL, *modifier;
-    size_t i, place;
+                           radiance = {&properties, "radiance", 0};
+    struct orl_hb_walk modifiers;
+    size_t place;
     hb->modifier_places = json_object();
     if (!hb->modifier_places)
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
-    int rc = orl_hb_array(hb, orl_hb_radiance(hb->model), &radiance, "modifiers", &modifiers);
-    json_array_foreach(modifiers, i, modifier)
-    {
-        const struct orl_hb_at here = {&list, NULL, i};
-        rc = rc ? rc : add_own(hb, modifier, &here, &place);
-    }
-    for (i = 0; i < sizeof generics / sizeof *generics && rc == 0; i++)
+    int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "modifiers", &modifiers);
+    for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));)
+        rc = add_own(hb, modifier, &modifiers.here, &place);
+    for (size_t i = 0; i < sizeof generics / sizeof *generics && rc == 0; i++)
         if (!json_object_get(hb->modifier_places, generics[i].identifier))
             rc = add(hb, generics[i].identifier, NULL, &place);
     return rc;

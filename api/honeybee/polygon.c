@@ -66,18 +66,14 @@ int orl_hb_polygon_cut(struct orl_hb *hb, const json_t *geometry, const struct o
 int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
                         struct orl_hb_polygon *polygon)
 {
-    const struct orl_hb_at here = {at, "geometry", 0}, list = {&here, "holes", 0};
-    const json_t *holes = NULL, *hole;
-    size_t i;
+    const struct orl_hb_at here = {at, "geometry", 0};
+    struct orl_hb_walk holes = {0};
     polygon->n_points = polygon->n_loops = 0;
     int rc = orl_hb_polygon_cut(hb, geometry, at, polygon);
     if (rc == 0)
-        rc = orl_hb_array(hb, geometry, &here, "holes", &holes);
-    json_array_foreach(holes, i, hole)
-    {
-        const struct orl_hb_at each = {&list, NULL, i};
-        rc = rc ? rc : add_loop(hb, hole, &each, polygon);
-    }
+        rc = orl_hb_walk(hb, geometry, &here, "holes", &holes);
+    for (const json_t *hole; rc == 0 && (hole = orl_hb_next(&holes));)
+        rc = add_loop(hb, hole, &holes.here, polygon);
     return rc;
 }
 

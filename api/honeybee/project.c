@@ -8,11 +8,6 @@
 #include "decode.h"
 #include "honeybee/project_parts.h"
 
-static int compare_names(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
 /* The shortest "" or "a/b/" in front of a .rad file in "scene/". */
 static bool find_root(struct orl_project_finding *f)
 {
@@ -233,7 +228,7 @@ static int begin(struct orl_project_finding *f, const char *const *names)
         !f->skies || !f->left_out)
         return orl_project_no_memory(f);
     memcpy(f->names, names, f->count * sizeof *names);
-    qsort(f->names, f->count, sizeof *f->names, compare_names);
+    qsort(f->names, f->count, sizeof *f->names, orl_project_compare_names);
     return 0;
 }
 

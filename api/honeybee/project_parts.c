@@ -26,7 +26,7 @@ const char *orl_project_below(const struct orl_project_finding *f, const char *n
     return name + f->root_length + length;
 }
 
-static int compare_names(const void *a, const void *b)
+int orl_project_compare_names(const void *a, const void *b)
 {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
@@ -35,7 +35,8 @@ const char *orl_project_name(const struct orl_project_finding *f, const char *na
                              size_t *ret_place)
 {
     const char *const *found =
-        f->names ? bsearch(&name, f->names, f->count, sizeof *f->names, compare_names) : NULL;
+        f->names ? bsearch(&name, f->names, f->count, sizeof *f->names, orl_project_compare_names)
+                 : NULL;
     if (found)
         *ret_place = (size_t)(found - (const char *const *)f->names);
     return found ? *found : NULL;

@@ -29,6 +29,7 @@ bool orl_project_ends_with(const char *name, const char *ending);
 /* The part of a name below a folder of the model's, or NULL. */
 const char *orl_project_below(const struct orl_project_finding *f, const char *name,
                               const char *folder);
+int orl_project_compare_names(const void *a, const void *b); /* of names[] */
 /* The file of that name, and its place; NULL: there is none. */
 const char *orl_project_name(const struct orl_project_finding *f, const char *name,
                              size_t *ret_place);

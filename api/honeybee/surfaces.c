@@ -91,18 +91,12 @@ static int write_shades_of(struct surfaces *s, const json_t *object, const struc
 {
     static const char *const members[] = {"indoor_shades", "outdoor_shades"};
     int rc = 0;
-    for (size_t k = 0; k < 2; k++) {
-        const struct orl_hb_at list = {at, members[k], 0};
-        const json_t *shades = NULL, *shade;
-        size_t i;
-        rc = rc ? rc : orl_hb_array(s->hb, object, at, members[k], &shades);
-        json_array_foreach(shades, i, shade)
-        {
-            const struct orl_hb_at here = {&list, NULL, i};
-            rc =
-                rc ? rc
-                   : write_shade(s, shade, &here, set, k == 0 ? ORL_HB_SHADE_INSIDE : ORL_HB_SHADE);
-        }
+    for (size_t k = 0; k < 2 && rc == 0; k++) {
+        const enum orl_hb_use use = k == 0 ? ORL_HB_SHADE_INSIDE : ORL_HB_SHADE;
+        struct orl_hb_walk shades;
+        rc = orl_hb_walk(s->hb, object, at, members[k], &shades);
+        for (const json_t *shade; rc == 0 && (shade = orl_hb_next(&shades));)
+            rc = write_shade(s, shade, &shades.here, set, use);
     }
     return rc;
 }
@@ -149,15 +143,10 @@ static int write_opening(struct surfaces *s, const json_t *object, const struct 
 static int write_openings(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
                           const char *member, const struct context *context, bool door)
 {
-    const struct orl_hb_at list = {at, member, 0};
-    const json_t *openings = NULL, *opening;
-    size_t i;
-    int rc = orl_hb_array(s->hb, object, at, member, &openings);
-    json_array_foreach(openings, i, opening)
-    {
-        const struct orl_hb_at here = {&list, NULL, i};
-        rc = rc ? rc : write_opening(s, opening, &here, context, door);
-    }
+    struct orl_hb_walk openings;
+    int rc = orl_hb_walk(s->hb, object, at, member, &openings);
+    for (const json_t *opening; rc == 0 && (opening = orl_hb_next(&openings));)
+        rc = write_opening(s, opening, &openings.here, context, door);
     return rc;
 }
 
@@ -192,18 +181,12 @@ static int cut_openings(struct surfaces *s, const json_t *face, const struct orl
 {
     static const char *const members[] = {"apertures", "doors"};
     int rc = 0;
-    for (size_t k = 0; k < 2; k++) {
-        const struct orl_hb_at list = {at, members[k], 0};
-        const json_t *openings = NULL, *opening;
-        size_t i;
-        rc = rc ? rc : orl_hb_array(s->hb, face, at, members[k], &openings);
-        json_array_foreach(openings, i, opening)
-        {
-            const struct orl_hb_at here = {&list, NULL, i};
-            rc = rc ? rc
-                    : orl_hb_polygon_cut(s->hb, json_object_get(opening, "geometry"), &here,
-                                         &s->polygon);
-        }
+    for (size_t k = 0; k < 2 && rc == 0; k++) {
+        struct orl_hb_walk openings;
+        rc = orl_hb_walk(s->hb, face, at, members[k], &openings);
+        for (const json_t *opening; rc == 0 && (opening = orl_hb_next(&openings));)
+            rc = orl_hb_polygon_cut(s->hb, json_object_get(opening, "geometry"), &openings.here,
+                                    &s->polygon);
     }
     return rc;
 }
@@ -264,15 +247,10 @@ static int write_face(struct surfaces *s, const json_t *face, const struct orl_h
 static int write_faces(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
                        const char *member, const json_t *set)
 {
-    const struct orl_hb_at list = {at, member, 0};
-    const json_t *faces = NULL, *face;
-    size_t i;
-    int rc = orl_hb_array(s->hb, object, at, member, &faces);
-    json_array_foreach(faces, i, face)
-    {
-        const struct orl_hb_at here = {&list, NULL, i};
-        rc = rc ? rc : write_face(s, face, &here, set);
-    }
+    struct orl_hb_walk faces;
+    int rc = orl_hb_walk(s->hb, object, at, member, &faces);
+    for (const json_t *face; rc == 0 && (face = orl_hb_next(&faces));)
+        rc = write_face(s, face, &faces.here, set);
     return rc;
 }
 
@@ -280,34 +258,24 @@ static int write_faces(struct surfaces *s, const json_t *object, const struct or
 
 static int write_rooms(struct surfaces *s)
 {
-    const struct orl_hb_at list = {NULL, "rooms", 0};
-    const json_t *rooms = NULL, *room;
-    size_t i;
-    int rc = orl_hb_array(s->hb, s->hb->model, NULL, "rooms", &rooms);
-    json_array_foreach(rooms, i, room)
-    {
-        const struct orl_hb_at here = {&list, NULL, i};
+    struct orl_hb_walk rooms;
+    int rc = orl_hb_walk(s->hb, s->hb->model, NULL, "rooms", &rooms);
+    for (const json_t *room; rc == 0 && (room = orl_hb_next(&rooms));) {
         const json_t *set = NULL;
-        rc = rc ? rc : orl_hb_set_of_room(s->hb, room, &here, &set);
-        rc = rc ? rc : write_faces(s, room, &here, "faces", set);
-        rc = rc ? rc : write_shades_of(s, room, &here, set);
+        rc = orl_hb_set_of_room(s->hb, room, &rooms.here, &set);
+        rc = rc ? rc : write_faces(s, room, &rooms.here, "faces", set);
+        rc = rc ? rc : write_shades_of(s, room, &rooms.here, set);
     }
     return rc;
 }
 
 static int write_orphaned_shades(struct surfaces *s)
 {
-    const struct orl_hb_at list = {NULL, "orphaned_shades", 0};
-    const json_t *shades = NULL, *shade;
-    size_t i;
-    int rc = orl_hb_array(s->hb, s->hb->model, NULL, "orphaned_shades", &shades);
-    json_array_foreach(shades, i, shade)
-    {
-        const struct orl_hb_at here = {&list, NULL, i};
-        rc = rc ? rc
-                : write_shade(s, shade, &here, NULL,
-                              orl_hb_flag(shade, "is_detached") ? ORL_HB_CONTEXT : ORL_HB_SHADE);
-    }
+    struct orl_hb_walk shades;
+    int rc = orl_hb_walk(s->hb, s->hb->model, NULL, "orphaned_shades", &shades);
+    for (const json_t *shade; rc == 0 && (shade = orl_hb_next(&shades));)
+        rc = write_shade(s, shade, &shades.here, NULL,
+                         orl_hb_flag(shade, "is_detached") ? ORL_HB_CONTEXT : ORL_HB_SHADE);
     return rc;
 }
 

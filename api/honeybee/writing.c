@@ -145,6 +145,20 @@ int orl_hb_array(struct orl_hb *hb, const json_t *object, const struct orl_hb_at
     return 0;
 }
 
+int orl_hb_walk(struct orl_hb *hb, const json_t *object, const struct orl_hb_at *at,
+                const char *member, struct orl_hb_walk *ret_walk)
+{
+    *ret_walk = (struct orl_hb_walk){.list = {at, member, 0}};
+    return orl_hb_array(hb, object, at, member, &ret_walk->array);
+}
+
+json_t *orl_hb_next(struct orl_hb_walk *walk)
+{
+    const size_t i = walk->here.up ? walk->here.index + 1 : 0;
+    walk->here = (struct orl_hb_at){&walk->list, NULL, i};
+    return json_array_get(walk->array, i);
+}
+
 const json_t *orl_hb_radiance(const json_t *object)
 {
     return orl_hb_get(orl_hb_get(object, "properties"), "radiance");

@@ -60,6 +60,15 @@ const json_t *orl_hb_get(const json_t *object, const char *member);
 /* An array, or none: fails on anything else. */
 int orl_hb_array(struct orl_hb *hb, const json_t *object, const struct orl_hb_at *at,
                  const char *member, const json_t **ret_array);
+/* A way along such an array, element after element: not to be copied. */
+struct orl_hb_walk {
+    const json_t *array;
+    struct orl_hb_at list, here; /* here: the place of the element that came last */
+};
+int orl_hb_walk(struct orl_hb *hb, const json_t *object, const struct orl_hb_at *at,
+                const char *member, struct orl_hb_walk *ret_walk);
+/* NULL: that was the last. */
+json_t *orl_hb_next(struct orl_hb_walk *walk);
 /* "properties"."radiance" of an object, or NULL. */
 const json_t *orl_hb_radiance(const json_t *object);
 /* An identifier as the schema has it: letters, digits, '.', '_', '-', at most 100, and no dot in
