@@ -1,8 +1,8 @@
 /*
  * Which files of a folder make its scene, when nobody says so, and in which order they are read:
  *
- * 1. where a job document (.json, of kind render or else the first by name) lies beside the Radiance
- *    files at the top, those that its "scene" lists, if all of them are there;
+ * 1. where a job document (.json, of kind render or else the first by name) lies beside the
+ * Radiance files at the top, those that its "scene" lists, if all of them are there;
  * 2. else the Radiance files (.rad) at the top that no command of another names
  *    (orl_scene_guess_main), in an order that defines modifiers before they are used, and by name
  *    where that leaves it open (main_order.h).

@@ -129,14 +129,11 @@ static bool is_of_scene(const char *name)
 /* Files of a folder whose names end in .rad or .json, sorted. */
 static int list_scene_files(const char *folder, char **names, size_t *count, struct orl_error *err)
 {
-    DIR *entries = opendir(folder);
-    int rc = 0;
+    DIR *entries = NULL;
+    int rc = orl_open_folder(folder, &entries, err);
 
-    if (!entries) {
-        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
-        orl_error_at(err, folder, 0, NULL);
+    if (rc)
         return rc;
-    }
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
         if (entry->d_name[0] == '.' || !is_of_scene(entry->d_name))
             continue;

@@ -80,6 +80,12 @@ int orl_open_for_reading(const char *path, FILE **ret_stream, long long *ret_siz
     return 0;
 }
 
+int orl_open_folder(const char *path, DIR **ret_entries, struct orl_error *err)
+{
+    *ret_entries = opendir(path);
+    return *ret_entries ? 0 : io_error(err, path, "read the folder");
+}
+
 int orl_make_folder(const char *path, struct orl_error *err)
 {
     char partial[4096];

@@ -5,6 +5,7 @@
 #ifndef ORL_CLIENT_FILES_H
 #define ORL_CLIENT_FILES_H
 
+#include <dirent.h>
 #include <stdio.h>
 
 #include <jansson.h>
@@ -24,6 +25,8 @@ void orl_new_file_abandon(struct orl_new_file *file);
 /* Opens a regular file and says how large it is. */
 int orl_open_for_reading(const char *path, FILE **ret_stream, long long *ret_size,
                          struct orl_error *err);
+
+int orl_open_folder(const char *path, DIR **ret_entries, struct orl_error *err);
 
 /* Makes the folder and those above it, as `mkdir -p` does. */
 int orl_make_folder(const char *path, struct orl_error *err);

@@ -52,14 +52,11 @@ int orl_names_add(struct orl_names *names, const char *name, struct orl_error *e
 int orl_names_list(const char *folder, const char *prefix, unsigned depth, struct orl_names *names,
                    struct orl_error *err)
 {
-    DIR *entries = opendir(folder);
-    int rc = 0;
+    DIR *entries = NULL;
+    int rc = orl_open_folder(folder, &entries, err);
 
-    if (!entries) {
-        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
-        orl_error_at(err, folder, 0, NULL);
+    if (rc)
         return rc;
-    }
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
         char path[PATH_SIZE], name[PATH_SIZE];
 
@@ -112,14 +109,11 @@ int orl_place_link(const char *place, const char *name, const char *to, struct o
 int orl_place_link_entries(const char *place, const char *folder, struct orl_error *err)
 {
     char whole[PATH_MAX], to[PATH_SIZE];
-    DIR *entries = realpath(folder, whole) ? opendir(whole) : NULL;
-    int rc = 0;
+    DIR *entries = NULL;
+    int rc = orl_open_folder(realpath(folder, whole) ? whole : folder, &entries, err);
 
-    if (!entries) {
-        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "cannot be read");
-        orl_error_at(err, folder, 0, NULL);
+    if (rc)
         return rc;
-    }
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;

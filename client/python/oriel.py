@@ -1,7 +1,8 @@
 """Oriel from Python: daylight renderings by a daemon, for design tools.
 
 One file, Python 3.8 or later, nothing but the standard library: copy it beside your script, in
-Rhino, Blender, QGIS or elsewhere. A whole job in ten lines:
+Rhino, Blender, QGIS or elsewhere. It stays one file, long as it is, for several could not be copied
+so. A whole job in ten lines:
 
     import oriel
 
