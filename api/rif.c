@@ -132,15 +132,17 @@ static int add_view(struct reading *r, char *value)
     if (*value != '-')
         word = next_word(&value);
     value += strspn(value, " \t");
+    for (char *end = value + strlen(value); end > value && strchr(" \t\r", end[-1]);)
+        *--end = '\0';
     clean_name(word, json_array_size(r->lists[VIEWS]) + 1, name);
     if (*value != '-')
         return leave_out(r, name, "a view that rad works out from its ZONE");
     json_t *view = NULL;
     if (strncmp(value, "-vf ", 4) == 0) {
         char *rest = value + 4, *file = next_word(&rest);
-        if (next_word(&rest))
-            return leave_out(r, name, "a view with options beside -vf");
-        view = json_pack("{s:s, s:s}", "name", name, "file", file ? file : "");
+        rest += strspn(rest, " \t");
+        view = json_pack("{s:s, s:s, s:s*}", "name", name, "file", file ? file : "", "view",
+                         *rest ? rest : NULL);
     } else {
         view = json_pack("{s:s, s:s}", "name", name, "view", value);
     }

@@ -26,14 +26,11 @@ static int decode_entry(const json_t *value, const char *path, void *into, struc
     return *entry ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* The options, or the file that has them. */
+/* The options, or the file that has them, or some. */
 static int check_source(const char *path, const struct orl_view_request *view,
                         struct orl_error *err)
 {
     char at[ORL_JSON_PATH_MAX];
-    if (view->view && (view->file || view->entry))
-        return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, "view", at),
-                             "either this or a \"file\" is wanted");
     if (view->entry && !view->file)
         return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, "entry", at),
                              "it goes with a \"file\"");

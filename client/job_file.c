@@ -296,11 +296,13 @@ static int inline_view(json_t *view, const struct orl_files *folder, struct orl_
     folder->close(folder->ctx, &text);
     if (rc)
         return rc;
-    if (json_object_set_new(view, "view", json_string(options)))
+    char *whole = orl_view_text_join(options, json_string_value(json_object_get(view, "view")));
+    if (!whole || json_object_set_new(view, "view", json_string(whole)))
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     json_object_del(view, "file");
     json_object_del(view, "entry");
     free(options);
+    free(whole);
     return rc;
 }
 

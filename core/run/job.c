@@ -126,9 +126,10 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
     if (v->metrics && v->glare.task.angle_rad > 0 &&
         (v->glare.task.x > v->width || v->glare.task.y > v->height))
         return orl_error_set(err, ORL_ERR_RANGE, "view '%s': its task lies outside of it", v->name);
-    if (v->file)
-        return 0;
     code = orl_view_parse(v->view ? v->view : "", &view, err);
+    /* What a file has besides may make sense of it. */
+    if (v->file && code != ORL_ERR_SYNTAX)
+        return 0;
     if (code == 0 && v->metrics != 0)
         code = orl_glare_view_check(&view, &v->glare, err);
     if (code < 0)

@@ -127,6 +127,15 @@ int orl_view_file_read(const char *name, const char *text, size_t size, const ch
     return 0;
 }
 
+char *orl_view_text_join(const char *options, const char *more)
+{
+    const size_t size = strlen(options) + (more ? strlen(more) : 0) + 2;
+    char *joined = malloc(size);
+    if (joined)
+        snprintf(joined, size, "%s%s%s", options, more ? " " : "", more ? more : "");
+    return joined;
+}
+
 int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_height,
                        struct orl_error *err)
 {
@@ -145,12 +154,36 @@ static int read_view(const struct orl_files *files, struct orl_view_request *vie
                      struct orl_error *err)
 {
     struct orl_file file;
+    char *options = NULL;
     int code = files->open(files->ctx, view->file, &file, err);
     if (code < 0)
         return code;
-    code = orl_view_file_read(view->file, file.data, file.size, view->entry, &view->view, err);
+    code = orl_view_file_read(view->file, file.data, file.size, view->entry, &options, err);
     files->close(files->ctx, &file);
-    return code;
+    if (code < 0)
+        return code;
+    char *whole = options ? orl_view_text_join(options, view->view) : NULL;
+    free(options);
+    if (!whole)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a view");
+    view->view = whole;
+    return 0;
+}
+
+/* Named points were held against the size that was asked for, which a pixel's aspect may lessen. */
+static int check_points(const struct orl_view_request *view, struct orl_error *err)
+{
+    for (uint32_t i = 0; i < view->false_color.n_points; i++) {
+        const struct orl_picture_point *point = &view->false_color.points[i];
+        if (point->x <= view->width && point->y <= view->height)
+            continue;
+        orl_error_set(err, ORL_ERR_RANGE, "view '%s': point '%s' at %g, %g lies outside of it",
+                      view->name, point->name, point->x, point->y);
+        orl_error_hint(err, "By its pixel aspect the picture has %u x %u pixels", view->width,
+                       view->height);
+        return ORL_ERR_RANGE;
+    }
+    return 0;
 }
 
 static int settle(const struct orl_files *files, struct orl_view_request *view,
@@ -160,11 +193,16 @@ static int settle(const struct orl_files *files, struct orl_view_request *view,
     int code = view->file ? read_view(files, view, err) : 0;
     if (code == 0)
         code = orl_view_parse(view->view ? view->view : "", &parsed, err);
+    if (code < 0 && err && err->file[0] == '\0')
+        orl_error_at(err, NULL, 0, view->name);
     if (code < 0)
         return code;
     view->file = NULL;
     orl_view_fit(&parsed, view->pixel_aspect > 0 ? view->pixel_aspect : parsed.pixel_aspect,
                  &view->width, &view->height);
+    code = check_points(view, err);
+    if (code < 0)
+        return code;
     /* A mask that does not fit is told of before anything is rendered. */
     float *mask;
     code = orl_run_read_mask(files, view, &mask, err);

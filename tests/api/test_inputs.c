@@ -77,7 +77,7 @@ static void test_wrong(void **state)
     reply_done(&reply);
 }
 
-/* Of one view of a file with these lines; entry: JSON. */
+/* Of one view of a file with these lines; entry: JSON, and what may follow it. */
 static void post_view(struct daemon *daemon, const char *lines, const char *entry,
                       struct reply *reply)
 {
@@ -112,6 +112,8 @@ static void test_views(void **state)
         {"# a\n\nview= a -vtv -vp 1 1\n", "\"a\"", "", 400, 3},
         {"view= a " DOWN " -vh none\n", "1", "", 400, 1},
         {"rvu " DOWN "\nview= b " DOWN "\n", "\"b\"", NULL, 202, 0},
+        {"rvu -vta -vp 1 1 1 -vd 0 1 0\n", "1,\"view\":\"-vd 0 0 -1 -vu 0 1 0 -vh 180\"", NULL, 202,
+         0},
     };
     struct daemon *daemon = *state;
     struct reply reply;

@@ -23,7 +23,8 @@ static void test_materials_come_first(void **state)
     static const char text[] = "# a room\nOCTREE = room.oct\nscene= walls.rad \\\n furniture.rad\n"
                                "mat= a.mat\nill= panes.rad # windows\nscene = sky.rad\r\n"
                                "objects= chair.rad\nRES= 400 300\nview= def -vf inside.vf\n"
-                               "view= -vtv -vp 1 2 3 -vd 0 1 0\nview= Xvr\nQUAL= Med\n";
+                               "view= -vtv -vp 1 2 3 -vd 0 1 0\nview= Xvr\nQUAL= Med\n"
+                               "view = up -vf inside.vf  -vd 0 0 1\r\n";
     json_t *project = NULL;
     struct orl_error err = {0};
     assert_int_equal(orl_rif_read("room.rif", text, sizeof text - 1, &project, &err), 0);
@@ -32,7 +33,8 @@ static void test_materials_come_first(void **state)
     assert_member(project, "views",
                   "[{\"name\":\"def\",\"file\":\"inside.vf\",\"width\":400,\"height\":300},"
                   "{\"name\":\"view2\",\"view\":\"-vtv -vp 1 2 3 -vd 0 1 0\",\"width\":400,"
-                  "\"height\":300}]");
+                  "\"height\":300},{\"name\":\"up\",\"file\":\"inside.vf\","
+                  "\"view\":\"-vd 0 0 1\",\"width\":400,\"height\":300}]");
     assert_int_equal(json_array_size(json_object_get(project, "left_out")), 2);
     json_decref(project);
 }

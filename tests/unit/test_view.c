@@ -280,6 +280,20 @@ static void test_files(void **state)
     expect_no_view("\n\nrvu -vp 1 2 x\n", NULL, ORL_ERR_SYNTAX, 3);
 }
 
+/* Options behind a file's have the last word; the others stay. */
+static void test_options_behind_a_file(void **state)
+{
+    (void)state;
+    char *whole = orl_view_text_join("-vtv -vp 1 2 3 -vd 0 1 0 -vh 60 -vv 45", "-vta -vh 180");
+    assert_non_null(whole);
+    const struct orl_view v = parse(whole);
+    assert_true(v.type == 'a' && v.horizontal == 180 && v.vertical == 45 && v.point.y == 2);
+    free(whole);
+    whole = orl_view_text_join("-vtl", NULL);
+    assert_string_equal(whole, "-vtl");
+    free(whole);
+}
+
 static void test_errors(void **state)
 {
     static const struct {
@@ -339,6 +353,7 @@ int main(void)
         cmocka_unit_test(test_cylindrical),
         cmocka_unit_test(test_reach),
         cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_options_behind_a_file),
         cmocka_unit_test(test_files),
         cmocka_unit_test(test_prefixes),
         cmocka_unit_test(test_errors),

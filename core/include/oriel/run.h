@@ -118,6 +118,8 @@ void orl_job_done(struct orl_job *job); /* frees what job owns; NULL and half-fi
  */
 int orl_view_file_read(const char *name, const char *text, size_t size, const char *entry,
                        char **ret_text, struct orl_error *err);
+/* Options, then more of them, whose word is the last; more may be NULL. Owned; NULL: no memory. */
+char *orl_view_text_join(const char *options, const char *more);
 
 /* The size that a view's options ask for, by -x and -y; 0 of what they do not say. */
 int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_height,
