@@ -76,6 +76,12 @@ static int write_tables(struct writing *w)
             rc = orl_annual_view_out_csv(path, &w->told->job->wishes, w->told->report,
                                          w->told->job->request.sensors, w->err);
     }
+    if (rc == 0 && w->told->report->n_seats > 0) {
+        rc = name_file(w, path, "glare.csv");
+        if (rc == 0)
+            rc = orl_annual_glare_csv(path, &w->told->job->wishes, w->told->report, w->told->result,
+                                      w->err);
+    }
     return rc;
 }
 
@@ -224,8 +230,8 @@ static size_t count_files(const struct orl_annual_told *told)
     const struct orl_annual_formats *formats = &told->job->formats;
     const size_t of_grid = 2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) +
                            formats->coefficients + (formats->honeybee ? 9 : 0);
-    return 2 + (told->report->views ? 1U : 0U) + told->report->n_grids * of_grid +
-           (formats->honeybee ? 12 : 0);
+    return 2 + (told->report->views ? 1U : 0U) + (told->report->n_seats > 0 ? 1U : 0U) +
+           told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0);
 }
 
 static int write_all(struct writing *w)

@@ -40,6 +40,15 @@ static void on_done(void *ctx, const struct orl_annual_block *block)
         r->env->done(r->env->run->ctx, block);
 }
 
+/* Of the whole, the year's; seats take about as long as grids of that many places. */
+static double year_part(const struct orl_annual_job *job)
+{
+    static const double sensors_a_seat = 128;
+    const double n = (double)job->request.n_sensors;
+    const double all = n + sensors_a_seat * (double)job->wishes.glare.n_seats;
+    return ORL_ANNUAL_FILES_FROM * n / all;
+}
+
 static int run_year(struct running *r, struct orl_error *err)
 {
     struct orl_run_env run = r->run;
@@ -50,7 +59,7 @@ static int run_year(struct running *r, struct orl_error *err)
                                        .kept = on_kept,
                                        .done = on_done,
                                        .ctx = r};
-    run.part = ORL_ANNUAL_FILES_FROM;
+    run.part = year_part(r->job);
     return orl_annual_run_until(&r->job->request, &r->job->wishes, &env, r->env->round, run.ctx,
                                 &r->result, &r->refinement, err);
 }
@@ -79,6 +88,15 @@ static int note_scene(struct running *r, struct orl_error *err)
 
 /* ---- What is told of it ---------------------------------------------------------------------- */
 
+static int dazzle(struct running *r, struct orl_error *err)
+{
+    struct orl_run_env run = r->run;
+    run.part_from = year_part(r->job);
+    run.part = ORL_ANNUAL_FILES_FROM - run.part_from;
+    return orl_annual_report_dazzle(&r->job->request, &r->result, &r->job->wishes, &run, &r->report,
+                                    err);
+}
+
 static int make_report(struct running *r, struct orl_error *err)
 {
     const struct orl_run_env *run = &r->run;
@@ -87,6 +105,8 @@ static int make_report(struct running *r, struct orl_error *err)
     if (rc == 0)
         rc = orl_annual_report_expose(&r->job->request, &r->result, &r->job->wishes, run,
                                       &r->report, err);
+    if (rc == 0)
+        rc = dazzle(r, err);
     if (rc == 0 && r->views) {
         rc = orl_annual_report_view(&r->job->wishes, r->views, r->n_views, &r->report, err);
         r->views = NULL;

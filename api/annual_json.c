@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "annual_exposure.h"
+#include "annual_glare.h"
 #include "annual_grids.h"
 #include "annual_matrices.h"
 #include "annual_shades.h"
@@ -238,6 +239,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"median_diffuse", .real = &wishes->median_diffuse_lx, .most = INFINITY, .above = true,
          .bounds = "a number of lux above zero is wanted"},
         {"exposure", .decode = orl_annual_exposure_from_json, .into = &wishes->exposure},
+        {"glare", .decode = orl_annual_glare_from_json, .into = &wishes->glare},
         {"view_out", .decode = orl_annual_view_out_from_json, .into = &wishes->view_out},
         {"accuracy", .members = accuracy},
         {"formats", .decode = decode_formats, .into = &job->formats},

@@ -15,6 +15,7 @@
  *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
  *      "median_diffuse": 14200 (lx outside, for daylight factors; by default of the weather),
  *      "exposure": {...} (annual_exposure.h), "view_out": {...} (annual_view_out.h),
+ *      "glare": {...} (annual_glare.h),
  *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
  * open; "samples" are those of the first round then, 256 when left out),
  *      "formats": ["honeybee", "ill", "coefficients"] (files beside the usual ones),
@@ -34,6 +35,7 @@
  *      "shades": null or what states window groups were in (annual_shades.h),
  *      "exposure": null or for how long points at windows can see the sun (annual_exposure.h),
  *      "view_out": null or how far and wide places see out (annual_view_out.h),
+ *      "glare": null or how seats are dazzled (annual_glare.h),
  *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
  *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...},
  *      "document": the year's, by which `oriel verify` repeats it},

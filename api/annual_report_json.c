@@ -4,6 +4,7 @@
 #include <oriel/version.h>
 
 #include "annual_exposure.h"
+#include "annual_glare.h"
 #include "annual_json.h"
 #include "annual_shades.h"
 #include "annual_view_out.h"
@@ -256,7 +257,8 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
 {
     json_t *all = report->n_grids > 1 ? figures_to_json(report, report->n_grids) : json_null();
     return json_pack(
-        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O, "
+        "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
+        "s:O, "
         "s:o, s:o, s:o, s:o, s:I, s:o}",
         "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
@@ -266,7 +268,8 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
         orl_annual_refinement_to_json(refinement), "shades",
         orl_annual_shades_to_json(&job->request, result, report), "exposure",
         orl_annual_exposure_to_json(&job->wishes.exposure, report), "view_out",
-        orl_annual_view_out_to_json(&job->wishes.view_out, report), "files", files, "provenance",
+        orl_annual_view_out_to_json(&job->wishes.view_out, report), "glare",
+        orl_annual_glare_to_json(&job->wishes.glare, result, report), "files", files, "provenance",
         provenance_to_json(job, result, inputs), "reuse", reuse_to_json(result), "rays",
         json_integer((json_int_t)result->health.rays), "timings_s", timings_to_json(result),
         "threads", (json_int_t)result->threads, "warnings", warnings_to_json(result));

@@ -7,6 +7,7 @@
 
 #include <oriel/annual_shades.h>
 
+#include "annual_glare.h"
 #include "encode.h"
 #include "members.h"
 
@@ -135,8 +136,8 @@ static int decode_rules(const json_t *value, const char *path, void *into, struc
     return rc;
 }
 
-static const char *const control_names[] = {"LM-83", "sun", "illuminance", NULL};
-static const double lm83_lx = 1000, lm83_share = 2;
+static const char *const control_names[] = {"LM-83", "sun", "illuminance", "dgp", NULL};
+static const double lm83_lx = 1000, lm83_share = 2, usual_dgp = 0.4;
 
 static int check_control(const struct orl_window_group *group, bool lm83, const char *path,
                          struct orl_error *err)
@@ -150,6 +151,13 @@ static int check_control(const struct orl_window_group *group, bool lm83, const 
     if (control->kind == ORL_SHADES_BY_LIGHT && !control->grid)
         return orl_json_fail(err, ORL_ERR_INVALID, path,
                              "control by illuminance wants the \"grid\" of its sensors");
+    const bool glare = control->kind == ORL_SHADES_BY_GLARE;
+    if (glare != (control->seats.n_seats > 0))
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
+                             "control by dgp wants its \"seats\", and no other has any");
+    if (glare && (control->grid || control->share_percent != lm83_share))
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
+                             "control by dgp has seats: a \"grid\" or \"share\" is of others");
     return 0;
 }
 
@@ -159,19 +167,24 @@ static int decode_control(const json_t *value, const char *path, void *into, str
     struct orl_shade_control *control = &group->control;
     unsigned by = 0;
     char *state = NULL;
-    control->above_lx = lm83_lx;
+    double above = 0;
     control->share_percent = lm83_share;
     control->state = 1;
     const struct orl_json_member members[] = {
         {"by", .word = &by, .words = control_names, .required = true},
         {"grid", .text = &control->grid, .longest = NAME_MAX_BYTES},
-        {"above", .real = &control->above_lx, .most = INFINITY, .above = true,
-         .bounds = "a number of lux above zero is wanted"},
+        {"above", .real = &above, .most = INFINITY, .above = true,
+         .bounds = "a number of lux, or a DGP, above zero is wanted"},
+        {"seats", .decode = orl_seats_from_json, .into = &control->seats},
         {"share", .real = &control->share_percent, .least = 0, .most = 100},
         {"state", .text = &state, .longest = NAME_MAX_BYTES},
         {0}};
     int rc = orl_json_members(value, path, members, err);
-    control->kind = by == 2 ? ORL_SHADES_BY_LIGHT : ORL_SHADES_BY_SUN;
+    control->kind = by == 3   ? ORL_SHADES_BY_GLARE
+                    : by == 2 ? ORL_SHADES_BY_LIGHT
+                              : ORL_SHADES_BY_SUN;
+    control->above_lx = by < 3 && above > 0 ? above : lm83_lx;
+    control->above_dgp = by == 3 && above > 0 ? above : usual_dgp;
     if (rc == 0)
         rc = check_control(group, by == 0, path, err);
     if (rc == 0 && state)
@@ -322,8 +335,11 @@ static json_t *settings_of_control(const struct orl_window_group *group)
     if (c->kind == ORL_SHADES_NO_CONTROL)
         return json_null();
     return json_pack("{s:s, s:o, s:f, s:o, s:o}", "by",
-                     c->kind == ORL_SHADES_BY_SUN ? "sun" : "illuminance", "grid",
-                     text_or_null(c->grid), "above", c->above_lx, "share",
+                     c->kind == ORL_SHADES_BY_SUN     ? "sun"
+                     : c->kind == ORL_SHADES_BY_GLARE ? "dgp"
+                                                      : "illuminance",
+                     "grid", text_or_null(c->grid), "above",
+                     c->kind == ORL_SHADES_BY_GLARE ? c->above_dgp : c->above_lx, "share",
                      c->kind == ORL_SHADES_BY_SUN ? json_real(c->share_percent) : json_null(),
                      "state", orl_json_from_text(group->states[c->state].name));
 }

@@ -9,7 +9,9 @@
  *                             or {"file": "shades.csv"} (with their names, or numbers),
  *                 "rules": [{"months": [5, 9], "from": 10, "to": 16, "state": "blinds"}, ...],
  *                 "control": {"by": "LM-83" or "sun" or "illuminance", "grid": "eyes",
- *                             "above": 1000 (lx), "share": 2 (%, by sun), "state": "blinds"}}]
+ *                             "above": 1000 (lx), "share": 2 (%, by sun), "state": "blinds"}
+ *                            or {"by": "dgp", "seats": [...] (annual_glare.h), "above": 0.4,
+ *                             "state": "blinds"}}]
  *
  * A control closes the group to its second state by default. result.json has
  *

@@ -6,7 +6,7 @@
 
 enum { NAME_MAX_BYTES = 63 };
 
-static int decode_position(const json_t *value, const char *path, void *into, struct orl_error *err)
+int orl_vec3_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     double numbers[3];
     if (!json_is_array(value) || json_array_size(value) != 3)
@@ -25,7 +25,7 @@ int orl_place_from_json(const json_t *value, const char *path, void *into, struc
     struct orl_named_place *place = into;
     const struct orl_json_member members[] = {
         {"name", .text = &place->name, .longest = NAME_MAX_BYTES},
-        {"at", .decode = decode_position, .into = &place->at, .required = true},
+        {"at", .decode = orl_vec3_from_json, .into = &place->at, .required = true},
         {0}};
     return orl_json_members(value, path, members, err);
 }

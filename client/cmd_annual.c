@@ -69,6 +69,18 @@ static void print_views(const struct orl_view_out_wish *wish,
     }
 }
 
+/* A line a seat, as "medium     glare by EN 17037, desk: DGP above 0.380 [0.375, 0.384] in 5 % of
+ * use". */
+static void print_glare(const struct orl_seats_wish *wish, const struct orl_annual_report *report)
+{
+    for (size_t i = 0; i < report->n_seats; i++) {
+        const struct orl_seat_glare *seat = &report->seats[i];
+        printf("%-10s glare by EN 17037, %s: DGP above %.3f [%.3f, %.3f] in 5 %% of use\n",
+               seat->lowest == seat->highest ? orl_glare_protection_name(seat->level) : "undecided",
+               wish->seats[i].name, seat->exceeded.value, seat->exceeded.low, seat->exceeded.high);
+    }
+}
+
 static void print_reuse(const struct orl_annual_result *result)
 {
     if (!result->reuse.asked)
@@ -95,6 +107,7 @@ static void print_summary(const struct orl_annual_result *result,
         print_verdict(report, &report->verdicts[i]);
     print_exposure(&telling->job->wishes.exposure, report);
     print_views(&telling->job->wishes.view_out, report);
+    print_glare(&telling->job->wishes.glare, report);
     print_reuse(result);
     fprintf(stderr, "seconds:");
     for (int i = 0; i < ORL_ANNUAL_STAGES; i++)

@@ -123,6 +123,8 @@ static int prepare(struct orl_year *y, struct orl_error *err)
 static int run_year(struct orl_year *y, struct orl_error *err)
 {
     int code = prepare(y, err);
+    if (code == 0 && y->variant && y->variant->prepared)
+        code = y->variant->prepared(y->variant->ctx, y, err);
     if (code == 0)
         code = orl_year_run_blocks(y, err);
     if (code == 0)

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/annual_glare.h>
+
 #include "annual/matrices.h"
 #include "annual/schedule.h"
 #include "annual/shading.h"
@@ -74,7 +76,30 @@ static int find_direct(struct orl_shading *s, size_t g, float **ret_owned)
     return code;
 }
 
-static int control_group(struct orl_shading *s, size_t g, bool *closed)
+/* In which columns a seat is dazzled, all groups being open. */
+static int find_glare(struct orl_shading *s, const struct orl_shade_control *control, bool *closed)
+{
+    const size_t columns = s->result->n_columns;
+    struct orl_seat_hours *seats = NULL;
+    unsigned char *wanted = malloc(columns + 1);
+    if (!wanted)
+        return orl_year_no_memory(s->err);
+    memset(wanted, 1, columns);
+    const int code = orl_annual_glare_find(&control->seats, s->request, s->result, wanted,
+                                           s->env->run, &seats, s->err);
+    free(wanted);
+    if (code < 0)
+        return code;
+    for (size_t c = 0; c < columns; c++) {
+        closed[c] = false;
+        for (size_t i = 0; i < control->seats.n_seats; i++)
+            closed[c] = closed[c] || (double)seats[i].dgp[c] > control->above_dgp;
+    }
+    orl_seat_hours_free(seats, control->seats.n_seats);
+    return 0;
+}
+
+static int find_light(struct orl_shading *s, size_t g, bool *closed)
 {
     const struct orl_shade_control *control = &s->request->groups[g].control;
     const struct orl_annual_result *r = s->result;
@@ -88,10 +113,21 @@ static int control_group(struct orl_shading *s, size_t g, bool *closed)
                        : by_sun ? r->direct
                                 : r->total,
                        r->n_columns, closed);
+    free(own);
+    return 0;
+}
+
+static int control_group(struct orl_shading *s, size_t g, bool *closed)
+{
+    const struct orl_shade_control *control = &s->request->groups[g].control;
+    const struct orl_annual_result *r = s->result;
+    const int code = control->kind == ORL_SHADES_BY_GLARE ? find_glare(s, control, closed)
+                                                          : find_light(s, g, closed);
+    if (code < 0)
+        return code;
     for (size_t c = 0; c < r->n_columns; c++)
         s->states[g * r->n_steps + r->step_of_column[c]] =
             closed[c] ? (unsigned char)control->state : 0;
-    free(own);
     return 0;
 }
 

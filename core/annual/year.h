@@ -22,6 +22,8 @@
 
 enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time */
 
+struct orl_year;
+
 /* How a run differs from what its request says. All borrowed. */
 struct orl_year_variant {
     const struct orl_year *hours_of; /* whose hours it takes; NULL: it reads its own */
@@ -29,6 +31,10 @@ struct orl_year_variant {
     uint32_t part; /* light of that part of the windows alone (parts.h), or of 0: of all */
     bool sun_only; /* direct light alone is wanted: the rest stays 0 */
     struct orl_ports_of_parts *ret_ports; /* may be NULL */
+    /* Told once it is prepared, before sensors are looked at: it may give the year another request,
+     * which differs in these alone. May be NULL. A negative orl_err ends the run. */
+    int (*prepared)(void *ctx, struct orl_year *year, struct orl_error *err);
+    void *ctx; /* its */
 };
 
 struct orl_year {

@@ -122,7 +122,8 @@ static void sheet_done(struct sheet *sheet)
 bool orl_annual_plan_size(const struct orl_annual_plans *plans, size_t grid, double side,
                           double *ret_width, double *ret_height)
 {
-    const struct orl_heat_map map = {.plane = &plans->planes[grid]};
+    const struct orl_heat_map map = {.geometry = plans->scene->geometry,
+                                     .plane = &plans->planes[grid]};
     if (!plans->found[grid])
         return false;
     orl_heat_map_size(&map, side, ret_width, ret_height);

@@ -241,6 +241,8 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
     const struct orl_report_making m = {request, NULL, wishes, NULL, &report, err};
     int code = request->n_terms > 0 ? orl_report_check_matrices(wishes, err) : 0;
     if (code == 0)
+        code = orl_seats_validate(&wishes->glare, request, err);
+    if (code == 0)
         code = make_grids(&m);
     if (code == 0)
         code = orl_report_check_grids(&m);
@@ -356,5 +358,7 @@ void orl_annual_report_done(struct orl_annual_report *report)
     free(report->exposures);
     free(report->views);
     free(report->view_shares);
+    orl_seat_hours_free(report->seat_hours, report->n_seats);
+    free(report->seats);
     *report = (struct orl_annual_report){.n_grids = 0};
 }

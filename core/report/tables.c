@@ -188,3 +188,43 @@ int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wi
     }
     return orl_out_close(&file, 0, err);
 }
+
+/* ---- Glare ----------------------------------------------------------------------------------- */
+
+static void put_seats(FILE *stream, const struct orl_seats_wish *wish)
+{
+    static const char *const of[] = {"DGP", "low_95", "high_95", "eye (lx)"};
+    char text[96];
+    for (size_t i = 0; i < wish->n_seats; i++)
+        for (int k = 0; k < 4; k++) {
+            snprintf(text, sizeof text, "%s: %s", wish->seats[i].name, of[k]);
+            fputc(',', stream);
+            put_field(stream, text);
+        }
+    fputc('\n', stream);
+}
+
+int orl_annual_glare_csv(const char *path, const struct orl_annual_wishes *wishes,
+                         const struct orl_annual_report *report,
+                         const struct orl_annual_result *result, struct orl_error *err)
+{
+    struct orl_out_file file = {.stream = NULL};
+    const int code = orl_out_open(&file, path, err);
+    if (code < 0)
+        return code;
+    fputs("month,day,hour", file.stream);
+    put_seats(file.stream, &wishes->glare);
+    for (size_t c = 0; c < result->n_columns; c++) {
+        const struct orl_annual_step *s = &result->steps[result->step_of_column[c]];
+        if (isnan(report->seat_hours[0].dgp[c]))
+            continue;
+        fprintf(file.stream, "%d,%d,%.6g", s->month, s->day, s->hour);
+        for (size_t i = 0; i < report->n_seats; i++) {
+            const struct orl_seat_hours *h = &report->seat_hours[i];
+            fprintf(file.stream, ",%.4f,%.4f,%.4f,%.5g", (double)h->dgp[c], (double)h->low[c],
+                    (double)h->high[c], (double)h->eye_lx[c]);
+        }
+        fputc('\n', file.stream);
+    }
+    return orl_out_close(&file, 0, err);
+}

@@ -45,6 +45,7 @@ void orl_annual_wishes_done(struct orl_annual_wishes *wishes)
     free(wishes->until);
     orl_exposure_wish_done(&wishes->exposure);
     orl_view_out_wish_done(&wishes->view_out);
+    orl_seats_wish_done(&wishes->glare);
     *wishes = (struct orl_annual_wishes){.n_metrics = 0};
 }
 

@@ -90,7 +90,8 @@ def jobs(lit, dark):
            "rules": ["LEED"], "accuracy": {"verdict": "sDA >= 1 %"}, "formats": ["ill"], "median_diffuse": 14200,
            "exposure": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "least_altitude": 10},
            "view_out": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "above_sensors": 0.4, "openings": ["pane"], "ground": ["pane"]}}
-    yield {**year, "sensors": {"file": "s.txt"}, "occupancy": {"file": "u.csv"}}
+    yield {**year, "sensors": {"file": "s.txt"}, "occupancy": {"file": "u.csv"},
+           "glare": {"seats": [{"name": "w", "at": [1, 2, 1.2], "towards": [0, -1, 0]}]}}
     three = {"grid": "a", "view": "s.txt", "transmission": "s.txt", "daylight": "s.txt", "sky": "s.txt", "subtract": True}
     yield {**year, "grids": [{"name": "a", "sensors": SENSORS}], "matrices": [{"coefficients": "s.txt", "sky": "s.txt"}, three]}
     shut = {"name": "shut", "files": ["s.txt"], "material": "grey", "dark": False}
@@ -102,6 +103,8 @@ def jobs(lit, dark):
     yield {**year, "grids": [{"name": "eyes", "sensors": SENSORS}], "shades": [
         {"name": "a", **shade, "control": {"by": "sun", "grid": "eyes", "above": 500, "share": 1,
                                            "state": "shut"}}]}
+    yield {**year, "sensors": SENSORS, "shades": [
+        {"name": "a", **shade, "control": {"by": "dgp", "seats": [{"name": "w", "at": [1, 2, 1.2], "towards": [0, -1, 0]}]}}]}
 
 
 def places(value, path=()):

@@ -346,6 +346,7 @@ def years(daemon):
             "accuracy": {"verdict": "DA300 >= 50 %"}, "formats": ["honeybee", "ill"],
             "exposure": {"points": [{"at": [1, 1, 1.5]}]},
             "view_out": {"points": [{"at": [1, 1, 1.5]}], "above_sensors": 0.4},
+            "glare": {"seats": [{"at": [1, 1, 1.2], "towards": [0, -1, 0]}]},
             "shades": [{"name": "wall", "windows": ["pane"], "control": {"by": "LM-83"},
                         "states": [{"name": "open"}, {"name": "shut", "dark": True}]}]}
     path = daemon.submit(year)

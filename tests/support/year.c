@@ -118,27 +118,31 @@ static void close_place(struct place *p)
     free(p->weather);
 }
 
+static struct orl_annual_request request_of(const struct year_run *run)
+{
+    return (struct orl_annual_request){.scene_files = (char **)(uintptr_t)scene_names,
+                                       .n_scene_files = 1,
+                                       .weather_file = weather_name,
+                                       .north_deg = run->north_deg,
+                                       .ground_reflectance = 0.2,
+                                       .sensors = (struct orl_sensor *)(uintptr_t)run->sensors,
+                                       .n_sensors = run->n_sensors,
+                                       .grids = (struct orl_annual_grid *)(uintptr_t)run->grids,
+                                       .n_grids = run->n_grids,
+                                       .groups = (struct orl_window_group *)(uintptr_t)run->groups,
+                                       .n_groups = run->n_groups,
+                                       .seed = run->seed,
+                                       .samples = run->samples,
+                                       .coefficients = run->coefficients};
+}
+
 static int run_it(const struct year_run *run, struct orl_annual_result *ret_year,
                   struct orl_error *ret_err)
 {
     struct place place;
     open_place(&place, run);
     struct orl_annual_env annual = run->env ? *run->env : (struct orl_annual_env){.ctx = NULL};
-    const struct orl_annual_request request = {
-        .scene_files = (char **)(uintptr_t)scene_names,
-        .n_scene_files = 1,
-        .weather_file = weather_name,
-        .north_deg = run->north_deg,
-        .ground_reflectance = 0.2,
-        .sensors = (struct orl_sensor *)(uintptr_t)run->sensors,
-        .n_sensors = run->n_sensors,
-        .grids = (struct orl_annual_grid *)(uintptr_t)run->grids,
-        .n_grids = run->n_grids,
-        .groups = (struct orl_window_group *)(uintptr_t)run->groups,
-        .n_groups = run->n_groups,
-        .seed = run->seed,
-        .samples = run->samples,
-        .coefficients = run->coefficients};
+    const struct orl_annual_request request = request_of(run);
     annual.run = &place.env;
     annual.reuse = run->kept_in != NULL;
     if (run->kept_in)
@@ -174,6 +178,71 @@ int year_run_fails(const struct year_run *run, struct orl_error *ret_err)
     return code;
 }
 
+struct orl_seat_hours *year_glare(const struct year_run *run, const struct orl_annual_result *year,
+                                  const struct orl_seats_wish *wish, const unsigned char *wanted)
+{
+    const struct orl_annual_request request = request_of(run);
+    struct orl_seat_hours *hours = NULL;
+    struct orl_error err = {0};
+    struct place place;
+    open_place(&place, run);
+    if (orl_annual_glare_find(wish, &request, year, wanted, &place.env, &hours, &err) < 0)
+        fail_with(&err);
+    close_place(&place);
+    return hours;
+}
+
+/* ---- Hours of their own ---------------------------------------------------------------------- */
+
+static void job_of(const struct year_run *run, const struct orl_annual_step *step,
+                   struct orl_job *ret_job)
+{
+    orl_job_init(ret_job);
+    ret_job->scene_files = (char **)(uintptr_t)scene_names;
+    ret_job->n_scene_files = 1;
+    ret_job->technique = ORL_TECHNIQUE_BACKWARD;
+    ret_job->seed = 77 + run->seed + step->column;
+    ret_job->dark_expected = true;
+    ret_job->sky.model = ORL_SKY_BY_WEATHER;
+    ret_job->sky.weather_file = weather_name;
+    ret_job->sky.time_given = true;
+    ret_job->sky.month = step->month;
+    ret_job->sky.day = step->day;
+    ret_job->sky.hour = step->hour;
+    ret_job->sky.ground_reflectance = 0.2;
+}
+
+double year_dgp(const struct year_run *run, const struct orl_annual_step *step,
+                const struct orl_seat *seat, uint32_t side, uint32_t samples, double *ret_eye_lx)
+{
+    char name[] = "eye", text[256];
+    struct orl_view_request view = {.name = name,
+                                    .view = text,
+                                    .width = side,
+                                    .height = side,
+                                    .metrics = 1U << ORL_GLARE_DGP | 1U << ORL_GLARE_ILLUMINANCE};
+    struct orl_result result = {0};
+    struct orl_error err = {0};
+    struct place place;
+    struct orl_job job;
+    open_place(&place, run);
+    job_of(run, step, &job);
+    snprintf(text, sizeof text, "-vta -vp %.9g %.9g %.9g -vd %.9g %.9g %.9g -vh 180 -vv 180",
+             seat->at.x, seat->at.y, seat->at.z, seat->towards.x, seat->towards.y, seat->towards.z);
+    job.pixel_samples = samples;
+    job.views = &view;
+    job.n_views = 1;
+    if (orl_run(&job, &place.env, &result, &err) < 0)
+        fail_with(&err);
+    const struct orl_glare *glare = result.views[0].glare;
+    assert_non_null(glare);
+    const double dgp = glare->values[ORL_GLARE_DGP].value;
+    *ret_eye_lx = glare->values[ORL_GLARE_ILLUMINANCE].value;
+    orl_result_done(&result);
+    close_place(&place);
+    return dgp;
+}
+
 void year_hour(const struct year_run *run, const struct orl_annual_step *step, uint32_t samples,
                double *ret_lx, double *ret_se)
 {
@@ -182,22 +251,10 @@ void year_hour(const struct year_run *run, const struct orl_annual_step *step, u
     struct orl_result result = {0};
     struct orl_error err = {0};
     open_place(&place, run);
-    orl_job_init(&job);
-    job.scene_files = (char **)(uintptr_t)scene_names;
-    job.n_scene_files = 1;
-    job.technique = ORL_TECHNIQUE_BACKWARD;
+    job_of(run, step, &job);
     job.gather_samples = samples;
-    job.seed = 77 + run->seed + step->column;
     job.sensors = (struct orl_sensor *)(uintptr_t)run->sensors;
     job.n_sensors = run->n_sensors;
-    job.dark_expected = true;
-    job.sky.model = ORL_SKY_BY_WEATHER;
-    job.sky.weather_file = weather_name;
-    job.sky.time_given = true;
-    job.sky.month = step->month;
-    job.sky.day = step->day;
-    job.sky.hour = step->hour;
-    job.sky.ground_reflectance = 0.2;
     if (orl_run(&job, &place.env, &result, &err) < 0)
         fail_with(&err);
     memcpy(ret_lx, result.illuminance_lx, run->n_sensors * sizeof *ret_lx);

@@ -45,6 +45,14 @@ int year_run_fails(const struct year_run *run, struct orl_error *ret_err);
 void year_hour(const struct year_run *run, const struct orl_annual_step *step, uint32_t samples,
                double *ret_lx, double *ret_se);
 
+/* Glare of seats in the columns that are wanted of the run's year; the caller's, for
+ * orl_seat_hours_free. */
+struct orl_seat_hours *year_glare(const struct year_run *run, const struct orl_annual_result *year,
+                                  const struct orl_seats_wish *wish, const unsigned char *wanted);
+/* That hour's DGP of a square fisheye from a seat, by backward; and the light at the eye. */
+double year_dgp(const struct year_run *run, const struct orl_annual_step *step,
+                const struct orl_seat *seat, uint32_t side, uint32_t samples, double *ret_eye_lx);
+
 /* A day's rows of a WEA file, appended. */
 void year_day(const struct year_site *site, int month, int day, char *text, size_t size);
 

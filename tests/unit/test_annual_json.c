@@ -34,6 +34,8 @@ static const char good[] =
     " \"least_altitude\": 11},"
     " \"view_out\": {\"points\": [{\"at\": [7, 8, 9]}], \"above_sensors\": 0.4,"
     " \"openings\": [\"clear\"], \"ground\": [\"lawn\", \"path\"]},"
+    " \"glare\": {\"seats\": [{\"name\": \"desk\", \"at\": [1, 2, 1.2], \"towards\": [0, -1, 0]},"
+    " {\"at\": [3, 2, 1.2], \"towards\": [1, 0, 0]}]},"
     " \"median_diffuse\": 14200, \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 "
     "of desks >= 70 %\"}}";
 
@@ -70,6 +72,10 @@ static void test_a_whole_document(void **state)
     assert_true(job.wishes.view_out.above_sensors == 0.4);
     assert_string_equal(job.wishes.view_out.openings[0], "clear");
     assert_string_equal(job.wishes.view_out.ground[1], "path");
+    assert_int_equal(job.wishes.glare.n_seats, 2);
+    assert_string_equal(job.wishes.glare.seats[0].name, "desk");
+    assert_string_equal(job.wishes.glare.seats[1].name, "seat2");
+    assert_true(job.wishes.glare.seats[1].at.x == 3 && job.wishes.glare.seats[1].towards.x == 1);
     assert_int_equal(job.request.seed, 7);
     assert_int_equal(job.request.n_grids, 2);
     assert_string_equal(job.request.grids[0].name, "desks");
@@ -178,6 +184,12 @@ static void test_shades_that_cannot_be(void **state)
         {"\"grid\": \"desks\"", "\"grid\": \"sofas\"", "'sofas'"},
         {"\"north\", \"w", "\"South\", \"w", "two window groups"},
         {"\"half\"", "\"OPEN\"", "two states"},
+        {"{\"by\": \"LM-83\", \"grid\": \"desks\"",
+         "{\"by\": \"dgp\", \"above\": 1, \"seats\": [{\"at\": [1, 2, 1], \"towards\": [1, 0, 0]}]",
+         "between 0 and 1"},
+        {"{\"by\": \"LM-83\", \"grid\": \"desks\"",
+         "{\"by\": \"dgp\", \"seats\": [{\"at\": [1, 2, 1], \"towards\": [0, 0, 1]}]",
+         "straight up"},
         {"\"material\": \"lcp\"", "\"material\": \"lcp\", \"dark\": true", "has a material"},
         {"\"schedule\"", "\"control\": {\"by\": \"sun\"}, \"schedule\"", "more than one of"},
         {"{\"name\": \"a\"}, {\"name\": \"b\", \"dark\": true}], \"schedule\": [0, 1, 1]",
@@ -226,6 +238,8 @@ static void test_mistakes_are_named(void **state)
         {"[7, 8, 9]", "[7, 8, true]", "view_out.points[0].at"},
         {"\"points\": [{\"at\": [7, 8, 9]}], \"above_sensors\": 0.4,", "", "view_out"},
         {"[\"clear\"]", "[]", "view_out.openings"},
+        {"\"towards\": [0, -1, 0]", "\"towards\": [0, -1]", "glare.seats[0].towards"},
+        {", \"towards\": [1, 0, 0]", "", "glare.seats[1].towards"},
         {"{\"verdict\": \"DA500 of desks >= 70 %\"}", "{}", "accuracy.verdict"},
         {">= 70 %", "about 70 %", "accuracy.verdict"},
         {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", "grids"},
@@ -240,6 +254,12 @@ static void test_mistakes_are_named(void **state)
         {"\"LM-83\"", "\"LM-90\"", "shades[0].control.by"},
         {"\"LM-83\",", "\"LM-83\", \"above\": 500,", "shades[0].control"},
         {"\"LM-83\", \"grid\": \"desks\"", "\"illuminance\"", "shades[0].control"},
+        {"\"LM-83\", \"grid\": \"desks\"", "\"dgp\"", "shades[0].control"},
+        {"\"LM-83\"", "\"dgp\", \"seats\": [{\"at\": [1, 2, 1], \"towards\": [1, 0, 0]}]",
+         "shades[0].control"},
+        {"\"LM-83\"", "\"sun\", \"seats\": [{\"at\": [1, 2, 1], \"towards\": [1, 0, 0]}]",
+         "shades[0].control"},
+        {"\"LM-83\"", "\"dgp\", \"seats\": []", "shades[0].control.seats"},
         {"\"Shut\"", "\"closed\"", "shades[0].control"},
         {"[11, 2]", "[11, 13]", "shades[1].rules[0].months"},
         {"[11, 2]", "[11]", "shades[1].rules[0].months"},

@@ -17,17 +17,12 @@
 #include <oriel/annual_report.h>
 #include <oriel/npy.h>
 
+#include "support/scene_text.h"
 #include "support/scratch.h"
 
 static char *read_file(const char *name, size_t *ret_size)
 {
-    FILE *file = fopen(scratch_path(name), "rb");
-    char *text = calloc(1, 4 << 20);
-    if (!file || !text)
-        fail_msg("%s is not there", name);
-    *ret_size = fread(text, 1, (4 << 20) - 1, file);
-    fclose(file);
-    return text;
+    return (char *)scene_read_bytes(scratch_path(name), ret_size);
 }
 
 static void assert_near(double value, double wanted, double tolerance)

@@ -183,13 +183,13 @@ static void test_control_by_sun(void **state)
     struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
     static char desks[] = "desks", wall[] = "wall";
     const struct orl_annual_grid grids[] = {{desks, 0, 2}, {wall, 2, 1}};
-    struct orl_window_group group = {
-        .name = south_word,
-        .windows = front_list,
-        .n_windows = 1,
-        .states = states,
-        .n_states = 2,
-        .control = {ORL_SHADES_BY_SUN, .grid = desks, .above_lx = 1000, .share_percent = 2, 1}};
+    struct orl_window_group group = {.name = south_word,
+                                     .windows = front_list,
+                                     .n_windows = 1,
+                                     .states = states,
+                                     .n_states = 2,
+                                     .control = {ORL_SHADES_BY_SUN, .grid = desks, .above_lx = 1000,
+                                                 .share_percent = 2, .state = 1}};
     struct year_run run = usual(room);
     struct orl_annual_result bare = year_run(&run), first = {0};
     size_t shut = 0;

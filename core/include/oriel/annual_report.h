@@ -11,6 +11,7 @@
 #define ORIEL_ANNUAL_REPORT_H
 
 #include <oriel/annual.h>
+#include <oriel/annual_glare.h>
 #include <oriel/annual_metrics.h>
 #include <oriel/canvas.h>
 #include <oriel/sun_exposure.h>
@@ -99,6 +100,7 @@ struct orl_annual_wishes {
     struct orl_annual_target *until; /* what accuracy is wanted for (below); NULL: none */
     struct orl_exposure_wish exposure;
     struct orl_view_out_wish view_out;
+    struct orl_seats_wish glare;
 };
 /* LM-83's hours; DA300, cDA300, UDI in its parts, hours of direct light above 1000 lx, and mean
  * illuminance; no targets. ORL_ERR_NOMEM. */
@@ -150,6 +152,10 @@ struct orl_annual_report {
     struct orl_view_out *views; /* of points, then of sensors; NULL: not asked for, or not yet */
     size_t n_views;
     struct orl_view_shares *view_shares; /* of each grid; NULL: not of sensors */
+    struct orl_seat_hours *seat_hours;   /* of each seat, as what follows; NULL: not asked for */
+    struct orl_seat_glare *seats;
+    size_t n_seats;
+    struct orl_annual_value glare_autonomy; /* spatial: % of seats of at least medium protection */
 };
 
 /* files: of the occupancy file, else not asked. Of a result that holds its arrays. ORL_ERR_INVALID
@@ -173,6 +179,11 @@ int orl_annual_report_expose(const struct orl_annual_request *request,
  * grids. ORL_ERR_NOMEM. */
 int orl_annual_report_view(const struct orl_annual_wishes *wishes, struct orl_view_out *views,
                            size_t n_views, struct orl_annual_report *report, struct orl_error *err);
+/* Adds the glare of seats (oriel/annual_glare.h) in the hours of use, and what is told of it. */
+int orl_annual_report_dazzle(const struct orl_annual_request *request,
+                             const struct orl_annual_result *result,
+                             const struct orl_annual_wishes *wishes, const struct orl_run_env *env,
+                             struct orl_annual_report *report, struct orl_error *err);
 void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
 
 /* Adds to the result's warnings what the report shows: hours that are not there, or doubtful, and
@@ -294,6 +305,12 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
 int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wishes,
                             const struct orl_annual_report *report,
                             const struct orl_sensor *sensors, struct orl_error *err);
+
+/* A line for each lit hour of use: of every seat DGP with its interval, and the light at the eye.
+ */
+int orl_annual_glare_csv(const char *path, const struct orl_annual_wishes *wishes,
+                         const struct orl_annual_report *report,
+                         const struct orl_annual_result *result, struct orl_error *err);
 
 /* A grid's name as a file's. */
 void orl_annual_file_name(const char *grid, char *ret_name, size_t size);

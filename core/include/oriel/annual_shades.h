@@ -21,6 +21,8 @@
  *          "more than", and "or more".
  * by light in hours in which a sensor of the grid has above_lx or more in all, all groups being
  *          open: an eye's vertical illuminance, where the grid is of eyes.
+ * by glare in hours in which DGP at one of the control's seats is above above_dgp, all groups being
+ *          open (oriel/annual_glare.h).
  *
  * How light is put together. Hours in which all are open are one run. Of the others each
  * combination of states that there is makes a run by itself, and nothing is left out, unless those
@@ -41,6 +43,7 @@
 #include <stdint.h>
 
 #include <oriel/error.h>
+#include <oriel/seat.h>
 
 /* Strings and arrays are owned, here and below; orl_window_group_done frees them. */
 struct orl_shade_state {
@@ -58,12 +61,19 @@ struct orl_shade_span {
     uint32_t state;
 };
 
-enum orl_shade_control_kind { ORL_SHADES_NO_CONTROL, ORL_SHADES_BY_SUN, ORL_SHADES_BY_LIGHT };
+enum orl_shade_control_kind {
+    ORL_SHADES_NO_CONTROL,
+    ORL_SHADES_BY_SUN,
+    ORL_SHADES_BY_LIGHT,
+    ORL_SHADES_BY_GLARE
+};
 
 struct orl_shade_control {
     enum orl_shade_control_kind kind;
     char *grid; /* NULL: all of them */
     double above_lx, share_percent;
+    struct orl_seats_wish seats; /* by glare */
+    double above_dgp;
     uint32_t state; /* when closed */
 };
 

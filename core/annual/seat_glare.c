@@ -1,0 +1,243 @@
+#include "annual/seat_glare.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/circle.h"
+#include "light/direct.h"
+#include "metrics/dgp.h"
+#include "metrics/position.h"
+#include "metrics/sources.h"
+
+enum { TILE = ORL_HOURS_TILE, MOST_IMAGES = 8 };
+
+/* As glare pictures have it. */
+static const struct orl_source_rule rule = {
+    .threshold_cd_m2 = 2000, .radius_rad = 0.2, .peak_cd_m2 = 50000};
+
+struct rating {
+    const struct orl_seat_view *view;
+    const struct orl_seat_light *light;
+    const struct orl_seat_hours *ret;
+    float **room; /* by member: luminances of a tile, and of one hour */
+    atomic_bool failed;
+};
+
+/* ---- Luminances ------------------------------------------------------------------------------ */
+
+static void add_light(float *pixel, const float *light, float weight, uint32_t n)
+{
+    for (uint32_t j = 0; j < n; j++)
+        pixel[j] += weight * light[j];
+}
+
+static void paint(const struct rating *r, size_t tile, uint32_t n, float (*pixels)[TILE])
+{
+    const struct orl_hours *hours = &r->light->year->hours;
+    const float *sky = hours->fine + tile * ORL_BINS * TILE;
+    const float *places = r->light->places + tile * TILE;
+    memset(pixels, 0, ORL_SEAT_PIXELS * sizeof *pixels);
+    for (uint32_t i = 0; i < ORL_SEAT_PIXELS; i++)
+        for (uint32_t k = r->view->first[i]; k < r->view->first[i + 1]; k++) {
+            const struct orl_seat_term *t = &r->view->terms[k];
+            if (t->which < ORL_BINS)
+                add_light(pixels[i], sky + (size_t)t->which * TILE,
+                          (float)ORL_EFFICACY_LM_PER_W * t->weight, n);
+            else
+                add_light(pixels[i], places + (t->which - ORL_BINS) * hours->n_columns, t->weight,
+                          n);
+        }
+}
+
+/* A point of the disc, another for every spot and hour. */
+static struct orl_vec3 somewhere_on(const struct orl_hour_sun *sun, const struct orl_frame *frame,
+                                    uint64_t name)
+{
+    const uint64_t lot = orl_mix64(name);
+    const double far = tan(0.5 * sun->angle_rad) * sqrt((double)(uint32_t)lot * 0x1p-32);
+    const struct orl_circle circle = orl_circle_turn((double)(lot >> 32) * 0x1p-32);
+    return orl_normalize(
+        orl_madd(orl_madd(frame->n, frame->u, far * circle.cosine), frame->v, far * circle.sine));
+}
+
+/* What a spot sends to the eye of a sun that gives 1 to what faces it, were nothing between. */
+static struct orl_rgb answer_of(const struct orl_seat_spot *spot, struct orl_vec3 towards)
+{
+    const double cosine = orl_dot(towards, spot->place.normal);
+    if (!(cosine > 0))
+        return orl_gray(0);
+    const struct orl_rgb sent =
+        spot->material ? orl_scatter_eval_lobes(spot->material, &spot->hit, towards, spot->eye)
+                       : orl_gray(1);
+    return orl_rgb_scale(orl_rgb_mul(spot->weight, sent), cosine);
+}
+
+/* The sun on what is seen. */
+static void shine(const struct rating *r, size_t column, uint32_t j, float (*pixels)[TILE])
+{
+    static const double faintest_cd_m2 = 1;
+    const struct orl_year *y = r->light->year;
+    const struct orl_column_sun *of = &y->hours.sun_of_column[column];
+    if (!(of->normal_lx > 0))
+        return;
+    const struct orl_hour_sun *sun = &y->hours.suns.at[of->sun];
+    const struct orl_frame frame = orl_frame_about(sun->towards);
+    for (size_t i = 0; i < r->view->n_spots; i++) {
+        const struct orl_seat_spot *spot = &r->view->spots[i];
+        const struct orl_place *place = &spot->place;
+        if (!(orl_dot(sun->towards, place->normal) > -0.01) ||
+            (!place->outside &&
+             !orl_windows_passed(&y->scene.ports, place->point, sun->towards, 0.005)))
+            continue;
+        const struct orl_vec3 towards =
+            somewhere_on(sun, &frame, (uint64_t)i * ORL_HOURS_MOST + of->sun);
+        const struct orl_rgb sent = answer_of(spot, towards);
+        if (!(of->normal_lx * orl_rgb_max(sent) > faintest_cd_m2))
+            continue;
+        const struct orl_rgb lit =
+            orl_transmittance(y->world, place->point, towards, INFINITY, true);
+        pixels[spot->pixel][j] += (float)(of->normal_lx * orl_luma(orl_rgb_mul(sent, lit)));
+    }
+}
+
+/* ---- The sun itself -------------------------------------------------------------------------- */
+
+/* A source as wide as the disc, that gives so much at the eye. */
+static struct orl_glare_source disc_of(const struct orl_seat_view *view, struct orl_vec3 towards,
+                                       double angle_rad, double eye_lx)
+{
+    const struct orl_vec3 to = orl_to_local(&view->field.eye, towards);
+    const double sr = 2 * ORL_PI * (1 - cos(0.5 * angle_rad));
+    return (struct orl_glare_source){.luminance_cd_m2 = eye_lx / (fmax(to.z, 1e-3) * sr),
+                                     .solid_angle_sr = sr,
+                                     .position_index = orl_position_index(to)};
+}
+
+/* Asked of mirrors: only the nth answers, and says where its image of the sun is. */
+struct image {
+    const struct orl_place *eye;
+    int wanted, asked;
+    struct orl_vec3 towards;
+};
+
+static struct orl_rgb answer_image(const void *ctx, struct orl_vec3 light)
+{
+    struct image *image = *(struct image *const *)ctx;
+    if (image->asked++ != image->wanted)
+        return orl_gray(0);
+    image->towards = light;
+    return orl_gray(fmax(orl_dot(light, image->eye->normal), 0));
+}
+
+/* Disc and images in mirrors. Returns how many. */
+static size_t find_suns(const struct rating *r, size_t column, struct orl_glare_source *ret_sources)
+{
+    const struct orl_year *y = r->light->year;
+    const struct orl_column_sun *of = &y->hours.sun_of_column[column];
+    size_t n = 0;
+    if (!(of->normal_lx > 0))
+        return 0;
+    const struct orl_hour_sun *sun = &y->hours.suns.at[of->sun];
+    if (r->light->eye_direct[column] > 0)
+        ret_sources[n++] =
+            disc_of(r->view, sun->towards, sun->angle_rad, (double)r->light->eye_direct[column]);
+    for (int i = 0; y->scene.mirrors.n_planes > 0 && i < MOST_IMAGES; i++) {
+        struct image image = {.eye = &r->view->eye, .wanted = i};
+        struct image *ctx = &image;
+        const double lit =
+            of->normal_lx * orl_luma(orl_mirrors_light(&y->scene.mirrors, &r->view->eye,
+                                                       sun->towards, false, answer_image, &ctx));
+        if (lit > 0)
+            ret_sources[n++] = disc_of(r->view, image.towards, sun->angle_rad, lit);
+        if (image.asked <= i + 1)
+            break;
+    }
+    return n;
+}
+
+/* ---- Hours ----------------------------------------------------------------------------------- */
+
+static double dgp_of(double eye_lx, const struct orl_glare_source *sources, size_t n)
+{
+    static const struct orl_dgp_options options = {.constants = ORL_DGP_EVALGLARE};
+    double dgp = NAN;
+    orl_dgp(fmax(eye_lx, 0), sources, n, &options, &dgp, NULL);
+    return dgp;
+}
+
+/* The light at the eye alone is uncertain. DGP need not grow with it: contrast falls. */
+static void put(const struct rating *r, size_t column, const struct orl_glare_source *sources,
+                size_t n)
+{
+    static const double z = 1.96;
+    const double eye_lx = (double)r->light->eye[column];
+    const double off = z * (double)r->light->eye_error[column];
+    const double here = dgp_of(eye_lx, sources, n);
+    const double less = dgp_of(eye_lx - off, sources, n), more = dgp_of(eye_lx + off, sources, n);
+    r->ret->dgp[column] = (float)here;
+    r->ret->low[column] = (float)fmin(here, fmin(less, more));
+    r->ret->high[column] = (float)fmax(here, fmax(less, more));
+    r->ret->eye_lx[column] = (float)eye_lx;
+}
+
+static int rate_hour(const struct rating *r, size_t column, const float *picture)
+{
+    const struct orl_luminances seen = {.field = &r->view->field, .cd_m2 = picture};
+    struct orl_glare_source *sources = NULL;
+    size_t n = 0;
+    int code = orl_find_sources(&seen, &rule, &sources, &n, NULL);
+    if (code < 0)
+        return code;
+    struct orl_glare_source *grown = realloc(sources, (n + 1 + MOST_IMAGES) * sizeof *grown);
+    if (grown) {
+        n += find_suns(r, column, grown + n);
+        put(r, column, grown, n);
+    }
+    free(grown ? grown : sources);
+    return grown ? 0 : ORL_ERR_NOMEM;
+}
+
+static void rate_tile(void *arg, size_t tile, uint32_t member)
+{
+    struct rating *r = arg;
+    const struct orl_hours *hours = &r->light->year->hours;
+    const size_t first = tile * TILE, left = hours->n_columns - first;
+    const uint32_t n = left < TILE ? (uint32_t)left : TILE;
+    float(*pixels)[TILE] = (float(*)[TILE])(void *)r->room[member];
+    float *picture = r->room[member] + (size_t)ORL_SEAT_PIXELS * TILE;
+    uint32_t wanted = 0;
+    for (uint32_t j = 0; j < n; j++)
+        wanted += r->light->wanted[first + j];
+    if (wanted == 0 || atomic_load(&r->failed))
+        return;
+    paint(r, tile, n, pixels);
+    for (uint32_t j = 0; j < n; j++) {
+        if (!r->light->wanted[first + j])
+            continue;
+        shine(r, first + j, j, pixels);
+        for (uint32_t i = 0; i < ORL_SEAT_PIXELS; i++)
+            picture[i] = pixels[i][j];
+        if (rate_hour(r, first + j, picture) < 0)
+            atomic_store(&r->failed, true);
+    }
+}
+
+int orl_seat_glare_find(const struct orl_seat_view *view, const struct orl_seat_light *light,
+                        const struct orl_seat_hours *ret)
+{
+    struct orl_crew *crew = light->year->env->run->crew;
+    const uint32_t members = orl_crew_size(crew);
+    struct rating r = {.view = view, .light = light, .ret = ret};
+    bool room = (r.room = calloc(members, sizeof *r.room)) != NULL;
+    for (uint32_t i = 0; room && i < members; i++) {
+        r.room[i] = malloc((size_t)ORL_SEAT_PIXELS * (TILE + 1) * sizeof **r.room);
+        room = r.room[i] != NULL;
+    }
+    int code = room ? orl_crew_try(crew, light->year->hours.n_tiles, rate_tile, &r) : ORL_ERR_NOMEM;
+    if (code == 0 && atomic_load(&r.failed))
+        code = ORL_ERR_NOMEM;
+    for (uint32_t i = 0; r.room && i < members; i++)
+        free(r.room[i]);
+    free(r.room);
+    return code;
+}

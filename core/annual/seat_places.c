@@ -1,0 +1,146 @@
+#include "annual/seat_places.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { COLUMNS = 32, ROWS = 16, FIRST_SLOTS = 1024 };
+
+int orl_seat_places_init(struct orl_seat_places *places, struct orl_vec3 eye)
+{
+    *places = (struct orl_seat_places){.eye = eye, .n_slots = FIRST_SLOTS};
+    places->slots = calloc(FIRST_SLOTS, sizeof *places->slots);
+    places->found = malloc(FIRST_SLOTS / 2 * sizeof *places->found);
+    return places->slots && places->found ? 0 : ORL_ERR_NOMEM;
+}
+
+void orl_seat_places_done(struct orl_seat_places *places)
+{
+    free(places->found);
+    free(places->slots);
+    free(places->kept);
+}
+
+/* ---- Finding --------------------------------------------------------------------------------- */
+
+static uint64_t name_of(const struct orl_seat_places *places, const struct orl_hit *hit)
+{
+    const struct orl_vec3 d = orl_normalize(orl_sub(hit->point, places->eye));
+    const double turn = atan2(d.y, d.x) / (2 * ORL_PI) + 0.5, height = asin(fmax(-1, fmin(d.z, 1)));
+    const uint64_t column = (uint64_t)(turn * COLUMNS) % COLUMNS;
+    const uint64_t row = (uint64_t)fmin((height / ORL_PI + 0.5) * ROWS, ROWS - 1);
+    return ((uint64_t)hit->facet * 2 + hit->front) * ((uint64_t)COLUMNS * ROWS) + column * ROWS +
+           row;
+}
+
+static size_t slot_of(const struct orl_seat_places *places, uint64_t name)
+{
+    size_t slot = (size_t)orl_mix64(name) & (places->n_slots - 1);
+    while (places->slots[slot] > 0 && places->found[places->slots[slot] - 1].name != name)
+        slot = (slot + 1) & (places->n_slots - 1);
+    return slot;
+}
+
+static int grow(struct orl_seat_places *places)
+{
+    const size_t n = 2 * places->n_slots;
+    uint32_t *slots = calloc(n, sizeof *slots);
+    struct orl_seat_found *found = realloc(places->found, n / 2 * sizeof *found);
+    if (found)
+        places->found = found;
+    if (!slots || !found) {
+        free(slots);
+        return ORL_ERR_NOMEM;
+    }
+    free(places->slots);
+    places->slots = slots;
+    places->n_slots = n;
+    for (size_t i = 0; i < places->n_found; i++)
+        slots[slot_of(places, found[i].name)] = (uint32_t)i + 1;
+    return 0;
+}
+
+/* One of those seen stands for all, each with a chance by what it is worth. */
+int orl_seat_places_add(struct orl_seat_places *places, const struct orl_hit *hit, double worth,
+                        struct orl_random *random, uint32_t *ret_found)
+{
+    const uint64_t name = name_of(places, hit);
+    size_t slot = slot_of(places, name);
+    if (places->slots[slot] == 0) {
+        if (2 * (places->n_found + 1) > places->n_slots) {
+            if (grow(places) < 0)
+                return ORL_ERR_NOMEM;
+            slot = slot_of(places, name);
+        }
+        places->found[places->n_found] = (struct orl_seat_found){.name = name};
+        places->slots[slot] = (uint32_t)++places->n_found;
+    }
+    struct orl_seat_found *found = &places->found[places->slots[slot] - 1];
+    found->worth += worth;
+    if (orl_random_uniform(random) * found->worth < worth) {
+        found->point = hit->point;
+        found->facing = orl_hit_facing(hit);
+    }
+    *ret_found = places->slots[slot] - 1;
+    return 0;
+}
+
+/* ---- Keeping --------------------------------------------------------------------------------- */
+
+struct ranked {
+    double worth;
+    uint32_t found;
+};
+
+static int by_worth(const void *a, const void *b)
+{
+    const struct ranked *p = a, *q = b;
+    if (p->worth != q->worth)
+        return p->worth > q->worth ? -1 : 1;
+    return p->found < q->found ? -1 : p->found > q->found;
+}
+
+/* How unlike the light on two places may be: the angle between them, and how they face. */
+static double unlikeness(const struct orl_seat_places *places, const struct orl_seat_found *a,
+                         const struct orl_seat_found *b)
+{
+    static const double facing_counts = 4;
+    const double apart = orl_length(orl_sub(a->point, b->point));
+    const double far = orl_length(orl_sub(a->point, places->eye));
+    return apart / fmax(far, 1e-9) + facing_counts * (1 - orl_dot(a->facing, b->facing));
+}
+
+static uint32_t most_like(const struct orl_seat_places *places, const struct orl_seat_found *found)
+{
+    uint32_t best = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < places->n_kept; i++) {
+        const double here = unlikeness(places, found, &places->found[places->kept[i]]);
+        if (here < least) {
+            least = here;
+            best = (uint32_t)i;
+        }
+    }
+    return best;
+}
+
+int orl_seat_places_settle(struct orl_seat_places *places)
+{
+    const size_t n = places->n_found;
+    struct ranked *ranked = malloc((n + 1) * sizeof *ranked);
+    places->n_kept = n < ORL_SEAT_MOST_PLACES ? n : ORL_SEAT_MOST_PLACES;
+    places->kept = malloc((places->n_kept + 1) * sizeof *places->kept);
+    if (!ranked || !places->kept) {
+        free(ranked);
+        return ORL_ERR_NOMEM;
+    }
+    for (size_t i = 0; i < n; i++)
+        ranked[i] = (struct ranked){places->found[i].worth, (uint32_t)i};
+    qsort(ranked, n, sizeof *ranked, by_worth);
+    for (size_t i = 0; i < places->n_kept; i++)
+        places->kept[i] = ranked[i].found;
+    for (size_t i = 0; i < n; i++)
+        places->found[ranked[i].found].kept =
+            i < places->n_kept ? (uint32_t)i : most_like(places, &places->found[ranked[i].found]);
+    free(ranked);
+    return 0;
+}

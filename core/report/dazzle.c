@@ -1,0 +1,182 @@
+/* Glare over a year: what is told of seats by the hours that they are in use. */
+#include <oriel/annual_report.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+const double orl_glare_bounds[ORL_GLARE_BOUNDS] = {0.35, 0.40, 0.45};
+static const double most_percent = 5;
+
+const char *orl_glare_protection_name(enum orl_glare_protection level)
+{
+    static const char *const names[] = {"none", "minimum", "medium", "high"};
+    return names[level];
+}
+
+/* A seat while it is rated; dark hours dazzle nobody. */
+struct telling {
+    const struct orl_annual_report *report;
+    const struct orl_annual_result *result;
+    const struct orl_seat_hours *hours;
+    size_t n_used; /* steps in use, dark ones too */
+    float *sorted; /* room for them */
+};
+
+static bool is_wanted(const struct telling *t, size_t column)
+{
+    return !isnan(t->hours->dgp[column]);
+}
+
+/* ---- Shares ---------------------------------------------------------------------------------- */
+
+static double share_above(const struct telling *t, const float *dgp, double bound)
+{
+    size_t n = 0;
+    for (size_t c = 0; c < t->result->n_columns; c++)
+        n += is_wanted(t, c) && (double)dgp[c] > bound;
+    return 100 * (double)n / (double)t->n_used;
+}
+
+static int descending(const void *a, const void *b)
+{
+    const float p = *(const float *)a, q = *(const float *)b;
+    return (p < q) - (p > q);
+}
+
+/* No more than that share of the steps is above it. */
+static double exceeded(const struct telling *t, const float *dgp)
+{
+    const size_t which = (size_t)floor(most_percent / 100 * (double)t->n_used);
+    size_t n = 0;
+    for (size_t c = 0; c < t->result->n_columns; c++)
+        if (is_wanted(t, c))
+            t->sorted[n++] = dgp[c];
+    if (which >= n)
+        return 0;
+    qsort(t->sorted, n, sizeof *t->sorted, descending);
+    return (double)t->sorted[which];
+}
+
+/* By shares above each bound, the last the loosest. */
+static enum orl_glare_protection level_of(double above_35, double above_40, double above_45)
+{
+    static const double slack = 1e-9;
+    return above_35 <= most_percent + slack   ? ORL_PROTECTED_HIGH
+           : above_40 <= most_percent + slack ? ORL_PROTECTED_MEDIUM
+           : above_45 <= most_percent + slack ? ORL_PROTECTED_MINIMUM
+                                              : ORL_PROTECTED_LESS;
+}
+
+/* ---- Hours worth a picture ------------------------------------------------------------------- */
+
+static bool is_same_day(const struct orl_annual_result *result, size_t a, size_t b)
+{
+    return result->steps[a].month == result->steps[b].month &&
+           result->steps[a].day == result->steps[b].day;
+}
+
+/* Keeps the worst of a day, and so many days. */
+static void offer(const struct telling *t, size_t column, struct orl_seat_glare *glare)
+{
+    const struct orl_seat_hours *h = t->hours;
+    const struct orl_seat_hour hour = {
+        t->result->step_of_column[column],
+        {(double)h->dgp[column], (double)h->low[column], (double)h->high[column]},
+        (double)h->eye_lx[column]};
+    size_t at = glare->n_worst;
+    for (size_t i = 0; i < glare->n_worst; i++)
+        if (is_same_day(t->result, glare->worst[i].step, hour.step)) {
+            if (glare->worst[i].dgp.value >= hour.dgp.value)
+                return;
+            memmove(&glare->worst[i], &glare->worst[i + 1],
+                    (--glare->n_worst - i) * sizeof *glare->worst);
+            at = glare->n_worst;
+            break;
+        }
+    while (at > 0 && glare->worst[at - 1].dgp.value < hour.dgp.value)
+        at--;
+    if (at == ORL_GLARE_WORST)
+        return;
+    const size_t room = ORL_GLARE_WORST - 1;
+    const size_t moved = (glare->n_worst < room ? glare->n_worst : room) - at;
+    memmove(&glare->worst[at + 1], &glare->worst[at], moved * sizeof *glare->worst);
+    glare->worst[at] = hour;
+    glare->n_worst += glare->n_worst < ORL_GLARE_WORST;
+}
+
+/* ---- Seats ----------------------------------------------------------------------------------- */
+
+static void tell_seat(const struct telling *t, struct orl_seat_glare *ret)
+{
+    const struct orl_seat_hours *h = t->hours;
+    *ret = (struct orl_seat_glare){.n_worst = 0};
+    for (int i = 0; i < ORL_GLARE_BOUNDS; i++)
+        ret->above[i] = (struct orl_annual_value){share_above(t, h->dgp, orl_glare_bounds[i]),
+                                                  share_above(t, h->low, orl_glare_bounds[i]),
+                                                  share_above(t, h->high, orl_glare_bounds[i])};
+    ret->exceeded =
+        (struct orl_annual_value){exceeded(t, h->dgp), exceeded(t, h->low), exceeded(t, h->high)};
+    const struct orl_annual_value *a = ret->above;
+    ret->level = level_of(a[0].value, a[1].value, a[2].value);
+    ret->lowest = level_of(a[0].high, a[1].high, a[2].high);
+    ret->highest = level_of(a[0].low, a[1].low, a[2].low);
+    for (size_t c = 0; c < t->result->n_columns; c++)
+        if (is_wanted(t, c))
+            offer(t, c, ret);
+}
+
+/* Seats that are above 0.40 in no more than 5 % of their use. */
+static struct orl_annual_value autonomy_of(const struct orl_seat_glare *seats, size_t n)
+{
+    struct orl_annual_value sum = {0, 0, 0};
+    for (size_t i = 0; i < n; i++) {
+        sum.value += seats[i].level >= ORL_PROTECTED_MEDIUM;
+        sum.low += seats[i].lowest >= ORL_PROTECTED_MEDIUM;
+        sum.high += seats[i].highest >= ORL_PROTECTED_MEDIUM;
+    }
+    const double percent = 100 / (double)n;
+    return (struct orl_annual_value){sum.value * percent, sum.low * percent, sum.high * percent};
+}
+
+static int tell_all(const struct orl_annual_result *result, struct orl_annual_report *report,
+                    struct orl_error *err)
+{
+    struct telling t = {.report = report, .result = result};
+    for (uint32_t i = 0; i < report->year.steps.count; i++)
+        t.n_used += report->marks[i];
+    t.sorted = malloc((result->n_columns + 1) * sizeof *t.sorted);
+    report->seats = calloc(report->n_seats, sizeof *report->seats);
+    const bool room = t.sorted && report->seats;
+    for (size_t i = 0; room && i < report->n_seats; i++) {
+        t.hours = &report->seat_hours[i];
+        tell_seat(&t, &report->seats[i]);
+    }
+    free(t.sorted);
+    if (!room)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    report->glare_autonomy = autonomy_of(report->seats, report->n_seats);
+    return 0;
+}
+
+int orl_annual_report_dazzle(const struct orl_annual_request *request,
+                             const struct orl_annual_result *result,
+                             const struct orl_annual_wishes *wishes, const struct orl_run_env *env,
+                             struct orl_annual_report *report, struct orl_error *err)
+{
+    if (wishes->glare.n_seats == 0)
+        return 0;
+    unsigned char *wanted = calloc(result->n_columns + 1, 1);
+    if (!wanted)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t c = 0; c < result->n_columns; c++) {
+        const struct orl_annual_step *row = &result->steps[result->step_of_column[c]];
+        wanted[c] = report->marks[orl_annual_step_of(&report->year, row)];
+    }
+    const int code = orl_annual_glare_find(&wishes->glare, request, result, wanted, env,
+                                           &report->seat_hours, err);
+    free(wanted);
+    if (code < 0)
+        return code;
+    report->n_seats = wishes->glare.n_seats;
+    return tell_all(result, report, err);
+}
