@@ -9,6 +9,13 @@ static const double overrun = 0.1;
 /* What is trusted beside what was measured; bounds of the ratio. */
 static const double trust_s = 0.2, least_pace = 0.25, most_pace = 8;
 
+/* That the fraction of the stage took: where its first phase goes on, since that began, for what
+ * was set up before it is over. */
+static double worked_s(const struct orl_ahead *a)
+{
+    return a->phase_to > 0 && !(a->phase_from > 0) ? a->in_phase_s : a->in_stage_s;
+}
+
 /* How many times longer than foreseen the work so far took; stages before photons say nothing of
  * it. */
 static double pace_of(const struct orl_ahead *a, double fraction)
@@ -20,7 +27,7 @@ static double pace_of(const struct orl_ahead *a, double fraction)
     }
     if (a->stage >= ORL_STAGE_PHOTONS && fraction > 0) {
         foreseen += fraction * a->foreseen_s[a->stage];
-        spent += a->in_stage_s;
+        spent += worked_s(a);
     }
     return fmin(fmax(spent / foreseen, least_pace), most_pace);
 }
@@ -29,7 +36,7 @@ static double pace_of(const struct orl_ahead *a, double fraction)
 static double by_progress(const struct orl_ahead *a, double fraction)
 {
     const double done = (fraction - a->phase_from) / fmax(a->phase_to - a->phase_from, 1e-9);
-    const double of_stage = a->in_stage_s * (1 - fraction) / fraction;
+    const double of_stage = worked_s(a) * (1 - fraction) / fraction;
     if (!(a->phase_to > 0) || !(done > 0) || done > 1)
         return of_stage;
     const double of_phase = a->in_phase_s * (1 - done) / done;

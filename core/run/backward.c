@@ -38,6 +38,7 @@ static int put_lamps(struct orl_run_state *state, struct orl_error *err)
     if (code == 0)
         code = orl_run_need_backward(state, err);
     if (code == 0) {
+        orl_run_begin_work(state);
         const struct orl_shoot_env env = {.emission = state->emission,
                                           .seed = state->job->seed,
                                           .crew = state->env->crew,

@@ -98,8 +98,7 @@ static double photons_of(const struct orl_work *work, double samples)
     return sum;
 }
 
-/* By photon maps a view's own work is the same however many photons there are. */
-static bool renders_alike(const struct orl_work *work)
+bool orl_work_renders_alike(const struct orl_work *work)
 {
     return work->of_views && work->technique != ORL_TECHNIQUE_BACKWARD;
 }
@@ -109,7 +108,7 @@ double orl_pace_round_s(const struct orl_pace *pace, const struct orl_work *work
     double seconds = pace->rounds > 0 ? pace->beside_s / pace->rounds : 0;
     if (pace->photons > 0)
         seconds += pace->photon_s / pace->photons * photons_of(work, samples);
-    if (renders_alike(work))
+    if (orl_work_renders_alike(work))
         return seconds + (pace->rounds > 0 ? pace->render_s / pace->rounds : 0);
     return seconds + (pace->samples > 0 ? pace->render_s / pace->samples * samples : 0);
 }
@@ -218,9 +217,9 @@ void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
              "1 / work%s",
              orl_technique_name(work->technique), pace->before_s,
              pace->photons > 0 ? 1e6 * pace->photon_s / pace->photons : 0,
-             renders_alike(work) ? pace->render_s / fmax(pace->rounds, 1)
-                                 : 1e3 * pace->render_s / pace->samples,
-             renders_alike(work) ? "a round of its views" : "a thousand samples",
+             orl_work_renders_alike(work) ? pace->render_s / fmax(pace->rounds, 1)
+                                          : 1e3 * pace->render_s / pace->samples,
+             orl_work_renders_alike(work) ? "a round of its views" : "a thousand samples",
              work->shares ? "^1.15" : "");
 }
 
@@ -242,6 +241,9 @@ void orl_run_draw_curve(const struct orl_run_state *state, const struct orl_pace
             errors[i] < cost->error ? seconds_to(pace, work, parts, errors[i]) : (double)NAN;
         if (!isfinite(seconds))
             continue;
+        /* The smallest round there is comes to it all the same. */
+        if (!(seconds > curve->points[curve->n_points - 1].seconds))
+            curve->n_points--;
         curve->points[curve->n_points].seconds = seconds;
         curve->points[curve->n_points++].error = errors[i];
     }

@@ -31,6 +31,9 @@ struct orl_work orl_work_of(const struct orl_run_state *state);
 uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples);
 uint32_t orl_work_pixel_samples(double samples);
 
+/* By photon maps a view's own work is the same however many photons there are. */
+bool orl_work_renders_alike(const struct orl_work *work);
+
 /* The samples of the round after `done` of them, when `wanted` in all would do: by counts alone. */
 double orl_work_next(const struct orl_work *work, double done, double wanted);
 

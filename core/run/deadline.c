@@ -3,9 +3,27 @@
 #include <math.h>
 
 /* A round fills that much of what is left, the last one that. */
-static const double fill = 0.7, last_fill = 0.93, growth = 8;
+static const double fill = 0.7, last_fill = 0.93;
 /* Less than this share of the deadline is not worth a round; so much over it is still kept. */
 static const double crumbs = 0.04, tolerance = 0.1;
+
+/* Samples that the next round may have. Views by maps begin with a quarter of the usual photons. */
+static double most_samples(const struct orl_pace *pace, const struct orl_work *work)
+{
+    const double growth = orl_work_renders_alike(work) ? 16 : 8;
+    return growth * pace->samples;
+}
+
+/* Rounds that fill such a time: one, unless the largest there may be is too short, and there is
+ * room for more. */
+static double rounds_to_fill(const struct orl_pace *pace, const struct orl_work *work,
+                             double seconds, double crumb_s)
+{
+    const double most = fmax(fmin(work->most, most_samples(pace, work)), work->least);
+    const double longest = orl_pace_round_s(pace, work, most), rounds = ceil(seconds / longest);
+    const bool fits = rounds * orl_pace_round_s(pace, work, work->least) <= seconds;
+    return seconds - longest > crumb_s && fits ? rounds : 1;
+}
 
 struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const struct orl_work *work,
                                            double deadline_s, double left_s)
@@ -23,9 +41,12 @@ struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const st
     if (next.step != ORL_DEADLINE_ROUND)
         return next;
     next.last = left_s - seconds < end;
-    if (next.last)
-        seconds = last_fill * left_s;
-    next.samples = orl_pace_samples(pace, work, fmax(seconds, least), growth * pace->samples);
+    if (next.last) { /* or the first of some that together are */
+        const double rounds = rounds_to_fill(pace, work, last_fill * left_s, crumbs * deadline_s);
+        seconds = last_fill * left_s / rounds;
+        next.last = rounds < 2;
+    }
+    next.samples = orl_pace_samples(pace, work, fmax(seconds, least), most_samples(pace, work));
     return next;
 }
 

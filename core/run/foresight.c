@@ -27,6 +27,6 @@ void orl_run_foresee(struct orl_run_state *state)
         least += state->cost_s[i];
     const double most = least + most_in_air_s(state);
     f->job_s = most <= most_apart * least ? sqrt(least * most) : NAN;
-    if (isfinite(f->job_s))
+    if (isfinite(f->job_s) && !orl_run_is_measured(state))
         state->cost_s[ORL_STAGE_RENDER] += f->job_s - least;
 }

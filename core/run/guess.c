@@ -1,5 +1,6 @@
 /* What the stages of a job are going to take, roughly, before anything was measured. */
 #include <math.h>
+#include <string.h>
 
 #include "run/stages.h"
 
@@ -104,10 +105,19 @@ static double slowness(const struct orl_run_state *state)
     return f->known && ray_us > 0 ? sqrt(fmin(fmax(ray_us / usual_us, least), most)) : 1;
 }
 
+bool orl_run_is_measured(const struct orl_run_state *state)
+{
+    return state->env->part_stages_s && !orl_goal_is_set(&state->job->goal);
+}
+
 void orl_run_guess_costs(struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
     const bool planned = plan->technique != ORL_TECHNIQUE_AUTO;
+    if (orl_run_is_measured(state)) {
+        memcpy(state->cost_s, state->env->part_stages_s, sizeof state->cost_s);
+        return;
+    }
     const double photons = planned ? (double)(plan->photons_global + plan->photons_caustic)
                                    : 2.0 * ORL_DEFAULT_PHOTONS;
     const double crew = orl_crew_size(state->env->crew), us = 1e-6 / crew * slowness(state);

@@ -18,14 +18,23 @@ struct map_work {
     struct orl_map_info earlier_info;
 };
 
-/* Opens what the store had. A damaged file is dropped and asked for once more, then to be built. */
+/* Where maps are kept; NULL: nowhere, they go with the run, as a pilot's do. */
+static const struct orl_map_store *store_of(const struct orl_run_state *state)
+{
+    return state->pilot ? NULL : state->env->store;
+}
+
+/* Opens what the store had; without a store there is nothing. A damaged file is dropped and asked
+ * for once more, then to be built. */
 static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                    struct orl_error *err)
 {
-    const struct orl_map_store *store = state->env->store;
+    const struct orl_map_store *store = store_of(state);
     const char *name = orl_map_kind_name(kind);
     work->name = orl_run_map_name(state, kind, work->target);
     memcpy(state->keys[kind], work->name.key, sizeof work->name.key);
+    if (!store)
+        return 0;
     for (int attempt = 0; attempt < 2; attempt++) {
         int code = store->acquire(store->ctx, name, state->keys[kind], state->env->cancel,
                                   work->path, &work->hit, &work->info, err);
@@ -64,10 +73,10 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
 static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                         struct orl_error *err)
 {
-    const struct orl_map_store *store = state->env->store;
+    const struct orl_map_store *store = store_of(state);
     const char *name = orl_map_kind_name(kind);
     uint64_t below = work->target;
-    while (store->find_smaller) {
+    while (store && store->find_smaller) {
         char path[4096];
         bool found = false;
         struct orl_map_info *info = &work->earlier_info;
@@ -90,7 +99,7 @@ static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, str
 
 static void drop_earlier(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work)
 {
-    const struct orl_map_store *store = state->env->store;
+    const struct orl_map_store *store = store_of(state);
     if (!work->earlier)
         return;
     orl_photon_map_free(work->earlier);
@@ -114,6 +123,7 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
 {
     int code = orl_run_need_emission(state, err);
     if (code == 0) {
+        orl_run_begin_work(state);
         const struct orl_shoot_env env = {.emission = state->emission,
                                           .seed = state->job->seed,
                                           .crew = state->env->crew,
@@ -141,7 +151,21 @@ struct harvest {
     const struct orl_record_note *notes; /* of records */
 };
 
-/* Writes one map, hands it to the store and opens it. */
+/* Writes one map and opens it; without a store it stays in memory. */
+static int make_map(struct orl_run_state *state, enum orl_map_kind kind,
+                    const struct map_work *work, const struct harvest *harvest,
+                    const struct orl_map_build *build, struct orl_error *err)
+{
+    struct orl_crew *crew = state->env->crew;
+    if (!store_of(state))
+        return orl_photon_map_make(harvest->photons, harvest->count, build, crew,
+                                   &state->maps[kind], err);
+    const int code =
+        orl_photon_map_write(work->path, harvest->photons, harvest->count, build, crew, err);
+    return code < 0 ? code : orl_photon_map_open(work->path, false, &state->maps[kind], err);
+}
+
+/* Makes one map and hands it to the store. */
 static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                 const struct harvest *harvest, struct orl_error *err)
 {
@@ -158,10 +182,7 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
                                             harvest->notes ? (uint32_t)sizeof *harvest->notes : 0,
                                         .spend = true};
     const double started = env->now_s(env->ctx);
-    int code =
-        orl_photon_map_write(work->path, harvest->photons, harvest->count, &build, env->crew, err);
-    if (code == 0)
-        code = orl_photon_map_open(work->path, false, &state->maps[kind], err);
+    const int code = make_map(state, kind, work, harvest, &build, err);
     if (code < 0)
         return code;
     const struct orl_map_header *h = orl_photon_map_header(state->maps[kind]);
@@ -177,7 +198,7 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     memcpy(work->info.key, work->name.key, sizeof work->info.key);
     memcpy(work->info.family, work->name.family, sizeof work->info.family);
     drop_earlier(state, kind, work);
-    return env->store->commit(env->store->ctx, &work->info, err);
+    return store_of(state) ? env->store->commit(env->store->ctx, &work->info, err) : 0;
 }
 
 static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
@@ -344,7 +365,7 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
 
 void orl_run_release_maps(struct orl_run_state *state)
 {
-    const struct orl_map_store *store = state->env->store;
+    const struct orl_map_store *store = store_of(state);
     for (int k = 0; k < ORL_MAP_KINDS; k++) {
         orl_photon_map_free(state->maps[k]);
         state->maps[k] = NULL;

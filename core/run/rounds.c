@@ -10,7 +10,8 @@
 #include "run/goals.h"
 #include "run/sample_allocation.h"
 
-/* Its smallest rounds of sensors are so much smaller than others: they fill the end. */
+/* Its smallest rounds of sensors, and of photons for views, are so much smaller than others: they
+ * fill the end. */
 static const double short_round = 0.25;
 /* Samples of one sensor in a round. */
 static const double most_of_a_sensor = 1 << 20;
@@ -18,13 +19,19 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
 {
     *r = (struct orl_rounds){.state = state, .error = NAN};
     r->work = orl_work_of(state);
-    if (state->job->goal.deadline_s > 0 && !r->work.of_views)
+    if (state->job->goal.deadline_s > 0 && (!r->work.of_views || orl_work_renders_alike(&r->work)))
         r->work.least *= short_round;
+    if (state->pilot && state->pilot->samples > 0)
+        r->work.least = state->pilot->samples;
     r->samples = r->work.least;
     if (!orl_goal_is_set(&state->job->goal)) {
         r->planned = orl_run_batches(state);
         r->samples = ceil((double)ORL_DEFAULT_GATHER_SAMPLES / r->planned);
     }
+    r->wanted = orl_rounds_guess_wanted(r);
+    memcpy(r->guessed_s, state->cost_s, sizeof r->guessed_s);
+    orl_rounds_foresee(r);
+    orl_run_enter(state, ORL_STAGE_PHOTONS);
     if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not with every photon */
         int code = orl_run_need_emission(state, err);
         if (code == 0)
@@ -33,8 +40,6 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
             return code;
     }
     r->pace.before_s = orl_rounds_now(r) - state->started_s;
-    r->wanted = orl_rounds_guess_wanted(r);
-    memcpy(r->guessed_s, state->cost_s, sizeof r->guessed_s);
     if (r->work.shares) {
         const size_t n = state->n_sensors;
         double *groups = calloc(n * ORL_MAP_BATCHES + 1, sizeof *groups);
@@ -211,7 +216,7 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
     const double started = orl_rounds_now(r);
     share_out(r);
     make_round(r, &job, &env, &result, &round);
-    if (r->count > 0 && env.store)
+    if (r->count > 0 && env.store && !state->pilot)
         keep_maps_apart(&env, &folder, &store);
     int code = orl_run_technique(&round, err);
     if (code == 0)
@@ -267,8 +272,10 @@ static void settle_pilot(struct orl_rounds *r, const struct orl_work *usual,
     double views_s = 0;
     for (size_t i = 0; i < r->state->result->n_views; i++)
         views_s += r->state->result->views[i].seconds;
-    pace.render_s =
-        fmax(pace.render_s - views_s, 0) * pilot->sensor_times + views_s * pilot->view_times;
+    /* Where a round's rendering is all alike its sensors have what the job's rounds have. */
+    const double times = orl_work_renders_alike(usual) ? usual->least / r->work.least : 1;
+    pace.render_s = fmax(pace.render_s - views_s, 0) * pilot->sensor_times * times +
+                    views_s * pilot->view_times;
     r->ended = r->count >= ORL_PILOT_ROUNDS;
     r->samples = r->work.least;
     orl_run_predict(r->state, &pace, usual, parts);
@@ -328,9 +335,7 @@ static void show_views_at_last(struct orl_rounds *r)
 int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_rounds r;
-    orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = rounds_init(&r, state, err);
-    orl_rounds_foresee(&r);
     state->result->outcome =
         (struct orl_outcome){.asked = r.planned == 0, .goal = state->job->goal, .achieved = NAN};
     while (code == 0 && !r.ended) {

@@ -180,11 +180,11 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
 }
 
 int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
-                   struct orl_curve *ret_curve, struct orl_error *err)
+                   enum orl_technique technique, struct orl_curve *ret_curve, struct orl_error *err)
 {
-    const struct orl_job tried = orl_pilot_job(job);
-    struct orl_curve curve = {.technique = tried.technique, .threads = orl_crew_size(env->crew)};
-    struct orl_pilot pilot = {1, 1, &curve};
+    const struct orl_job tried = orl_pilot_job(job, technique);
+    struct orl_curve curve = {.technique = technique, .threads = orl_crew_size(env->crew)};
+    struct orl_pilot pilot = {.sensor_times = 1, .view_times = 1, .curve = &curve};
     struct orl_result result = {0};
     struct orl_scene *scene = NULL;
     const int code = run(&tried, env, &scene, &(struct course){try_stages, &pilot}, &result, err);

@@ -12,6 +12,8 @@
 
 /* What a sky without light takes of the time of others, roughly: for progress alone. */
 static const double dark_share = 0.1;
+/* So much a sky counts beside the next. */
+static const double kept = 0.9;
 /* A plan that takes as long is not made twice for a curve. */
 static const double long_plan_s = 20;
 
@@ -23,7 +25,9 @@ struct passage {
     struct orl_scene *scene; /* of all of them, once the first has read it */
     double *shares;          /* of each sky in the whole; sums to 1 */
     double before;           /* of those behind us */
-    double ran, ran_s;       /* shares of those that were run, and their seconds */
+    /* Shares of those that were run, and the seconds of their stages: the last ones count most, for
+     * a machine has more to do at times. */
+    double ran, ran_s[ORL_STAGE_COUNT];
     double started_s;
 };
 
@@ -99,9 +103,22 @@ static struct orl_job job_under(const struct passage *p, size_t index)
 /* What is read once for all of them is not what another one takes. */
 static void take_times(struct passage *p, size_t index, const struct orl_result *result)
 {
-    p->ran += p->shares[index];
-    p->ran_s +=
-        result->total_s - result->timings_s[ORL_STAGE_LOAD] - result->timings_s[ORL_STAGE_BVH];
+    p->ran = kept * p->ran + p->shares[index];
+    for (int i = ORL_STAGE_PLAN; i < ORL_STAGE_COUNT; i++)
+        p->ran_s[i] = kept * p->ran_s[i] + result->timings_s[i];
+}
+
+/* What a sky is thought to take, stage by stage, by those before it; returns what those after it
+ * are. */
+static double foresee(const struct passage *p, size_t index, double ret_stages_s[ORL_STAGE_COUNT])
+{
+    const double share = p->shares[index];
+    double all = 0;
+    for (int i = 0; i < ORL_STAGE_COUNT; i++) {
+        ret_stages_s[i] = p->ran_s[i] / p->ran * share;
+        all += p->ran_s[i];
+    }
+    return all / p->ran * fmax(1 - p->before - share, 0);
 }
 
 static int run_under(struct passage *p, size_t index, struct orl_error *err)
@@ -109,13 +126,16 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     const struct orl_job job = job_under(p, index);
     struct orl_run_env env = *p->env;
     struct orl_result result = {0};
+    double stages_s[ORL_STAGE_COUNT];
     char prefix[80];
     snprintf(prefix, sizeof prefix, "%s.", p->job.skies[index].name);
     env.file_prefix = prefix;
     env.part_from = p->before;
     env.part = p->shares[index];
-    if (p->ran > 0)
-        env.part_after_s = p->ran_s / p->ran * fmax(1 - p->before - p->shares[index], 0);
+    if (p->ran > 0) {
+        env.part_after_s = foresee(p, index, stages_s);
+        env.part_stages_s = stages_s;
+    }
     if (p->skies->begins)
         p->skies->begins(p->skies->ctx, index, &job, prefix);
     int code = orl_run_of_scene(&job, &env, &p->scene, &result, err);
@@ -173,7 +193,7 @@ int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, siz
         code = orl_plan_job(&one, env, &planned, err);
         const bool draws = i == 0 && planned.total_s < long_plan_s;
         if (code == 0 && draws)
-            code = orl_plan_curve(&one, env, &curve, err);
+            code = orl_plan_curve(&one, env, planned.plan.technique, &curve, err);
         if (code == 0)
             code = tell(ctx, job->n_skies > 0 ? job->skies[i].name : NULL, &planned,
                         draws ? &curve : NULL, err);

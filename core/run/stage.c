@@ -69,6 +69,12 @@ void orl_run_phase(const struct orl_run_state *state, double from, double to)
     state->told->phase_s = state->told->at_s;
 }
 
+void orl_run_begin_work(const struct orl_run_state *state)
+{
+    orl_run_progress(state, 0);
+    orl_run_phase(state, 0, 1);
+}
+
 void orl_run_leave(struct orl_run_state *state)
 {
     const double now = state->env->now_s(state->env->ctx);

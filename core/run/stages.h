@@ -75,6 +75,8 @@ void orl_run_book(struct orl_run_state *state, enum orl_stage stage, double seco
 void orl_run_progress(const struct orl_run_state *state, double fraction);
 /* Begins a phase of the stage, from that fraction of it to that one, at the last progress. */
 void orl_run_phase(const struct orl_run_state *state, double from, double to);
+/* The stage has set up what it needs, and begins. */
+void orl_run_begin_work(const struct orl_run_state *state);
 /* Tells whoever waits; the share and the seconds, gone by and left, are of the run itself, which
  * may be a part of something larger. */
 struct orl_run_report {
@@ -194,6 +196,8 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 /* What the job is going to cost, roughly, once its sensors are known; and again when its photons
  * are: into state->cost_s. */
 void orl_run_guess_costs(struct orl_run_state *state);
+/* Whether parts before this one have told what stages take: better than what a plan foresees. */
+bool orl_run_is_measured(const struct orl_run_state *state);
 /* Of the time of a view of the job that is painted and written, the part until it is painted. */
 double orl_run_painting_share(const struct orl_run_state *state,
                               const struct orl_view_request *view);

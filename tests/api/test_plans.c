@@ -71,18 +71,22 @@ static void test_as_the_job_has_it(void **state)
 /* What accuracies take, whatever the job asks for itself: ever smaller ones, ever longer. */
 static void test_curve(void **state)
 {
-    static const char *const members[] = {"\"gather_samples\":16",
-                                          "\"accuracy\":{\"deadline_s\":20,\"at\":0.5}",
-                                          "\"accuracy\":{\"relative_error\":0.02}"};
+    static const char *const members[] = {
+        "\"gather_samples\":16", "\"accuracy\":{\"deadline_s\":20,\"at\":0.5}",
+        "\"accuracy\":{\"relative_error\":0.02}", "\"technique\":\"gather\"",
+        "\"views\":[{\"name\":\"v\",\"view\":\"-vp 2 1 1.5 -vd "
+        "0 1 0\",\"width\":64,\"height\":48}]"};
     struct daemon_room *room = *state;
     for (size_t i = 0; i < sizeof members / sizeof *members; i++) {
+        const char *technique = i < 3 ? "backward" : "gather";
         struct reply plan;
         char text[700];
         document(room, members[i], text);
         daemon_post_json(&room->daemon, "/v1/plans", text, &plan);
         assert_int_equal(plan.status, 200);
         const json_t *points = reply_at(&plan, "plans.0.curve.points");
-        assert_string_equal(reply_text(&plan, "plans.0.curve.technique"), "backward");
+        assert_string_equal(reply_text(&plan, "plans.0.plan.technique"), technique);
+        assert_string_equal(reply_text(&plan, "plans.0.curve.technique"), technique);
         assert_true(reply_number(&plan, "plans.0.curve.threads") == 1);
         assert_true(json_array_size(points) >= 2);
         for (size_t k = 1; k < json_array_size(points); k++) {

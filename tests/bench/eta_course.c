@@ -2,9 +2,10 @@
  * The course of one job by its own processor time, shared by its threads: what it thought to have
  * left, and how much of it was done, whenever it told. Other work on the machine does not show.
  *
- * Usage: eta_course FOLDER [THREADS], where the job is in FOLDER/job.json. Prints a line of each
- * report, "report seconds stage stage_fraction fraction left_s", of what is said twenty times a
- * second, "poll seconds fraction eta_s", and at last "end seconds".
+ * Usage: eta_course FOLDER [THREADS [curve]], where the job is in FOLDER/job.json. Prints a line of
+ * each report, "report seconds stage stage_fraction fraction left_s", of what is said twenty times
+ * a second, "poll seconds fraction eta_s", and at last "end seconds"; with curve, before all else,
+ * what its plan says that accuracies take, "curve seconds error".
  */
 #include <jansson.h>
 #include <stdio.h>
@@ -69,6 +70,18 @@ static struct orl_task read_task(const char *folder)
     return task;
 }
 
+static int tell_curve(void *ctx, const char *sky, const struct orl_result *planned,
+                      const struct orl_curve *curve, struct orl_error *err)
+{
+    struct course *course = ctx;
+    (void)sky, (void)planned, (void)err;
+    for (uint32_t i = 0; curve && i < curve->n_points; i++)
+        printf("curve %.4f %.5f\n", curve->points[i].seconds, curve->points[i].error);
+    course->started_s = course->polled_s = own_s(course);
+    course->eta = (struct orl_eta){0};
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     const long threads = argc > 2 ? strtol(argv[2], NULL, 10) : 1;
@@ -96,6 +109,10 @@ int main(int argc, char **argv)
                                     .progress = on_progress,
                                     .ctx = &course};
     const struct orl_job *job = &task.of.render;
+    struct orl_run_env quiet = env;
+    quiet.progress = NULL;
+    if (argc > 3 && orl_plan_skies(job, &quiet, 1, tell_curve, &course, &err) < 0)
+        bench_fail("the plan", &err);
     const int code = job->n_skies > 0 ? orl_run_skies(job, &env, &skies, &err)
                                       : orl_run(job, &env, &result, &err);
     if (code < 0)

@@ -115,6 +115,15 @@ static void test_phases(void **state)
         ahead.in_stage_s = 1 + 9 * done;
         assert_true(fabs(orl_ahead_left_s(&ahead) - 9 * (1 - done)) < 1e-9);
     }
+    /* What was set up before the first phase is not what it goes by. */
+    ahead = (struct orl_ahead){.stage = ORL_STAGE_PHOTONS, .phase_to = 1, .foreseen_s = {0}};
+    ahead.foreseen_s[ORL_STAGE_PHOTONS] = 1;
+    for (double done = 0.001; done < 1; done *= 1.5) {
+        ahead.fraction = done;
+        ahead.in_phase_s = done;
+        ahead.in_stage_s = 0.1 + done;
+        assert_true(fabs(orl_ahead_left_s(&ahead) - (1 - done)) < 0.15);
+    }
     /* After the phase comes as much as a part of what was before it. */
     ahead = (struct orl_ahead){.stage = ORL_STAGE_RENDER, .phase_to = 0.8};
     ahead.fraction = 0.4;
@@ -332,6 +341,46 @@ static void test_no_room(void **state)
     assert_int_equal(last.step, ORL_DEADLINE_TOO_LATE);
 }
 
+/*
+ * Views by photon maps whose photons take a third of their rendering or more: by rounds of fewer
+ * and of more of them nine tenths of the time are used, wherever two rounds fit at all.
+ */
+static void test_views_by_maps(void **state)
+{
+    const double deadline = 20, usual = 4096;
+    const struct orl_work work = {.technique = ORL_TECHNIQUE_GATHER,
+                                  .of_views = true,
+                                  .photons = {1000000, 1000000},
+                                  .least = 1024,
+                                  .most = 4 * 4096};
+    double least_used = 1;
+    (void)state;
+    for (double render_s = 0.2; render_s < 9; render_s *= 1.13)
+        for (double photon_s = render_s / 3; photon_s < 4 * render_s; photon_s *= 1.3) {
+            struct orl_pace pace = {0};
+            struct orl_deadline_next next = {.samples = work.least};
+            double elapsed = 0;
+            if (2 * (render_s + photon_s / 4) > 0.93 * deadline)
+                continue;
+            do {
+                const double shooting_s = photon_s * next.samples / usual;
+                elapsed += render_s + shooting_s;
+                pace.rounds++;
+                pace.samples += next.samples;
+                pace.photons += 2e6 * next.samples / usual;
+                pace.photon_s += shooting_s;
+                pace.render_s += render_s;
+                next = orl_deadline_next(&pace, &work, deadline, deadline - elapsed);
+            } while (next.step == ORL_DEADLINE_ROUND);
+            if (elapsed < 0.9 * deadline || elapsed > 1.05 * deadline)
+                print_message("%.2f s and %.2f s of photons: %.2f of %.0f s\n", render_s, photon_s,
+                              elapsed, deadline);
+            least_used = fmin(least_used, elapsed / deadline);
+        }
+    print_message("%.3f of the time at the least\n", least_used);
+    assert_true(least_used >= 0.9);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_any_machine),
@@ -347,6 +396,7 @@ int main(void)
                                        cmocka_unit_test(test_a_deadline_is_used),
                                        cmocka_unit_test(test_whatever_rounds_take),
                                        cmocka_unit_test(test_what_is_left_of_a_deadline),
-                                       cmocka_unit_test(test_no_room)};
+                                       cmocka_unit_test(test_no_room),
+                                       cmocka_unit_test(test_views_by_maps)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -47,22 +47,19 @@ function describe({ points, asked }) {
 export class PlanPart {
   constructor({ plan, warnings, curve }, asked) {
     const points = curve?.points?.length > 1 ? curve.points : null;
-    this.node = h('div', { class: 'job-main' }, points ? this.#curve(curve, asked, plan.technique) : this.#foreseen(plan, curve), warnings.length ? parts.warnings(warnings) : [], parts.plan(plan));
+    this.node = h('div', { class: 'job-main' }, points ? this.#curve(curve, asked) : this.#foreseen(plan, curve), warnings.length ? parts.warnings(warnings) : [], parts.plan(plan));
   }
 
   close() {
     this.chart?.close();
   }
 
-  // The pilot is by paths, whatever the job goes by.
-  #curve({ points, threads, model, technique }, asked, planned) {
+  #curve({ points, threads, model, technique }, asked) {
     const { figure, words } = answer(points, asked, threads);
-    const other = planned !== technique;
     this.chart = new ChartView('Error against seconds', describe);
     this.chart.show({ points, asked: { error: asked.relative_error, seconds: asked.deadline_s } }).catch(() => {});
-    return parts.section('cost', 'What it will take', h('p', { class: 'figure' }, h('strong', {}, figure), h('span', {}, `${words}${other ? `, by ${parts.techniqueWords(technique)} alone` : ''}`)), this.chart.node,
-      other && h('p', {}, `The job itself goes by ${parts.techniqueWords(planned)}, chosen as the quicker way; how far it gets, its first rounds tell.`),
-      h('p', { class: 'quiet' }, `By ${parts.techniqueWords(technique)}, worked out from two small rounds of them (${model}).`));
+    return parts.section('cost', 'What it will take', h('p', { class: 'figure' }, h('strong', {}, figure), h('span', {}, words)), this.chart.node,
+      h('p', { class: 'quiet' }, `By ${parts.techniqueWords(technique)}, worked out from two small rounds of the job (${model}).`));
   }
 
   #foreseen(plan, curve) {

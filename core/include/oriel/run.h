@@ -316,7 +316,7 @@ void orl_result_done(struct orl_result *result);
 struct orl_run_env {
     struct orl_crew *crew;             /* borrowed; the calling thread leads it */
     const struct orl_files *files;     /* borrowed */
-    const struct orl_map_store *store; /* borrowed */
+    const struct orl_map_store *store; /* borrowed; NULL: maps go with the run */
     struct orl_shelf *shelf;   /* borrowed: what one job works out for the next; may be NULL */
     const char *files_id;      /* of a job on a shelf: what its files are, whatever their names: by
                                   equal ones jobs share scenes. NULL: they do not */
@@ -324,8 +324,10 @@ struct orl_run_env {
     const char *file_prefix;   /* in front of the names of files written there; NULL: none */
     double part_from, part; /* the job's share in a larger one, for progress; 0: it is the whole */
     double part_after_s; /* what comes after it is thought to take; 0: as long, share for share */
-    atomic_bool *cancel; /* borrowed; polled per batch and tile */
-    double (*now_s)(void *ctx); /* a steady clock */
+    const double *part_stages_s; /* what its stages (enum orl_stage) are thought to take, by parts
+                                    before it; borrowed; NULL: as any job's */
+    atomic_bool *cancel;         /* borrowed; polled per batch and tile */
+    double (*now_s)(void *ctx);  /* a steady clock */
     /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job, and
      * the seconds that are thought to be left of it. The job's fraction never falls, and gets to 1
      * when they are over; they may rise (oriel/eta.h). */
@@ -373,18 +375,19 @@ struct orl_run_env {
 
 /*
  * Makes the job's plan without rendering: loads the scene and runs the pilot. Returns 0 and fills
- * ret_result as orl_run does, but for maps, sensors and views. The store may be NULL; it is asked
- * for BSDFs only.
+ * ret_result as orl_run does, but for maps, sensors and views. The store is asked for BSDFs only.
  */
 int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err);
 
 /*
- * What accuracies of the job would take here, whatever its own settings: by two small rounds of it
- * that are rendered, by paths, and the model of orl_cost. As orl_plan_job otherwise.
+ * What accuracies of the job would take here by the technique, which is its plan's, whatever its
+ * own settings: by two small rounds of it that are rendered, and the model of orl_cost. Maps of
+ * these are kept nowhere. As orl_plan_job otherwise.
  */
 int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
-                   struct orl_curve *ret_curve, struct orl_error *err);
+                   enum orl_technique technique, struct orl_curve *ret_curve,
+                   struct orl_error *err);
 
 /*
  * Runs the job, which has no more than one sky. Returns 0 and fills ret_result (owned by the

@@ -194,6 +194,22 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
     return code;
 }
 
+int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,
+                      struct orl_error *err)
+{
+    struct orl_photon_map *map = calloc(1, sizeof *map);
+    if (!map) {
+        munmap(file, size);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a photon map");
+    }
+    map->file = file;
+    map->size = size;
+    map->header = file;
+    take_apart(map);
+    *ret_map = map;
+    return 0;
+}
+
 void orl_photon_map_free(struct orl_photon_map *map)
 {
     if (!map)

@@ -113,6 +113,11 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
                          const struct orl_map_build *build, struct orl_crew *crew,
                          struct orl_error *err);
 
+/* The same, in memory: it goes with the map. */
+int orl_photon_map_make(const struct orl_photon *photons, size_t count,
+                        const struct orl_map_build *build, struct orl_crew *crew,
+                        struct orl_photon_map **ret_map, struct orl_error *err);
+
 /*
  * Maps a file. Header and sizes are always checked, so that a damaged file can give wrong numbers
  * at worst; with verify the whole body is, too, which takes the time of reading it once (6 ms for

@@ -27,6 +27,11 @@ struct orl_photon_map {
     struct orl_facing facing;
 };
 
+/* What was filled in memory, mapped anonymously, as a map that takes it; it goes on failure, too.
+ */
+int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,
+                      struct orl_error *err);
+
 /* How the file is divided, given the number of photons. */
 struct orl_map_layout {
     uint64_t leaves, places, fluxes, normals, tags, boxes, size;

@@ -221,36 +221,68 @@ static int fill_file(struct writer *w, struct orl_crew *crew, struct orl_error *
     return 0;
 }
 
+static int create_in_memory(struct writer *w, struct orl_error *err)
+{
+    void *file = mmap(NULL, w->size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (file == MAP_FAILED)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a photon map of %zu bytes",
+                             (size_t)w->size);
+    w->file = file;
+    return 0;
+}
+
+/* path: of the file, whose descriptor comes out; NULL: in memory. */
+static int make(struct writer *w, const char *path, const struct orl_photon *photons, size_t count,
+                struct orl_crew *crew, int *ret_fd, struct orl_error *err)
+{
+    const struct orl_map_build *build = w->build;
+    const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
+    if (all > UINT32_MAX)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", all);
+    w->layout = orl_map_layout_of(all);
+    w->size = orl_map_size(&w->layout, all, build->note_bytes);
+    int code = orl_map_encode_init(&w->packing, build->earlier, photons, count, build->seed,
+                                   build->extent, crew);
+    if (code == 0)
+        code = sort_photons(w, crew);
+    if (code < 0)
+        orl_error_set(err, code, "%s sorting %zu photons",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory", all);
+    if (code == 0)
+        code = path ? create_file(w, path, ret_fd, err) : create_in_memory(w, err);
+    if (code == 0)
+        code = fill_file(w, crew, err);
+    free(w->words);
+    free(w->items);
+    free(w->flux_sums);
+    return code;
+}
+
 int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
                          const struct orl_map_build *build, struct orl_crew *crew,
                          struct orl_error *err)
 {
     struct writer w = {.build = build};
     int fd = -1;
-    const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
-    if (all > UINT32_MAX)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", all);
-    w.layout = orl_map_layout_of(all);
-    w.size = orl_map_size(&w.layout, all, build->note_bytes);
-    int code = orl_map_encode_init(&w.packing, build->earlier, photons, count, build->seed,
-                                   build->extent, crew);
-    if (code == 0)
-        code = sort_photons(&w, crew);
-    if (code < 0)
-        orl_error_set(err, code, "%s sorting %zu photons",
-                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory", all);
-    if (code == 0)
-        code = create_file(&w, path, &fd, err);
-    if (code == 0)
-        code = fill_file(&w, crew, err);
+    const int code = make(&w, path, photons, count, crew, &fd, err);
     if (w.file)
         munmap(w.file, w.size);
     if (fd >= 0)
         close(fd);
     if (code < 0 && fd >= 0)
         unlink(path);
-    free(w.words);
-    free(w.items);
-    free(w.flux_sums);
+    return code;
+}
+
+int orl_photon_map_make(const struct orl_photon *photons, size_t count,
+                        const struct orl_map_build *build, struct orl_crew *crew,
+                        struct orl_photon_map **ret_map, struct orl_error *err)
+{
+    struct writer w = {.build = build};
+    int fd = -1, code = make(&w, NULL, photons, count, crew, &fd, err);
+    if (code == 0)
+        return orl_photon_map_of(w.file, w.size, ret_map, err);
+    if (w.file)
+        munmap(w.file, w.size);
     return code;
 }
