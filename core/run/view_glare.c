@@ -93,24 +93,3 @@ int orl_run_rate_errors(struct orl_run_state *state, size_t index, const struct 
                     : orl_glare_errors(batches, &panorama, &request->glare,
                                        state->result->views[index].glare, err);
 }
-
-uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
-{
-    const uint32_t asked = state->job->pixel_samples;
-    return asked                                ? asked
-           : orl_job_asks_for_glare(state->job) ? ORL_DEFAULT_GLARE_PIXEL_SAMPLES
-                                                : ORL_DEFAULT_PIXEL_SAMPLES;
-}
-
-/* By photon maps a view takes as long however few its photons are: the fewest that have a spread of
- * some degrees of freedom. */
-uint32_t orl_run_batches(const struct orl_run_state *state)
-{
-    enum { OF_PATHS = 8, OF_MAPS = 4 };
-    const uint32_t most = orl_run_pixel_samples(state);
-    if (!orl_job_asks_for_glare(state->job))
-        return 1;
-    if (state->result->plan.technique != ORL_TECHNIQUE_BACKWARD)
-        return OF_MAPS;
-    return most < OF_PATHS ? most : OF_PATHS;
-}
