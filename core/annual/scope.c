@@ -58,7 +58,8 @@ size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_firs
     for (size_t i = 0; i < world->geometry->n_facets; i++) {
         const struct orl_facet *facet = &world->geometry->facets[i];
         const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
-        if (flat || !orl_material_is_mirror(&world->materials[facet->material]))
+        const bool textured = world->materials[facet->material].texture != NULL;
+        if ((flat && !textured) || !orl_material_is_mirror(&world->materials[facet->material]))
             continue;
         if (n++ == 0)
             *ret_first = (uint32_t)i;

@@ -10,7 +10,7 @@ enum orl_ray_input {
     ORL_RAY_DX, /* direction in which the ray goes */
     ORL_RAY_DY,
     ORL_RAY_DZ,
-    ORL_RAY_NX, /* normal of the surface, towards the side that the ray comes from */
+    ORL_RAY_NX, /* normal of the surface, on its front */
     ORL_RAY_NY,
     ORL_RAY_NZ,
     ORL_RAY_PX, /* where it hits */
@@ -18,7 +18,7 @@ enum orl_ray_input {
     ORL_RAY_PZ,
     ORL_RAY_T,    /* distance from the start of the path */
     ORL_RAY_TS,   /* distance along this ray */
-    ORL_RAY_RDOT, /* cosine between ray and normal, above 0 */
+    ORL_RAY_RDOT, /* cosine between ray and normal, below 0 where the back is met */
     ORL_RAY_S,    /* lengths of the world in units of the function's */
     ORL_RAY_TX,   /* the world's origin and unit vectors in the function's frame */
     ORL_RAY_TY,

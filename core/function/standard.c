@@ -111,6 +111,22 @@ static const char rev[] =
     "rev_rad = sqrt(Px*Px + Py*Py); rev_dr = A3*rev_rad + A4;\n"
     "rev_dx = rev_dr*Px/rev_rad; rev_dy = rev_dr*Py/rev_rad; rev_dz = A1*Pz + A2;\n";
 
+/* Normals of gensurf(1) -s, by the two coordinates beside the axis A1: A2 to A13 are four vectors,
+ * of their product, the first, the second, and 1. */
+static const char surf[] =
+    "u`R. = select(A1 + 1, Py, Pz, Px); v`R. = select(A1 + 1, Pz, Px, Py);\n"
+    "turn`R.(i) = u`R.*(v`R.*arg(i + 1) + arg(i + 4)) + v`R.*arg(i + 7) + arg(i + 10);\n"
+    "surf_dx = turn`R.(1); surf_dy = turn`R.(2); surf_dz = turn`R.(3);\n";
+
+/* What corners of a triangle have, between them: three values, each linear in the two coordinates
+ * beside the axis A1. Of a normal all three, less that of the triangle; of a picture's place two.
+ */
+static const char tmesh[] =
+    "bu = select(A1 + 1, Py, Pz, Px); bv = select(A1 + 1, Pz, Px, Py);\n"
+    "at`T.(i) = bu*arg(3*i - 1) + bv*arg(3*i) + arg(3*i + 1);\n"
+    "v1 = at`T.(1); v2 = at`T.(2); v3 = at`T.(3); nf = 1/sqrt(v1*v1 + v2*v2 + v3*v3);\n"
+    "dx = v1*nf - Nx; dy = v2*nf - Ny; dz = v3*nf - Nz; u = frac(v1); v = frac(v2);\n";
+
 /* Luminaires by ies2rad(1): theta from the z axis downwards, phi from x towards y, in degrees; what
  * a distribution of intensities becomes on flat things, boxes A2 A3 A4 and cylinders A2 A3, all in
  * metres. */
@@ -143,6 +159,8 @@ static const struct {
              {"perezlum.cal", perezlum},
              {"illum.cal", illum},
              {"rev.cal", rev},
+             {"surf.cal", surf},
+             {"tmesh.cal", tmesh},
              {"source.cal", source},
              {"picture.cal", picture}};
 

@@ -32,7 +32,7 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
     if (!(cosine > 0))
         return orl_gray(0);
     if (!query->lobes)
-        return orl_gray(cosine);
+        return orl_gray(query->shading ? fmax(orl_dot(light, *query->shading), 0) : cosine);
     return orl_rgb_scale(orl_scatter_eval_lobes(query->lobes, query->hit, light, query->eye),
                          cosine);
 }

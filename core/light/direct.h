@@ -21,8 +21,9 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
  * whole: the result is then radiance, of lamps the share that rays drawn by those lobes leave.
  */
 struct orl_direct_query {
-    struct orl_vec3 point;  /* clear of the surface */
-    struct orl_vec3 normal; /* towards the side that is lit */
+    struct orl_vec3 point;          /* clear of the surface */
+    struct orl_vec3 normal;         /* towards the side that is lit */
+    const struct orl_vec3 *shading; /* the cosine is to this one; NULL: to the normal */
     bool through_ports;
     const struct orl_material *lobes;
     const struct orl_hit *hit;

@@ -33,7 +33,8 @@ static bool is_flat_mirror(const struct orl_world *world, size_t facet)
 {
     const struct orl_facet *f = &world->geometry->facets[facet];
     const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-    return flat && f->area > 0 && orl_material_is_mirror(material_of(world, facet));
+    return flat && f->area > 0 && !material_of(world, facet)->texture &&
+           orl_material_is_mirror(material_of(world, facet));
 }
 
 static size_t find_class(struct class *classes, size_t n, struct orl_vec3 normal)

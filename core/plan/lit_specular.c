@@ -22,7 +22,8 @@ struct look {
 static bool is_kind(const struct orl_facet *facet, const struct orl_material *m,
                     enum orl_lit_kind kind)
 {
-    const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
+    const bool flat =
+        !m->texture && (facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING);
     const bool dielectric = m->kind == ORL_MATERIAL_DIELECTRIC;
     if (kind == ORL_LIT_LOBE)
         return orl_material_has_lobes(m);

@@ -70,6 +70,7 @@ struct orl_material {
     int32_t seen_as;                     /* illum: material that views see, or orl_seen_as */
     struct orl_pattern *pattern; /* factor of color, of glass of what passes (material/pattern.h);
                                     or NULL */
+    struct orl_pattern *texture; /* turns the normal (material/texture.h); or NULL */
     int32_t sky;                 /* light, glow: index into skies that scales color, or -1 */
     uint32_t part; /* whose windows and shades have it, from 1 (swap.h); 0: no one's */
 };
@@ -95,7 +96,8 @@ struct orl_surface {
     /* polygon */
     struct orl_vec3 *vertices;
     uint32_t n_vertices;
-    bool has_places; /* of a mesh: orl_surface_places */
+    bool has_places;  /* of a mesh: orl_surface_places */
+    bool has_normals; /* of a mesh: orl_surface_normals */
     /* the others */
     struct orl_vec3 center[2];
     double radius[2];
@@ -107,6 +109,15 @@ struct orl_surface {
 static inline const double *orl_surface_places(const struct orl_surface *surface)
 {
     return surface->has_places ? (const double *)(surface->vertices + surface->n_vertices) : NULL;
+}
+
+/* The normals that a mesh gives each of a polygon's corners, unit or 0; they lie behind the places.
+ */
+static inline const struct orl_vec3 *orl_surface_normals(const struct orl_surface *surface)
+{
+    const size_t places = surface->has_places ? 2 * sizeof(double) * surface->n_vertices : 0;
+    const char *const behind = (const char *)(surface->vertices + surface->n_vertices);
+    return surface->has_normals ? (const struct orl_vec3 *)(const void *)(behind + places) : NULL;
 }
 
 /* A "source" primitive: light from infinitely far away, within angle/2 of dir. */

@@ -50,7 +50,7 @@ LINES(write_sources, "void light l 0 0 3 9 9 9\n", "l source s%zu 0 0 4 1 %zu %z
 LINES(write_degenerate, GREY, "m polygon p%zu 0 0 9 %zu 0 0 %zu 0 0 1 0 0\n")
 LINES(write_no_modifier, GREY, "void sphere s%zu 0 0 4 %zu %zu 0 .1\n")
 LINES(write_quotes, GREY, "'m' \"sphere\" 's 'o%zu 0 0 4 '%zu' \"%zu\" 0 .1\n")
-LINES(write_unsupported, GREY, "void texfunc t%zu 0 0 0\nt%zu metal m%zu 0 0 5 .5 .5 .5 0 0\n")
+LINES(write_unsupported, GREY, "void plasfunc t%zu 0 0 0\nt%zu metal m%zu 0 0 5 .5 .5 .5 0 0\n")
 LINES(write_includes, GREY, "!xform -t %zu %zu %zu part.rad\n")
 LINES(write_pipes, GREY, "!genbox m b%zu 1 2 3 | xform -t %zu %zu 0 | xform -s 2\n")
 

@@ -133,6 +133,9 @@ static void put_corner(struct bytes *b, double x, double y, double z)
 
 enum { POINTS = 1, NORMALS = 2, PLACES = 4 };
 
+/* Up, towards x, and up and away from y: as 32 bits have them. */
+static const int64_t directions[3] = {24, 16, 24 | 8191LL << 5 | 2};
+
 /* A square of two triangles, the first in a patch of three corners; of the second, two corners are
  * in that patch and one in another. */
 static void make_mesh(struct bytes *b, int flags)
@@ -153,7 +156,7 @@ static void make_mesh(struct bytes *b, int flags)
     put_corner(b, 1, 0, 1);
     put_corner(b, 1, 1, 1);
     for (int i = 0; i < 3 && (flags & NORMALS); i++)
-        put_int(b, 77, 4);
+        put_int(b, directions[i], 4);
     for (int i = 0; i < 3 && (flags & PLACES); i++) { /* u is x, v is 2 y */
         put_int(b, (int64_t)((1 + (i > 0)) / 4.0 * 4294967296.0), 4);
         put_int(b, (int64_t)((1 + 2 * (i == 2)) / 4.0 * 4294967296.0), 4);
@@ -320,8 +323,17 @@ static void test_smooth_mesh(void **state)
     make_mesh(&b, NORMALS);
     struct orl_description d = parse_well("void mesh m 1 b.bin 0 0\n", &b, "");
     assert_int_equal(d.n_surfaces, 2);
-    assert_int_equal(d.n_warnings, 1);
-    assert_non_null(strstr(d.warnings[0], "flat"));
+    assert_int_equal(d.n_warnings, 0);
+    const struct orl_vec3 *const normals = orl_surface_normals(&d.surfaces[0]);
+    assert_non_null(normals);
+    assert_null(orl_surface_normals(&d.surfaces[1])); /* one of its corners has none */
+    expect_point(normals[0], 0, 1, 0);
+    expect_point(normals[1], 1, 0, 0);
+    const double x = 8191 / 11584.5;
+    assert_true(fabs(orl_length(normals[2]) - 1) < 1e-12);
+    assert_true(fabs(normals[2].x - x) < 1e-4 && fabs(normals[2].y + sqrt(1 - x * x)) < 1e-4);
+    assert_non_null(material_of(&d, 0)->texture);
+    assert_null(material_of(&d, 1)->texture);
     orl_description_done(&d);
 }
 

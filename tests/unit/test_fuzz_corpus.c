@@ -167,6 +167,13 @@ static void test_hbjson(void **state)
     repeat_trifles(fuzz_hbjson);
 }
 
+static void test_mesh(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/mesh", fuzz_mesh);
+    repeat_trifles(fuzz_mesh);
+}
+
 static void test_compiled(void **state)
 {
     (void)state;
@@ -224,12 +231,12 @@ int main(void)
         cmocka_unit_test(test_grid),      cmocka_unit_test(test_hdr),
         cmocka_unit_test(test_sensors),   cmocka_unit_test(test_function),
         cmocka_unit_test(test_weather),   cmocka_unit_test(test_zip),
-        cmocka_unit_test(test_compiled),  cmocka_unit_test(test_framing),
-        cmocka_unit_test(test_multipart), cmocka_unit_test(test_range),
-        cmocka_unit_test(test_route),     cmocka_unit_test(test_guard),
-        cmocka_unit_test(test_token),     cmocka_unit_test(test_view_file),
-        cmocka_unit_test(test_annual),    cmocka_unit_test(test_occupancy),
-        cmocka_unit_test(test_hbjson),
+        cmocka_unit_test(test_mesh),      cmocka_unit_test(test_compiled),
+        cmocka_unit_test(test_framing),   cmocka_unit_test(test_multipart),
+        cmocka_unit_test(test_range),     cmocka_unit_test(test_route),
+        cmocka_unit_test(test_guard),     cmocka_unit_test(test_token),
+        cmocka_unit_test(test_view_file), cmocka_unit_test(test_annual),
+        cmocka_unit_test(test_occupancy), cmocka_unit_test(test_hbjson),
     };
     if (sodium_init() < 0)
         return 1;

@@ -82,6 +82,12 @@ static void test_values(void **state)
         check(seen(scene, x, 1, 0, 1), .8 * factor, .4 * factor, .2 * factor);
     }
     orl_scene_release(scene);
+    scene = load("void brightfunc f 2 .5+.25*Nz . 0 0\n" /* the front's, from behind too */
+                 "f plastic tiled 0 0 5 .8 .4 .2 0 0\n!xform part.rad\n",
+                 "");
+    check(seen(scene, 1, 1, 0, -1), .6, .3, .15);
+    check(seen(scene, 1, 1, 0, 1), .6, .3, .15);
+    orl_scene_release(scene);
     scene = load(moved, function); /* surfaces alone are moved: the pattern stays */
     check(seen(scene, 2, 1, 7, -1), .72, .36, .18);
     orl_scene_release(scene);

@@ -294,7 +294,7 @@ static void test_missing_main_file(void **state)
  * not told as an error of its own. */
 static void test_refusals_together(void **state)
 {
-    static const char text[] = "void texfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+    static const char text[] = "void plasfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
                                "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
                                "void colortext cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
                                "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
@@ -310,12 +310,12 @@ static void test_refusals_together(void **state)
     assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
     assert_string_equal(err.file, "a.rad");
     assert_int_equal(err.line, 1);
-    assert_string_equal(err.primitive, "texfunc bumps");
+    assert_string_equal(err.primitive, "plasfunc bumps");
     assert_string_equal(err.message,
-                        "not simulated: 1 x texfunc (first at a.rad:1), 1 x prism1 (first at "
+                        "not simulated: 1 x plasfunc (first at a.rad:1), 1 x prism1 (first at "
                         "a.rad:10), 1 x !gensurf (first at a.rad:14), 1 x colortext (first at "
                         "a.rad:6)");
-    assert_non_null(strstr(err.hint, "texfunc: leave it out"));
+    assert_non_null(strstr(err.hint, "plasfunc: use plastic"));
 }
 
 /* Of one kind: as one alone is told, and how many. */
@@ -340,7 +340,7 @@ static void test_unused(void **state)
         "void plastic bad 0 0 5 -.0013 .1 .1 0 0\n"
         "void BRTDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
         "paint alias other paint\n"
-        "void texfunc bumps 4 dx dy dz bumps.cal 0 0\n"
+        "void plasfunc bumps 4 dx dy dz bumps.cal 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void BSDF blind 6 0 gone.xml 0 0 1 . 0 0\n"
         "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere s 0 0 4 0 0 0 1\n";
@@ -380,7 +380,7 @@ static void test_windows_paths(void **state)
 static void test_refusals_unused(void **state)
 {
     static const char library[] =
-        "void texfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+        "void plasfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void alias coarse rough\n"
         "void BRTDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"

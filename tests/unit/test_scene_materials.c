@@ -145,12 +145,12 @@ static void test_every_type_has_an_answer(void **state)
         "glass",     "trans",     "plastic2",   "metal2",    "trans2",     "interface",
         "glow",      "light",     "illum",      "mirror",    "dielectric", "BSDF",
         "aBSDF",     "spotlight", "brightfunc", "colorfunc", "brightdata", "colordata",
-        "colorpict", "mixfunc",   "mixdata",    "mixpict",   "instance",   "mesh"};
+        "colorpict", "mixfunc",   "mixdata",    "mixpict",   "instance",   "mesh",
+        "texfunc",   "texdata"};
     static const char *const refused[] = {
-        "texfunc",    "texdata",   "plasfunc", "metfunc",  "brighttext", "mist",
-        "transfunc",  "BRTDfunc",  "WGMDfunc", "plasdata", "metdata",    "transdata",
-        "antimatter", "colortext", "mixtext",  "prism1",   "prism2",     "ashik2",
-        "spectrum",   "specfile",  "specfunc", "specdata", "specpict"};
+        "plasfunc", "metfunc", "brighttext", "mist",       "transfunc", "BRTDfunc", "WGMDfunc",
+        "plasdata", "metdata", "transdata",  "antimatter", "colortext", "mixtext",  "prism1",
+        "prism2",   "ashik2",  "spectrum",   "specfile",   "specfunc",  "specdata", "specpict"};
     static const char *const names[] = {"a.rad"};
     (void)state;
     assert_int_equal(sizeof read / sizeof *read + sizeof refused / sizeof *refused, 59);

@@ -169,6 +169,12 @@ struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 
 
 /* ---- The light of a place -------------------------------------------------------------------- */
 
+/* About which light comes. */
+static struct orl_vec3 normal_of(const struct stop *stop)
+{
+    return stop->place.textured ? stop->place.shading : stop->place.normal;
+}
+
 /* Which numbers of a sample something takes. */
 enum slot { SLOT_SUN, SLOT_LAMPS, SLOT_WAYS };
 
@@ -191,6 +197,8 @@ static struct orl_rgb direct_light(struct orl_tracer *tracer, const struct stop 
     double u[2];
     const struct orl_direct_query query = {.point = stop->place.point,
                                            .normal = stop->place.normal,
+                                           .shading =
+                                               stop->place.textured ? &stop->place.shading : NULL,
                                            .through_ports = true,
                                            .mirrored = true,
                                            .u = u};
@@ -205,7 +213,18 @@ static struct orl_rgb some_lamps(struct orl_tracer *tracer, const struct stop *s
     numbers(tracer, stop, SLOT_LAMPS, 1, 0, 1, &u);
     return orl_vpl_light(&tracer->backward->vpls, tracer->group, u,
                          stop->sampling ? stop->sampling->lamps : 1, stop->place.point,
-                         stop->place.normal);
+                         normal_of(stop));
+}
+
+/* A direction about a turned normal that goes below the surface is folded up: false where it
+ * is not. */
+static bool fold(const struct stop *stop, struct orl_vec3 *direction)
+{
+    const double cosine = orl_dot(*direction, stop->place.normal);
+    if (!stop->place.textured || cosine > 0)
+        return false;
+    *direction = orl_madd(*direction, stop->place.normal, -2 * cosine);
+    return true;
 }
 
 /* What one aimed ray adds. */
@@ -214,16 +233,19 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
 {
     struct orl_aimed aimed;
     tracer->health->paths++;
-    if (!orl_aim_sample(&tracer->backward->aim, effort, way, stop->place.point, stop->place.normal,
-                        u, &aimed))
+    if (!orl_aim_sample(&tracer->backward->aim, effort, way, stop->place.point, normal_of(stop), u,
+                        &aimed))
         return orl_gray(0);
+    const double cosine = orl_dot(aimed.direction, normal_of(stop));
+    const bool folded = fold(stop, &aimed.direction);
     struct walk w = walk_from(tracer, stop->place.point, aimed.direction);
     w.eye.path.weight = orl_gray(aimed.weight / ORL_PI);
     w.importance = stop->importance;
     w.reflections = stop->reflections;
-    w.cos_start = orl_dot(aimed.direction, stop->place.normal);
-    w.straight = true;
-    orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);
+    w.cos_start = cosine;
+    w.straight = !folded; /* of what lies there lamps have told nothing */
+    if (!folded)
+        orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);
     return orl_rgb_scale(follow(&w), ORL_PI);
 }
 
@@ -251,7 +273,8 @@ static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop
     const struct orl_world *world = tracer->backward->world;
     double u[3];
     numbers(tracer, stop, SLOT_WAYS, 1, 0, 3, u);
-    const struct orl_vec3 direction = orl_hemisphere_about(stop->place.normal, u[0], u[1]);
+    struct orl_vec3 direction = orl_hemisphere_about(normal_of(stop), u[0], u[1]);
+    fold(stop, &direction);
     if (stop->place.proxied)
         return orl_rgb_scale(orl_exterior_radiance(orl_world_seen(world), stop->place.point,
                                                    direction, orl_chance_found(), &tracer->random,

@@ -45,7 +45,7 @@ static bool may_send_on(const struct orl_world *world)
         const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
         if (!(f->area > 0) || (!mirrors && !lobes && m->kind != ORL_MATERIAL_DIELECTRIC))
             continue;
-        if (lamps || !is_flat(f) || m->kind == ORL_MATERIAL_DIELECTRIC ||
+        if (lamps || !is_flat(f) || m->texture || m->kind == ORL_MATERIAL_DIELECTRIC ||
             (lobes && !orl_material_transmits_lobes(m)))
             return true;
         plane = plane ? plane : f;

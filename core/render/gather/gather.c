@@ -183,6 +183,7 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
     const struct orl_direct_query query = {
         .point = place->point,
         .normal = place->normal,
+        .shading = place->textured ? &place->shading : NULL,
         .through_ports = true,
         .mirrored = place->outside ||
                     (orl_gather_catches(gather, place) && !gather->world->omit.mirror_caustics),

@@ -97,8 +97,11 @@ struct orl_place {
     struct orl_vec3 point;  /* on or off a surface, clear of it */
     struct orl_vec3 normal; /* unit */
     bool outside;
-    bool in_air;  /* off any surface: no photon lands there, or images tell better */
-    bool proxied; /* on a surface that a BSDF stands for: lit as views see it; then outside too */
+    bool in_air;   /* off any surface: no photon lands there, or images tell better */
+    bool proxied;  /* on a surface that a BSDF stands for: lit as views see it; then outside too */
+    bool textured; /* seen by a view that turns the normal: light is asked for ... */
+    struct orl_vec3
+        shading; /* ... about this one, unit; but what is below the surface counts not */
 };
 
 /* What the batches of emission hold of a sum, map by map: maps are independent of each other. */

@@ -146,7 +146,8 @@ static double channel_at(const struct orl_record *record, int c, double value, s
 static struct orl_rgb carried(const struct orl_record *record, const struct orl_place *place,
                               uint32_t channels)
 {
-    const struct orl_vec3 turn = orl_cross(record->place.normal, place->normal);
+    const struct orl_vec3 turn =
+        orl_cross(record->place.normal, place->textured ? place->shading : place->normal);
     const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
     const struct orl_rgb e = record->irradiance;
     if (channels == 1)

@@ -45,6 +45,8 @@ static struct orl_cached stray_at(const struct orl_lighting *lighting, const str
     *record = orl_record_make(lighting->gather, &v->place,
                               orl_record_least(&lighting->grain, v->distance), ROWS,
                               lighting->cache, random, search);
+    if (v->place.textured && orl_records_lookup(record, 1, channels, &v->place, &cached))
+        return cached;
     return (struct orl_cached){record->irradiance,
                                hypot(record->error_by_photons, record->error_by_rays)};
 }

@@ -59,6 +59,8 @@ static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *
     const int x = (s->x0 + s->x1) / 2, y = (s->y0 + s->y1) / 2;
     const int xs[4] = {s->x0, s->x1, s->x0, s->x1}, ys[4] = {s->y0, s->y0, s->y1, s->y1};
     const struct orl_cell *middle = orl_cell_at(mosaic, x, y);
+    if (middle->shaded.textured)
+        return false;
     for (int i = 0; i < 4; i++)
         if (!orl_cell_at(mosaic, xs[i], ys[i])->there ||
             orl_cell_at(mosaic, xs[i], ys[i])->way != middle->way)

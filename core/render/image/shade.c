@@ -1,6 +1,7 @@
 #include "render/image/shade.h"
 
 #include "light/proxies.h"
+#include "scene/material/texture.h"
 
 /* Cosine of what a ray may be turned by and count as straight: a hundredth of a sun's radius. */
 static const double straight = 1 - 1e-9;
@@ -86,7 +87,8 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
     const bool proxied = orl_world_hides(world, hit->facet);
     if (look->shaded->n_vertices >= ORL_SHADE_VERTICES)
         return;
-    look->shaded->vertices[look->shaded->n_vertices++] = (struct orl_vertex){
+    struct orl_vertex *const vertex = &look->shaded->vertices[look->shaded->n_vertices++];
+    *vertex = (struct orl_vertex){
         .place = {.point = orl_hit_leave(world->geometry, hit, seen),
                   .normal = seen,
                   .outside = at->outside || proxied,
@@ -95,6 +97,10 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
         .weight =
             orl_rgb_scale(orl_rgb_mul(at->path.weight, orl_material_diffuse(m, hit)), 1 / ORL_PI),
         .distance = at->distance + hit->distance};
+    if (!m->texture)
+        return;
+    look->shaded->textured = vertex->place.textured = true;
+    vertex->place.shading = orl_texture_normal(m->texture, hit, orl_path_back(&at->path));
 }
 
 /* Of samples: their sum, and that of the squares of their luma. */
@@ -209,8 +215,7 @@ static void split(struct look *look, const struct branch *at, const struct orl_h
     struct orl_scatter on = {.direction = at->path.direction,
                              .weight = orl_material_straight(m, hit, eye),
                              .transmitted = true};
-    const double cosine = orl_dot(eye, hit->normal);
-    struct orl_scatter back = {.direction = orl_sub(orl_scale(hit->normal, 2 * cosine), eye),
+    struct orl_scatter back = {.direction = orl_mirrored_at(m, hit, eye),
                                .weight = orl_material_mirrored(m, hit, eye),
                                .clarity = m->media[hit->front ? 1 : 0].transmissivity};
     follow(look, at, hit, &back);
@@ -329,7 +334,7 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
     ret_shaded->way = 0;
     ret_shaded->rest = ret_shaded->lobes = ret_shaded->gloss = orl_gray(0);
     ret_shaded->lobes_variance = ret_shaded->gloss_variance = 0;
-    ret_shaded->has_lobes = false;
+    ret_shaded->has_lobes = ret_shaded->textured = false;
     look.stack[look.depth++] =
         (struct branch){.path = orl_path_from(origin, direction), .outside = outside};
     while (look.depth > 0) {

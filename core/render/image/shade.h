@@ -29,6 +29,7 @@ struct orl_shaded {
     struct orl_rgb gloss;  /* what of the lobes is gloss: of those that send no light through, */
     double gloss_variance; /* and what of the variance */
     bool has_lobes;
+    bool textured; /* one of the vertices: those beside it may be lit otherwise */
 };
 
 /* A technique's radiance along a ray of a lobe: suns not seen straight, and of lamps the share of

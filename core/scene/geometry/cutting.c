@@ -50,7 +50,7 @@ bool orl_materials_alike(const struct orl_material *a, const struct orl_material
             same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
             same_rgb(a->through, b->through) && same_vec(a->aim, b->aim) &&
             a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
-            a->sky == b->sky && a->pattern == b->pattern);
+            a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture);
 }
 
 /* ---- Cutting --------------------------------------------------------------------------------- */
@@ -139,6 +139,7 @@ static int take_outline(struct orl_cutting *t, struct orl_surface *left)
 {
     const size_t bytes = t->overlap.n * sizeof *left->vertices;
     left->n_vertices = t->overlap.n;
+    left->has_places = left->has_normals = false; /* those were of the corners that are gone */
     left->vertices = orl_arena_take(t->d->arena, bytes + 1);
     if (!left->vertices)
         return ORL_ERR_NOMEM;

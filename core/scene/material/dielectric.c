@@ -16,11 +16,9 @@ struct meeting {
     struct orl_vec3 inwards;     /* the refracted direction */
 };
 
-static struct meeting meet(const struct orl_material *material, struct orl_vec3 front_normal,
-                           struct orl_vec3 from)
+static struct meeting meet_at(const struct orl_material *material, bool front,
+                              struct orl_vec3 normal, struct orl_vec3 from)
 {
-    const bool front = orl_dot(from, front_normal) >= 0;
-    const struct orl_vec3 normal = front ? front_normal : orl_neg(front_normal);
     const double here = medium(material, front)->ior, beyond = medium(material, !front)->ior;
     const double ratio = here / beyond, c = fmin(orl_dot(from, normal), 1);
     const double sine2 = ratio * ratio * (1 - c) * (1 + c);
@@ -39,10 +37,25 @@ static struct meeting meet(const struct orl_material *material, struct orl_vec3 
         .inwards = orl_normalize(orl_madd(orl_scale(from, -ratio), normal, ratio * c - inside))};
 }
 
+/* By the turned normal, where what it refracts is then behind the surface. */
+static struct meeting meet(const struct orl_material *material, const struct orl_hit *hit,
+                           struct orl_vec3 from)
+{
+    const bool front = orl_dot(from, hit->normal) >= 0;
+    const struct orl_vec3 plain = front ? hit->normal : orl_neg(hit->normal);
+    if (material->texture) {
+        const struct orl_vec3 turned = orl_texture_normal(material->texture, hit, from);
+        const struct meeting m = meet_at(material, front, turned, from);
+        if (!(m.refracted > 0) || orl_dot(m.inwards, plain) < 0)
+            return m;
+    }
+    return meet_at(material, front, plain, from);
+}
+
 double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 from)
 {
-    return meet(material, hit->normal, from).reflected;
+    return meet(material, hit, from).reflected;
 }
 
 /* Radiance is squeezed with the solid angle it fills: L / n^2 stays. Flux just stays. */
@@ -65,7 +78,7 @@ bool orl_material_refract(const struct orl_material *material, const struct orl_
 {
     if (material->kind != ORL_MATERIAL_DIELECTRIC)
         return false;
-    const struct meeting m = meet(material, hit->normal, from);
+    const struct meeting m = meet(material, hit, from);
     if (!(m.refracted > 0))
         return false;
     *ret_scatter = refracted(material, hit, from, &m, transport);
@@ -75,7 +88,7 @@ bool orl_material_refract(const struct orl_material *material, const struct orl_
 struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3])
 {
     const struct orl_vec3 normal = draw->hit->normal;
-    const struct meeting m = meet(draw->material, normal, draw->from);
+    const struct meeting m = meet(draw->material, draw->hit, draw->from);
     const double t = draw->lobes & ORL_LOBE_TRANSMITTED ? m.refracted : 0;
     const double r = draw->lobes & ORL_LOBE_REFLECTED ? m.reflected : 0;
     if (!(t + r > 0))
@@ -89,7 +102,7 @@ struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const doub
     }
     const bool front = orl_dot(draw->from, normal) >= 0;
     return (struct orl_scatter){.event = ORL_EVENT_MIRROR,
-                                .direction = orl_mirrored(draw->from, normal),
+                                .direction = orl_mirrored_at(draw->material, draw->hit, draw->from),
                                 .weight = orl_gray(r / (1 - p)),
                                 .clarity = medium(draw->material, front)->transmissivity};
 }

@@ -82,7 +82,7 @@ struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const 
 struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3])
 {
     const struct pane pane =
-        pane_at(draw->material, draw->hit, orl_dot(draw->from, draw->hit->normal));
+        pane_at(draw->material, draw->hit, orl_cosine_at(draw->material, draw->hit, draw->from));
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct orl_rgb through =
         draw->lobes & ORL_LOBE_TRANSMITTED ? pane_share(&pane, pane_transmittance) : orl_gray(0);
@@ -97,7 +97,8 @@ struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[
     const double p = t / (t + r);
     s.transmitted = u[2] < p;
     s.event = s.transmitted ? ORL_EVENT_STRAIGHT : ORL_EVENT_MIRROR;
-    s.direction = s.transmitted ? orl_neg(draw->from) : orl_mirrored(draw->from, draw->hit->normal);
+    s.direction = s.transmitted ? orl_neg(draw->from)
+                                : orl_mirrored_at(draw->material, draw->hit, draw->from);
     s.weight = s.transmitted ? orl_rgb_scale(through, 1 / p) : orl_rgb_scale(back, 1 / (1 - p));
     return s;
 }

@@ -7,11 +7,7 @@
 
 #include "scene/material/color_at.h"
 #include "scene/material/scatter.h"
-
-static inline struct orl_vec3 orl_mirrored(struct orl_vec3 from, struct orl_vec3 normal)
-{
-    return orl_sub(orl_scale(normal, 2 * orl_dot(from, normal)), from);
-}
+#include "scene/material/texture.h"
 
 /* glass.c: thin panes. */
 struct orl_rgb orl_glass_transmittance(const struct orl_material *material,

@@ -13,6 +13,6 @@ struct orl_scatter orl_mirror_sample(const struct orl_draw *draw)
     if (!(draw->lobes & ORL_LOBE_REFLECTED) || !(orl_rgb_max(back) > 0))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     return (struct orl_scatter){.event = ORL_EVENT_MIRROR,
-                                .direction = orl_mirrored(draw->from, draw->hit->normal),
+                                .direction = orl_mirrored_at(draw->material, draw->hit, draw->from),
                                 .weight = back};
 }

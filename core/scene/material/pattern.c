@@ -57,6 +57,18 @@ static void look_up(const struct orl_pattern *pattern, const double *place, doub
 
 static const uint32_t no_facet = UINT32_MAX; /* of distant light */
 
+void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                         double *ret_b, double *ret_c)
+{
+    const struct orl_surface *s = &pattern->surfaces[pattern->facets[hit->facet].surface];
+    const struct orl_vec3 ab = orl_sub(s->vertices[1], s->vertices[0]);
+    const struct orl_vec3 ac = orl_sub(s->vertices[2], s->vertices[0]), n = orl_cross(ab, ac);
+    const struct orl_vec3 ap = orl_sub(orl_add(hit->point, pattern->center), s->vertices[0]);
+    const double n2 = orl_dot(n, n);
+    *ret_b = orl_dot(orl_cross(ap, ac), n) / n2;
+    *ret_c = orl_dot(orl_cross(ab, ap), n) / n2;
+}
+
 /* What a mesh says of the place; nothing else does, and has 0 there. */
 static void find_place(const struct orl_pattern *pattern, const struct orl_hit *hit,
                        double ret_place[2])
@@ -68,11 +80,8 @@ static void find_place(const struct orl_pattern *pattern, const struct orl_hit *
     const double *const at = orl_surface_places(s);
     if (!at)
         return;
-    const struct orl_vec3 ab = orl_sub(s->vertices[1], s->vertices[0]);
-    const struct orl_vec3 ac = orl_sub(s->vertices[2], s->vertices[0]), n = orl_cross(ab, ac);
-    const struct orl_vec3 ap = orl_sub(orl_add(hit->point, pattern->center), s->vertices[0]);
-    const double n2 = orl_dot(n, n), b = orl_dot(orl_cross(ap, ac), n) / n2;
-    const double c = orl_dot(orl_cross(ab, ap), n) / n2;
+    double b, c;
+    orl_pattern_corners(pattern, hit, &b, &c);
     for (int k = 0; k < 2; k++)
         ret_place[k] = (1 - b - c) * at[k] + b * at[2 + k] + c * at[4 + k];
 }
@@ -99,25 +108,48 @@ static enum worth mix(const struct orl_pattern *pattern, const struct orl_hit *h
     return worth;
 }
 
-/* Its own factor, without those under it. */
-static enum worth own_factor(const struct orl_pattern *pattern, const struct orl_hit *hit,
-                             struct orl_vec3 towards, struct orl_rgb *ret_factor)
+/* What its function, and what its grids hold, come to. */
+static enum worth values_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                            struct orl_vec3 towards, double values[ORL_GRID_AXES])
 {
-    double inputs[ORL_RAY_INPUTS], values[ORL_GRID_AXES];
-    const struct orl_vec3 facing = orl_hit_facing(hit);
+    double inputs[ORL_RAY_INPUTS];
     take(inputs, ORL_RAY_PX,
          orl_add(turned(pattern, orl_add(hit->point, pattern->center)), pattern->offset));
-    take(inputs, ORL_RAY_NX, orl_scale(turned(pattern, facing), pattern->scale));
+    take(inputs, ORL_RAY_NX, orl_scale(turned(pattern, hit->normal), pattern->scale));
     take(inputs, ORL_RAY_DX, orl_scale(turned(pattern, towards), -pattern->scale));
-    inputs[ORL_RAY_RDOT] = orl_dot(towards, facing);
+    inputs[ORL_RAY_RDOT] = orl_dot(towards, hit->normal);
     if (pattern->meshed)
         find_place(pattern, hit, inputs + ORL_RAY_LU);
-    *ret_factor = orl_gray(1);
     enum worth worth = run(pattern->function, inputs, values);
     if (worth == HAS_VALUE && pattern->values) {
         look_up(pattern, values, inputs + ORL_RAY_DATA);
         worth = run(pattern->values, inputs, values);
     }
+    return worth;
+}
+
+bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                        struct orl_vec3 towards, double ret_values[3])
+{
+    double values[ORL_GRID_AXES];
+    if (values_at(pattern, hit, towards, values) != HAS_VALUE)
+        return false;
+    for (int i = 0; i < (pattern->three ? 3 : 1); i++)
+        ret_values[i] = values[i];
+    return true;
+}
+
+/* Its own factor, without those under it. */
+static enum worth own_factor(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                             struct orl_vec3 towards, struct orl_rgb *ret_factor)
+{
+    double values[ORL_GRID_AXES];
+    *ret_factor = orl_gray(1);
+    if (pattern->smooth)
+        return HAS_VALUE;
+    enum worth worth = values_at(pattern, hit, towards, values);
+    if (pattern->texture)
+        return worth;
     if (pattern->mixture) {
         const bool valued = worth == HAS_VALUE && isfinite(values[0]);
         const double share = valued ? fmin(fmax(values[0], 0), 1) : 1;
@@ -189,11 +221,13 @@ static void sort_facets(const struct orl_description *d, const struct orl_geomet
 {
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < g->n_facets; i++) {
-            const struct orl_pattern *const p = d->materials[g->facets[i].material].pattern;
-            if (p && pass == 0)
-                first[p->index + 2]++;
-            else if (p)
-                sorted[first[p->index + 1]++] = (uint32_t)i;
+            const struct orl_material *const m = &d->materials[g->facets[i].material];
+            const struct orl_pattern *const both[2] = {m->pattern, m->texture};
+            for (int k = 0; k < 2; k++)
+                if (both[k] && pass == 0)
+                    first[both[k]->index + 2]++;
+                else if (both[k])
+                    sorted[first[both[k]->index + 1]++] = (uint32_t)i;
         }
         for (size_t i = 0; pass == 0 && i < d->n_patterns; i++)
             first[i + 2] += first[i + 1];
@@ -353,7 +387,7 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
     const size_t n = description->n_patterns;
     const size_t places = n > ALL_PLACES / PLACES ? FEWEST + ALL_PLACES / n : PLACES;
     size_t *const first = calloc(n + 3, sizeof *first);
-    uint32_t *const sorted = calloc(geometry->n_facets + 1, sizeof *sorted);
+    uint32_t *const sorted = calloc(2 * geometry->n_facets + 1, sizeof *sorted);
     int code = first && sorted ? 0 : ORL_ERR_NOMEM;
     if (code == 0)
         sort_facets(description, geometry, first, sorted);

@@ -17,6 +17,9 @@
  * Rays find that by chance: where a thousandth of all directions has more than a fourth of its
  * light, a warning says so.
  *
+ * A texture (texture.h) is one whose three values turn the normal; both sorts may modify each
+ * other.
+ *
  * Frames: hits are in the geometry's moved coordinates, functions in their own. Ownership: a
  * description owns its patterns. Threads: immutable once settled; each thread has scratch of its
  * own.
@@ -46,7 +49,10 @@ struct orl_pattern {
     const struct orl_grid *grids[ORL_GRID_CHANNELS]; /* the description's */
     uint32_t n_grids;                                /* 1 of a picture, with all channels */
     struct orl_function *values;     /* owned; factors by what the grids hold; NULL without */
-    const struct orl_pattern *under; /* modifies this one; or NULL */
+    const struct orl_pattern *under; /* modifies this one, and is of its sort; or NULL */
+    const struct orl_pattern *other; /* the first of the other sort that does; or NULL */
+    bool texture;                    /* its values turn the normal (texture.h): the other sort */
+    bool smooth;                     /* a texture: the normals of a mesh's corners, no function */
     bool mixture;
     struct orl_mixed mixed[2];
     uint32_t steps;         /* evaluations of functions that it takes, at most */
@@ -78,6 +84,15 @@ static inline struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern,
 {
     return orl_pattern_towards(pattern, hit, hit->normal);
 }
+
+/* What its function gives there, without those under it: three numbers, or one; false where it has
+ * none. */
+bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                        struct orl_vec3 towards, double ret_values[3]);
+
+/* Shares of a triangle's corners b and c at a hit on it. */
+void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                         double *ret_b, double *ret_c);
 
 /* Its factor for distant light from a direction (unit): the place is as far away as Radiance has it
  * there, 1e10, the normal points at who looks. */

@@ -92,11 +92,18 @@ static enum part choose(const double luma[PARTS], double u, double *ret_chance)
     return STRAIGHT;
 }
 
+static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
+{
+    return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
+}
+
 /* Fills in event and direction; returns f cos / pdf of the part alone, 0 where the light is lost.
  */
-static double send(struct orl_scatter *s, enum part part, const struct orl_material *m,
-                   struct orl_vec3 normal, struct orl_vec3 from, const double u[2])
+static double send(struct orl_scatter *s, enum part part, const struct orl_draw *draw,
+                   const double u[2])
 {
+    const struct orl_material *m = draw->material;
+    const struct orl_vec3 from = draw->from, normal = facing(draw->hit, from);
     double weight = 1;
     s->transmitted = part == SPREAD || part == STRAIGHT;
     if (part == DIFFUSE || part == SPREAD) {
@@ -106,19 +113,16 @@ static double send(struct orl_scatter *s, enum part part, const struct orl_mater
     }
     if (!is_rough(m)) {
         s->event = part == SPECULAR ? ORL_EVENT_MIRROR : ORL_EVENT_STRAIGHT;
-        s->direction = part == SPECULAR ? orl_mirrored(from, normal) : orl_neg(from);
+        s->direction = part == SPECULAR ? orl_mirrored_at(m, draw->hit, from) : orl_neg(from);
         return 1;
     }
-    const struct orl_ward ward = orl_ward_at(m, normal);
-    if (part == SPECULAR ? orl_ward_sample_reflected(&ward, from, u, &s->direction, &weight)
+    const struct orl_ward ward =
+        orl_ward_at(m, part == SPECULAR ? orl_normal_at(m, draw->hit, from) : normal);
+    if (part == SPECULAR ? orl_ward_sample_reflected(&ward, from, u, &s->direction, &weight) &&
+                               orl_dot(s->direction, normal) > 0
                          : orl_ward_sample_transmitted(&ward, from, u, &s->direction, &weight))
         s->event = ORL_EVENT_GLOSSY;
     return weight;
-}
-
-static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
-{
-    return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
 }
 
 bool orl_reflector_is_matt(const struct orl_draw *draw)
@@ -186,8 +190,7 @@ struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const doubl
     if (!(luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT] > 0))
         return s;
     const enum part part = choose(luma, u[2], &chance);
-    const double weight =
-        send(&s, part, draw->material, facing(draw->hit, draw->from), draw->from, u);
+    const double weight = send(&s, part, draw, u);
     s.weight = orl_rgb_scale(parts[part], weight / chance);
     return s;
 }
@@ -196,7 +199,6 @@ double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
 {
     const struct orl_vec3 normal = facing(draw->hit, draw->from);
     const double cosine = orl_dot(towards, normal);
-    const struct orl_ward ward = orl_ward_at(draw->material, normal);
     const bool rough = is_rough(draw->material);
     struct orl_rgb parts[PARTS];
     double luma[PARTS], sum = 0;
@@ -205,10 +207,15 @@ double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     if (!(total > 0))
         return 0;
     sum += luma[cosine > 0 ? DIFFUSE : SPREAD] * fabs(cosine) / ORL_PI;
-    if (rough && cosine > 0 && luma[SPECULAR] > 0)
+    if (rough && cosine > 0 && luma[SPECULAR] > 0) {
+        const struct orl_ward ward =
+            orl_ward_at(draw->material, orl_normal_at(draw->material, draw->hit, draw->from));
         sum += luma[SPECULAR] * orl_ward_pdf_reflected(&ward, draw->from, towards);
-    if (rough && cosine < 0 && luma[STRAIGHT] > 0)
+    }
+    if (rough && cosine < 0 && luma[STRAIGHT] > 0) {
+        const struct orl_ward ward = orl_ward_at(draw->material, normal);
         sum += luma[STRAIGHT] * orl_ward_pdf_transmitted(&ward, draw->from, towards);
+    }
     return sum / total;
 }
 
@@ -240,6 +247,19 @@ bool orl_reflector_has_lobes(const struct orl_material *material)
            orl_reflector_transmits_lobes(material);
 }
 
+/* About a turned normal, by whose cosine light arrives. */
+static struct orl_rgb textured_gloss(const struct orl_material *material, const struct orl_hit *hit,
+                                     struct orl_vec3 light, struct orl_vec3 eye, double cos_light)
+{
+    const struct orl_vec3 normal = orl_normal_at(material, hit, eye);
+    const double turned = orl_dot(light, normal);
+    if (!(turned > 0) || !(orl_dot(eye, normal) > 0))
+        return orl_gray(0);
+    const struct orl_ward ward = orl_ward_at(material, normal);
+    return orl_rgb_scale(orl_reflector_specular(material, hit),
+                         orl_ward_reflected(&ward, light, eye) * turned / cos_light);
+}
+
 struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 light, struct orl_vec3 eye)
 {
@@ -248,6 +268,8 @@ struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const st
     if (cos_light * cos_eye > 0) {
         if (!is_rough(material))
             return sum;
+        if (material->texture)
+            return textured_gloss(material, hit, light, eye, fabs(cos_light));
         const struct orl_ward ward = orl_ward_at(material, hit->normal);
         return orl_rgb_scale(orl_reflector_specular(material, hit),
                              orl_ward_reflected(&ward, light, eye));

@@ -43,7 +43,7 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
                                      struct orl_vec3 from)
 {
     if (material->kind == ORL_MATERIAL_GLASS)
-        return orl_glass_transmittance(material, hit, orl_dot(from, hit->normal));
+        return orl_glass_transmittance(material, hit, orl_cosine_at(material, hit, from));
     if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
         return orl_trans_straight(material, hit);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
@@ -54,7 +54,7 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
                                      struct orl_vec3 from)
 {
     if (material->kind == ORL_MATERIAL_GLASS)
-        return orl_glass_reflectance(material, hit, orl_dot(from, hit->normal));
+        return orl_glass_reflectance(material, hit, orl_cosine_at(material, hit, from));
     if (material->kind == ORL_MATERIAL_MIRROR)
         return orl_mirror_reflectance(material, hit, from);
     if (material->kind == ORL_MATERIAL_DIELECTRIC)

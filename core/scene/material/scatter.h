@@ -1,7 +1,8 @@
 /*
  * What a material does with light that meets it: evaluate, sample, and the shares that go where.
- * All of that is asked at a hit, for it may depend on the place (color_at.h). Before anything is hit there are bounds and means over a surface: bounds.h. What kind of
- * thing a material does at all (has lobes, lets light through, shines) it does everywhere.
+ * All of that is asked at a hit, for it may depend on the place (color_at.h). Before anything is
+ * hit there are bounds and means over a surface: bounds.h. What kind of thing a material does at
+ * all (has lobes, lets light through, shines) it does everywhere.
  *
  * Directions are unit and point away from the surface. "from" is where the path came from: the
  * light for photons, the eye for paths traced backwards. Plastic, metal and trans are two-sided

@@ -1,7 +1,7 @@
 /*
- * '!' lines, without a shell: a generator, "xform ... file", "cat file" or "replmarks ... file",
- * and any number of "| xform ..." or "| replmarks ..." behind. What the program would print is read
- * right away, in the scope that its transforms make.
+ * '!' lines, without a shell: a generator, "xform ... file", "cat file", "replmarks ... file" or
+ * "obj2rad ... file", and any number of "| xform ..." or "| replmarks ..." behind. What the program
+ * would print is read right away, in the scope that its transforms make.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +12,7 @@
 #include "scene/generate/command.h"
 #include "scene/generate/solids.h"
 #include "scene/parse/markers.h"
+#include "scene/parse/objects.h"
 
 /* One of the two, and what it needs. */
 struct generator {
@@ -70,34 +71,6 @@ static const char *const *stage_words(const struct run *run, size_t *ret_count)
 
 /* ---- Included files -------------------------------------------------------------------------- */
 
-static int check_nesting(const struct orl_scope *scope, const char *name, struct orl_error *err)
-{
-    for (const struct orl_scope *s = scope; s; s = s->outer)
-        if (strcmp(s->file, name) == 0)
-            return orl_error_set(err, ORL_ERR_LIMIT, "'%.200s' includes itself", name);
-    if (scope->depth >= ORL_LIMIT_INCLUDE_DEPTH)
-        return orl_error_set(err, ORL_ERR_LIMIT, "files include each other more than %u deep",
-                             ORL_LIMIT_INCLUDE_DEPTH);
-    return 0;
-}
-
-int orl_parser_enter(struct orl_parser *parser, struct orl_scope *inner, const char *name,
-                     struct orl_file *ret_file, struct orl_error *err)
-{
-    size_t index = 0;
-    int code = orl_sources_find(&parser->sources, inner->folder, name, &index, err);
-    if (code < 0)
-        return code;
-    code = check_nesting(inner, parser->sources.items[index].name, err);
-    if (code < 0)
-        return code;
-    inner->file = parser->sources.items[index].name;
-    inner->folder = parser->sources.items[index].folder;
-    inner->depth++;
-    *ret_file = parser->sources.items[index].file;
-    return 0;
-}
-
 int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
                        struct orl_error *err)
 {
@@ -108,7 +81,7 @@ int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner,
         return code;
     if (file.size == 0)
         orl_parser_warn(parser, "%.200s: the file is empty", scope.file);
-    return orl_parser_read(parser, &scope, file.data, file.size, 0, err);
+    return orl_parser_file(parser, &scope, &file, err);
 }
 
 /* Files as they are; behind '|', what comes. */
@@ -275,7 +248,7 @@ static int refuse(const char *name, struct orl_error *err)
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
     orl_error_hint(
         err,
-        "xform, cat, replmarks, genbox, genprism, genblinds, genclock, genbranch, "
+        "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, genbranch, "
         "genrev, genworm, gensky and gendaylit are read here; run others beforehand and include "
         "their output");
     return ORL_ERR_UNSUPPORTED;
@@ -292,6 +265,8 @@ static int run_stage(struct run *run, struct orl_error *err)
         return concatenate(run, words, count, err);
     if (strcmp(words[0], "replmarks") == 0)
         return replace_markers(run, words, count, err);
+    if (strcmp(words[0], "obj2rad") == 0 && run->stage == 0)
+        return orl_parser_obj2rad(run->parser, run->scope, words, count, err);
     if (!generator)
         return refuse(words[0], err);
     if (run->stage > 0)

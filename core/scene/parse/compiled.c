@@ -98,11 +98,12 @@ static int add_triangle(struct inside *inside, const struct orl_patches *patches
 {
     const struct orl_patch_triangle *triangle = &patches->triangles[number];
     struct orl_vec3 v[3];
+    struct orl_vec3 normals[3];
     double places[6];
-    bool placed;
+    bool placed, turned;
     const size_t material = (size_t)triangle->material;
     const bool bare = triangle->material < 0;
-    if (!orl_patches_corners(patches, triangle, v, places, &placed) ||
+    if (!orl_patches_corners(patches, triangle, v, places, &placed, normals, &turned) ||
         (!bare && material >= inside->names.count))
         return orl_binary_fail(&inside->binary, "one of its triangles is damaged", err);
     const char *const head[3] = {bare ? "void" : inside->names.at[material], "polygon", inside->id};
@@ -112,8 +113,10 @@ static int add_triangle(struct inside *inside, const struct orl_patches *patches
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     inside->parser->primitive.line = (int)number + 1;
     inside->parser->places = placed ? places : NULL;
+    inside->parser->normals = turned ? normals : NULL;
     const int code = orl_parser_surface(inside->parser, &inside->scope, err);
     inside->parser->places = NULL;
+    inside->parser->normals = NULL;
     return code;
 }
 
@@ -123,11 +126,6 @@ static int add_triangles(struct inside *inside, const struct orl_patches *patche
     int code = 0;
     for (size_t i = 0; i < patches->n_triangles && code == 0; i++)
         code = add_triangle(inside, patches, i, err);
-    if (code == 0 && patches->has_normals)
-        orl_parser_warn(inside->parser,
-                        "%.200s: the triangles of mesh %.60s are flat here: the normals of their "
-                        "corners, by which Radiance shades it smoothly, are passed over",
-                        inside->scope.file, inside->id);
     return code;
 }
 

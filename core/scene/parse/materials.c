@@ -1,11 +1,11 @@
 /*
  * Modifiers: materials, and aliases of them. A material's own modifier may be void, a sky, or, of
- * most, a pattern; anything else is not simulated.
+ * most, a pattern or texture; and that of a pattern or texture may be a material, which surfaces
+ * then have with it (as obj2rad and gensurf -s write it). Anything else is not simulated.
  * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
  */
 #include <string.h>
 
-#include "base/grow.h"
 #include "scene/material/pattern.h"
 #include "scene/parse/material_readers.h"
 
@@ -49,100 +49,19 @@ bool orl_parser_is_modifier(const char *type)
 
 /* ---- Definitions ----------------------------------------------------------------------------- */
 
-static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
-{
-    return a.r == b.r && a.g == b.g && a.b == b.b;
-}
-
-static bool same_vec3(struct orl_vec3 a, struct orl_vec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool same_medium(struct orl_medium a, struct orl_medium b)
-{
-    return same_rgb(a.transmissivity, b.transmissivity) && a.ior == b.ior;
-}
-
-static bool same_reflector(const struct orl_material *a, const struct orl_material *b)
-{
-    return same_rgb(a->color, b->color) && a->specular == b->specular &&
-           a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
-           same_vec3(a->grain, b->grain) && a->transmitted == b->transmitted &&
-           a->transmitted_specular == b->transmitted_specular;
-}
-
-static bool same_clear(const struct orl_material *a, const struct orl_material *b)
-{
-    return same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
-           same_medium(a->media[0], b->media[0]) && same_medium(a->media[1], b->media[1]);
-}
-
-static bool same_bsdf(const struct orl_material *a, const struct orl_material *b)
-{
-    return a->bsdf == b->bsdf && a->thickness == b->thickness && same_vec3(a->up, b->up) &&
-           a->peak == b->peak && same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
-           same_rgb(a->through, b->through);
-}
-
-static bool same_light(const struct orl_material *a, const struct orl_material *b)
-{
-    return a->max_radius == b->max_radius && same_vec3(a->aim, b->aim) &&
-           a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
-           a->sky == b->sky && a->pattern == b->pattern;
-}
-
-/* Whether two materials of one name are the same: arrays read their materials again and again. */
-static bool same_material(const struct orl_material *a, const struct orl_material *b)
-{
-    return a->kind == b->kind && same_reflector(a, b) && same_clear(a, b) && same_bsdf(a, b) &&
-           same_light(a, b);
-}
-
-/* Adds the material; takes its BSDF reference, whatever happens. */
-static int add_material(struct orl_parser *parser, const char *name, struct orl_material *material,
-                        uint32_t *ret_index)
-{
-    struct orl_description *out = parser->out;
-    material->name = orl_arena_text(out->arena, name, strlen(name));
-    if (!material->name || out->n_materials >= UINT32_MAX ||
-        !orl_grow(&out->materials, &parser->materials_room, out->n_materials,
-                  sizeof *out->materials)) {
-        orl_bsdf_unref(material->bsdf);
-        return ORL_ERR_NOMEM;
-    }
-    *ret_index = (uint32_t)out->n_materials;
-    out->materials[out->n_materials++] = *material;
-    return 0;
-}
-
-int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index)
-{
-    struct orl_material nothing = {
-        .kind = ORL_MATERIAL_VOID, .seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
-    if (parser->void_material < 0) {
-        uint32_t index = 0;
-        if (add_material(parser, "void", &nothing, &index) < 0)
-            return ORL_ERR_NOMEM;
-        parser->void_material = (int32_t)index;
-    }
-    *ret_index = (uint32_t)parser->void_material;
-    return 0;
-}
-
 static int define(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                   struct orl_material *material, struct orl_error *err)
 {
     const struct orl_symbol *old = orl_symbols_find(&parser->symbols, name);
     struct orl_symbol symbol = {.kind = ORL_SYMBOL_MATERIAL};
     if (old && old->kind == ORL_SYMBOL_MATERIAL &&
-        same_material(parser->out->materials + old->index, material)) {
+        orl_material_same(parser->out->materials + old->index, material)) {
         orl_bsdf_unref(material->bsdf);
         if (orl_symbols_set(&parser->symbols, *old) < 0) /* defined again, and so later */
             return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
         return 0;
     }
-    if (add_material(parser, name, material, &symbol.index) < 0)
+    if (orl_parser_add_material(parser, name, material, &symbol.index) < 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
     symbol.name = parser->out->materials[symbol.index].name;
     if (orl_symbols_set(&parser->symbols, symbol) < 0)
@@ -203,7 +122,7 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
     const char *name = parser->primitive.modifier;
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
     material->sky = -1;
-    material->pattern = NULL;
+    material->pattern = material->texture = NULL;
     if (strcmp(name, "void") == 0)
         return 0;
     if (!symbol) {
@@ -213,7 +132,11 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
         return ORL_ERR_NOT_FOUND;
     }
     if (symbol->kind == ORL_SYMBOL_PATTERN) {
-        material->pattern = parser->out->patterns[symbol->index];
+        struct orl_pattern *const top = parser->out->patterns[symbol->index];
+        struct orl_pattern *const other =
+            top->other ? parser->out->patterns[top->other->index] : NULL;
+        material->pattern = top->texture ? other : top;
+        material->texture = top->texture ? top : other;
         return 0;
     }
     if (symbol->kind != ORL_SYMBOL_SKY) {
@@ -258,6 +181,13 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
                   "simulated on what shines only: '%.200s' is one"
                 : "patterns are not simulated on dielectrics and BSDFs: '%.200s' is one",
             parser->primitive.modifier);
+        orl_error_hint(err, "write void in its place");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    if (material->texture && material->kind == ORL_MATERIAL_BSDF) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "textures are not simulated on BSDFs: '%.200s' is one",
+                        parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;
     }
@@ -324,7 +254,7 @@ static int mix(struct orl_parser *parser, const struct orl_scope *scope, struct 
         return code;
     const bool colored =
         two[0].kind != ORL_MATERIAL_GLASS && two[0].sky < 0 && is_patterned(two[0].kind, false);
-    if (!colored || !same_material(&bare[0], &bare[1])) {
+    if (!colored || !orl_material_same(&bare[0], &bare[1])) {
         orl_parser_fail(
             parser, scope, err, ORL_ERR_UNSUPPORTED,
             "mixtures are simulated of two materials of one type, no glass, that differ "
@@ -340,6 +270,47 @@ static int mix(struct orl_parser *parser, const struct orl_scope *scope, struct 
     return code < 0 ? code : define(parser, scope, parser->primitive.id, &bare[0], err);
 }
 
+/* A pattern or texture that a material modifies: that material, with it. The material's own lie
+ * under it. */
+static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, uint32_t index,
+                    struct orl_error *err)
+{
+    struct orl_material material = parser->out->materials[index];
+    const char *const id = parser->primitive.id;
+    if (material.sky >= 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                               "'%.200s', which it lies on, shines by a sky's function",
+                               parser->primitive.modifier);
+    int code = orl_parser_pattern(parser, scope, material.pattern, material.texture, true, err);
+    if (code < 0)
+        return code;
+    const struct orl_symbol *const made = orl_symbols_find(&parser->symbols, id);
+    if (made->kind == ORL_SYMBOL_MATERIAL) {
+        material.pattern = parser->out->materials[made->index].pattern;
+        material.texture = parser->out->materials[made->index].texture;
+    } else if (parser->out->patterns[made->index]->texture) {
+        material.texture = parser->out->patterns[made->index];
+    } else {
+        material.pattern = parser->out->patterns[made->index];
+    }
+    code = check_lit(parser, scope, &material, err);
+    if (code < 0)
+        return code;
+    material.bsdf = material.bsdf ? orl_bsdf_ref(material.bsdf) : NULL;
+    return define(parser, scope, id, &material, err);
+}
+
+/* The material that modifies the pattern or texture at hand, or NULL. */
+static const struct orl_symbol *find_below(const struct orl_parser *parser)
+{
+    const struct orl_symbol *const symbol =
+        orl_symbols_find(&parser->symbols, parser->primitive.modifier);
+    const bool pattern = orl_parser_is_pattern(parser->primitive.type) &&
+                         !orl_parser_is_mixture(parser->primitive.type) &&
+                         !orl_parser_is_sky(&parser->primitive);
+    return pattern && symbol && symbol->kind == ORL_SYMBOL_MATERIAL ? symbol : NULL;
+}
+
 int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_error *err)
 {
@@ -353,18 +324,23 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
         code = mix(parser, scope, err);
         return orl_is_deferrable(code) ? put_off(parser, err) : code;
     }
+    const struct orl_symbol *const below = code == 0 ? find_below(parser) : NULL;
+    if (below) {
+        code = lay_over(parser, scope, below->index, err);
+        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+    }
     if (code == 0)
         code = find_pattern(parser, scope, &material, err);
     if (code < 0)
         return code;
     if (!type) {
         const bool sky = orl_parser_is_sky(&parser->primitive);
-        if (material.sky >= 0 || (material.pattern && sky))
+        if (material.sky >= 0 || ((material.pattern || material.texture) && sky))
             return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                    "a pattern cannot modify a sky, nor a sky a pattern");
         if (sky)
             return orl_parser_sky(parser, scope, parser->primitive.id, err);
-        code = orl_parser_pattern(parser, scope, material.pattern, err);
+        code = orl_parser_pattern(parser, scope, material.pattern, material.texture, false, err);
         return orl_is_deferrable(code) ? put_off(parser, err) : code;
     }
     material.kind = type->kind;
@@ -408,6 +384,7 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
                                target);
     material.sky = inherit ? material.sky : own.sky;
     material.pattern = inherit || mixture ? material.pattern : own.pattern;
+    material.texture = inherit ? material.texture : own.texture;
     code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;

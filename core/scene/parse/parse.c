@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/crew.h>
 #include <oriel/limits.h>
 
 #include "scene/parse/compiled.h"
 #include "scene/parse/markers.h"
+#include "scene/parse/objects.h"
 
 /* Types that Radiance knows and Oriel does not simulate, and what to do about them. */
 struct unsupported {
@@ -28,8 +28,6 @@ static const struct unsupported unsupported_types[] = {
     {"plasdata", "use plastic, or a BSDF"},
     {"metdata", "use metal, or a BSDF"},
     {"transdata", "describe it as a BSDF"},
-    {"texfunc", "leave it out: textures are not simulated"},
-    {"texdata", "leave it out: textures are not simulated"},
     {"colortext", "leave it out: of patterns, those of functions, data and pictures are simulated"},
     {"brighttext",
      "leave it out: of patterns, those of functions, data and pictures are simulated"},
@@ -105,28 +103,6 @@ static int read_command(struct orl_parser *parser, const struct orl_scope *scope
 }
 
 /* Arrays read files again and again: the sum is bounded, and a short read is not free. */
-int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
-                          struct orl_error *err)
-{
-    enum { READ_COST = 4096 };
-    parser->text_bytes += size + READ_COST;
-    if (parser->text_bytes <= ORL_LIMIT_SCENE_TEXT)
-        return 0;
-    orl_error_set(err, ORL_ERR_LIMIT,
-                  "the scene's text, repeats by xform -a included, is longer than %lu MiB",
-                  ORL_LIMIT_SCENE_TEXT >> 20);
-    orl_error_at(err, scope->file, 0, NULL);
-    return ORL_ERR_LIMIT;
-}
-
-static int heed_cancel(const struct orl_parser *parser, struct orl_error *err)
-{
-    const struct orl_bsdf_loader *loader = parser->sources.loader;
-    if (loader && orl_is_cancelled(loader->cancel))
-        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading the scene");
-    return 0;
-}
-
 /* Of the types that are not simulated these are no modifiers. */
 static bool is_surface(const char *type)
 {
@@ -173,9 +149,17 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
         if (code == ORL_ERR_UNSUPPORTED && !parser->cut_short)
             code = note_refusal(parser, &lexer, command, err);
         if (code == 0)
-            code = heed_cancel(parser, err);
+            code = orl_parser_heed_cancel(parser, err);
     }
     return code;
+}
+
+int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
+                    const struct orl_file *file, struct orl_error *err)
+{
+    const enum orl_object_kind kind = orl_object_kind_of(scope->file, file);
+    return kind != ORL_OBJECT_NONE ? orl_parser_object(parser, scope, file, kind, err)
+                                   : orl_parser_read(parser, scope, file->data, file->size, 0, err);
 }
 
 static bool is_xml(const char *name)
@@ -231,7 +215,7 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
         source = parser->sources.items + index[i];
         scope.file = source->name;
         scope.folder = source->folder;
-        code = orl_parser_read(parser, &scope, source->file.data, source->file.size, 0, err);
+        code = orl_parser_file(parser, &scope, &source->file, err);
     }
     return code;
 }
@@ -295,6 +279,7 @@ done:
     orl_symbols_done(&parser.symbols);
     orl_deferred_done(&parser.deferred);
     orl_functions_free(parser.functions);
+    free(parser.smooth);
     orl_primitive_done(&parser.primitive);
     orl_description_done(&out);
     free(index);

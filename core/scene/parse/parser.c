@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
+#include <oriel/limits.h>
+
 #include "base/grow.h"
 
 enum { WARNINGS_MAX = 100, TEXT_MAX = 640 };
@@ -122,5 +125,57 @@ int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *s
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                                "'%.60s' in its transform is no transform", words[used]);
     *ret_xform = orl_xform_compose(&scope->xform, &own);
+    return 0;
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
+                          struct orl_error *err)
+{
+    enum { READ_COST = 4096 };
+    parser->text_bytes += size + READ_COST;
+    if (parser->text_bytes <= ORL_LIMIT_SCENE_TEXT)
+        return 0;
+    orl_error_set(err, ORL_ERR_LIMIT,
+                  "the scene's text, repeats by xform -a included, is longer than %lu MiB",
+                  ORL_LIMIT_SCENE_TEXT >> 20);
+    orl_error_at(err, scope->file, 0, NULL);
+    return ORL_ERR_LIMIT;
+}
+
+int orl_parser_heed_cancel(const struct orl_parser *parser, struct orl_error *err)
+{
+    const struct orl_bsdf_loader *loader = parser->sources.loader;
+    if (loader && orl_is_cancelled(loader->cancel))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading the scene");
+    return 0;
+}
+
+static int check_nesting(const struct orl_scope *scope, const char *name, struct orl_error *err)
+{
+    for (const struct orl_scope *s = scope; s; s = s->outer)
+        if (strcmp(s->file, name) == 0)
+            return orl_error_set(err, ORL_ERR_LIMIT, "'%.200s' includes itself", name);
+    if (scope->depth >= ORL_LIMIT_INCLUDE_DEPTH)
+        return orl_error_set(err, ORL_ERR_LIMIT, "files include each other more than %u deep",
+                             ORL_LIMIT_INCLUDE_DEPTH);
+    return 0;
+}
+
+int orl_parser_enter(struct orl_parser *parser, struct orl_scope *inner, const char *name,
+                     struct orl_file *ret_file, struct orl_error *err)
+{
+    size_t index = 0;
+    int code = orl_sources_find(&parser->sources, inner->folder, name, &index, err);
+    if (code < 0)
+        return code;
+    code = check_nesting(inner, parser->sources.items[index].name, err);
+    if (code < 0)
+        return code;
+    inner->file = parser->sources.items[index].name;
+    inner->folder = parser->sources.items[index].folder;
+    inner->depth++;
+    *ret_file = parser->sources.items[index].file;
     return 0;
 }

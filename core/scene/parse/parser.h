@@ -33,7 +33,10 @@ struct orl_parser {
     size_t text_bytes;               /* read so far, repeats included */
     size_t name_bytes;               /* of surfaces, kept so far */
     uint64_t vertices;               /* kept so far */
-    const double *places;  /* of a mesh's triangle at hand: (u, v) of its corners; or NULL */
+    const double *places; /* of a mesh's triangle at hand: (u, v) of its corners; or NULL */
+    const struct orl_vec3 *normals; /* the same: unit normals of its corners, or NULL */
+    uint32_t *smooth;               /* by material: that with such normals, or UINT32_MAX */
+    size_t n_smooth;
     int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;
     struct orl_deferred deferred;
@@ -58,18 +61,15 @@ struct orl_scope {
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
                     size_t size, int line, struct orl_error *err);
 
-/* parse.c: so much is read, again perhaps; ORL_ERR_LIMIT where that is too much together. */
-int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
-                          struct orl_error *err);
+/* parse.c: a file whose scope has been made: scene text, or an object (objects.h). */
+int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
+                    const struct orl_file *file, struct orl_error *err);
 
 /* commands.c: a '!' line. */
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
                        int number, struct orl_error *err);
 
-/* Finds a file that text in the scope names, and makes the scope that of what is in it. */
-int orl_parser_enter(struct orl_parser *parser, struct orl_scope *inner, const char *name,
-                     struct orl_file *ret_file, struct orl_error *err);
-/* Reads a file within the scope already made for it. */
+/* commands.c: reads a file within the scope already made for it. */
 int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
                        struct orl_error *err);
 
@@ -85,11 +85,15 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
                      struct orl_error *err);
 bool orl_parser_is_modifier(const char *type);
 
-/* patterns.c: a brightfunc that is no sky, a colorpict and the like; under: what modifies it, or
- * NULL. */
+/* patterns.c: a brightfunc that is no sky, a colorpict, a texfunc and the like; color, texture:
+ * what of either sort modifies it, or NULL. of_material: a material with these does, and the name
+ * may stand for one that has it already, which it then stays. */
 bool orl_parser_is_pattern(const char *type);
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
-                       const struct orl_pattern *under, struct orl_error *err);
+                       const struct orl_pattern *color, const struct orl_pattern *texture,
+                       bool of_material, struct orl_error *err);
+/* Takes it into the description, whatever happens. 0 or ORL_ERR_NOMEM. */
+int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *pattern);
 
 /* patterns.c: a mixture of two materials that differ in colour and pattern alone: the pattern that
  * has what they are together, as a factor of 1. */
@@ -108,10 +112,32 @@ int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, con
 int orl_parser_define_refused(struct orl_parser *parser, const char *name,
                               const struct orl_error *refused, struct orl_error *err);
 
-/* materials.c: the index of the material that stands for "void". */
+/* material_table.c: are they one but for their names? */
+bool orl_material_same(const struct orl_material *a, const struct orl_material *b);
+
+/* material_table.c: adds a material; takes its BSDF reference, whatever happens. 0 or
+ * ORL_ERR_NOMEM. */
+int orl_parser_add_material(struct orl_parser *parser, const char *name,
+                            struct orl_material *material, uint32_t *ret_index);
+
+/* smoothing.c: the material with the normals of a mesh's corners as its texture. */
+int orl_parser_smooth(struct orl_parser *parser, uint32_t material, uint32_t *ret_index);
+
+/* material_table.c: the index of the material that stands for "void". */
 int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index);
 
 /* ---- Helpers, parser.c ----------------------------------------------------------------------- */
+
+/* Finds a file that text in the scope names, and makes the scope that of what is in it. */
+int orl_parser_enter(struct orl_parser *parser, struct orl_scope *inner, const char *name,
+                     struct orl_file *ret_file, struct orl_error *err);
+
+/* So much is read, again perhaps; ORL_ERR_LIMIT where that is too much together. */
+int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
+                          struct orl_error *err);
+
+/* ORL_ERR_CANCELLED once nobody wants the scene any more. */
+int orl_parser_heed_cancel(const struct orl_parser *parser, struct orl_error *err);
 
 /* Reports on the primitive at hand. Returns code. */
 int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,

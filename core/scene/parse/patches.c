@@ -32,11 +32,31 @@ static int add_vertex(struct orl_patches *patches, struct orl_vec3 v, struct orl
     if (!orl_grow(&patches->vertices, &patches->vertices_room, patches->n_vertices,
                   sizeof *patches->vertices) ||
         !orl_grow(&patches->places, &patches->places_room, patches->n_vertices,
-                  sizeof *patches->places))
+                  sizeof *patches->places) ||
+        !orl_grow(&patches->normals, &patches->normals_room, patches->n_vertices,
+                  sizeof *patches->normals))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     patches->places[patches->n_vertices][0] = patches->places[patches->n_vertices][1] = NAN;
+    patches->normals[patches->n_vertices] = orl_v3(0, 0, 0);
     patches->vertices[patches->n_vertices++] = v;
     return 0;
+}
+
+/*
+ * A direction in 32 bits: three signs, which of x and y is the smaller in size, whether z is
+ * smaller than the other; then both smaller ones, the third following from the length. 0: none.
+ */
+static struct orl_vec3 read_normal(struct orl_binary *binary)
+{
+    const uint32_t code = (uint32_t)orl_binary_int(binary, 4);
+    const double unit = 1 / 11584.5, first = (code >> 5 & 0x1fff) * unit;
+    const double second = (code >> 18 & 0x1fff) * unit;
+    const double third = sqrt(fmax(0, 1 - first * first - second * second));
+    const double other = code & 16 ? third : second, z = code & 16 ? second : third;
+    const double x = code & 8 ? first : other, y = code & 8 ? other : first;
+    if (code == 0)
+        return orl_v3(0, 0, 0);
+    return orl_normalize(orl_v3(code & 1 ? -x : x, code & 2 ? -y : y, code & 4 ? -z : z));
 }
 
 /* A first number of 0 stands for none. */
@@ -60,8 +80,8 @@ static int read_vertices(struct orl_binary *binary, const struct orl_patch_frame
         code = add_vertex(patches, read_vertex(binary, frame), err);
     if (code < 0)
         return code;
-    patches->has_normals |= (flags & HAS_NORMALS) != 0;
-    orl_binary_skip(binary, (uint64_t)count * (flags & HAS_NORMALS ? 4 : 0));
+    for (size_t i = first; i < patches->n_vertices && (flags & HAS_NORMALS); i++)
+        patches->normals[i] = read_normal(binary);
     for (size_t i = first; i < patches->n_vertices && (flags & HAS_PLACES); i++)
         read_place(binary, frame, patches->places[i]);
     return 0;
@@ -157,17 +177,20 @@ int orl_patches_read(struct orl_binary *binary, const struct orl_patch_frame *fr
 }
 
 bool orl_patches_corners(const struct orl_patches *patches, const struct orl_patch_triangle *t,
-                         struct orl_vec3 ret_corners[3], double ret_places[6], bool *ret_placed)
+                         struct orl_vec3 ret_corners[3], double ret_places[6], bool *ret_placed,
+                         struct orl_vec3 ret_normals[3], bool *ret_turned)
 {
-    *ret_placed = true;
+    *ret_placed = *ret_turned = true;
     for (int k = 0; k < 3; k++) {
         const size_t patch = t->corner[k] >> 8, at = t->corner[k] & 0xff;
         if (patch >= patches->n_patches || at >= patches->first[patch + 1] - patches->first[patch])
             return false;
         const double *const place = patches->places[patches->first[patch] + at];
         ret_corners[k] = patches->vertices[patches->first[patch] + at];
-        memcpy(ret_places + 2 * k, place, 2 * sizeof *place);
+        memcpy(ret_places + 2 * (size_t)k, place, 2 * sizeof *place);
         *ret_placed = *ret_placed && isfinite(place[0]) && isfinite(place[1]);
+        ret_normals[k] = patches->normals[patches->first[patch] + at];
+        *ret_turned = *ret_turned && orl_length(ret_normals[k]) > 0;
     }
     return true;
 }
@@ -176,6 +199,7 @@ void orl_patches_done(struct orl_patches *patches)
 {
     free(patches->vertices);
     free(patches->places);
+    free(patches->normals);
     free(patches->first);
     free(patches->triangles);
     memset(patches, 0, sizeof *patches);

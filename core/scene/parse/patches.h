@@ -23,7 +23,8 @@ struct orl_patches {
     size_t n_patches;
     struct orl_patch_triangle *triangles;
     size_t n_triangles, triangles_room;
-    bool has_normals; /* of vertices; they are passed over */
+    struct orl_vec3 *normals; /* of each vertex: unit, 0 where it has none */
+    size_t normals_room;
 };
 
 /* What the numbers in patches are shares of: the cube that holds all, and the limits of (u, v). */
@@ -37,9 +38,10 @@ struct orl_patch_frame {
  */
 int orl_patches_read(struct orl_binary *binary, const struct orl_patch_frame *frame,
                      struct orl_patches *ret, struct orl_error *err);
-/* False where a corner names no vertex. ret_placed: all have places. */
+/* False where a corner names no vertex. ret_placed: all have places; ret_turned: normals. */
 bool orl_patches_corners(const struct orl_patches *patches, const struct orl_patch_triangle *t,
-                         struct orl_vec3 ret_corners[3], double ret_places[6], bool *ret_placed);
+                         struct orl_vec3 ret_corners[3], double ret_places[6], bool *ret_placed,
+                         struct orl_vec3 ret_normals[3], bool *ret_turned);
 void orl_patches_done(struct orl_patches *patches);
 
 #endif

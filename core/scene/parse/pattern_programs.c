@@ -146,8 +146,9 @@ static int compile_values(struct orl_parser *parser, const struct orl_scope *sco
         texts[i] = malloc(room);
         if (!texts[i])
             code = ORL_ERR_NOMEM;
-        else if (!channels || (i > 0 && orl_functions_arity(parser->functions, context, name) < n))
-            snprintf(texts[i], room, "%s(%s)", name, data[i]);
+        else if (!channels || ((i > 0 || pattern->texture) &&
+                               orl_functions_arity(parser->functions, context, name) < n))
+            snprintf(texts[i], room, "%s(%s)", name, data[pattern->texture ? 0 : i]);
         else
             snprintf(texts[i], room, "%s(%s,%s,%s)", name, data[0], data[1], data[2]);
     }

@@ -1,9 +1,9 @@
 /*
- * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; and mixtures of
- * materials: mixfunc, mixdata, mixpict. Strings: of mixtures, two materials; one function, or
- * three; of grids, their files; the function file or '.'; of grids, an expression for each
- * coordinate; and the transform from the function's coordinates. Numbers are arg(1) and on.
- * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.4.
+ * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; textures: texfunc,
+ * texdata; and mixtures of materials: mixfunc, mixdata, mixpict. Strings: of mixtures, two
+ * materials; one function, or three; of grids, their files; the function file or '.'; of grids, an
+ * expression for each coordinate; and the transform from the function's coordinates. Numbers are
+ * arg(1) and on. Reference: "The RADIANCE Synthetic Imaging System", section 2.1.4.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,12 +18,15 @@ struct pattern_type {
     size_t n_functions, n_files; /* of factors; of grids */
     bool picture;
     size_t n_materials; /* that it mixes, before all else */
+    bool texture;
 };
 
 static const struct pattern_type pattern_types[] = {
-    {"brightfunc", 1, 0, false, 0}, {"colorfunc", 3, 0, false, 0}, {"brightdata", 1, 1, false, 0},
-    {"colordata", 3, 3, false, 0},  {"colorpict", 3, 1, true, 0},  {"mixfunc", 1, 0, false, 2},
-    {"mixdata", 1, 1, false, 2},    {"mixpict", 1, 1, true, 2},
+    {"brightfunc", 1, 0, false, 0, false}, {"colorfunc", 3, 0, false, 0, false},
+    {"brightdata", 1, 1, false, 0, false}, {"colordata", 3, 3, false, 0, false},
+    {"colorpict", 3, 1, true, 0, false},   {"mixfunc", 1, 0, false, 2, false},
+    {"mixdata", 1, 1, false, 2, false},    {"mixpict", 1, 1, true, 2, false},
+    {"texfunc", 3, 0, false, 0, true},     {"texdata", 3, 3, false, 0, true},
 };
 
 static const struct pattern_type *find_type(const char *name)
@@ -55,7 +58,7 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_primitive *const primitive = &parser->primitive;
     const size_t reals = primitive->n_reals * sizeof *primitive->reals;
     const size_t folder = strlen(scope->folder) + 1;
-    double numbers[13 + 8] = {to_world->row[0].x,
+    double numbers[14 + 8] = {to_world->row[0].x,
                               to_world->row[0].y,
                               to_world->row[0].z,
                               to_world->row[1].x,
@@ -67,12 +70,13 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
                               to_world->offset.x,
                               to_world->offset.y,
                               to_world->offset.z,
-                              pattern->under ? pattern->under->index + 1.0 : 0};
+                              pattern->under ? pattern->under->index + 1.0 : 0,
+                              pattern->other ? pattern->other->index + 1.0 : 0};
     for (size_t i = 0; i < 2; i++) {
         const struct orl_mixed *const m = &pattern->mixed[i];
         const double own[4] = {m->color.r, m->color.g, m->color.b,
                                m->pattern ? m->pattern->index + 1.0 : 0};
-        memcpy(numbers + 13 + 4 * i, own, sizeof own);
+        memcpy(numbers + 14 + 4 * i, own, sizeof own);
     }
     size_t strings = 0;
     for (size_t i = 0; i < primitive->n_strings; i++)
@@ -95,7 +99,8 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
         memcpy(at, orl_primitive_string(primitive, i), length);
         at += length;
     }
-    *at = (unsigned char)(pattern->n_grids << 1 | pattern->three); /* its type */
+    *at = (unsigned char)((unsigned)pattern->texture << 3 | (unsigned)pattern->n_grids << 1 |
+                          (unsigned)pattern->three);
     return 0;
 }
 
@@ -104,8 +109,7 @@ static bool same_pattern(const struct orl_pattern *a, const struct orl_pattern *
     return a->key_size == b->key_size && memcmp(a->key, b->key, a->key_size) == 0;
 }
 
-/* Takes the pattern, whatever happens. */
-static int keep(struct orl_parser *parser, struct orl_pattern *pattern)
+int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *pattern)
 {
     struct orl_description *const out = parser->out;
     if (out->n_patterns >= UINT32_MAX || !orl_grow(&out->patterns, &parser->patterns_room,
@@ -122,7 +126,7 @@ static int keep(struct orl_parser *parser, struct orl_pattern *pattern)
 static int define(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
 {
     struct orl_symbol symbol = {.kind = ORL_SYMBOL_PATTERN};
-    const int code = keep(parser, pattern);
+    const int code = orl_parser_keep_pattern(parser, pattern);
     if (code < 0)
         return code;
     symbol.index = pattern->index;
@@ -167,14 +171,15 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* One that was defined before and is the same, or NULL. */
 static const struct orl_symbol *find_same(const struct orl_parser *parser,
-                                          const struct orl_pattern *pattern)
+                                          const struct orl_pattern *pattern, bool of_material)
 {
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
-    if (old && old->kind == ORL_SYMBOL_PATTERN && !pattern->mixture)
+    if (old && old->kind == ORL_SYMBOL_PATTERN && !pattern->mixture && !of_material)
         other = parser->out->patterns[old->index];
-    if (old && old->kind == ORL_SYMBOL_MATERIAL && pattern->mixture)
-        other = parser->out->materials[old->index].pattern;
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && (pattern->mixture || of_material))
+        other = pattern->texture ? parser->out->materials[old->index].texture
+                                 : parser->out->materials[old->index].pattern;
     return other && same_pattern(other, pattern) ? old : NULL;
 }
 
@@ -197,6 +202,9 @@ static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
         depend(pattern, pattern->mixed[i].pattern);
         pattern->coloured = pattern->coloured || c.r != c.g || c.g != c.b;
     }
+    /* Textures are met by who asks alone, and have no colour. */
+    pattern->directed = pattern->directed && !pattern->texture;
+    pattern->coloured = pattern->coloured && !pattern->texture;
     if (pattern->steps <= ORL_PATTERN_STEPS)
         return 0;
     return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
@@ -207,7 +215,7 @@ static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
 /* Fills in the pattern; ret_same: there is no need of it. */
 static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct pattern_type *type, struct orl_pattern *pattern,
-                        const struct orl_symbol **ret_same, struct orl_error *err)
+                        bool of_material, const struct orl_symbol **ret_same, struct orl_error *err)
 {
     const size_t file = type->n_materials + type->n_functions + type->n_files;
     struct orl_xform to_world = orl_xform_identity;
@@ -224,7 +232,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
         code = begin(parser, scope, pattern);
     if (code == 0)
         code = make_key(parser, scope, &to_world, pattern);
-    *ret_same = code == 0 ? find_same(parser, pattern) : NULL;
+    *ret_same = code == 0 ? find_same(parser, pattern, of_material) : NULL;
     if (code < 0 || *ret_same)
         return code;
     const struct orl_pattern_strings strings = {type->n_materials, file,
@@ -253,19 +261,23 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
         orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     else
         pattern->three = type->n_functions == 3;
+    if (pattern)
+        pattern->texture = type->texture;
     return pattern;
 }
 
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
-                       const struct orl_pattern *under, struct orl_error *err)
+                       const struct orl_pattern *color, const struct orl_pattern *texture,
+                       bool of_material, struct orl_error *err)
 {
     const struct pattern_type *const type = find_type(parser->primitive.type);
     const struct orl_symbol *same = NULL;
     struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
     if (!pattern)
         return err->code;
-    pattern->under = under;
-    int code = read_pattern(parser, scope, type, pattern, &same, err);
+    pattern->under = type->texture ? texture : color;
+    pattern->other = type->texture ? color : texture;
+    int code = read_pattern(parser, scope, type, pattern, of_material, &same, err);
     if (code < 0 || same)
         orl_pattern_free(pattern);
     if (code == 0)
@@ -286,11 +298,11 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
     pattern->mixture = true;
     for (int i = 0; i < 2; i++)
         pattern->mixed[i] = (struct orl_mixed){mixed[i].color, mixed[i].pattern};
-    int code = read_pattern(parser, scope, type, pattern, &same, err);
+    int code = read_pattern(parser, scope, type, pattern, false, &same, err);
     if (code < 0 || same)
         orl_pattern_free(pattern);
     else
-        code = keep(parser, pattern);
+        code = orl_parser_keep_pattern(parser, pattern);
     if (code == 0)
         *ret_pattern = same ? parser->out->materials[same->index].pattern : pattern;
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;

@@ -79,6 +79,8 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     }
     *ret_index = symbol->index;
     *ret_order = symbol->order;
+    if (parser->normals && orl_parser_smooth(parser, symbol->index, ret_index) < 0)
+        return out_of_memory(parser, scope, err);
     return 0;
 }
 
@@ -149,19 +151,28 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
         return ORL_ERR_LIMIT;
     }
     const size_t place_bytes = parser->places ? 2 * sizeof *parser->places : 0;
-    surface->vertices =
-        orl_arena_take(parser->out->arena, n * (sizeof *surface->vertices + place_bytes));
+    const size_t normal_bytes = parser->normals ? sizeof *parser->normals : 0;
+    surface->vertices = orl_arena_take(
+        parser->out->arena, n * (sizeof *surface->vertices + place_bytes + normal_bytes));
     if (!surface->vertices)
         return out_of_memory(parser, scope, err);
     surface->n_vertices = (uint32_t)n;
     surface->has_places = parser->places != NULL;
+    surface->has_normals = parser->normals != NULL;
     double *const places = (double *)(surface->vertices + n);
+    char *const normals = (char *)places + n * place_bytes;
     for (size_t i = 0; i < n; i++) {
         const size_t from = backwards ? n - 1 - i : i;
         const struct orl_vec3 p = orl_xform_point(&scope->xform, real3(parser, 3 * from));
         surface->vertices[i] = p;
         if (parser->places)
             memcpy(places + 2 * i, parser->places + 2 * from, place_bytes);
+        if (parser->normals) {
+            const struct orl_vec3 turned =
+                orl_normalize(orl_xform_vector(&scope->xform, parser->normals[from]));
+            const struct orl_vec3 normal = scope->xform.inverted ? orl_neg(turned) : turned;
+            memcpy(normals + i * normal_bytes, &normal, normal_bytes);
+        }
         if (!in_reach(p))
             return too_far(parser, scope, err);
     }

@@ -1,0 +1,51 @@
+#include "scene/material/texture.h"
+
+#include "scene/material/pattern.h"
+
+/* What the mesh's normals differ by from the facet's. */
+static struct orl_vec3 smoothed(const struct orl_pattern *texture, const struct orl_hit *hit)
+{
+    const struct orl_surface *const s = &texture->surfaces[texture->facets[hit->facet].surface];
+    const struct orl_vec3 *const normals = orl_surface_normals(s);
+    double b, c;
+    if (!normals)
+        return orl_v3(0, 0, 0);
+    orl_pattern_corners(texture, hit, &b, &c);
+    const struct orl_vec3 sum =
+        orl_madd(orl_madd(orl_scale(normals[0], 1 - b - c), normals[1], b), normals[2], c);
+    const double length = orl_length(sum);
+    return length > 0 ? orl_sub(orl_scale(sum, 1 / length), hit->normal) : orl_v3(0, 0, 0);
+}
+
+/* What one texture adds to the front's normal. */
+static struct orl_vec3 turn_of(const struct orl_pattern *texture, const struct orl_hit *hit,
+                               struct orl_vec3 from)
+{
+    double values[3];
+    struct orl_vec3 sum = {0, 0, 0};
+    if (texture->smooth)
+        return smoothed(texture, hit);
+    if (!orl_pattern_values(texture, hit, from, values))
+        return sum;
+    for (int i = 0; i < 3; i++)
+        sum = orl_madd(sum, texture->row[i], values[i] * texture->scale);
+    return isfinite(sum.x) && isfinite(sum.y) && isfinite(sum.z) ? sum : orl_v3(0, 0, 0);
+}
+
+struct orl_vec3 orl_texture_normal(const struct orl_pattern *texture, const struct orl_hit *hit,
+                                   struct orl_vec3 from)
+{
+    const bool front = orl_dot(from, hit->normal) >= 0;
+    const struct orl_vec3 plain = front ? hit->normal : orl_neg(hit->normal);
+    struct orl_vec3 sum = hit->normal;
+    if (orl_hit_is_anywhere(hit))
+        return plain;
+    for (const struct orl_pattern *t = texture; t; t = t->under)
+        sum = orl_add(sum, turn_of(t, hit, from));
+    const double length = orl_length(sum);
+    if (!(length > 0) || !isfinite(length))
+        return plain;
+    sum = orl_scale(sum, (front ? 1 : -1) / length);
+    const double cosine = orl_dot(sum, from);
+    return cosine >= 0 ? sum : orl_normalize(orl_madd(sum, from, -2 * cosine));
+}

@@ -1,0 +1,208 @@
+#include "scene/parse/material_rules.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/grow.h"
+
+enum qualifier { OF_MATERIAL, OF_MAP, OF_GROUP, OF_OBJECT, OF_FACE, QUALIFIERS };
+static const char *const qualifiers[QUALIFIERS] = {"Material", "Map", "Group", "Object", "Face"};
+
+enum { MOST_RULES = 10000 };
+
+/* A name, or whole numbers from low to high. */
+struct condition {
+    bool asked, is_range;
+    char name[ORL_WAVEFRONT_NAME];
+    long long low, high;
+};
+
+struct rule {
+    char material[ORL_WAVEFRONT_NAME];
+    struct condition conditions[QUALIFIERS];
+};
+
+struct orl_material_rules {
+    struct rule *rules;
+    size_t count, room;
+};
+
+struct reading {
+    const char *at, *end, *file;
+    int line;
+};
+
+/* ---- Reading --------------------------------------------------------------------------------- */
+
+static int fail(const struct reading *r, const char *what, struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_SYNTAX, "%s", what);
+    orl_error_at(err, r->file, r->line, NULL);
+    return ORL_ERR_SYNTAX;
+}
+
+static char peek(struct reading *r)
+{
+    while (r->at < r->end && (isspace((unsigned char)*r->at) || *r->at == '#')) {
+        if (*r->at == '#')
+            while (r->at < r->end && *r->at != '\n')
+                r->at++;
+        else
+            r->line += *r->at++ == '\n';
+    }
+    return r->at < r->end ? *r->at : '\0';
+}
+
+static bool take(struct reading *r, char wanted)
+{
+    if (peek(r) != wanted || r->at == r->end)
+        return false;
+    r->at++;
+    return true;
+}
+
+/* A word, or what quotes hold. */
+static bool take_name(struct reading *r, char ret_name[ORL_WAVEFRONT_NAME])
+{
+    const bool quoted = take(r, '"');
+    size_t length = 0;
+    if (!quoted)
+        peek(r);
+    for (; r->at < r->end && length + 1 < ORL_WAVEFRONT_NAME; r->at++) {
+        const char c = *r->at;
+        if (quoted ? c == '"' || c == '\n' : isspace((unsigned char)c) || strchr("();\"[]:", c))
+            break;
+        ret_name[length++] = c;
+    }
+    ret_name[length] = '\0';
+    return quoted ? r->at < r->end && *r->at++ == '"' : length > 0;
+}
+
+static bool take_whole(struct reading *r, long long *ret_number)
+{
+    char text[ORL_WAVEFRONT_NAME], *end;
+    if (!take_name(r, text))
+        return false;
+    *ret_number = strtoll(text, &end, 10);
+    return *end == '\0';
+}
+
+static int read_condition(struct reading *r, struct rule *rule, struct orl_error *err)
+{
+    char name[ORL_WAVEFRONT_NAME];
+    int q = 0;
+    if (!take_name(r, name))
+        return fail(r, "a condition is (Group \"name\") or (Face [1:20])", err);
+    while (q < QUALIFIERS && strcmp(qualifiers[q], name) != 0)
+        q++;
+    if (q == QUALIFIERS)
+        return fail(r, "a condition is of Material, Map, Group, Object or Face", err);
+    struct condition *c = &rule->conditions[q];
+    if (c->asked)
+        return fail(r, "a rule has two conditions of one kind", err);
+    c->asked = true;
+    c->is_range = take(r, '[');
+    if (c->is_range &&
+        (!take_whole(r, &c->low) || !take(r, ':') || !take_whole(r, &c->high) || !take(r, ']')))
+        return fail(r, "a range is [1:20]", err);
+    if (!c->is_range && !take_name(r, c->name))
+        return fail(r, "a condition has a name or a range", err);
+    return take(r, ')') ? 0 : fail(r, "a condition ends with ')'", err);
+}
+
+static int read_rule(struct reading *r, struct rule *rule, struct orl_error *err)
+{
+    int code = 0;
+    *rule = (struct rule){.material = ""};
+    if (!take_name(r, rule->material))
+        return fail(r, "a rule begins with a material", err);
+    while (code == 0 && take(r, '('))
+        code = read_condition(r, rule, err);
+    if (code == 0 && !take(r, ';'))
+        code = fail(r, "a rule ends with ';'", err);
+    return code;
+}
+
+static int add_rule(struct orl_material_rules *rules, struct reading *r, struct orl_error *err)
+{
+    if (rules->count == MOST_RULES)
+        return fail(r, "there are more than 10000 rules", err);
+    if (!orl_grow(&rules->rules, &rules->room, rules->count, sizeof *rules->rules))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return read_rule(r, &rules->rules[rules->count++], err);
+}
+
+int orl_material_rules_read(const char *file, const char *text, size_t size,
+                            struct orl_material_rules **ret_rules, struct orl_error *err)
+{
+    struct reading r = {.at = text, .end = text + size, .file = file, .line = 1};
+    struct orl_material_rules *rules = calloc(1, sizeof *rules);
+    int code = 0;
+    if (!rules)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    while (code == 0 && peek(&r))
+        code = add_rule(rules, &r, err);
+    if (code < 0)
+        orl_material_rules_free(rules);
+    else
+        *ret_rules = rules;
+    return code;
+}
+
+void orl_material_rules_free(struct orl_material_rules *rules)
+{
+    if (!rules)
+        return;
+    free(rules->rules);
+    free(rules);
+}
+
+/* ---- Use ------------------------------------------------------------------------------------- */
+
+static bool in_range(const struct condition *c, const char *name)
+{
+    char *end;
+    const long long number = strtoll(name, &end, 10);
+    return end != name && *end == '\0' && number >= c->low && number <= c->high;
+}
+
+static bool suits(const struct condition *c, const char *name)
+{
+    return c->is_range ? in_range(c, name) : strcmp(c->name, name) == 0;
+}
+
+static bool suits_face(const struct condition *c, uint64_t number)
+{
+    char *end;
+    const long long one = c->is_range ? 0 : strtoll(c->name, &end, 10);
+    return c->is_range ? (long long)number >= c->low && (long long)number <= c->high
+                       : (long long)number == one;
+}
+
+static bool suits_group(const struct condition *c, const struct orl_wavefront_face *face)
+{
+    for (size_t i = 0; i < face->n_groups; i++)
+        if (suits(c, face->groups[i]))
+            return true;
+    return false;
+}
+
+static bool holds(const struct rule *rule, const struct orl_wavefront_face *face)
+{
+    const struct condition *c = rule->conditions;
+    return (!c[OF_MATERIAL].asked || suits(&c[OF_MATERIAL], face->material)) &&
+           (!c[OF_MAP].asked || suits(&c[OF_MAP], face->map)) &&
+           (!c[OF_OBJECT].asked || suits(&c[OF_OBJECT], face->object)) &&
+           (!c[OF_FACE].asked || suits_face(&c[OF_FACE], face->number)) &&
+           (!c[OF_GROUP].asked || suits_group(&c[OF_GROUP], face));
+}
+
+const char *orl_material_rules_choose(const struct orl_material_rules *rules,
+                                      const struct orl_wavefront_face *face)
+{
+    for (size_t i = rules->count; i-- > 0;)
+        if (holds(&rules->rules[i], face))
+            return strcmp(rules->rules[i].material, "void") == 0 ? NULL : rules->rules[i].material;
+    return NULL;
+}

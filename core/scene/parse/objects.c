@@ -1,0 +1,336 @@
+#include "scene/parse/objects.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "scene/parse/material_rules.h"
+#include "scene/parse/stl.h"
+
+/* A file that is read, and how. */
+struct object {
+    struct orl_parser *parser;
+    const struct orl_scope *scope;
+    const struct orl_material_rules *rules; /* or NULL */
+    const char *name;                       /* of what has none, or NULL */
+    bool flat;                              /* without a word on normals */
+    uint64_t unturned; /* faces whose corners have normals that are passed over */
+    double *reals;     /* three a corner */
+    size_t *ring;      /* corners that are left */
+    size_t room;       /* of both, corners */
+};
+
+enum { ID_BYTES = ORL_WAVEFRONT_GROUPS * ORL_WAVEFRONT_NAME + 32 };
+
+static int add_polygon(struct object *object, const char *modifier, const char *id, int line,
+                       size_t n, struct orl_error *err)
+{
+    struct orl_parser *parser = object->parser;
+    const char *const head[3] = {modifier, "polygon", id};
+    if (!orl_primitive_set(&parser->primitive, head, object->reals, 3 * n))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    parser->primitive.line = line;
+    const int code = orl_parser_surface(parser, object->scope, err);
+    return code ? code : orl_parser_heed_cancel(parser, err);
+}
+
+static void put_corner(struct object *object, size_t at, const struct orl_vec3 *corner)
+{
+    object->reals[3 * at] = corner->x;
+    object->reals[3 * at + 1] = corner->y;
+    object->reals[3 * at + 2] = corner->z;
+}
+
+/* ---- OBJ ------------------------------------------------------------------------------------- */
+
+static int make_room(struct object *object, size_t n, struct orl_error *err)
+{
+    if (n <= object->room)
+        return 0;
+    double *reals = realloc(object->reals, 3 * n * sizeof *reals);
+    if (reals)
+        object->reals = reals;
+    size_t *ring = realloc(object->ring, n * sizeof *ring);
+    if (ring)
+        object->ring = ring;
+    if (!reals || !ring)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    object->room = n;
+    return 0;
+}
+
+/* Newell's, unit; 0 without an area. */
+static struct orl_vec3 normal_of(const struct orl_wavefront_face *face)
+{
+    const struct orl_vec3 *v = face->corners;
+    struct orl_vec3 sum = orl_v3(0, 0, 0);
+    for (size_t i = 1; i + 1 < face->n_corners; i++)
+        sum = orl_add(sum, orl_cross(orl_sub(v[i], v[0]), orl_sub(v[i + 1], v[0])));
+    const double length = orl_length(sum);
+    return length > 0 ? orl_scale(sum, 1 / length) : sum;
+}
+
+/* Within a thousandth of its size of the mean plane. */
+static bool is_planar(const struct orl_wavefront_face *face, struct orl_vec3 normal)
+{
+    double low = 0, high = 0, size = 0;
+    for (size_t i = 1; i < face->n_corners; i++) {
+        const struct orl_vec3 d = orl_sub(face->corners[i], face->corners[0]);
+        low = fmin(low, orl_dot(normal, d));
+        high = fmax(high, orl_dot(normal, d));
+        size = fmax(size, orl_length(d));
+    }
+    return high - low <= 1e-3 * size;
+}
+
+static bool is_convex(const struct orl_wavefront_face *face, struct orl_vec3 normal)
+{
+    const struct orl_vec3 *v = face->corners;
+    const size_t n = face->n_corners;
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_vec3 a = orl_sub(v[(i + 1) % n], v[i]),
+                              b = orl_sub(v[(i + 2) % n], v[(i + 1) % n]);
+        if (orl_dot(orl_cross(a, b), normal) < 0)
+            return false;
+    }
+    return true;
+}
+
+/* Do its corners' normals differ from its own, and look to the same side? */
+enum turning { FLAT, TURNED, ODD };
+static enum turning turning_of(const struct orl_wavefront_face *face, struct orl_vec3 normal)
+{
+    enum turning turning = FLAT;
+    for (size_t i = 0; face->normals && i < face->n_corners; i++) {
+        const double cosine = orl_dot(face->normals[i], normal) / orl_length(face->normals[i]);
+        if (!(cosine > 0)) /* no length, too */
+            return ODD;
+        if (cosine < 1 - 1e-6)
+            turning = TURNED;
+    }
+    return turning;
+}
+
+/* Every other corner is cut off, around and around, until a triangle is left. */
+static int add_triangles(struct object *object, const struct orl_wavefront_face *face, bool turned,
+                         const char *modifier, const char *id, struct orl_error *err)
+{
+    struct orl_vec3 normals[3];
+    size_t *ring = object->ring;
+    size_t n = face->n_corners, at = 0;
+    int code = 0;
+    for (size_t i = 0; i < n; i++)
+        ring[i] = i;
+    while (n >= 3 && code == 0) {
+        for (size_t k = 0; k < 3; k++) {
+            const size_t corner = ring[(at + k) % n];
+            put_corner(object, k, &face->corners[corner]);
+            if (turned)
+                normals[k] = orl_normalize(face->normals[corner]);
+        }
+        object->parser->normals = turned ? normals : NULL;
+        code = add_polygon(object, modifier, id, face->line, 3, err);
+        object->parser->normals = NULL;
+        const size_t cut = (at + 1) % n;
+        memmove(ring + cut, ring + cut + 1, (n - cut - 1) * sizeof *ring);
+        n--;
+        at = cut < at ? at % n : (at + 1) % n;
+    }
+    return code;
+}
+
+static void name_face(const struct object *object, const struct orl_wavefront_face *face,
+                      char id[ID_BYTES])
+{
+    size_t at = 0;
+    if (face->object[0] || object->name || face->n_groups == 0)
+        at = (size_t)snprintf(id, ID_BYTES, "%.200s",
+                              face->object[0] ? face->object
+                              : object->name  ? object->name
+                                              : "unnamed");
+    else
+        for (size_t i = 0; i < face->n_groups; i++)
+            at +=
+                (size_t)snprintf(id + at, ID_BYTES - at, "%s%s", i > 0 ? "." : "", face->groups[i]);
+    snprintf(id + at, ID_BYTES - at, ".%llu", (unsigned long long)face->number);
+}
+
+static int add_face(void *ctx, const struct orl_wavefront_face *face, struct orl_error *err)
+{
+    struct object *object = ctx;
+    char id[ID_BYTES];
+    const char *modifier = object->rules        ? orl_material_rules_choose(object->rules, face)
+                           : face->material[0]  ? face->material
+                           : face->n_groups > 0 ? face->groups[0]
+                                                : "white";
+    if (!modifier)
+        return 0;
+    name_face(object, face, id);
+    const int code = make_room(object, face->n_corners, err);
+    if (code)
+        return code;
+    const struct orl_vec3 normal = normal_of(face);
+    const enum turning turning = object->flat ? FLAT : turning_of(face, normal);
+    const bool turned = turning == TURNED && is_convex(face, normal);
+    object->unturned += turning != FLAT && !turned;
+    if (turned || (face->n_corners > 3 && !is_planar(face, normal)))
+        return add_triangles(object, face, turned, modifier, id, err);
+    for (size_t k = 0; k < face->n_corners; k++)
+        put_corner(object, k, &face->corners[k]);
+    return add_polygon(object, modifier, id, face->line, face->n_corners, err);
+}
+
+static void warn_of(const struct object *object, const struct orl_wavefront_rest *rest)
+{
+    const char *file = object->scope->file;
+    if (object->unturned > 0)
+        orl_parser_warn(object->parser,
+                        "%.200s: %llu faces are flat, whose corners have normals: those look away "
+                        "from the face, or the face is not convex",
+                        file, (unsigned long long)object->unturned);
+    if (rest->curved > 0)
+        orl_parser_warn(object->parser,
+                        "%.200s: %llu curves and curved surfaces are passed over: export them as "
+                        "polygons",
+                        file, (unsigned long long)rest->curved);
+}
+
+static int read_obj(struct object *object, const struct orl_file *file, struct orl_error *err)
+{
+    const struct orl_wavefront_sink sink = {add_face, object};
+    struct orl_wavefront_rest rest;
+    int code = orl_parser_count_text(object->parser, object->scope, file->size, err);
+    if (code == 0)
+        code = orl_wavefront_read(object->scope->file, file->data, file->size, &sink, &rest, err);
+    if (code == 0)
+        warn_of(object, &rest);
+    free(object->reals);
+    free(object->ring);
+    return code;
+}
+
+/* ---- STL ------------------------------------------------------------------------------------- */
+
+static int add_facet(void *ctx, const struct orl_vec3 corners[3], int line, struct orl_error *err)
+{
+    struct object *object = ctx;
+    for (size_t k = 0; k < 3; k++)
+        put_corner(object, k, &corners[k]);
+    return add_polygon(object, object->name, object->name, line, 3, err);
+}
+
+/* The file's name without folder and ending, blanks in it as underscores. */
+static void name_of_file(const char *file, char ret_name[ORL_WAVEFRONT_NAME])
+{
+    const char *slash = strrchr(file, '/'), *start = slash ? slash + 1 : file;
+    const char *dot = strrchr(start, '.');
+    snprintf(ret_name, ORL_WAVEFRONT_NAME, "%.*s", dot ? (int)(dot - start) : (int)strlen(start),
+             start);
+    for (char *c = ret_name; *c; c++)
+        *c = *c == ' ' ? '_' : *c;
+}
+
+static int read_stl(struct orl_parser *parser, const struct orl_scope *scope,
+                    const struct orl_file *file, struct orl_error *err)
+{
+    double reals[9];
+    char name[ORL_WAVEFRONT_NAME];
+    struct object object = {.parser = parser, .scope = scope, .name = name, .reals = reals};
+    const struct orl_stl_sink sink = {add_facet, &object};
+    name_of_file(scope->file, name);
+    const int code = orl_parser_count_text(parser, scope, file->size, err);
+    return code ? code : orl_stl_read(scope->file, file->data, file->size, &sink, err);
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+static bool ends_with(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), last = strlen(ending);
+    return length > last && strcasecmp(name + length - last, ending) == 0;
+}
+
+enum orl_object_kind orl_object_kind_of(const char *name, const struct orl_file *file)
+{
+    if (ends_with(name, ".obj") && orl_wavefront_is(file->data, file->size))
+        return ORL_OBJECT_OBJ;
+    if (ends_with(name, ".stl") && orl_stl_is(file->data, file->size))
+        return ORL_OBJECT_STL;
+    return ORL_OBJECT_NONE;
+}
+
+int orl_parser_object(struct orl_parser *parser, const struct orl_scope *scope,
+                      const struct orl_file *file, enum orl_object_kind kind, struct orl_error *err)
+{
+    struct object object = {.parser = parser, .scope = scope};
+    return kind == ORL_OBJECT_STL ? read_stl(parser, scope, file, err)
+                                  : read_obj(&object, file, err);
+}
+
+/* ---- obj2rad --------------------------------------------------------------------------------- */
+
+struct options {
+    const char *rules, *name, *file;
+    bool flat;
+};
+
+static int read_options(const char *const *words, size_t count, struct options *ret,
+                        struct orl_error *err)
+{
+    *ret = (struct options){.rules = NULL};
+    for (size_t i = 1; i < count; i++) {
+        const char **value = strcmp(words[i], "-m") == 0   ? &ret->rules
+                             : strcmp(words[i], "-o") == 0 ? &ret->name
+                                                           : NULL;
+        if (strcmp(words[i], "-f") == 0)
+            ret->flat = true;
+        else if (value && i + 1 < count)
+            *value = words[++i];
+        else if (words[i][0] == '-')
+            return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                                 "obj2rad: '%.40s' is not supported, or nothing follows it",
+                                 words[i]);
+        else if (ret->file)
+            return orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad reads one file");
+        else
+            ret->file = words[i];
+    }
+    return ret->file ? 0 : orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad has no file to read");
+}
+
+static int read_rules(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                      struct orl_material_rules **ret_rules, struct orl_error *err)
+{
+    struct orl_scope inner = *scope;
+    struct orl_file file;
+    int code = orl_parser_enter(parser, &inner, name, &file, err);
+    if (code == 0)
+        code = orl_parser_count_text(parser, &inner, file.size, err);
+    return code ? code : orl_material_rules_read(inner.file, file.data, file.size, ret_rules, err);
+}
+
+int orl_parser_obj2rad(struct orl_parser *parser, const struct orl_scope *scope,
+                       const char *const *words, size_t count, struct orl_error *err)
+{
+    struct orl_scope inner = *scope;
+    struct orl_material_rules *rules = NULL;
+    struct options options;
+    struct orl_file file;
+    int code = read_options(words, count, &options, err);
+    if (code == 0 && options.rules)
+        code = read_rules(parser, scope, options.rules, &rules, err);
+    if (code == 0)
+        code = orl_parser_enter(parser, &inner, options.file, &file, err);
+    if (code == 0) {
+        struct object object = {.parser = parser,
+                                .scope = &inner,
+                                .rules = rules,
+                                .name = options.name,
+                                .flat = options.flat};
+        code = read_obj(&object, &file, err);
+    }
+    orl_material_rules_free(rules);
+    return code;
+}

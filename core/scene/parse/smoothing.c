@@ -1,0 +1,75 @@
+/*
+ * Materials of meshes with normals of their corners: each has a twin by the same name whose texture
+ * these are, over its own.
+ */
+#include <stdlib.h>
+
+#include "scene/material/pattern.h"
+#include "scene/parse/parser.h"
+
+/* Lights, skies, BSDFs and what absorbs are the same however they are turned. */
+static bool is_turned(const struct orl_material *material)
+{
+    switch (material->kind) {
+    case ORL_MATERIAL_PLASTIC:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_GLASS:
+    case ORL_MATERIAL_DIELECTRIC:
+    case ORL_MATERIAL_MIRROR:
+        return true;
+    default:
+        return false;
+    }
+}
+
+static int add_twin(struct orl_parser *parser, uint32_t material, uint32_t *ret_index)
+{
+    struct orl_material twin = parser->out->materials[material];
+    struct orl_pattern *const texture = calloc(1, sizeof *texture);
+    if (!texture)
+        return ORL_ERR_NOMEM;
+    *texture = (struct orl_pattern){.name = "mesh normals",
+                                    .file = "",
+                                    .texture = true,
+                                    .smooth = true,
+                                    .under = twin.texture,
+                                    .steps = 1};
+    const int code = orl_parser_keep_pattern(parser, texture);
+    if (code < 0)
+        return code;
+    twin.texture = texture;
+    return orl_parser_add_material(parser, twin.name, &twin, ret_index);
+}
+
+/* As many places as there are materials, the new ones empty. */
+static int make_room(struct orl_parser *parser)
+{
+    const size_t n = parser->out->n_materials;
+    if (n <= parser->n_smooth)
+        return 0;
+    uint32_t *const grown = realloc(parser->smooth, 2 * n * sizeof *grown);
+    if (!grown)
+        return ORL_ERR_NOMEM;
+    for (size_t i = parser->n_smooth; i < 2 * n; i++)
+        grown[i] = UINT32_MAX;
+    parser->smooth = grown;
+    parser->n_smooth = 2 * n;
+    return 0;
+}
+
+int orl_parser_smooth(struct orl_parser *parser, uint32_t material, uint32_t *ret_index)
+{
+    *ret_index = material;
+    if (!is_turned(&parser->out->materials[material]))
+        return 0;
+    if (make_room(parser) < 0)
+        return ORL_ERR_NOMEM;
+    if (parser->smooth[material] == UINT32_MAX) {
+        const int code = add_twin(parser, material, &parser->smooth[material]);
+        if (code < 0)
+            return code;
+    }
+    *ret_index = parser->smooth[material];
+    return 0;
+}

@@ -1,0 +1,28 @@
+/*
+ * STL: triangles, in text or binary, little-endian. Their normals are the corners' own order, and
+ * those written beside are passed over; lengths and axes are the file's own. Reference: 3D Systems,
+ * "StereoLithography Interface Specification" (1988).
+ */
+#ifndef ORL_SCENE_PARSE_STL_H
+#define ORL_SCENE_PARSE_STL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/vec.h>
+
+#include <oriel/error.h>
+
+struct orl_stl_sink {
+    /* line: 1-based in text; the triangle's number in a binary file */
+    int (*add)(void *ctx, const struct orl_vec3 corners[3], int line, struct orl_error *err);
+    void *ctx;
+};
+
+bool orl_stl_is(const char *data, size_t size);
+/* ORL_ERR_SYNTAX with file and line; or what the sink says, which ends it. file is for messages. */
+int orl_stl_read(const char *file, const char *data, size_t size, const struct orl_stl_sink *sink,
+                 struct orl_error *err);
+
+#endif

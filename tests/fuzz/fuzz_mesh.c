@@ -1,0 +1,62 @@
+/*
+ * Meshes and compiled scenes that other programs wrote, read by a scene that names them. The first
+ * byte chooses: an OBJ file, the same by rules (0x1c splits: first the rules), STL, a compiled
+ * mesh, an octree.
+ */
+#include <string.h>
+
+#include "fuzz/fuzz.h"
+#include "scene/parse/parse.h"
+
+enum { SEPARATOR = 0x1c };
+
+#define MATERIALS "void plastic white 0 0 5 .5 .5 .5 0 0\nvoid alias a white\nvoid alias b white\n"
+static const char *const scenes[] = {
+    MATERIALS "!obj2rad -o o m.obj | xform -rx 90\n", MATERIALS "!obj2rad -f -m m.map m.obj\n",
+    "void alias m void\nvoid plastic m 0 0 5 .5 .5 .5 0 0\n"
+    "!xform -s 2 m.stl\n",
+    MATERIALS "a mesh x 1 m.rtm 0 0\n", MATERIALS "void instance y 3 m.oct -t 1 0 0\n0\n0\n"};
+
+static void check_surfaces(const struct orl_description *d)
+{
+    for (size_t i = 0; i < d->n_surfaces; i++) {
+        const struct orl_surface *surface = &d->surfaces[i];
+        FUZZ_PROMISE(surface->material < d->n_materials);
+        fuzz_check_unit(surface->normal);
+        for (uint32_t k = 0; k < surface->n_vertices; k++)
+            fuzz_check_finite(surface->vertices[k]);
+    }
+}
+
+bool fuzz_mesh(const uint8_t *data, size_t size)
+{
+    static const char *const main_file[] = {"s.rad"};
+    static const char *const names[] = {"s.rad", "m.obj", "m.map", "m.stl", "m.rtm", "m.oct"};
+    enum { KINDS = sizeof scenes / sizeof *scenes };
+    const size_t kind = size > 0 ? data[0] % KINDS : 0;
+    const char *const bytes = size > 0 ? (const char *)data + 1 : "";
+    const size_t rest = size > 0 ? size - 1 : 0;
+    const char *const cut = kind == 1 && rest > 0 ? memchr(bytes, SEPARATOR, rest) : NULL;
+    const size_t rules = cut ? (size_t)(cut - bytes) : 0;
+    const struct orl_file whole = {bytes, rest, NULL};
+    const struct orl_file contents[] = {
+        {scenes[kind], strlen(scenes[kind]), NULL},
+        {cut ? cut + 1 : bytes, cut ? rest - rules - 1 : rest, NULL},
+        {bytes, rules, NULL},
+        whole,
+        whole,
+        whole};
+    struct orl_memory_files memory = {names, contents, sizeof names / sizeof *names};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description description = {0};
+    struct orl_error err = {0};
+    const int code = orl_scene_parse(main_file, 1, &files, &description, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        FUZZ_PROMISE(err.file[0] != '\0');
+        return false;
+    }
+    check_surfaces(&description);
+    orl_description_done(&description);
+    return true;
+}
