@@ -19,6 +19,7 @@
 #include "base/kth.h"
 #include "render/picture/false_color.h"
 #include "render/picture/isolines.h"
+#include "run/stages.h"
 #include "support/scratch.h"
 
 static void assert_near(double value, double expected, double tolerance)
@@ -278,6 +279,37 @@ static void test_points(void **state)
     orl_film_done(&film);
 }
 
+/* A point within the size that was asked for, beyond what the pixels' aspect leaves of it, is
+ * refused before anything is rendered. */
+static void test_points_of_less(void **state)
+{
+    static char name[] = "eye", scene[] = "room.rad", *files[] = {scene},
+                text[] = "-vtv -vp 0 0 0 -vd 0 1 0 -vh 90 -vv 45 -pa 1";
+    struct orl_view_request *views, view = {.name = name,
+                                            .view = text,
+                                            .width = WIDTH,
+                                            .height = HEIGHT,
+                                            .false_color = {.asked = true, .n_points = 1}};
+    const struct orl_files no_files = {.ctx = NULL};
+    struct orl_error err = {0};
+    struct orl_job job;
+    (void)state;
+    orl_job_init(&job);
+    job.scene_files = files;
+    job.n_scene_files = 1;
+    job.views = &view;
+    job.n_views = 1;
+    for (int inside = 0; inside < 2; inside++) {
+        struct orl_picture_point point = {.name = "p", .x = 160, .y = inside ? 130 : 140};
+        view.false_color.points = &point;
+        const int code = orl_run_views(&job, &no_files, &views, &err);
+        assert_int_equal(code, inside ? 0 : ORL_ERR_RANGE);
+        assert_int_equal(views[0].height, 133); /* tan 22.5 / tan 45 of 320 */
+        orl_run_views_done(&job, views);
+    }
+    assert_non_null(strstr(err.message, "'p' at 160, 140 lies outside"));
+}
+
 /* Numbers beside things have three digits, and no exponents where people write none. */
 static void test_texts(void **state)
 {
@@ -306,6 +338,7 @@ int main(void)
         cmocka_unit_test(test_edges_are_no_lines),
         cmocka_unit_test(test_bands),
         cmocka_unit_test(test_points),
+        cmocka_unit_test(test_points_of_less),
         cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);

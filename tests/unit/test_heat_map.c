@@ -170,16 +170,6 @@ static void test_section(void **state)
 
 /* ---- Maps ------------------------------------------------------------------------------------ */
 
-static char *read_file(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    char *text = calloc(1, 1 << 20);
-    assert_true(fread(text, 1, (1 << 20) - 1, file) > 0);
-    fclose(file);
-    return text;
-}
-
 static int count_of(const char *text, const char *what)
 {
     int n = 0;
@@ -198,21 +188,21 @@ static void test_map(void **state)
     const double lux[4] = {100, 290, 400, 1234.5};
     const double intervals[4][2] = {{90, 110}, {270, 310}, {390, 410}, {1200, 1300}};
     struct orl_heat_map_request how = {.thresholds_lx = {300}, .n_thresholds = 1};
-    size_t count;
+    size_t count, size;
     for (int i = 0; i < 4; i++)
         sensors[i] =
             (struct orl_sensor){orl_v3(1 + i % 2, 1 + (double)(i / 2), 1), orl_v3(0, 0, 1)};
     assert_int_equal(orl_sensor_planes_find(sensors, 4, 1, planes, &count), 0);
     const struct orl_heat_map map = {geometry, planes, "Illuminance", "lx", lux, intervals, &how};
     assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
-    char *with = read_file(scratch_path("a.svg"));
+    char *with = (char *)scene_read_bytes(scratch_path("a.svg"), &size);
     assert_non_null(strstr(with, ">1234</text>"));
     assert_non_null(strstr(with, ">290</text>"));
     assert_non_null(strstr(with, "4 sensors at z = 1 m"));
     assert_non_null(strstr(with, "1 hatched: 300 lx"));
     how.thresholds_lx[0] = 350;
     assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
-    char *without = read_file(scratch_path("a.svg"));
+    char *without = (char *)scene_read_bytes(scratch_path("a.svg"), &size);
     assert_non_null(strstr(without, "0 hatched: 350 lx"));
     assert_true(count_of(with, "<path") > count_of(without, "<path") + 10);
     assert_int_equal(strcmp(with + strlen(with) - 7, "</svg>\n"), 0);

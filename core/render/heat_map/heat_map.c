@@ -40,19 +40,65 @@ static void write(const struct page *page, double x, double y, enum orl_canvas_a
 
 /* ---- Layout ---------------------------------------------------------------------------------- */
 
-/* The cells, and an eighth more to every side for walls. */
+/* What of a piece is within the frame (Liang and Barsky 1984); false: nothing. */
+static bool clip(const struct page *page, const double from[2], const double to[2], double ret[2])
+{
+    ret[0] = 0;
+    ret[1] = 1;
+    for (int axis = 0; axis < 2; axis++) {
+        const double d = to[axis] - from[axis];
+        const double a = (page->low[axis] - from[axis]) / d;
+        const double b = (page->high[axis] - from[axis]) / d;
+        if (d == 0 && (from[axis] < page->low[axis] || from[axis] > page->high[axis]))
+            return false;
+        if (d != 0) {
+            ret[0] = fmax(ret[0], fmin(a, b));
+            ret[1] = fmin(ret[1], fmax(a, b));
+        }
+    }
+    return ret[0] < ret[1];
+}
+
+/* How far the plan reaches in the frame. */
+struct extent {
+    const struct page *frame;
+    double low[2], high[2];
+};
+
+static void reach(void *ctx, const double from[2], const double to[2])
+{
+    struct extent *extent = ctx;
+    double part[2];
+    if (!clip(extent->frame, from, to, part))
+        return;
+    for (int i = 0; i < 2; i++)
+        for (int axis = 0; axis < 2; axis++) {
+            const double at = from[axis] + part[i] * (to[axis] - from[axis]);
+            extent->low[axis] = fmin(extent->low[axis], at);
+            extent->high[axis] = fmax(extent->high[axis], at);
+        }
+}
+
+/* The cells, and of an eighth more to every side what has walls in it, with some paper about. */
 static void lay_out(struct page *page, double side)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
-    const double wide = plane->high[0] - plane->low[0], high = plane->high[1] - plane->low[1];
-    const double rim = fmax(wide, high) / 8;
+    const double most = fmax(plane->high[0] - plane->low[0], plane->high[1] - plane->low[1]);
+    struct extent extent = {.frame = page};
     for (int axis = 0; axis < 2; axis++) {
-        page->low[axis] = plane->low[axis] - rim;
-        page->high[axis] = plane->high[axis] + rim;
+        extent.low[axis] = plane->low[axis];
+        extent.high[axis] = plane->high[axis];
+        page->low[axis] = plane->low[axis] - most / 8;
+        page->high[axis] = plane->high[axis] + most / 8;
     }
-    page->pixels = side / fmax(wide + 2 * rim, high + 2 * rim);
-    const double across = ceil((wide + 2 * rim) * page->pixels);
-    const double down = ceil((high + 2 * rim) * page->pixels);
+    orl_section_cut(page->map->geometry, plane, reach, &extent);
+    for (int axis = 0; axis < 2; axis++) {
+        page->low[axis] = fmax(page->low[axis], extent.low[axis] - most / 40);
+        page->high[axis] = fmin(page->high[axis], extent.high[axis] + most / 40);
+    }
+    const double wide = page->high[0] - page->low[0], high = page->high[1] - page->low[1];
+    page->pixels = side / fmax(wide, high);
+    const double across = ceil(wide * page->pixels), down = ceil(high * page->pixels);
     page->width = fmax(across, LEAST_WIDTH) + 2 * MARGIN;
     page->height = down + HEAD + FOOT;
     page->left = page->x + (page->width - across) / 2;
@@ -158,25 +204,6 @@ static void draw_cells(struct page *page)
 
 /* ---- The plan -------------------------------------------------------------------------------- */
 
-/* What of a piece is within the frame (Liang and Barsky 1984); false: nothing. */
-static bool clip(const struct page *page, const double from[2], const double to[2], double ret[2])
-{
-    ret[0] = 0;
-    ret[1] = 1;
-    for (int axis = 0; axis < 2; axis++) {
-        const double d = to[axis] - from[axis];
-        const double a = (page->low[axis] - from[axis]) / d;
-        const double b = (page->high[axis] - from[axis]) / d;
-        if (d == 0 && (from[axis] < page->low[axis] || from[axis] > page->high[axis]))
-            return false;
-        if (d != 0) {
-            ret[0] = fmax(ret[0], fmin(a, b));
-            ret[1] = fmin(ret[1], fmax(a, b));
-        }
-    }
-    return ret[0] < ret[1];
-}
-
 static void draw_piece(void *ctx, const double from[2], const double to[2])
 {
     const struct page *page = ctx;
@@ -242,7 +269,7 @@ static void draw_legend(struct page *page)
 {
     enum { STEPS = 100 };
     const double top = page->bottom + 12, left = page->x + MARGIN + 4;
-    const double width = fmin(page->width - 2.0 * MARGIN - 170, 400);
+    const double width = fmin(page->width - 2.0 * MARGIN - 150, 400);
     struct orl_legend legend = {.n_ticks = 0};
     double free_from = 0;
     for (int i = 0; i < STEPS; i++) {

@@ -132,14 +132,44 @@ static bool will_do(const struct found *known, const double place[2],
                                          shared_within * known->smooth.reach);
 }
 
-/* What is smooth and what lobes show, worked out for a ray, or for one close by. */
-static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y,
-                                const double place[2], struct orl_shaded *shaded,
-                                struct orl_random *random, struct finds *finds)
+/* The nearest in the pixel that sees the same; NULL where none does. */
+static const struct found *nearest_known(const struct finds *finds, const double place[2],
+                                         uint64_t way)
 {
+    const struct found *nearest = NULL;
+    double least = INFINITY;
+    for (uint32_t i = 0; i < finds->count; i++) {
+        const struct found *known = &finds->list[i];
+        const double across = known->x - place[0], down = known->y - place[1];
+        const double distance2 = across * across + down * down;
+        if (known->way == way && distance2 < least) {
+            least = distance2;
+            nearest = known;
+        }
+    }
+    return nearest;
+}
+
+static const struct found *known_for(const struct finds *finds, uint32_t ray, const double place[2],
+                                     const struct orl_shaded *shaded)
+{
+    /* Rays beyond the usual ones are there for what is stark: coverage, and shadows. */
+    if (ray >= ORL_PIXEL_RAYS)
+        return nearest_known(finds, place, shaded->way);
     for (uint32_t i = 0; i < finds->count; i++)
         if (will_do(&finds->list[i], place, shaded))
             return &finds->list[i];
+    return NULL;
+}
+
+/* What is smooth and what lobes show, worked out for a ray, or for one close by. */
+static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
+                                const double place[2], struct orl_shaded *shaded,
+                                struct orl_random *random, struct finds *finds)
+{
+    const struct found *known = known_for(finds, ray, place, shaded);
+    if (known)
+        return known;
     struct found *found = &finds->list[finds->count++];
     if (shaded->has_lobes)
         orl_cell_look(mosaic, x, y, place,
@@ -194,7 +224,7 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
         seen.lobes = kin.nearest->lobes;
         seen.variance = kin.nearest->shaded.lobes_variance + direct.variance;
     } else {
-        const struct found *found = find(mosaic, x, y, place, &shaded, &random, finds);
+        const struct found *found = find(mosaic, x, y, ray, place, &shaded, &random, finds);
         finds->is_new = finds->is_new || !kin.nearest;
         seen.smooth = found->smooth;
         seen.lobes = found->lobes;
