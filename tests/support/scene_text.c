@@ -256,7 +256,7 @@ unsigned char *scene_read_bytes(const char *path, size_t *ret_size)
         size = ftell(file);
     rewind(file);
     assert_true(size >= 0);
-    bytes = malloc((size_t)size + 1);
+    bytes = calloc(1, (size_t)size + 1);
     assert_non_null(bytes);
     assert_int_equal(fread(bytes, 1, (size_t)size, file), size);
     fclose(file);

@@ -81,7 +81,7 @@ void scene_map_path(const struct orl_result *result, const char *folder, const c
 double scene_map_flux(const struct orl_result *result, const char *folder, const char *kind,
                       double *ret_squares);
 
-/* A whole file; free() it. */
+/* A whole file, and a zero behind it; free() it. */
 unsigned char *scene_read_bytes(const char *path, size_t *ret_size);
 
 /* A tensor tree that transmits `value` per steradian in every direction, both ways, as XML. */

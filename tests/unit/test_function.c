@@ -1,6 +1,6 @@
 /*
- * The function language: expressions against rcalc's values, the standard names, what is chosen and
- * evaluated lazily, eight places at once against one, bounds, and what errors say.
+ * The function language: expressions against rcalc's values, what is chosen and evaluated lazily,
+ * eight places at once against one, bounds, and what errors say.
  *
  * tests/fixtures/functions.tsv has 300 expressions of support/random_expression.h with the value
  * that Radiance's rcalc gives them (17 digits). Both add and multiply alike and call the same C
@@ -20,72 +20,8 @@
 
 #include "function/function.h"
 #include "function/ray_names.h"
+#include "support/function_text.h"
 #include "support/random_expression.h"
-
-static const double tolerance = 1e-12;
-static struct orl_function_scratch *scratch;
-
-static int set_up(void **state)
-{
-    (void)state;
-    scratch = orl_function_scratch_new();
-    return scratch ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    orl_function_scratch_free(scratch);
-    return 0;
-}
-
-static const double arguments[] = {5, 6, 7};
-
-/* The definitions, then the expression. NULL: refused, with err. */
-static struct orl_function *compile(const char *definitions, const char *expression,
-                                    struct orl_error *err)
-{
-    struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
-    struct orl_function *function = NULL;
-    const struct orl_function_request request = {.expressions = &expression,
-                                                 .n_expressions = 1,
-                                                 .arguments = arguments,
-                                                 .n_arguments = 3,
-                                                 .file = "scene.rad",
-                                                 .line = 7};
-    assert_non_null(set);
-    int code = orl_functions_define(set, ORL_FUNCTION_GLOBAL, "some.cal", 1, definitions,
-                                    strlen(definitions), err);
-    if (code == 0)
-        code = orl_function_compile(set, &request, &function, err);
-    assert_int_equal(code == 0, function != NULL);
-    if (code < 0)
-        assert_int_equal(err->code, code);
-    orl_functions_free(set);
-    return function;
-}
-
-/* Its value where ray inputs are these (NULL: none is needed). */
-static double value_of(const char *definitions, const char *expression, const double *inputs,
-                       struct orl_function_outcome *ret_outcome)
-{
-    struct orl_error err = {0};
-    double value = NAN;
-    struct orl_function *const function = compile(definitions, expression, &err);
-    if (!function)
-        fail_msg("%s: %s", expression, err.message);
-    const struct orl_function_outcome outcome = orl_function_at(function, scratch, inputs, &value);
-    if (ret_outcome)
-        *ret_outcome = outcome;
-    orl_function_free(function);
-    return value;
-}
-
-static void check_near(const char *expression, double value, double right)
-{
-    if (!(fabs(value - right) <= tolerance * fmax(1, fabs(right))))
-        fail_msg("%s is %.17g, not %.17g", expression, right, value);
-}
 
 static void test_fixtures(void **state)
 {
@@ -99,203 +35,13 @@ static void test_fixtures(void **state)
         const double right = strtod(line, &expression);
         assert_true(*expression == '\t');
         expression[strcspn(expression, "\n")] = '\0';
-        check_near(expression, value_of(random_expression_definitions, expression, NULL, NULL),
-                   right);
+        function_check_near(expression,
+                            function_value(random_expression_definitions, expression, NULL, NULL),
+                            right);
         n++;
     }
     fclose(file);
     assert_int_equal(n, 300);
-}
-
-/* Values of Radiance's own standard file for these names, by rcalc. */
-static void test_standard_names(void **state)
-{
-    static const struct {
-        const char *expression;
-        double value;
-    } rows[] = {
-        {"-2^2", 4},
-        {"2^3^2", 512},
-        {"2^-1", .5},
-        {"2*-3", -6},
-        {"select(0, 1, 2, 3)", 3},
-        {"select(1.5, 1, 2, 3)", 2},
-        {"if(0, 1, 2)", 2},
-        {"if(1e-9, 1, 2)", 1},
-        {"rand(1)", .35008305980591103},
-        {"rand(1e10)", .12742023584723938},
-        {"ceil(-.5) + floor(-.5)", -1},
-        {"sin(1, 2)", .8414709848078965},
-        {"erf(.5) + erfc(.5)", 1},
-        {"PI", 3.141592653589793},
-        {"DEGREE", .017453292519943295},
-        {"bound(1,5,3) + bound(3,2,5) + bound(1,2,5)", 8},
-        {"Acos(2) + Asin(-2)", -1.5707963267948966},
-        {"Exp(-400) + Exp(100)", 2.6881171418161356e43},
-        {"Sqrt(-1) + Atan2(0,0)", 0},
-        {"and(-2,3)", -2},
-        {"or(-2,-3)", -3},
-        {"not(0)", 1},
-        {"xor(2,3) + 10*xor(2,-3) + 100*xor(-2,3) + 1000*xor(-2,-3)", -2691},
-        {"inside(0,2,50)", 48},
-        {"sgn(-3) + abs(-3) + sq(3)", 11},
-        {"mod(-7,3) + mod(7,-3)", 0},
-        {"tri(5,3) + 10*tri(4,3) + 100*tri(-1,3) + 1000*tri(6.5,3)", 621},
-        {"frac(-.3)", .7},
-        {"linterp(2,0,1)", 2},
-        {"grey(1,0,0) - clipgrey(9,9,9) + clip(-1) + noneg(-1)", .265074126 - 1},
-        {"fade(1,2,3) + 10*fade(5,2,1) + 100*fade(1,2,20)", 236.9},
-        {"hermite(1,2,3,4,.3)", 1.405},
-        {"bezier(1,2,3,5,.3)", 1.927},
-        {"bspline(1,2,3,5,.3)", 2.3044999999999995},
-        {"nrand(3)", -.47186979401774476},
-        {"unif2norm(.001)", -3.090522225780171},
-        {"A2 + AC + arg(0)", 12},
-    };
-    (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        check_near(rows[i].expression, value_of("", rows[i].expression, NULL, NULL), rows[i].value);
-}
-
-/* Of vectors: the plane's coordinates, the local frame (rcalc, with the same normal and rays). */
-static void test_ray_names(void **state)
-{
-    static const struct {
-        const char *expression;
-        double value;
-    } rows[] = {
-        {"U", .4065040650406504}, {"V", 2.008130081300813}, {"D(1) + N(2) + P(3)", 5.7},
-        {"Ldx(1,2,3)", .9210050}, {"Ldy(1,2,3)", .4378924}, {"Ldz(1,2,3)", 3.6},
-        {"Idx", .8831872},        {"Idy", -.0765024},
-    };
-    double inputs[ORL_RAY_INPUTS] = {.1, .2, -.97, .48, .6, .64, 2, 3, 5};
-    const char *const up = "A1 = .1; arg(i) = select(i+1, 5, 9, 9, .1, .2, 2); AC = 5;"
-                           "upward`P.(i) = arg(2+i);";
-    (void)state;
-    inputs[ORL_RAY_NXP] = .48;
-    inputs[ORL_RAY_NYP] = .6;
-    inputs[ORL_RAY_NZP] = .64;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        const double value = value_of(up, rows[i].expression, inputs, NULL);
-        if (!(fabs(value - rows[i].value) < 1e-6))
-            fail_msg("%s is %.9g, not %.9g", rows[i].expression, rows[i].value, value);
-    }
-}
-
-/* Our own texts of standard files beside the values of Radiance's (rcalc, 9 digits). */
-static void test_standard_files(void **state)
-{
-    static const struct {
-        const char *file, *expression;
-        double inputs[9], arguments[10], value; /* D, N, P; 9 digits */
-    } rows[] = {
-        {"skybright.cal",
-         "skybr",
-         {.3, .4, .866025403784},
-         {1, 10, 3, .7, .2, .5, .842614977},
-         34.6577373},
-        {"skybright.cal", "skybr", {.7, .7, .1414}, {1, 10, 3, .7, .2, .5, .842614977}, 20.9197407},
-        {"skybright.cal", "skybr", {.1, 0, -.05}, {4, 10, 3, .7, .2, .5, .842614977}, 4.0746111},
-        {"skybright.cal",
-         "skybr",
-         {-.2, -.6, .7745966692},
-         {4, 10, 3, .7, .2, .5, .842614977},
-         5.65039451},
-        {"skybright.cal", "skybr", {.7, .7, .1414}, {2, 10, 3}, 4.20419225},
-        {"skybright.cal", "skybr", {0, 1, 0}, {3, 10, 3}, 6.84711674},
-        {"perezlum.cal",
-         "skybright",
-         {.3, .4, .001},
-         {1.5, 4, .9, -.3, 6, -2.5, .4, .2, .5, .842614977},
-         2.82661625},
-        {"perezlum.cal",
-         "skybright",
-         {.7, .7, .1414},
-         {1.5, 4, .9, -.3, 6, -2.5, .4, .2, .5, .842614977},
-         2.97944582},
-        {"perezlum.cal",
-         "intersky",
-         {0, 1, 0},
-         {1.5, 4, .9, -.3, 6, -2.5, .4, .2, .5, .842614977},
-         2.30654155},
-        {"illum.cal", "il_azi", {.3, -.4, .001}, {.8, .6, 0, -.6, .8, 0, 0, 0, 1}, 5.35589009},
-        {"illum.cal", "il_alth", {.3, .4, .866025403784}, {.8, .6, 0, -.6, .8, 0, 0, 0, 1}, .75},
-        {"illum.cal",
-         "il_azih",
-         {.3, .4, .866025403784},
-         {.8, .6, 0, -.6, .8, 0, 0, 0, 1},
-         3.42538676},
-        {"rev.cal", "rev_dx", {0, 0, 0, 0, 0, 0, 1, 2, 3}, {.5, .25, -.3, 1.5}, .370820393},
-        {"rev.cal", "rev_dz", {0, 0, 0, 0, 0, 0, 1, 2, 3}, {.5, .25, -.3, 1.5}, 1.75},
-        {"source.cal", "src_theta", {.3, .4, -.866025403784}, {0}, 150},
-        {"source.cal", "src_phi", {.3, .4, -.866025403784}, {0}, 233.130102354},
-        {"source.cal", "src_phi4", {.3, .4, -.866025403784}, {0}, 53.130102354},
-        {"source.cal", "boxcorr(2)", {.3, .4, -.866025403784}, {1.5, .5, .6, .7}, 5.705508782},
-        {"source.cal", "cylcorr(2)", {.3, .4, -.866025403784}, {1.5, .5, .6}, 9.373720183},
-        {"picture.cal", "match_u", {0, 0, 0, 0, 0, 0, 2.3, 1.2}, {.5}, 1.7},
-        {"picture.cal", "tile_v", {0, 0, 0, 0, 0, 0, 2.3, 1.2}, {.5}, .2},
-        {"picture.cal", "stag_u", {0, 0, 0, 0, 0, 0, 2.3, .2}, {.5}, 1.3},
-        {"picture.cal", "inpic", {0, 0, 0, 0, 0, 0, 1.9, .9}, {.5}, 1},
-    };
-    (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
-        struct orl_function *function = NULL;
-        struct orl_function_request request = {.expressions = &rows[i].expression,
-                                               .n_expressions = 1,
-                                               .arguments = rows[i].arguments,
-                                               .n_arguments = 10};
-        double inputs[ORL_RAY_INPUTS] = {0}, value = 0;
-        memcpy(inputs, rows[i].inputs, sizeof rows[i].inputs);
-        assert_int_equal(orl_functions_load(set, NULL, rows[i].file, false, &request.context, NULL),
-                         0);
-        assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
-        orl_function_at(function, scratch, inputs, &value);
-        if (!(fabs(value - rows[i].value) < 1e-8 * fmax(1, fabs(rows[i].value))))
-            fail_msg("%s of %s, row %zu, is %.10g, not %.10g", rows[i].expression, rows[i].file, i,
-                     rows[i].value, value);
-        orl_function_free(function);
-        orl_functions_free(set);
-    }
-}
-
-/* Radiance's noises at places of its own, by rtrace -ov of a glow of noise + 2: six digits. */
-static void test_noise(void **state)
-{
-    static const struct {
-        const char *expression;
-        double value;
-    } rows[] = {
-        {"noise3(0,0,.3)", .365232},
-        {"noise3x(0,0,.3)", .673844},
-        {"noise3y(0,0,.3)", 0},
-        {"fnoise3(0,0,.3)", -.427265},
-        {"fnoise3(3.25,4.5,2.4475)", .219823},
-        {"noise3(3.25,4.5,2.4475)", .169684},
-    };
-    (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        const double value = value_of("", rows[i].expression, NULL, NULL);
-        if (!(fabs(value - rows[i].value) < 6e-6))
-            fail_msg("%s is %.9g, not %.9g", rows[i].expression, rows[i].value, value);
-    }
-}
-
-/* The gradient is the value's slope. */
-static void test_noise_gradient(void **state)
-{
-    (void)state;
-    for (int i = 0; i < 50; i++) {
-        double inputs[ORL_RAY_INPUTS] = {0};
-        const double h = 1e-5;
-        inputs[ORL_RAY_PX] = .37 * i - 5;
-        inputs[ORL_RAY_PY] = .21 * i;
-        inputs[ORL_RAY_PZ] = -.43 * i;
-        inputs[ORL_RAY_T] = h;
-        const double slope =
-            value_of("", "(noise3(Px,Py+T,Pz) - noise3(Px,Py-T,Pz))/(2*T)", inputs, NULL);
-        assert_true(fabs(slope - value_of("", "noise3y(Px,Py,Pz)", inputs, NULL)) < 1e-7);
-    }
 }
 
 /* ---- What is evaluated ------------------------------------------------------------------------
@@ -311,14 +57,15 @@ static void test_lazy(void **state)
     double inputs[ORL_RAY_INPUTS] = {0};
     (void)state;
     inputs[ORL_RAY_PX] = -3.5;
-    check_near("climb", value_of(lazy, "climb(Px)", inputs, NULL), .5);
-    check_near("fact", value_of(lazy, "fact(5-Px+Px)", inputs, NULL), 120);
-    check_near("twice", value_of(lazy, "twice", inputs, NULL), 26.5);
-    assert_true(fabs(value_of(lazy, "outer(cube, Px)", inputs, NULL) - 36.75) < 1e-6);
-    assert_true(fabs(value_of(lazy, "outer(sin, Px)", inputs, NULL) - cos(-3.5)) < 1e-6);
-    check_near("if", value_of(lazy, "slope(noop, Px) + 0*if(-1, nosuch(1), 2)", inputs, NULL),
-               value_of(lazy, "slope(noop, Px)", inputs, NULL));
-    check_near("arg", value_of("", "if(arg(0) - 3.5, arg(4), 42)", NULL, NULL), 42);
+    function_check_near("climb", function_value(lazy, "climb(Px)", inputs, NULL), .5);
+    function_check_near("fact", function_value(lazy, "fact(5-Px+Px)", inputs, NULL), 120);
+    function_check_near("twice", function_value(lazy, "twice", inputs, NULL), 26.5);
+    assert_true(fabs(function_value(lazy, "outer(cube, Px)", inputs, NULL) - 36.75) < 1e-6);
+    assert_true(fabs(function_value(lazy, "outer(sin, Px)", inputs, NULL) - cos(-3.5)) < 1e-6);
+    function_check_near(
+        "if", function_value(lazy, "slope(noop, Px) + 0*if(-1, nosuch(1), 2)", inputs, NULL),
+        function_value(lazy, "slope(noop, Px)", inputs, NULL));
+    function_check_near("arg", function_value("", "if(arg(0) - 3.5, arg(4), 42)", NULL, NULL), 42);
 }
 
 /* What no input decides is a number in the program. */
@@ -333,7 +80,7 @@ static void test_constants(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         struct orl_error err = {0};
         double value;
-        struct orl_function *const function = compile(lazy, rows[i].expression, &err);
+        struct orl_function *const function = function_compile(lazy, rows[i].expression, &err);
         assert_non_null(function);
         assert_int_equal(orl_function_is_constant(function, 0, &value), rows[i].constant);
         assert_int_equal(orl_function_inputs(function) == 0, rows[i].constant);
@@ -360,7 +107,7 @@ static void test_fixed(void **state)
     assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
     orl_functions_free(set);
     assert_int_equal(orl_function_inputs(function), 2);
-    orl_function_at(function, scratch, inputs, values);
+    orl_function_at(function, function_scratch, inputs, values);
     assert_true(values[0] == 35 && values[1] == 6 && values[2] == 5);
     orl_function_free(function);
 }
@@ -393,7 +140,7 @@ static void test_contexts(void **state)
         struct orl_function *function = NULL;
         double values[2];
         assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
-        orl_function_at(function, scratch, NULL, values);
+        orl_function_at(function, function_scratch, NULL, values);
         assert_true(values[0] == right[i][0] && values[1] == right[i][1]);
         orl_function_free(function);
     }
@@ -403,7 +150,7 @@ static void test_contexts(void **state)
     struct orl_function *function = NULL;
     double values[4];
     assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
-    orl_function_at(function, scratch, NULL, values);
+    orl_function_at(function, function_scratch, NULL, values);
     assert_true(values[0] == 1 && values[1] == 2 && values[2] == 9 && values[3] == 100);
     orl_function_free(function);
     orl_functions_free(set);
@@ -425,7 +172,7 @@ static void test_lanes(void **state)
     (void)state;
     for (size_t e = 0; e < sizeof expressions / sizeof *expressions; e++) {
         struct orl_error err = {0};
-        struct orl_function *const function = compile(lazy, expressions[e], &err);
+        struct orl_function *const function = function_compile(lazy, expressions[e], &err);
         if (!function)
             fail_msg("%s: %s", expressions[e], err.message);
         for (unsigned lanes = 1; lanes < 256; lanes++) {
@@ -436,7 +183,7 @@ static void test_lanes(void **state)
                 values.at[l] = 1234;
             }
             const struct orl_function_outcome all =
-                orl_function_evaluate(function, scratch, inputs, lanes, &values);
+                orl_function_evaluate(function, function_scratch, inputs, lanes, &values);
             assert_false(all.exceeded);
             for (int l = 0; l < ORL_FUNCTION_LANES; l++) {
                 double alone[ORL_RAY_INPUTS] = {0}, value = 1234;
@@ -444,7 +191,7 @@ static void test_lanes(void **state)
                 alone[ORL_RAY_PX] = inputs[ORL_RAY_PX].at[l];
                 alone[ORL_RAY_PY] = inputs[ORL_RAY_PY].at[l];
                 if (lanes >> l & 1)
-                    one = orl_function_at(function, scratch, alone, &value);
+                    one = orl_function_at(function, function_scratch, alone, &value);
                 assert_memory_equal(&value, &values.at[l], sizeof value);
                 assert_int_equal(all.undefined >> l & 1, one.undefined);
             }
@@ -467,7 +214,7 @@ static void test_undefined(void **state)
     inputs[ORL_RAY_PX] = 4;
     for (size_t i = 0; i < sizeof expressions / sizeof *expressions; i++) {
         struct orl_function_outcome outcome = {0};
-        assert_true(value_of("", expressions[i], inputs, &outcome) == 0);
+        assert_true(function_value("", expressions[i], inputs, &outcome) == 0);
         assert_int_equal(outcome.undefined, 1);
         assert_false(outcome.exceeded);
     }
@@ -480,10 +227,10 @@ static void test_exceeded(void **state)
     static const char *const expressions[] = {"a", "count(1e5+Px)", "grow(60+Px)", "grow(70)"};
     double inputs[ORL_RAY_INPUTS] = {0};
     (void)state;
-    check_near("count", value_of(definitions, "count(900+Px)", inputs, NULL), 900);
+    function_check_near("count", function_value(definitions, "count(900+Px)", inputs, NULL), 900);
     for (size_t i = 0; i < sizeof expressions / sizeof *expressions; i++) {
         struct orl_function_outcome outcome = {0};
-        assert_true(value_of(definitions, expressions[i], inputs, &outcome) == 0);
+        assert_true(function_value(definitions, expressions[i], inputs, &outcome) == 0);
         assert_true(outcome.exceeded);
     }
 }
@@ -515,7 +262,7 @@ static void test_errors(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         struct orl_error err = {0};
-        assert_null(compile(rows[i].definitions, rows[i].expression, &err));
+        assert_null(function_compile(rows[i].definitions, rows[i].expression, &err));
         assert_int_equal(err.code, rows[i].code);
         assert_string_equal(err.file, rows[i].file);
         assert_int_equal(err.line, rows[i].line);
@@ -537,7 +284,7 @@ static void test_nesting(void **state)
         text[depth] = '1';
         memset(text + depth + 1, ')', (size_t)depth);
         text[2 * depth + 1] = '\0';
-        struct orl_function *const function = compile("", text, &err);
+        struct orl_function *const function = function_compile("", text, &err);
         assert_int_equal(err.code, over ? ORL_ERR_LIMIT : 0);
         orl_function_free(function);
     }
@@ -582,10 +329,10 @@ static void test_beside_rcalc(void **state)
         struct orl_function_outcome outcome = {0};
         double right = 0;
         random_expression_write(1000000 + i, text, sizeof text);
-        const double value = value_of(random_expression_definitions, text, NULL, &outcome);
+        const double value = function_value(random_expression_definitions, text, NULL, &outcome);
         if (!ask_rcalc(folder, text, &right) || outcome.undefined)
             continue;
-        check_near(text, value, right);
+        function_check_near(text, value, right);
         compared++;
     }
     snprintf(command, sizeof command, "rm -r %s", folder);
@@ -597,14 +344,12 @@ static void test_beside_rcalc(void **state)
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fixtures),       cmocka_unit_test(test_standard_names),
-        cmocka_unit_test(test_standard_files), cmocka_unit_test(test_ray_names),
-        cmocka_unit_test(test_noise),          cmocka_unit_test(test_noise_gradient),
-        cmocka_unit_test(test_lazy),           cmocka_unit_test(test_constants),
-        cmocka_unit_test(test_fixed),          cmocka_unit_test(test_contexts),
-        cmocka_unit_test(test_lanes),          cmocka_unit_test(test_undefined),
-        cmocka_unit_test(test_exceeded),       cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_nesting),        cmocka_unit_test(test_beside_rcalc),
+        cmocka_unit_test(test_fixtures),     cmocka_unit_test(test_lazy),
+        cmocka_unit_test(test_constants),    cmocka_unit_test(test_fixed),
+        cmocka_unit_test(test_contexts),     cmocka_unit_test(test_lanes),
+        cmocka_unit_test(test_undefined),    cmocka_unit_test(test_exceeded),
+        cmocka_unit_test(test_errors),       cmocka_unit_test(test_nesting),
+        cmocka_unit_test(test_beside_rcalc),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, function_set_up, function_tear_down);
 }

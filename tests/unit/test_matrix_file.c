@@ -15,6 +15,7 @@
 
 #include "annual/matrix_file.h"
 #include "bsdf/basis.h"
+#include "support/scene_text.h"
 
 #define TOP "#?RADIANCE\nrfluxmtx -I+\n"
 
@@ -157,22 +158,11 @@ static void test_product(void **state)
     orl_crew_stop(crew);
 }
 
-static char *read_whole(const char *path, size_t *ret_size)
-{
-    FILE *file = fopen(path, "rb");
-    char *bytes = malloc(1 << 20);
-    assert_non_null(file);
-    assert_non_null(bytes);
-    *ret_size = fread(bytes, 1, 1 << 20, file);
-    fclose(file);
-    return bytes;
-}
-
 /* Light of a column comes out as the BSDF's transmittance says; a single value is the BSDF's. */
 static void test_transmission(void **state)
 {
     size_t size, rows, columns;
-    char *xml = read_whole("tests/fixtures/bsdf_klems41.xml", &size);
+    char *xml = (char *)scene_read_bytes("tests/fixtures/bsdf_klems41.xml", &size);
     struct orl_basis basis;
     struct orl_bsdf *bsdf;
     struct orl_error err = {0};
@@ -198,7 +188,7 @@ static void test_transmission(void **state)
     free(values);
     orl_bsdf_unref(bsdf);
     free(xml);
-    xml = read_whole("tests/fixtures/bsdf_lcp8.xml", &size);
+    xml = (char *)scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
     assert_int_equal(orl_bsdf_load_xml("t.xml", xml, size, &bsdf, &err), 0);
     assert_int_equal(orl_bsdf_transmission(bsdf, &rows, &columns, &values, &err),
                      ORL_ERR_UNSUPPORTED);

@@ -286,8 +286,8 @@ static void test_diffuse_reflection(void **state)
  * y = 2.5, and sensors on the opposite wall and on the floor this side of the box. The sun is 60
  * degrees high behind them: box and wall do not shade each other. What it gives the floor directly
  * is taken off by a run with a black wall, the same to the bit. Directions are the noise: with as
- * many as here the worst sensor, which sees a sliver of the wall, spreads by 0.9 % over 12 seeds and
- * by half of that in the long form.
+ * many as here the worst sensor, which sees a sliver of the wall, spreads by 0.9 % over 12 seeds
+ * and by half of that in the long form.
  */
 static void test_internal_obstruction(void **state)
 {
