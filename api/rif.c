@@ -71,6 +71,8 @@ static int add_command(struct reading *r, json_t *list, const char *command)
 static int add_file(struct reading *r, json_t *list, const char *file)
 {
     const size_t length = strlen(file);
+    if (length == 0)
+        return fail(r, ORL_ERR_SYNTAX, "a file has no name", "\"\"", "Name it, or leave it out");
     if (file[0] == '!')
         return add_command(r, list, file);
     if (length > 4 && strcmp(file + length - 4, ".oct") == 0)
@@ -141,8 +143,8 @@ static int add_view(struct reading *r, char *value)
     if (strncmp(value, "-vf ", 4) == 0) {
         char *rest = value + 4, *file = next_word(&rest);
         rest += strspn(rest, " \t");
-        view = json_pack("{s:s, s:s, s:s*}", "name", name, "file", file ? file : "", "view",
-                         *rest ? rest : NULL);
+        view =
+            json_pack("{s:s, s:s*, s:s*}", "name", name, "file", file, "view", *rest ? rest : NULL);
     } else {
         view = json_pack("{s:s, s:s}", "name", name, "view", value);
     }
@@ -155,12 +157,14 @@ static int set_size(struct reading *r, char *value)
 {
     char *end;
     const long width = strtol(value, &end, 10);
-    const long height = *end ? strtol(end, &end, 10) : 0;
-    if (width < 1 || width > MOST_SIDE || height < 0 || height > MOST_SIDE)
+    const bool one = end[strspn(end, " \t\r")] == '\0';
+    const long height = one ? width : strtol(end, &end, 10);
+    if (width < 1 || width > MOST_SIDE || height < 1 || height > MOST_SIDE ||
+        end[strspn(end, " \t\r")])
         return fail(r, ORL_ERR_SYNTAX, "this is no resolution", value,
                     "One or two numbers are wanted, from 1 to 16384");
     r->width = (int)width;
-    r->height = (int)(height > 0 ? height : width);
+    r->height = (int)height;
     return 0;
 }
 
@@ -218,7 +222,7 @@ static const char *take_line(struct reading *r, const char *at, const char *end,
                        "Assign materials, illum, scene or view several times");
     }
     ret_line[length] = '\0';
-    return at + 1;
+    return at < end ? at + 1 : end;
 }
 
 static json_t *make_project(struct reading *r)

@@ -109,9 +109,10 @@ static int read_line(struct reader *r, const char *line, size_t length)
         const bool all = line[0] == 'E';
         for (int i = 0; i < 3; i++)
             r->exposure[i] *= value[all ? 0 : i];
-        return r->exposure[0] > 0 && r->exposure[1] > 0 && r->exposure[2] > 0
-                   ? 0
-                   : fail(r, ORL_ERR_RANGE, "an exposure is above 0");
+        bool sound = true;
+        for (int i = 0; i < 3; i++)
+            sound = sound && r->exposure[i] > 0 && isfinite(r->exposure[i]);
+        return sound ? 0 : fail(r, ORL_ERR_RANGE, "an exposure is above 0, and finite");
     }
     if (read_key(line, length, "BigEndian=", value, 1)) {
         const bool big = value[0] > 0;

@@ -153,6 +153,27 @@ static void test_occupancy(void **state)
     repeat_trifles(fuzz_occupancy);
 }
 
+static void test_schedule(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/schedule", fuzz_schedule);
+    repeat_trifles(fuzz_schedule);
+}
+
+static void test_matrix(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/matrix", fuzz_matrix);
+    repeat_trifles(fuzz_matrix);
+}
+
+static void test_rif(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/rif", fuzz_rif);
+    repeat_trifles(fuzz_rif);
+}
+
 static void test_zip(void **state)
 {
     (void)state;
@@ -237,6 +258,8 @@ int main(void)
         cmocka_unit_test(test_guard),     cmocka_unit_test(test_token),
         cmocka_unit_test(test_view_file), cmocka_unit_test(test_annual),
         cmocka_unit_test(test_occupancy), cmocka_unit_test(test_hbjson),
+        cmocka_unit_test(test_schedule),  cmocka_unit_test(test_matrix),
+        cmocka_unit_test(test_rif),
     };
     if (sodium_init() < 0)
         return 1;

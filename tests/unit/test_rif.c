@@ -71,6 +71,8 @@ static void test_what_makes_no_scene_is_refused(void **state)
     assert_refused("scene= a.rad \\\n b.rad\nwhat\n", 3, "assigns nothing");
     assert_refused("= a\n", 1, "a name is missing");
     assert_refused("RES= wide\n", 1, "no resolution");
+    assert_refused("RES= 400 300 times\n", 1, "no resolution");
+    assert_refused("scene= \"\"\n", 1, "no name");
     assert_refused("mat= a.mat\n", 1, "no scene files");
 }
 
