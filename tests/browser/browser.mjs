@@ -24,8 +24,8 @@ export class Browser {
   }
 
   // faults: console errors, exceptions, CSP reports, requests to elsewhere. mayFail: of an address that
-  // is expected not to answer, as of a daemon that is killed.
-  async open(daemon, { path = '/', scheme = 'light', width = 1280, height = 860, mayFail = () => false } = {}) {
+  // is expected not to answer, as of a daemon that is killed. prepare: of the page before it is asked for.
+  async open(daemon, { path = '/', scheme = 'light', width = 1280, height = 860, mayFail = () => false, prepare = () => {} } = {}) {
     const context = await this.browser.newContext({ viewport: { width, height }, colorScheme: scheme, reducedMotion: 'reduce' });
     const page = await context.newPage();
     page.setDefaultTimeout(90000);
@@ -40,6 +40,7 @@ export class Browser {
     await page.addInitScript(() => {
       addEventListener('securitypolicyviolation', (event) => console.error(`CSP: ${event.violatedDirective} ${event.blockedURI}`));
     });
+    await prepare(page);
     await page.goto(daemon.url + path);
     return { page, faults, close: () => context.close() };
   }

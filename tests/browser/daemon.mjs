@@ -20,6 +20,8 @@ sky_glow source sky 0 0 4 0 0 1 180
 `;
 export const SENSORS = [];
 for (let y = 0.5; y < 4; y += 1) for (let x = 0.5; x < 3; x += 1) SENSORS.push([x, y, 0.8, 0, 0, 1]);
+export const words = (text) => ({ name: text, sensors: SENSORS, technique: 'backward', gather_samples: 8 });
+export const LONG = { accuracy: { deadline_s: 3600 }, sensors: SENSORS };
 export const VIEW = { name: 'north', view: '-vtv -vp 1.5 .5 1.5 -vd 0 1 0', width: 64, height: 48 };
 
 async function freePort() {
@@ -74,6 +76,22 @@ export class Daemon {
 
   async bytes(path) {
     return new Uint8Array(await (await fetch(this.url + path)).arrayBuffer());
+  }
+
+  // What jobs are told of from now on, as names.
+  async events() {
+    const abort = new AbortController();
+    const answer = await fetch(`${this.url}/v1/events`, { signal: abort.signal });
+    const told = new Set();
+    (async () => {
+      let text = '';
+      for await (const piece of answer.body.pipeThrough(new TextDecoderStream())) {
+        const lines = (text += piece).split('\n');
+        text = lines.pop();
+        for (const line of lines) if (line.startsWith('data: ')) told.add(JSON.parse(line.slice(6)).name);
+      }
+    })().catch(() => {});
+    return { told, close: () => abort.abort() };
   }
 
   async upload() {

@@ -3,7 +3,8 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { Browser } from './browser.mjs';
-import { Daemon, ROOM, SENSORS, VIEW } from './daemon.mjs';
+import { crowdCases } from './crowd.mjs';
+import { Daemon, LONG, ROOM, SENSORS, VIEW, words } from './daemon.mjs';
 import { luminance } from './rgbe.mjs';
 
 const build = process.argv[2] || 'build';
@@ -25,8 +26,6 @@ async function visit(options, run) {
 }
 
 const row = (page, name) => page.getByRole('row', { name });
-const words = (text) => ({ name: text, sensors: SENSORS, technique: 'backward', gather_samples: 8 });
-const LONG = { accuracy: { deadline_s: 3600 }, sensors: SENSORS };
 const CASE_S = 240; // a machine may be busy; an idle one takes a minute for all of them
 
 test('an empty list says how to begin', () => visit({}, async (page) => {
@@ -349,49 +348,7 @@ test('with tokens one signs in, and out', async () => {
   }
 });
 
-test('a thousand jobs are listed as one scrolls, in light and dark, on a phone, by the keyboard', async () => {
-  const crowd = await new Daemon(build).start();
-  try {
-    await crowd.submit({ name: 'holds the queue', ...LONG });
-    for (let i = 0; i < 1000; i += 40) await Promise.all(Array.from({ length: 40 }, (_, k) => crowd.submit({ ...words(`one of many ${i + k}`), seed: i + k })));
-    await visit({ daemon: crowd }, (page) => scrollThrough(page));
-    for (const [name, options] of [['light', {}], ['dark', { scheme: 'dark' }], ['phone', { width: 390, height: 844 }]])
-      await visit({ daemon: crowd, ...options }, (page) => look(page, name));
-    await visit({ daemon: crowd }, (page) => walk(page));
-  } finally {
-    await crowd.remove();
-  }
-});
-
-async function scrollThrough(page) {
-  await page.getByText(/of more shown/).waitFor();
-  for (let last = 0; ;) {
-    await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
-    const rows = await page.locator('tbody tr').count();
-    if (rows === 1001) return;
-    if (rows === last) await page.waitForTimeout(30);
-    last = rows;
-  }
-}
-
-async function look(page, name) {
-  await page.getByText(/of more shown/).waitFor();
-  assert.deepEqual(await browser.audit(page), []);
-  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true, 'nothing beside the page');
-  await page.screenshot({ path: `${browser.folder}/jobs-${name}.png` });
-}
-
-async function walk(page) {
-  await page.getByText(/of more shown/).waitFor();
-  await page.keyboard.press('Tab');
-  assert.equal(await page.evaluate(() => document.activeElement.className), 'skip');
-  const focused = () => page.evaluate(() => document.activeElement.textContent);
-  for (let i = 0; i < 20 && !(await focused()).startsWith('one of many'); i++) await page.keyboard.press('Tab');
-  const name = await focused();
-  await page.keyboard.press('Enter');
-  await page.getByRole('heading', { name }).waitFor();
-  assert.equal(await page.evaluate(() => document.activeElement.tagName), 'H1');
-}
+crowdCases({ test, visit, browser, build });
 
 // No case leaves the daemon busy.
 async function calm() {
