@@ -86,6 +86,9 @@ void orl_run_report(const struct orl_run_env *env, enum orl_stage stage, double 
                     const struct orl_run_report *report);
 void orl_run_warn(struct orl_run_state *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+/* The same, unless the result has that very warning, of an earlier round say. */
+void orl_run_warn_once(struct orl_run_state *state, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* Parses "x y z dx dy dz" lines; '#' starts a comment. Fills an array the caller frees. */
 int orl_sensors_parse(const char *name, const char *text, size_t size,

@@ -195,6 +195,11 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
     int code = orl_run_rate_view(state, index, film, err);
     if (code == 0)
         code = write_all(state, request, result, writing, err);
+    if (code == 0 && result->files[ORL_PICTURE_EXR] && orl_exr_exceeds_halves(film))
+        orl_run_warn_once(state,
+                          "%s: brighter than %d W/sr/m2, the most that halves hold, stands there "
+                          "as that; \"exr_float\" has it as it is",
+                          result->files[ORL_PICTURE_EXR], ORL_EXR_LARGEST_HALF);
     free(writing);
     return code;
 }

@@ -14,15 +14,12 @@ static void warn_of_field(struct orl_run_state *state, const struct orl_view_req
                           const struct orl_glare *glare)
 {
     const double share = glare->field_sr / (2 * ORL_PI);
-    char start[160];
     if (request->glare.eye_lx > 0 || share >= almost_all)
         return;
-    const int length = snprintf(start, sizeof start, "view '%s' holds %.0f %% of the hemisphere",
-                                request->name, 100 * share);
-    for (size_t i = 0; i < state->result->n_warnings; i++)
-        if (strncmp(state->result->warnings[i], start, (size_t)length) == 0)
-            return;
-    orl_run_warn(state, "%s: its glare lacks the light that comes from beside it", start);
+    orl_run_warn_once(state,
+                      "view '%s' holds %.0f %% of the hemisphere: its glare lacks the light that "
+                      "comes from beside it",
+                      request->name, 100 * share);
 }
 
 int orl_run_read_mask(const struct orl_files *files, const struct orl_view_request *view,

@@ -88,6 +88,7 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
                                           .width = run->width,
                                           .height = run->height,
                                           .metrics = run->metrics,
+                                          .formats = run->formats,
                                           .irradiance = run->irradiance};
         job->views = view;
         job->n_views = 1;

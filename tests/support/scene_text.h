@@ -23,6 +23,7 @@ struct scene_run {
     const char *view; /* NULL for none; the image is view.hdr, view.png in folder */
     uint32_t width, height;
     uint32_t metrics;             /* of its glare, by usual settings */
+    uint32_t formats;             /* its files; 0: the usual ones */
     bool irradiance;              /* of what the view shows */
     uint64_t seed;                /* 0: 1 */
     enum orl_technique technique; /* auto: gather, unless by_plan */

@@ -238,6 +238,7 @@ static void read_exr(const char *path, const struct orl_film *film, bool halves)
     const exr_attr_chlist_t *channels;
     exr_context_t exr;
     exr_attr_m44f_t camera;
+    exr_attr_chromaticities_t primaries;
     float nits;
     assert_int_equal(exr_start_read(&exr, path, &how), 0);
     assert_int_equal(exr_get_channels(exr, 0, &channels), 0);
@@ -246,6 +247,9 @@ static void read_exr(const char *path, const struct orl_film *film, bool halves)
     assert_int_equal(first->pixel_type, halves ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT);
     assert_int_equal(exr_attr_get_float(exr, 0, "whiteLuminance", &nits), 0);
     assert_true(nits == 179);
+    assert_int_equal(exr_attr_get_chromaticities(exr, 0, "chromaticities", &primaries), 0);
+    assert_true(primaries.red_x == 0.640F && primaries.green_y == 0.600F &&
+                primaries.blue_x == 0.150F && primaries.white_x == 1 / 3.0F);
     assert_int_equal(exr_attr_get_m44f(exr, 0, "worldToCamera", &camera), 0);
     /* some_view: from (1, 2, 3) along x; a point 5 ahead of it, 1 to the right and 2 up. */
     const float point[4] = {6, 1, 5, 1}, expected[3] = {1, 2, -5};

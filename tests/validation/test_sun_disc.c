@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -110,10 +111,34 @@ static void test_half_a_disc(void **state)
     }
 }
 
+/* Halves of OpenEXR do not hold it, and the result says so; of floats there is nothing to say. */
+static void test_beyond_halves(void **state)
+{
+    static const enum orl_picture pictures[] = {ORL_PICTURE_EXR, ORL_PICTURE_EXR_FLOAT};
+    char scene[512];
+    (void)state;
+    snprintf(scene, sizeof scene, SUN DARK, 0.0, 1.0, 0.0);
+    for (int i = 0; i < 2; i++) {
+        const struct scene_run run = {.scene = scene,
+                                      .view = "-vta -vd 0 1 0 -vh 180 -vv 180",
+                                      .width = 200,
+                                      .height = 200,
+                                      .formats = ORL_PICTURE_BIT(pictures[i]),
+                                      .technique = ORL_TECHNIQUE_BACKWARD,
+                                      .pixel_samples = 1};
+        struct orl_result result = scene_run(&run);
+        int told = 0;
+        for (size_t w = 0; w < result.n_warnings; w++)
+            told += strstr(result.warnings[w], "view.exr: brighter than 65504 W/sr/m2") != NULL;
+        assert_int_equal(told, pictures[i] == ORL_PICTURE_EXR);
+        orl_result_done(&result);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_any_place_and_size),
-                                       cmocka_unit_test(test_through_glass),
-                                       cmocka_unit_test(test_half_a_disc)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_any_place_and_size), cmocka_unit_test(test_through_glass),
+        cmocka_unit_test(test_half_a_disc), cmocka_unit_test(test_beyond_halves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

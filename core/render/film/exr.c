@@ -10,7 +10,6 @@
 #include "base/file.h"
 
 enum { BLOCK_LINES = 16 }; /* that are compressed together */
-static const float largest_half = 65504;
 
 struct writer {
     const struct orl_film *film;
@@ -116,7 +115,7 @@ static void fill_lines(const struct writer *w, uint32_t first, uint32_t count)
 {
     const float *from = w->film->pixels[(size_t)first * w->film->width];
     for (size_t i = 0; i < 3 * (size_t)count * w->film->width; i++) {
-        const float most = w->halves ? largest_half : INFINITY;
+        const float most = w->halves ? ORL_EXR_LARGEST_HALF : INFINITY;
         w->lines[i] = from[i] > most ? most : from[i];
     }
 }
@@ -170,6 +169,15 @@ static exr_result_t write_file(struct writer *w)
         rc = write_lines(exr, w);
     const exr_result_t end = exr_finish(&exr);
     return rc == EXR_ERR_SUCCESS ? end : rc;
+}
+
+bool orl_exr_exceeds_halves(const struct orl_film *film)
+{
+    const size_t count = 3 * (size_t)film->width * film->height;
+    for (size_t i = 0; i < count; i++)
+        if (film->pixels[i / 3][i % 3] > ORL_EXR_LARGEST_HALF)
+            return true;
+    return false;
 }
 
 int orl_exr_write(const struct orl_film *film, const struct orl_view *view, bool halves,
