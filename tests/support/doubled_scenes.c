@@ -181,6 +181,10 @@ static void write_vase(FILE *f, size_t n)
 {
     fprintf(f, GREY "!genrev m b t '2+sin(9*t)' %zu\n", n);
 }
+static void write_ground(FILE *f, size_t n)
+{
+    fprintf(f, GREY "!gensurf m b 9*s 9*t '.5*sin(7*s*t)' %zu 10 -s\n", n / 10 + 1);
+}
 static void write_prism(FILE *f, size_t n)
 {
     fprintf(f, GREY "!genprism m p %zu", n);
@@ -369,6 +373,7 @@ const struct doubled doubled_scenes[] = {
     SCENE(slats, 40),
     SCENE(worm, 100),
     SCENE(vase, 100),
+    SCENE(ground, 100),
     SCENE(prism, 100),
     SCENE(markers, 100),
     SCENE(files, 200),

@@ -205,6 +205,30 @@ static void test_rules(void **state)
     orl_description_done(&d);
 }
 
+/* What a generator writes, piped: faces as it says them, named, placed; and what is not one. */
+static void test_piped(void **state)
+{
+    (void)state;
+    struct orl_description d = read_scene(
+        PAINTS "!gensurf red land s t 's*t' 2 1 -o | obj2rad -o hill | xform -n h -t 0 0 1\n", NULL,
+        0);
+    assert_int_equal(d.n_surfaces, 4);
+    assert_string_equal(modifier_of(&d, 3), "red");
+    assert_string_equal(d.surfaces[3].name, "h.land.4");
+    expect_corner(&d, 0, 0, .5, 0, 1);
+    expect_corner(&d, 0, 1, .5, 1, 1.5);
+    expect_corner(&d, 0, 2, 0, 0, 1);
+    orl_description_done(&d);
+    expect_error(PAINTS "!gensurf red land s t 's*t' 2 1 -o\n", NULL, 0, "s.rad", 5,
+                 "pipe it into obj2rad");
+    expect_error(PAINTS "!gensurf red land s t 's*t' 2 1 | obj2rad\n", NULL, 0, "s.rad", 5,
+                 "no OBJ file");
+    expect_error(PAINTS "!gensurf red land s t 's*t' 2 1 -o | obj2rad a.obj\n", NULL, 0, "s.rad", 5,
+                 "takes no file");
+    expect_error("\n!gensurf oak land s t 's*t' 2 1 -o | obj2rad\n", NULL, 0, "s.rad", 2,
+                 "'oak' is not defined");
+}
+
 static void test_wrong_objects(void **state)
 {
     static const struct {
@@ -305,15 +329,11 @@ static void test_wrong_stl(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_alone),
-        cmocka_unit_test(test_placed),
-        cmocka_unit_test(test_bent),
-        cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_rules),
-        cmocka_unit_test(test_wrong_objects),
-        cmocka_unit_test(test_radiance_named_obj),
-        cmocka_unit_test(test_stl),
-        cmocka_unit_test(test_wrong_stl),
+        cmocka_unit_test(test_alone),         cmocka_unit_test(test_placed),
+        cmocka_unit_test(test_bent),          cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_rules),         cmocka_unit_test(test_piped),
+        cmocka_unit_test(test_wrong_objects), cmocka_unit_test(test_radiance_named_obj),
+        cmocka_unit_test(test_stl),           cmocka_unit_test(test_wrong_stl),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

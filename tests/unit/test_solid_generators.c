@@ -1,5 +1,6 @@
 /*
- * genbox, genprism, genblinds, genclock and genbranch, read natively: the words that Radiance 6.1's
+ * genbox, genprism, genblinds, genclock, genbranch, genrev, genworm and gensurf, read natively: the
+ * words that Radiance 6.1's
  * programs of these names write for the same commands, comments left out; and what is refused.
  */
 #include <math.h>
@@ -51,6 +52,19 @@ static const struct expected expected[] = {
      "dc17dc9d4aa1ce95"},
     {"genworm yellow banana 0 '5*sin(t)' '5*cos(t)' '.4-(.5-t)*(.5-t)' 20", 490,
      "c65edca5b1aeeb09"},
+    {"genrev steel torus 'sin(2*PI*t)' '2+cos(2*PI*t)' 32 -s", 896, "9863b6d3b346a0c2"},
+    {"genrev m vase 't*h' '.5+a(t)' '2*4' -e 'h=3.5;a(x)=x^2-if(x-.6,.3,0)' -s", 224,
+     "2564bd16c2e41035"},
+    {"gensurf m n 's' 't' 's*t' 3 2", 180, "edea3c84b4e9f0d6"},
+    {"gensurf wave w 's' 't' 's*s+t*t' 2 4 -s", 328, "48661c8e6462653d"},
+    {"gensurf wave w '2*s' 't+s' 's*s+.2*t*t' 2 2 -s", 164, "3d959d18f05fb2d5"},
+    {"gensurf m n 's+t*t' '2*t' '1+s*s' 2 3 -s -e 'valid(s,t)=1.4-s-t'", 199, "b6f6a69af70ec51e"},
+    {"gensurf m n 's' '2*t' '1+s*s' 4 4 -s -e 'valid(s,t)=1.4-s-t'", 524, "4e64f9b49149314b"},
+    {"gensurf m n 's+t*t' '2*t' '1+s*s' 4 5 -o -e 'valid(s,t)=s+t-.3'", 286, "6a73c6a5e53fdf9e"},
+    {"gensurf m n 's+t*t' '2*t' '1+s*s' 3 4 -s -o -i", 268, "27857efd073b1374"},
+    {"gensurf land l '9*s' '7*t' outline.txt 2 5", 300, "2e8fea45408ffec1"},
+    {"gensurf land l '9*s' '7*t' outline.txt 1 4 -s", 304, "75070547a2c6e409"},
+    {"gensurf land l '9*s' '7*t' outline.txt 2 '5' -o", 210, "21aa0c9c61aa000d"},
     {"genworm m n 'hermite(0,1,2,-1,t)' 'bezier(0,1,2,.5,t)' t .1 7", 171, "c03a31917aa90bbd"},
 };
 
@@ -84,6 +98,8 @@ static int run(const char *line, struct orl_text *text, struct orl_error *err)
         code = orl_genrev(words, n, &files, text, err);
     else if (strcmp(words[0], "genworm") == 0)
         code = orl_genworm(words, n, &files, text, err);
+    else if (strcmp(words[0], "gensurf") == 0)
+        code = orl_gensurf(words, n, &files, text, err);
     else
         code = orl_genbranch(words, n, text, err);
     orl_command_done(&command);
@@ -175,11 +191,21 @@ static const struct {
     {"genrev m n t t", ORL_ERR_SYNTAX, "needs 2 expressions"},
     {"genrev m n t t 0", ORL_ERR_RANGE, "must be 1 to 50000"},
     {"genrev m n t t t", ORL_ERR_RANGE, "must be 1 to 50000"},
-    {"genrev m n t t 5 -s", ORL_ERR_UNSUPPORTED, "'-s'"},
     {"genrev m n t t 5 -f away.cal", ORL_ERR_NOT_FOUND, "away.cal"},
     {"genrev m n t t 5 -e", ORL_ERR_SYNTAX, "needs a word"},
     {"genworm m n t t 'no_such(t)' 1 5", ORL_ERR_NOT_FOUND, "no_such"},
     {"genworm m n t t '5*' 1 5", ORL_ERR_SYNTAX, ""},
+    {"genworm m n t t t 1 5 -s", ORL_ERR_SYNTAX, "'-s' is no option"},
+    {"gensurf m n s t", ORL_ERR_SYNTAX, "three expressions and two numbers"},
+    {"gensurf m n s t 's*t' 0 4", ORL_ERR_RANGE, "must be 1 to 20000"},
+    {"gensurf m n s t 's*t' 4 s", ORL_ERR_RANGE, "fields along t"},
+    {"gensurf m n s t 's*t' 2000 2000", ORL_ERR_LIMIT, "2000 x 2000 fields"},
+    {"gensurf m n s t - 4 4", ORL_ERR_UNSUPPORTED, "'-'"},
+    {"gensurf m n s t outline.txt 4 4", ORL_ERR_SYNTAX, "has 10 numbers; of 4 x 4 fields"},
+    {"gensurf m n outline.txt t outline.txt 2 2", ORL_ERR_SYNTAX, "more than 9 numbers"},
+    {"gensurf m n s t 's*t' 4 4 -q", ORL_ERR_SYNTAX, "'-q' is no option"},
+    {"gensurf m n s t 'none(s)' 4 4 -s", ORL_ERR_NOT_FOUND, "none"},
+    {"gensurf m n s t '1e308*10*(s+1)' 4 4", ORL_ERR_RANGE, "expression 3 is not finite"},
 };
 
 static void test_refused(void **state)

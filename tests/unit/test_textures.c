@@ -224,6 +224,36 @@ static void test_seen(void **state)
     }
 }
 
+/* Balls by gensurf and rods by genrev, both smooth: normals as good as those of what they are like
+ * at places that are no corners, and much better than those of the polygons. */
+static void test_generated(void **state)
+{
+    const double height = 1.37, x = .41, y = .23;
+    struct orl_hit hit;
+    (void)state;
+    struct orl_scene *scene = load(
+        "void plastic m 0 0 5 .5 .5 .5 0 0\n" FLOOR
+        "!gensurf m ball 'sin(PI*s)*cos(2*PI*t)' 'sin(PI*s)*sin(2*PI*t)' 'cos(PI*s)' 30 60 -s\n",
+        NULL, NULL);
+    const struct orl_material *m = meet(scene, x, y, orl_v3(0, 0, 1), &hit);
+    const struct orl_vec3 round = orl_v3(x, y, sqrt(1 - x * x - y * y));
+    assert_true(orl_length(orl_sub(orl_normal_at(m, &hit, orl_v3(0, 0, 1)), round)) < 2e-3);
+    assert_true(orl_length(orl_sub(hit.normal, round)) > 1e-2);
+    orl_scene_release(scene);
+    scene = load("void plastic m 0 0 5 .5 .5 .5 0 0\n" FLOOR
+                 "!genrev m bowl t 'sqrt(2*t+.01)' 100 -s | xform -t 0 0 1\n",
+                 NULL, NULL);
+    const struct orl_vec3 from = orl_v3(9, .3, height);
+    const struct orl_vec3 origin = orl_sub(from, scene->geometry->center);
+    assert_true(orl_geometry_intersect(scene->geometry, origin, orl_v3(-1, 0, 0), 100, &hit));
+    m = orl_scene_material(scene, hit.facet);
+    /* r^2 = 2 z + .01 has its normal along (x, y, -1). */
+    const double out = sqrt(2 * (height - 1) + .01 - .09);
+    const struct orl_vec3 bowl = orl_normalize(orl_v3(out, .3, -1));
+    assert_true(orl_length(orl_sub(orl_normal_at(m, &hit, orl_v3(1, 0, 0)), bowl)) < 2e-3);
+    orl_scene_release(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -232,6 +262,7 @@ int main(void)
         cmocka_unit_test(test_sides),
         cmocka_unit_test(test_over_material),
         cmocka_unit_test(test_library),
+        cmocka_unit_test(test_generated),
         cmocka_unit_test_setup_teardown(test_seen, scratch_set_up, scratch_tear_down)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

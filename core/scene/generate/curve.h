@@ -1,30 +1,25 @@
 /*
- * What genrev and genworm share: expressions of t, which runs from 0 to 1 in even steps, over
- * definitions of the command (-e) and of files (-f), in Radiance's function language
- * (function/function.h).
+ * What genrev and genworm share: expressions (expressions.h) of t, which runs from 0 to 1 in even
+ * steps.
  */
 #ifndef ORL_SCENE_GENERATE_CURVE_H
 #define ORL_SCENE_GENERATE_CURVE_H
 
-#include "function/function.h"
-#include "scene/generate/solids.h"
+#include "scene/generate/expressions.h"
 
 enum { ORL_CURVE_MOST = 4 };
 
 struct orl_generator_curve {
     const char *material, *name;
     int segments;
-    struct orl_functions *functions;
-    struct orl_function *function;
-    struct orl_function_scratch *scratch;
-    size_t n; /* expressions */
+    bool smooth; /* -s */
+    struct orl_generator_expressions expressions;
 };
 
 /* Reads all words of the command: material, name, n expressions, segments and options. Pass the
- * curve to orl_curve_done, whatever comes of it. */
+ * curve to orl_expressions_done, whatever comes of it. may_smooth: there is an option -s. */
 int orl_curve_read(struct orl_generator_curve *curve, struct orl_words *words, size_t n,
-                   const struct orl_generator_files *files, struct orl_error *err);
-void orl_curve_done(struct orl_generator_curve *curve);
+                   bool may_smooth, const struct orl_generator_files *files, struct orl_error *err);
 
 /* The expressions' values at t = step / segments; ORL_ERR_RANGE unless all are finite. */
 int orl_curve_at(const struct orl_generator_curve *curve, int step,

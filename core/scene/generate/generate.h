@@ -23,6 +23,7 @@ struct orl_text {
     char *data;
     size_t size, room;
     bool failed;        /* out of memory: data is short */
+    bool object;        /* an OBJ file's, instead of a scene's */
     char warnings[512]; /* sentences joined by "; ", or "" */
 };
 

@@ -34,7 +34,7 @@ int orl_genworm(const char *const *words, size_t count, const struct orl_generat
     struct orl_generator_curve curve = {0};
     double from[ORL_CURVE_MOST] = {0}, to[ORL_CURVE_MOST] = {0};
     char part[24];
-    int code = orl_curve_read(&curve, &rest, 4, files, err);
+    int code = orl_curve_read(&curve, &rest, 4, false, files, err);
     for (int i = 0; i <= curve.segments && code == 0; i++) {
         code = orl_curve_at(&curve, i, to, err);
         if (code < 0)
@@ -47,6 +47,6 @@ int orl_genworm(const char *const *words, size_t count, const struct orl_generat
         for (int k = 0; k < 4; k++)
             from[k] = to[k];
     }
-    orl_curve_done(&curve);
+    orl_expressions_done(&curve.expressions);
     return code;
 }

@@ -1,12 +1,11 @@
 /*
  * The generators of solids that scene files call. Each reads the words of its command (words[0] is
  * its name) and writes the scene text that Radiance's program of that name writes, with the same
- * numbers to the printed digit and the same names of surfaces. What would write something else than
- * scene text (genbox -o), or needs normals that vary over a surface (-s), is refused.
+ * numbers to the printed digit and the same names of surfaces; genbox -o and -s are refused.
  *
  * Units are the scene's. Errors: as generate.h has them, and ORL_ERR_LIMIT for solids of more
  * pieces than anybody needs. References: genbox(1), genprism(1), genblinds(1), genclock(1),
- * genrev(1) and genworm(1) of Radiance, and what these programs print.
+ * genrev(1), genworm(1) and gensurf(1) of Radiance, and what these programs print.
  */
 #ifndef ORL_SCENE_GENERATE_SOLIDS_H
 #define ORL_SCENE_GENERATE_SOLIDS_H
@@ -40,12 +39,17 @@ int orl_genclock(const char *const *words, size_t count, struct orl_text *text,
 int orl_genbranch(const char *const *words, size_t count, struct orl_text *text,
                   struct orl_error *err);
 
-/* A curve's way about the z axis: "z(t)" "r(t)" segments. */
+/* A curve's way about the z axis: "z(t)" "r(t)" segments; smooth (-s). */
 int orl_genrev(const char *const *words, size_t count, const struct orl_generator_files *files,
                struct orl_text *text, struct orl_error *err);
 
 /* A thread along a curve: "x(t)" "y(t)" "z(t)" "r(t)" segments. */
 int orl_genworm(const char *const *words, size_t count, const struct orl_generator_files *files,
+                struct orl_text *text, struct orl_error *err);
+
+/* A surface: "x(s,t)" "y(s,t)" "z(s,t)" and how many fields along s and t, or files of numbers;
+ * smooth (-s), inside out (-i), as an OBJ file (-o), and where valid(s,t), if that is defined. */
+int orl_gensurf(const char *const *words, size_t count, const struct orl_generator_files *files,
                 struct orl_text *text, struct orl_error *err);
 
 /* ---- What they share ------------------------------------------------------------------------- */

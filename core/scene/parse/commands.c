@@ -30,7 +30,7 @@ static const struct generator *find_generator(const char *name)
         {"gendaylit", orl_gendaylit, NULL}, {"genprism", NULL, orl_genprism},
         {"genblinds", orl_genblinds, NULL}, {"genclock", orl_genclock, NULL},
         {"genbranch", orl_genbranch, NULL}, {"genrev", NULL, orl_genrev},
-        {"genworm", NULL, orl_genworm}};
+        {"genworm", NULL, orl_genworm},     {"gensurf", NULL, orl_gensurf}};
     for (size_t i = 0; i < sizeof generators / sizeof *generators; i++)
         if (strcmp(generators[i].name, name) == 0)
             return &generators[i];
@@ -224,33 +224,66 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
 
 /* ---- Generators ------------------------------------------------------------------------------ */
 
-static int generate(struct run *run, const struct generator *generator, struct orl_error *err)
+/* What the generator that words name writes, into run->text. */
+static int write_text(struct run *run, const struct generator *generator, const char *const *words,
+                      size_t count, struct orl_error *err)
 {
     struct orl_text *text = &run->text;
     const struct orl_generator_files files = {run, read_arguments};
-    if (!text->data) {
-        size_t count;
-        const char *const *words = stage_words(run, &count);
-        const int code = generator->run ? generator->run(words, count, text, err)
-                                        : generator->run_with(words, count, &files, text, err);
-        if (code < 0)
-            return code;
-        if (text->failed)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        if (text->warnings[0])
-            orl_parser_warn(run->parser, "%s:%d: %s", run->scope->file, run->line, text->warnings);
-    }
-    return orl_parser_read(run->parser, run->scope, text->data, text->size, run->line, err);
+    if (text->data)
+        return 0;
+    const int code = generator->run ? generator->run(words, count, text, err)
+                                    : generator->run_with(words, count, &files, text, err);
+    if (code < 0)
+        return code;
+    if (text->failed)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (text->warnings[0])
+        orl_parser_warn(run->parser, "%s:%d: %s", run->scope->file, run->line, text->warnings);
+    return 0;
+}
+
+static int generate(struct run *run, const struct generator *generator, struct orl_error *err)
+{
+    size_t count;
+    const char *const *words = stage_words(run, &count);
+    const int code = write_text(run, generator, words, count, err);
+    if (code < 0)
+        return code;
+    if (run->text.object)
+        return orl_error_set(err, ORL_ERR_SYNTAX,
+                             "%s writes an OBJ file with -o: pipe it into obj2rad, or leave it out",
+                             words[0]);
+    return orl_parser_read(run->parser, run->scope, run->text.data, run->text.size, run->line, err);
+}
+
+/* obj2rad of a file, or behind a generator that writes one. */
+static int read_object(struct run *run, const char *const *words, size_t count,
+                       struct orl_error *err)
+{
+    const size_t *start = run->command->start;
+    const char *const *before = (const char *const *)run->command->words + start[0];
+    const struct generator *generator = run->stage == 1 ? find_generator(before[0]) : NULL;
+    int code;
+    if (run->stage == 0)
+        return orl_parser_obj2rad(run->parser, run->scope, words, count, NULL, 0, err);
+    code = generator ? write_text(run, generator, before, start[1] - start[0], err) : 0;
+    if (code == 0 && !run->text.object)
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "what comes before obj2rad is no OBJ file");
+    if (code < 0)
+        return code;
+    const struct orl_file piped = {.data = run->text.data, .size = run->text.size};
+    return orl_parser_obj2rad(run->parser, run->scope, words, count, &piped, run->line, err);
 }
 
 static int refuse(const char *name, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
     orl_error_hint(
-        err,
-        "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, genbranch, "
-        "genrev, genworm, gensky and gendaylit are read here; run others beforehand and include "
-        "their output");
+        err, "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, genbranch, "
+             "genrev, genworm, gensurf, gensky and gendaylit are read here; run others beforehand "
+             "and include "
+             "their output");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -265,8 +298,8 @@ static int run_stage(struct run *run, struct orl_error *err)
         return concatenate(run, words, count, err);
     if (strcmp(words[0], "replmarks") == 0)
         return replace_markers(run, words, count, err);
-    if (strcmp(words[0], "obj2rad") == 0 && run->stage == 0)
-        return orl_parser_obj2rad(run->parser, run->scope, words, count, err);
+    if (strcmp(words[0], "obj2rad") == 0)
+        return read_object(run, words, count, err);
     if (!generator)
         return refuse(words[0], err);
     if (run->stage > 0)

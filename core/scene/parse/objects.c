@@ -16,6 +16,7 @@ struct object {
     const struct orl_material_rules *rules; /* or NULL */
     const char *name;                       /* of what has none, or NULL */
     bool flat;                              /* without a word on normals */
+    int line;          /* what messages name instead of the face's own; 0: nothing */
     uint64_t unturned; /* faces whose corners have normals that are passed over */
     double *reals;     /* three a corner */
     size_t *ring;      /* corners that are left */
@@ -31,7 +32,7 @@ static int add_polygon(struct object *object, const char *modifier, const char *
     const char *const head[3] = {modifier, "polygon", id};
     if (!orl_primitive_set(&parser->primitive, head, object->reals, 3 * n))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    parser->primitive.line = line;
+    parser->primitive.line = object->line > 0 ? object->line : line;
     const int code = orl_parser_surface(parser, object->scope, err);
     return code ? code : orl_parser_heed_cancel(parser, err);
 }
@@ -276,7 +277,7 @@ struct options {
     bool flat;
 };
 
-static int read_options(const char *const *words, size_t count, struct options *ret,
+static int read_options(const char *const *words, size_t count, bool piped, struct options *ret,
                         struct orl_error *err)
 {
     *ret = (struct options){.rules = NULL};
@@ -297,7 +298,10 @@ static int read_options(const char *const *words, size_t count, struct options *
         else
             ret->file = words[i];
     }
-    return ret->file ? 0 : orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad has no file to read");
+    if (piped && ret->file)
+        return orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad behind '|' takes no file");
+    return ret->file || piped ? 0
+                              : orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad has no file to read");
 }
 
 static int read_rules(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
@@ -312,24 +316,26 @@ static int read_rules(struct orl_parser *parser, const struct orl_scope *scope, 
 }
 
 int orl_parser_obj2rad(struct orl_parser *parser, const struct orl_scope *scope,
-                       const char *const *words, size_t count, struct orl_error *err)
+                       const char *const *words, size_t count, const struct orl_file *piped,
+                       int line, struct orl_error *err)
 {
     struct orl_scope inner = *scope;
     struct orl_material_rules *rules = NULL;
     struct options options;
     struct orl_file file;
-    int code = read_options(words, count, &options, err);
+    int code = read_options(words, count, piped != NULL, &options, err);
     if (code == 0 && options.rules)
         code = read_rules(parser, scope, options.rules, &rules, err);
-    if (code == 0)
+    if (code == 0 && !piped)
         code = orl_parser_enter(parser, &inner, options.file, &file, err);
     if (code == 0) {
         struct object object = {.parser = parser,
                                 .scope = &inner,
                                 .rules = rules,
                                 .name = options.name,
-                                .flat = options.flat};
-        code = read_obj(&object, &file, err);
+                                .flat = options.flat,
+                                .line = line};
+        code = read_obj(&object, piped ? piped : &file, err);
     }
     orl_material_rules_free(rules);
     return code;

@@ -21,8 +21,10 @@ int orl_parser_object(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct orl_file *file, enum orl_object_kind kind,
                       struct orl_error *err);
 
-/* The command obj2rad [-f] [-m RULES] [-o NAME] FILE. */
+/* The command obj2rad [-f] [-m RULES] [-o NAME] FILE; without FILE when that is piped into it by a
+ * command in that line, which is what messages name. */
 int orl_parser_obj2rad(struct orl_parser *parser, const struct orl_scope *scope,
-                       const char *const *words, size_t count, struct orl_error *err);
+                       const char *const *words, size_t count, const struct orl_file *piped,
+                       int line, struct orl_error *err);
 
 #endif

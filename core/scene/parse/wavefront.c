@@ -144,7 +144,7 @@ static bool read_place(const char **at, const char *end, uint64_t count, uint64_
     return true;
 }
 
-/* "vertex", "vertex/place", "vertex//normal" or "vertex/place/normal". */
+/* "vertex", "vertex/place", "vertex//normal" or "vertex/place/normal", of which 0 is none. */
 static bool read_corner(const struct reading *r, const struct word *word, uint64_t *ret_vertex,
                         uint64_t *ret_normal)
 {
@@ -158,8 +158,10 @@ static bool read_corner(const struct reading *r, const struct word *word, uint64
         return false;
     while (at < end && *at != '/')
         at++;
-    return at == end || at + 1 == end ||
-           (++at && read_place(&at, end, r->normals.count, ret_normal) && at == end);
+    if (at == end || at + 1 == end || (at + 2 == end && at[1] == '0'))
+        return true;
+    at++;
+    return read_place(&at, end, r->normals.count, ret_normal) && at == end;
 }
 
 static int read_face(struct reading *r, const struct orl_wavefront_sink *sink,
