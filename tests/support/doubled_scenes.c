@@ -183,7 +183,7 @@ static void write_vase(FILE *f, size_t n)
 }
 static void write_ground(FILE *f, size_t n)
 {
-    fprintf(f, GREY "!gensurf m b 9*s 9*t '.5*sin(7*s*t)' %zu 10 -s\n", n / 10 + 1);
+    fprintf(f, GREY "!gensurf m b '9*s' '9*t' '.5*sin(7*s*t)' %zu 10 -s\n", n / 10 + 1);
 }
 static void write_prism(FILE *f, size_t n)
 {

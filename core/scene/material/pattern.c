@@ -74,7 +74,7 @@ static void find_place(const struct orl_pattern *pattern, const struct orl_hit *
                        double ret_place[2])
 {
     ret_place[0] = ret_place[1] = 0;
-    if (hit->facet == no_facet)
+    if (hit->facet == no_facet || !pattern->facets)
         return;
     const struct orl_surface *s = &pattern->surfaces[pattern->facets[hit->facet].surface];
     const double *const at = orl_surface_places(s);

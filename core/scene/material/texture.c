@@ -2,12 +2,13 @@
 
 #include "scene/material/pattern.h"
 
-/* What the mesh's normals differ by from the facet's. */
+/* What the mesh's normals differ by from the facet's; nothing before there are facets. */
 static struct orl_vec3 smoothed(const struct orl_pattern *texture, const struct orl_hit *hit)
 {
-    const struct orl_surface *const s = &texture->surfaces[texture->facets[hit->facet].surface];
-    const struct orl_vec3 *const normals = orl_surface_normals(s);
+    const struct orl_vec3 *normals = NULL;
     double b, c;
+    if (texture->facets)
+        normals = orl_surface_normals(&texture->surfaces[texture->facets[hit->facet].surface]);
     if (!normals)
         return orl_v3(0, 0, 0);
     orl_pattern_corners(texture, hit, &b, &c);
