@@ -1,5 +1,5 @@
 /*
- * Pictures along lines: where walls meet, and where shadows end.
+ * Pictures along lines: where walls meet, where shadows end, and where a caustic is steep.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,22 +15,28 @@
 
 enum { WIDTH = 192, HEIGHT = 144, SEEDS = 3 };
 
-/* Radiances of a picture by gather, as it is by default. */
-static void look(const char *scene, const char *view, uint64_t seed, uint64_t global,
+struct picture {
+    const char *scene, *view;
+    uint32_t width, height;
+};
+
+/* Its radiances by gather, as it is by default. */
+static void look(const struct picture *picture, uint64_t seed, uint64_t global, uint64_t caustic,
                  double (*ret_rgb)[3])
 {
     char folder[64], path[128];
     cli_make_folder(folder);
-    struct orl_result result = scene_run(&(struct scene_run){.scene = scene,
-                                                             .view = view,
-                                                             .width = WIDTH,
-                                                             .height = HEIGHT,
+    struct orl_result result = scene_run(&(struct scene_run){.scene = picture->scene,
+                                                             .view = picture->view,
+                                                             .width = picture->width,
+                                                             .height = picture->height,
                                                              .folder = folder,
                                                              .seed = seed,
                                                              .technique = ORL_TECHNIQUE_GATHER,
-                                                             .global = global});
+                                                             .global = global,
+                                                             .caustic = caustic});
     snprintf(path, sizeof path, "%s/view.hdr", folder);
-    hdr_read(path, WIDTH, HEIGHT, ret_rgb);
+    hdr_read(path, (int)picture->width, (int)picture->height, ret_rgb);
     orl_result_done(&result);
     cli_remove_folder(folder);
 }
@@ -65,10 +71,11 @@ static double off_smooth(double (*rgb)[3], int column)
 static void test_walls_meet(void **state)
 {
     static double rgb[WIDTH * HEIGHT][3];
+    const struct picture picture = {room, corner, WIDTH, HEIGHT};
     double along = 0, elsewhere = 0;
     (void)state;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        look(room, corner, seed, 200000, rgb);
+        look(&picture, seed, 200000, 0, rgb);
         for (int i = 1; i <= 3; i++) {
             along += off_smooth(rgb, WIDTH / 2 - i) / (6 * SEEDS);
             along += off_smooth(rgb, WIDTH / 2 + i) / (6 * SEEDS);
@@ -103,9 +110,10 @@ static void test_shadow_ends(void **state)
 {
     static double rgb[WIDTH * HEIGHT][3];
     const double radius = tan(0.533 / 2 * ORL_DEG_TO_RAD);
+    const struct picture picture = {plate, down, WIDTH, HEIGHT};
     double squares = 0, by_chance = 0, lit = 0;
     (void)state;
-    look(plate, down, 1, 1000, rgb);
+    look(&picture, 1, 1000, 0, rgb);
     for (int y = 0; y < HEIGHT; y++)
         lit += rgb[y * WIDTH + WIDTH - 1][1] / HEIGHT;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -122,11 +130,48 @@ static void test_shadow_ends(void **state)
     assert_true(squares < 0.7 * 0.7 * by_chance);
 }
 
+/* ---- Bright spots ---------------------------------------------------------------------------- */
+
+/* The sun in the zenith, and under a ball of glass the spot that it makes of it. */
+static const char lens[] =
+    "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 0 1 .533\n" ROOM_GREY
+    "void dielectric d 0 0 5 .99 .99 .99 1.5 0\nd sphere ball 0 0 4 0 0 .2 .1\n"
+    "w polygon floor 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n";
+static const char spot[] = "-vtl -vp 0 0 .03 -vd 0 0 -1 -vu .3 1 0 -vh .2 -vv .15";
+
+/*
+ * A pixel is the mean of what a finer picture of the same photons has in its place, also where
+ * light by photons is steep within it. It is 2.2 % off, rms of the mean (rays through pixels are
+ * four to sixteen), and was 5.7 % by one ray through its middle.
+ */
+static void test_steep_spot(void **state)
+{
+    enum { FINER = 8, W = WIDTH / FINER, H = HEIGHT / FINER };
+    static double fine[WIDTH * HEIGHT][3], coarse[W * H][3];
+    double squares = 0, mean = 0;
+    (void)state;
+    const struct picture whole = {lens, spot, WIDTH, HEIGHT}, small = {lens, spot, W, H};
+    look(&whole, 1, 1000, 200000, fine);
+    look(&small, 1, 1000, 200000, coarse);
+    for (int y = 0; y < H; y++)
+        for (int x = 0; x < W; x++) {
+            double sum = 0;
+            for (int i = 0; i < FINER * FINER; i++)
+                sum += fine[(y * FINER + i / FINER) * WIDTH + x * FINER + i % FINER][1];
+            const double off = coarse[y * W + x][1] - sum / (FINER * FINER);
+            squares += off * off / (W * H);
+            mean += sum / (WIDTH * HEIGHT);
+        }
+    print_message("steep spot: %.2f %% off the finer picture\n", 100 * sqrt(squares) / mean);
+    assert_true(sqrt(squares) < 0.03 * mean);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_walls_meet),
         cmocka_unit_test(test_shadow_ends),
+        cmocka_unit_test(test_steep_spot),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

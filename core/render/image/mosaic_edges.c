@@ -2,7 +2,7 @@
 
 /* Neighbours that differ by more than this share see an edge of a shadow; by less than the other
  * they see none, whatever they see. */
-static const double sharp_difference = 0.15, no_difference = 0.02;
+static const double sharp_difference = 0.15, no_difference = 0.02, steep_difference = 0.2;
 
 /* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
 static const double close_by = 0.3;
@@ -40,7 +40,11 @@ static enum cause differ(const struct orl_cell *cell, const struct orl_cell *oth
         return CAUSE_THINGS;
     const double sharp = orl_luma(orl_rgb_add(cell->rest, cell->direct));
     const double beside = orl_luma(orl_rgb_add(other->rest, other->direct));
-    return fabs(beside - sharp) > sharp_difference * luma ? CAUSE_SHADOW : CAUSE_NONE;
+    if (fabs(beside - sharp) > sharp_difference * luma)
+        return CAUSE_SHADOW;
+    const double smooth = orl_luma(cell->smooth.radiance);
+    const double there = orl_luma(other->smooth.radiance);
+    return other_made && fabs(there - smooth) > steep_difference * luma ? CAUSE_THINGS : CAUSE_NONE;
 }
 
 static enum cause wants_more(const struct orl_tile_cells *mosaic, int x, int y)
