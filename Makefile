@@ -102,8 +102,8 @@ help:
 ## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
-## make annual     a year of daylight in the office, in ray-times, beside hours of it by backward: a
-##                 table, and build/annual.json
+## make annual     a year of daylight in the office, in ray-times, beside hours of it by backward, and
+##                 glare of its seats beside pictures: tables, and build/annual.json
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/bench/tables.md has its parts)

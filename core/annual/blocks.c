@@ -85,14 +85,14 @@ static void fill_factors(void *arg, size_t index, uint32_t member)
 static void multiply(void *arg, size_t tile, uint32_t member)
 {
     struct orl_year *y = arg;
+    struct orl_annual_row rows[ORL_YEAR_BLOCK];
     (void)member;
-    for (size_t i = 0; i < y->count; i++) {
-        const struct orl_annual_row row = {
+    for (size_t i = 0; i < y->count; i++)
+        rows[i] = (struct orl_annual_row){
             sun_row_of(y, i, ORL_SUN_STRAIGHT), sun_row_of(y, i, ORL_SUN_MIRRORED),
             sun_row_of(y, i, ORL_SUN_SQUARES),  row_of(y, i, ORL_YEAR_TOTAL),
             row_of(y, i, ORL_YEAR_DIRECT),      row_of(y, i, ORL_YEAR_SE)};
-        orl_annual_multiply(&y->factors[i], &y->hours, &y->terms, tile, &row);
-    }
+    orl_annual_multiply(y->factors, y->count, &y->hours, &y->terms, tile, rows);
 }
 
 static void place_sensors(struct orl_year *y)

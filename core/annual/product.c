@@ -6,17 +6,32 @@
 
 enum { TILE = ORL_HOURS_TILE, BATCHES = ORL_ANNUAL_BATCHES, LOTS = ORL_SUN_MAP_LOTS };
 
-/* Bins are added in their order, columns side by side: the same bits whatever the vectors. */
-static ORL_FOR_WIDE_VECTORS void add_products(const float *coefficients, uint32_t n,
-                                              const float *tile, float sums[TILE])
+enum { TOGETHER = 4, LANES = 16 };
+
+/* Some rows of coefficients at a time times some columns side by side: what is read of the sky
+ * serves all of them. Bins are added in their order: the same bits whatever the vectors. */
+static ORL_FOR_WIDE_VECTORS void add_products(const float *const coefficients[TOGETHER], uint32_t n,
+                                              const float *tile, float *const ret_sums[TOGETHER])
 {
-    for (uint32_t bin = 0; bin < n; bin++) {
-        const float c = coefficients[bin];
-        const float *sky = tile + (size_t)bin * TILE;
-        if (c == 0)
-            continue;
-        for (int j = 0; j < TILE; j++)
-            sums[j] += c * sky[j];
+    for (int at = 0; at < TILE; at += LANES) {
+        float a[LANES] = {0}, b[LANES] = {0}, c[LANES] = {0}, d[LANES] = {0};
+        for (uint32_t bin = 0; bin < n; bin++) {
+            const float *sky = tile + (size_t)bin * TILE + at;
+            const float pa = coefficients[0][bin], pb = coefficients[1][bin];
+            const float pc = coefficients[2][bin], pd = coefficients[3][bin];
+            if (pa == 0 && pb == 0 && pc == 0 && pd == 0)
+                continue;
+            for (int j = 0; j < LANES; j++) {
+                a[j] += pa * sky[j];
+                b[j] += pb * sky[j];
+                c[j] += pc * sky[j];
+                d[j] += pd * sky[j];
+            }
+        }
+        memcpy(ret_sums[0] + at, a, sizeof a);
+        memcpy(ret_sums[1] + at, b, sizeof b);
+        memcpy(ret_sums[2] + at, c, sizeof c);
+        memcpy(ret_sums[3] + at, d, sizeof d);
     }
 }
 
@@ -50,6 +65,7 @@ static void fill_lots(struct orl_annual_factors *f,
     const size_t n = coefficients->n_beams;
     const double share = 1.0 / coefficients->samples;
     f->n_nodes = coefficients->n_sun - n;
+    f->has_beams = n > 0;
     f->lots = lots;
     memset(lots, 0, n * LOTS * sizeof *lots);
     for (size_t b = 0; b < BATCHES; b++)
@@ -64,6 +80,8 @@ static double photon_squares(const struct orl_annual_factors *f, const struct or
                              size_t which)
 {
     double sums[LOTS] = {0}, mean = 0, squares = 0;
+    if (!f->has_beams)
+        return 0;
     for (uint32_t i = terms->first[which]; i < terms->first[which + 1]; i++) {
         if (terms->which[i] < f->n_nodes)
             continue;
@@ -140,13 +158,18 @@ static void find_errors(const struct orl_annual_factors *f, const struct orl_hou
             ret_sun[j] += sun[j][b] / BATCHES;
         }
     }
-    for (int b = 0; b < BATCHES; b++) {
-        float sky[TILE] = {0};
-        add_products(f->coarse[b], ORL_BINS_COARSE, coarse, sky);
-        for (uint32_t j = 0; j < n; j++) {
-            const double off = ORL_EFFICACY_LM_PER_W * (double)sky[j] + sun[j][b] - ret_sun[j];
-            ret_squares[j] += off * off / (BATCHES * (BATCHES - 1.0));
-        }
+    for (int b = 0; b < BATCHES; b += TOGETHER) {
+        float sky[TOGETHER][TILE];
+        const float *const batches[TOGETHER] = {f->coarse[b], f->coarse[b + 1], f->coarse[b + 2],
+                                                f->coarse[b + 3]};
+        float *const sums[TOGETHER] = {sky[0], sky[1], sky[2], sky[3]};
+        add_products(batches, ORL_BINS_COARSE, coarse, sums);
+        for (int k = 0; k < TOGETHER; k++)
+            for (uint32_t j = 0; j < n; j++) {
+                const double off =
+                    ORL_EFFICACY_LM_PER_W * (double)sky[k][j] + sun[j][b + k] - ret_sun[j];
+                ret_squares[j] += off * off / (BATCHES * (BATCHES - 1.0));
+            }
     }
 }
 
@@ -165,17 +188,34 @@ static void put_column(const struct orl_annual_row *row, size_t column,
     row->se[column] = (float)sqrt(squares);
 }
 
-void orl_annual_multiply(const struct orl_annual_factors *f, const struct orl_hours *hours,
-                         const struct orl_sun_terms *terms, size_t tile,
-                         const struct orl_annual_row *row)
+static void put_columns(const struct orl_annual_factors *f, const struct orl_hours *hours,
+                        const struct orl_sun_terms *terms, size_t tile, const float sky[TILE],
+                        const struct orl_annual_row *row)
 {
     const size_t first = tile * TILE, left = hours->n_columns - first;
     const uint32_t n = left < TILE ? (uint32_t)left : TILE;
     double squares[TILE], sun[TILE];
-    float sky[TILE] = {0};
-    add_products(f->bins, ORL_BINS, hours->fine + tile * ORL_BINS * TILE, sky);
     find_errors(f, hours, terms, tile, n, squares, sun);
     for (uint32_t j = 0; j < n; j++)
         put_column(row, first + j, &hours->sun_of_column[first + j],
                    ORL_EFFICACY_LM_PER_W * (double)sky[j] + fmax(sun[j], 0), squares[j]);
+}
+
+void orl_annual_multiply(const struct orl_annual_factors *factors, size_t count,
+                         const struct orl_hours *hours, const struct orl_sun_terms *terms,
+                         size_t tile, const struct orl_annual_row *rows)
+{
+    const float *fine = hours->fine + tile * ORL_BINS * TILE;
+    for (size_t i = 0; i < count; i += TOGETHER) {
+        float sky[TOGETHER][TILE];
+        const float *bins[TOGETHER];
+        float *sums[TOGETHER];
+        for (size_t k = 0; k < TOGETHER; k++) {
+            bins[k] = factors[i + k < count ? i + k : i].bins;
+            sums[k] = sky[k];
+        }
+        add_products(bins, ORL_BINS, fine, sums);
+        for (size_t k = 0; k < TOGETHER && i + k < count; k++)
+            put_columns(&factors[i + k], hours, terms, tile, sky[k], &rows[i + k]);
+    }
 }

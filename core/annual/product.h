@@ -32,6 +32,7 @@ struct orl_annual_factors {
     double *sun_means;                                 /* [node or beam]; borrowed */
     double *lots;                                      /* [beam][lot]; borrowed */
     size_t n_nodes;                                    /* which beams come after */
+    bool has_beams;
 };
 
 /* sun has room for as many as the coefficients have, and their means after them; lots, for beams,
@@ -43,10 +44,10 @@ void orl_annual_factors_fill(struct orl_annual_factors *factors, const struct or
 /* Daylight coefficients (oriel/annual.h): [ORL_ANNUAL_PATCHES]. */
 void orl_annual_factors_tell(const struct orl_annual_factors *factors, float *ret_coefficients);
 
-/* Of one tile of columns: a tile's sky serves all sensors while it is at hand. terms: of the sun.
- */
-void orl_annual_multiply(const struct orl_annual_factors *factors, const struct orl_hours *hours,
-                         const struct orl_sun_terms *terms, size_t tile,
-                         const struct orl_annual_row *row);
+/* Of one tile of columns, for some sensors: a tile's sky serves all of them while it is at hand.
+ * terms: of the sun. */
+void orl_annual_multiply(const struct orl_annual_factors *factors, size_t count,
+                         const struct orl_hours *hours, const struct orl_sun_terms *terms,
+                         size_t tile, const struct orl_annual_row *rows);
 
 #endif

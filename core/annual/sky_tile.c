@@ -25,17 +25,21 @@ static inline float angle_of(float cosine)
     return cosine < 0 ? 3.14159265f - angle : angle;
 }
 
-/* exp of arguments from -80 to 80: two to a whole power, by its bits, times a short series. */
+/* exp of arguments from -80 to 80: two to a whole power, by its bits, times a short series. In
+ * short loops, for compilers make vectors of those. */
 static inline void exps_of(const float at[TILE], float ret[TILE])
 {
     int32_t bits[TILE];
-    float scales[TILE];
+    float scales[TILE], bound[TILE];
+    for (int j = 0; j < TILE; j++)
+        bound[j] = at[j] > 80 ? 80 : at[j];
+    for (int j = 0; j < TILE; j++)
+        bound[j] = bound[j] < -80 ? -80 : bound[j];
     for (int j = 0; j < TILE; j++) {
-        const float x = at[j] < -80 ? -80 : at[j] > 80 ? 80 : at[j];
-        const float turns = x * 1.44269504f;
-        const int32_t whole = (int32_t)(turns + (turns < 0 ? -0.5f : 0.5f));
+        const float turns = bound[j] * 1.44269504f;
+        const int32_t whole = (int32_t)(turns + copysignf(0.5f, turns));
         const float f = (turns - (float)whole) * 0.693147181f;
-        bits[j] = (whole + 127) << 23;
+        bits[j] = (int32_t)((uint32_t)(whole + 127) << 23);
         ret[j] = 1 + f * (1 + f * (0.5f + f * (0.166666667f +
                                                f * (0.0416666667f +
                                                     f * (0.00833333333f + f * 0.00138888889f)))));

@@ -2,7 +2,8 @@
  * A year of daylight in the office, with clear glass and with its panel, at its 57 sensors, beside
  * hours of it by backward: a table, and build/annual.json. By environment, each after ORIEL_ANNUAL:
  * _WEATHER (an EPW or WEA file; a made-up year otherwise), _SCENES ("glass panel"), _SAMPLES (paths
- * a sensor, a list: "512 2048"), _SEED, _RUNS (3), _TRUTH_SAMPLES (8192), _TRUTH_HOURS (24). What
+ * a sensor, a list: "512 2048"), _SEED, _RUNS (3), _TRUTH_SAMPLES (8192), _TRUTH_HOURS (24), _ROWS
+ * ("sensors glare reuse"), _EYE_SIDE (400 pixels), _EYE_SAMPLES (32), _EYE_HOURS (24). What
  * backward has is kept in build/bench.
  *
  * Errors are relative, over sensors and hours: rms, median, 95 % of them, bias of the sum; z is the
@@ -101,9 +102,11 @@ static const struct {
                       "60 M ray-times at rms 5 %, median 2.5 %, none off by 30 %"},
 };
 
-static void print_scene(struct annual_bench *bench, FILE *json, double rate, bool *first)
+/* Of the last of a list of numbers of paths; the year is the caller's. */
+static void print_sensors(struct annual_bench *bench, FILE *json, double rate, bool *first,
+                          struct orl_annual_result *ret_year)
 {
-    static const struct bench_list usual = {{2048}, 1};
+    static const struct bench_list usual = {{ORL_ANNUAL_SAMPLES}, 1};
     const struct bench_list samples = bench_numbers("ORIEL_ANNUAL_SAMPLES", &usual);
     const int runs = (int)bench_number("ORIEL_ANNUAL_RUNS", 3);
     const char *title = scenes[bench->scene].title;
@@ -112,19 +115,32 @@ static void print_scene(struct annual_bench *bench, FILE *json, double rate, boo
            "cover    own %%\n");
     for (int i = 0; i < samples.n; i++) {
         double seconds[BENCH_MOST_RUNS];
-        struct orl_annual_result year = {0};
         for (int k = 0; k < runs && k < BENCH_MOST_RUNS; k++) {
-            orl_annual_done(&year);
-            seconds[k] = annual_run(bench, (uint32_t)samples.values[i], &year);
+            orl_annual_done(ret_year);
+            seconds[k] = annual_run(bench, (uint32_t)samples.values[i], ret_year);
         }
-        annual_need_truth(bench, &year);
-        const struct errors e = compare(&bench->truth, &year);
-        print_row(json, *first, title, &year, &e, bench_median(seconds, runs), rate);
+        annual_need_truth(bench, ret_year);
+        const struct errors e = compare(&bench->truth, ret_year);
+        print_row(json, *first, title, ret_year, &e, bench_median(seconds, runs), rate);
         *first = false;
-        print_stages(&year);
-        orl_annual_done(&year);
+        print_stages(ret_year);
     }
     annual_forget_truth(bench);
+}
+
+static void print_scene(struct annual_bench *bench, FILE *json, double rate, bool *first)
+{
+    const char *title = scenes[bench->scene].title;
+    struct orl_annual_result year = {.n_steps = 0};
+    if (bench_lists("ORIEL_ANNUAL_ROWS", "sensors"))
+        print_sensors(bench, json, rate, first, &year);
+    else
+        annual_run(bench, ORL_ANNUAL_SAMPLES, &year);
+    if (bench_lists("ORIEL_ANNUAL_ROWS", "glare"))
+        annual_print_glare(bench, json, first, title, rate, &year);
+    if (bench_lists("ORIEL_ANNUAL_ROWS", "reuse"))
+        annual_print_reuse(bench, json, first, title, &year);
+    orl_annual_done(&year);
 }
 
 int main(void)

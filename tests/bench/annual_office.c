@@ -106,36 +106,77 @@ void annual_close(struct annual_bench *bench)
 
 /* ---- A year ---------------------------------------------------------------------------------- */
 
+struct orl_annual_request annual_request(const struct annual_bench *bench, uint32_t samples,
+                                         struct orl_sensor *sensors, size_t n_sensors)
+{
+    return (struct orl_annual_request){.scene_files = (char **)(uintptr_t)names[bench->scene],
+                                       .n_scene_files = NAMES,
+                                       .weather_file = weather_name,
+                                       .ground_reflectance = ground_reflectance,
+                                       .sensors = sensors,
+                                       .n_sensors = n_sensors,
+                                       .seed = bench_number("ORIEL_ANNUAL_SEED", 1),
+                                       .samples = samples};
+}
+
+struct orl_run_env annual_run_env(struct annual_bench *bench, const struct orl_map_store *store)
+{
+    return (struct orl_run_env){
+        .crew = bench->crew, .files = &bench->files, .store = store, .now_s = bench_own_s};
+}
+
 double annual_run(struct annual_bench *bench, uint32_t samples, struct orl_annual_result *ret_year)
 {
     struct orl_folder_store folder;
     struct orl_error err = {0};
     snprintf(folder.folder, sizeof folder.folder, "%s", bench->office.folder);
     const struct orl_map_store store = orl_map_store_in_folder(&folder);
-    const struct orl_run_env run = {
-        .crew = bench->crew, .files = &bench->files, .store = &store, .now_s = bench_own_s};
+    const struct orl_run_env run = annual_run_env(bench, &store);
     const struct orl_annual_env env = {.run = &run};
-    const struct orl_annual_request request = {.scene_files =
-                                                   (char **)(uintptr_t)names[bench->scene],
-                                               .n_scene_files = NAMES,
-                                               .weather_file = weather_name,
-                                               .ground_reflectance = ground_reflectance,
-                                               .sensors = bench->sensors,
-                                               .n_sensors = OFFICE_SENSORS,
-                                               .seed = bench_number("ORIEL_ANNUAL_SEED", 1),
-                                               .samples = samples};
+    const struct orl_annual_request request =
+        annual_request(bench, samples, bench->sensors, OFFICE_SENSORS);
     const double started = bench_own_s(NULL);
     if (orl_annual_run(&request, &env, ret_year, &err) < 0)
         bench_fail("the year did not run", &err);
     return bench_own_s(NULL) - started;
 }
 
+/* ---- An hour --------------------------------------------------------------------------------- */
+
+void annual_job(const struct annual_bench *bench, const struct orl_annual_step *step,
+                struct orl_job *ret_job)
+{
+    orl_job_init(ret_job);
+    ret_job->technique = ORL_TECHNIQUE_BACKWARD;
+    ret_job->scene_files = (char **)(uintptr_t)names[bench->scene];
+    ret_job->n_scene_files = NAMES;
+    orl_sky_request_init(&ret_job->sky);
+    ret_job->sky.model = ORL_SKY_BY_WEATHER;
+    ret_job->sky.weather_file = weather_name;
+    ret_job->sky.time_given = true;
+    ret_job->sky.month = step->month;
+    ret_job->sky.day = step->day;
+    ret_job->sky.hour = step->hour;
+    ret_job->sky.ground_reflectance = ground_reflectance;
+}
+
+void annual_run_job(struct annual_bench *bench, const struct orl_job *job,
+                    struct orl_result *ret_result)
+{
+    const struct bench_env env = {.files = &bench->files,
+                                  .crew = bench->crew,
+                                  .maps = bench->office.folder,
+                                  .output = bench->office.folder,
+                                  .now_s = bench_own_s};
+    bench_run(&env, job, ret_result);
+}
+
 /* ---- The truth ------------------------------------------------------------------------------- */
 
 /* Hours with much sun and hours with little, two of three bright: each the middle of its class. */
-static void choose_hours(struct annual_truth *truth, const struct orl_annual_result *year)
+void annual_choose_hours(struct annual_truth *truth, const struct orl_annual_result *year, size_t n)
 {
-    const size_t n = (size_t)bench_number("ORIEL_ANNUAL_TRUTH_HOURS", 24), bright = n * 2 / 3;
+    const size_t bright = n * 2 / 3;
     size_t counts[2] = {0, 0}, seen[2] = {0, 0}, taken[2] = {0, 0};
     const size_t wanted[2] = {n - bright, bright};
     truth->steps = calloc(n, sizeof *truth->steps);
@@ -186,37 +227,26 @@ static void keep(const char *path, const struct annual_truth *truth)
 
 static void run_hour(struct annual_bench *bench, const struct orl_annual_step *step, size_t hour)
 {
-    struct orl_folder_store folder;
     struct orl_job job;
     struct orl_result result;
-    orl_job_init(&job);
-    snprintf(folder.folder, sizeof folder.folder, "%s", bench->office.folder);
-    job.technique = ORL_TECHNIQUE_BACKWARD;
-    job.scene_files = (char **)(uintptr_t)names[bench->scene];
-    job.n_scene_files = NAMES;
+    annual_job(bench, step, &job);
     job.gather_samples = (uint32_t)bench_number("ORIEL_ANNUAL_TRUTH_SAMPLES", 8192);
     job.seed = 1000 + hour;
     job.sensors = bench->sensors;
     job.n_sensors = OFFICE_SENSORS;
-    orl_sky_request_init(&job.sky);
-    job.sky.model = ORL_SKY_BY_WEATHER;
-    job.sky.weather_file = weather_name;
-    job.sky.time_given = true;
-    job.sky.month = step->month;
-    job.sky.day = step->day;
-    job.sky.hour = step->hour;
-    job.sky.ground_reflectance = ground_reflectance;
-    const struct bench_env env = {.files = &bench->files,
-                                  .crew = bench->crew,
-                                  .maps = bench->office.folder,
-                                  .output = bench->office.folder,
-                                  .now_s = bench_own_s};
-    bench_run(&env, &job, &result);
+    annual_run_job(bench, &job, &result);
     for (size_t i = 0; i < OFFICE_SENSORS; i++) {
         bench->truth.lx[hour * OFFICE_SENSORS + i] = result.illuminance_lx[i];
         bench->truth.error_lx[hour * OFFICE_SENSORS + i] = result.standard_error_lx[i];
     }
     orl_result_done(&result);
+}
+
+void annual_name_weather(const struct annual_bench *bench, char ret_word[ANNUAL_WORD])
+{
+    unsigned char sum[ORL_CHECKSUM_BYTES];
+    orl_checksum_of(bench->weather.data, bench->weather.size, sum);
+    snprintf(ret_word, ANNUAL_WORD, "%02x%02x%02x%02x", sum[0], sum[1], sum[2], sum[3]);
 }
 
 void annual_forget_truth(struct annual_bench *bench)
@@ -230,19 +260,17 @@ void annual_forget_truth(struct annual_bench *bench)
 void annual_need_truth(struct annual_bench *bench, const struct orl_annual_result *year)
 {
     struct annual_truth *truth = &bench->truth;
-    unsigned char sum[ORL_CHECKSUM_BYTES];
-    char name[96], path[BENCH_PATH];
+    char name[96], path[BENCH_PATH], weather[ANNUAL_WORD];
     if (truth->n_hours > 0)
         return;
-    choose_hours(truth, year);
+    annual_choose_hours(truth, year, (size_t)bench_number("ORIEL_ANNUAL_TRUTH_HOURS", 24));
     truth->lx = calloc(truth->n_hours * OFFICE_SENSORS, sizeof *truth->lx);
     truth->error_lx = calloc(truth->n_hours * OFFICE_SENSORS, sizeof *truth->error_lx);
     if (!truth->lx || !truth->error_lx)
         bench_fail("out of memory", NULL);
-    orl_checksum_of(bench->weather.data, bench->weather.size, sum);
-    snprintf(name, sizeof name, "annual-%d-%02x%02x%02x%02x-%zu-%llu.txt", (int)bench->scene,
-             sum[0], sum[1], sum[2], sum[3], truth->n_hours,
-             (unsigned long long)bench_number("ORIEL_ANNUAL_TRUTH_SAMPLES", 8192));
+    annual_name_weather(bench, weather);
+    snprintf(name, sizeof name, "annual-%d-%s-%zu-%llu.txt", (int)bench->scene, weather,
+             truth->n_hours, (unsigned long long)bench_number("ORIEL_ANNUAL_TRUTH_SAMPLES", 8192));
     bench_kept(name, path);
     if (read_kept(path, truth))
         return;
