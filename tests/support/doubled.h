@@ -25,6 +25,9 @@ enum doubled_kind {
     DOUBLED_FUNCTION,  /* definitions of x, and what it needs, compiled and evaluated */
     DOUBLED_ZIP,
     DOUBLED_MODEL, /* Honeybee's, as files */
+    DOUBLED_OBJ,   /* a scene that names it */
+    DOUBLED_RULES, /* of obj2rad, the same */
+    DOUBLED_STL,
 };
 
 struct doubled {
@@ -37,8 +40,9 @@ struct doubled {
 };
 
 extern const struct doubled doubled_scenes[], doubled_files[], doubled_models[],
-    doubled_functions[];
-extern const size_t doubled_n_scenes, doubled_n_files, doubled_n_models, doubled_n_functions;
+    doubled_functions[], doubled_meshes[];
+extern const size_t doubled_n_scenes, doubled_n_files, doubled_n_models, doubled_n_functions,
+    doubled_n_meshes;
 
 /* An input in memory. */
 struct doubled_input {

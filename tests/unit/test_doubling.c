@@ -36,6 +36,9 @@ static const struct doubled *case_at(size_t i)
     if (i < doubled_n_models)
         return &doubled_models[i];
     i -= doubled_n_models;
+    if (i < doubled_n_meshes)
+        return &doubled_meshes[i];
+    i -= doubled_n_meshes;
     return i < doubled_n_functions ? &doubled_functions[i] : NULL;
 }
 

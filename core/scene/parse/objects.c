@@ -19,7 +19,7 @@ struct object {
     int line;          /* what messages name instead of the face's own; 0: nothing */
     uint64_t unturned; /* faces whose corners have normals that are passed over */
     double *reals;     /* three a corner */
-    size_t *ring;      /* corners that are left */
+    size_t *next;      /* of the corners that are left, the one behind each */
     size_t room;       /* of both, corners */
 };
 
@@ -53,10 +53,10 @@ static int make_room(struct object *object, size_t n, struct orl_error *err)
     double *reals = realloc(object->reals, 3 * n * sizeof *reals);
     if (reals)
         object->reals = reals;
-    size_t *ring = realloc(object->ring, n * sizeof *ring);
-    if (ring)
-        object->ring = ring;
-    if (!reals || !ring)
+    size_t *next = realloc(object->next, n * sizeof *next);
+    if (next)
+        object->next = next;
+    if (!reals || !next)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     object->room = n;
     return 0;
@@ -119,25 +119,23 @@ static int add_triangles(struct object *object, const struct orl_wavefront_face 
                          const char *modifier, const char *id, struct orl_error *err)
 {
     struct orl_vec3 normals[3];
-    size_t *ring = object->ring;
-    size_t n = face->n_corners, at = 0;
+    size_t *const next = object->next;
+    size_t first = 0;
     int code = 0;
-    for (size_t i = 0; i < n; i++)
-        ring[i] = i;
-    while (n >= 3 && code == 0) {
+    for (size_t i = 0; i < face->n_corners; i++)
+        next[i] = (i + 1) % face->n_corners;
+    for (size_t left = face->n_corners; left >= 3 && code == 0; left--) {
+        const size_t second = next[first], corners[3] = {first, second, next[second]};
         for (size_t k = 0; k < 3; k++) {
-            const size_t corner = ring[(at + k) % n];
-            put_corner(object, k, &face->corners[corner]);
+            put_corner(object, k, &face->corners[corners[k]]);
             if (turned)
-                normals[k] = orl_normalize(face->normals[corner]);
+                normals[k] = orl_normalize(face->normals[corners[k]]);
         }
         object->parser->normals = turned ? normals : NULL;
         code = add_polygon(object, modifier, id, face->line, 3, err);
         object->parser->normals = NULL;
-        const size_t cut = (at + 1) % n;
-        memmove(ring + cut, ring + cut + 1, (n - cut - 1) * sizeof *ring);
-        n--;
-        at = cut < at ? at % n : (at + 1) % n;
+        next[first] = corners[2];
+        first = corners[2];
     }
     return code;
 }
@@ -208,7 +206,7 @@ static int read_obj(struct object *object, const struct orl_file *file, struct o
     if (code == 0)
         warn_of(object, &rest);
     free(object->reals);
-    free(object->ring);
+    free(object->next);
     return code;
 }
 
