@@ -1,4 +1,4 @@
-/* oriel bsdf check FILE */
+/* oriel bsdf check FILE; make (cmd_bsdf_make.c) */
 #include "command.h"
 
 #include <stdio.h>
@@ -82,10 +82,12 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_bsdf_check check = {0};
     struct orl_error err = {0};
     int rc;
+    if (argc > 1 && strcmp(argv[1], "make") == 0)
+        return orl_cmd_bsdf_make(self, argc - 1, argv + 1);
     if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))
         return rc;
     if (strcmp(operands.items[0], "check") != 0)
-        return orl_usage_error(self, "\"%s\" is not check", operands.items[0]);
+        return orl_usage_error(self, "\"%s\" is neither check nor make", operands.items[0]);
     if (examine_file(operands.items[1], &check, &err) < 0)
         return orl_report_error(&err);
     if (as_json) {

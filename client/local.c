@@ -1,5 +1,6 @@
 #include "local.h"
 
+#include <math.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -65,11 +66,10 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
                      const struct orl_option *options, size_t n_options,
                      struct orl_local_line *line, int *ret_exit)
 {
-    struct orl_operands operands;
-
-    if (!orl_options_parse(self, argc, argv, options, n_options, 1, 1, &operands, ret_exit))
+    if (!orl_options_parse(self, argc, argv, options, n_options, 1, line->most ? line->most : 1,
+                           &line->all, ret_exit))
         return false;
-    line->operand = operands.items[0];
+    line->operand = line->all.items[0];
     *ret_exit = line->writes && !line->output ? orl_usage_error(self, "-o DIR is missing")
                                               : read_threads(self, line);
     if (*ret_exit == 0)
@@ -362,6 +362,35 @@ int orl_local_study(const struct orl_study_request *request, const char *folder,
         return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
     orl_progress_start(&progress);
     rc = orl_study_run(request, &env, ret_study, err);
+    orl_progress_end(&progress);
+    orl_crew_stop(env.crew);
+    return rc;
+}
+
+static void on_panel_progress(void *ctx, uint32_t round, double fraction)
+{
+    char name[32];
+
+    snprintf(name, sizeof name, "round %u", round);
+    orl_progress_show(ctx, name, fraction, NAN);
+}
+
+int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char *folder,
+                        uint32_t threads, struct orl_bsdf_made *ret_made, struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    struct orl_progress_line progress;
+    const struct orl_bsdf_make_env env = {.files = &files,
+                                          .crew = orl_crew_start(threads),
+                                          .cancel = &interrupted,
+                                          .progress = on_panel_progress,
+                                          .ctx = &progress};
+    int rc;
+
+    if (!env.crew)
+        return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
+    orl_progress_start(&progress);
+    rc = orl_bsdf_make(request, &env, ret_made, err);
     orl_progress_end(&progress);
     orl_crew_stop(env.crew);
     return rc;

@@ -8,6 +8,7 @@
 #include <jansson.h>
 #include <stdint.h>
 
+#include <oriel/bsdf_make.h>
 #include <oriel/error.h>
 #include <oriel/run.h>
 #include <oriel/study.h>
@@ -18,6 +19,8 @@
 /* The line of a command that computes here: an operand, -o DIR and --threads N. */
 struct orl_local_line {
     const char *operand;      /* a document, or a result */
+    struct orl_operands all;  /* operands, that one first */
+    int most;                 /* beforehand: operands there may be; 0: one */
     const char *output;       /* of -o; NULL: not given */
     const char *threads_text; /* of --threads */
     uint32_t threads;         /* beforehand: without --threads; 0: one per core */
@@ -56,6 +59,10 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 /* Runs the study, with progress on stderr; its runs keep nothing in output. */
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
                     uint32_t threads, struct orl_study *ret_study, struct orl_error *err);
+
+/* Makes a panel's BSDF, with progress on stderr. */
+int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char *folder,
+                        uint32_t threads, struct orl_bsdf_made *ret_made, struct orl_error *err);
 
 /* Runs a year's job, with progress on stderr; all its files but result.json go to output. tell: of
  * annual_job.h, with ctx. cache: a folder, made if need be, where what the year is made of is kept

@@ -115,8 +115,15 @@ static const struct orl_subcommand commands[] = {
      "Honeybee\n"
      "model, which it translates.",
      orl_cmd_upload},
-    {"bsdf", "check FILE [--json]", "Look a BSDF file over before it is used",
-     "Prints type and resolution, reflectance and transmittance by direction, and what is wrong "
+    {"bsdf", "check FILE [--json] | make PANEL.rad... -o FILE.xml [...]",
+     "Look a BSDF file over, or make one of geometry",
+     "make measures a panel on a virtual goniophotometer: scene files of any geometry and "
+     "materials\n"
+     "in the xy plane, y up, z towards the inside, repeated without end; `oriel bsdf make --help`\n"
+     "has its options. In place of files it takes a document (FILE.json, \"kind\": "
+     "\"bsdf_make\").\n"
+     "check prints type and resolution, reflectance and transmittance by direction, and what is "
+     "wrong "
      "or\n"
      "worth knowing: energy gained, reciprocity, sides and up, the sun's smear. Ends with 1 when\n"
      "the file is refused or at fault.",

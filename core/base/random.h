@@ -28,6 +28,7 @@ enum orl_purpose {
     ORL_PURPOSE_SUN_MAP,
     ORL_PURPOSE_GLOSS,
     ORL_PURPOSE_LEAF,
+    ORL_PURPOSE_GONIOMETER,
 };
 
 static inline uint64_t orl_mix64(uint64_t z)

@@ -86,3 +86,11 @@ struct orl_rgb orl_tint_rgb(struct orl_tint tint)
     return (struct orl_rgb){r / (STEPS * ORL_LUMA_R), (STEPS - r - b) / (STEPS * ORL_LUMA_G),
                             b / (STEPS * ORL_LUMA_B)};
 }
+
+void orl_color_xz(struct orl_rgb c, double *ret_x, double *ret_z)
+{
+    const struct shares s = {white.r * c.r, white.g * c.g, white.b * c.b};
+    const double sum = s.r + s.g + s.b, unit = sum > 0 ? orl_luma(c) / sum : 0;
+    *ret_x = unit * (s.r * red.x + s.g * green.x + s.b * blue.x);
+    *ret_z = unit * (s.r * red.z + s.g * green.z + s.b * blue.z);
+}

@@ -32,6 +32,9 @@ struct orl_tint orl_tint_of_rgb(struct orl_rgb color);
 
 struct orl_rgb orl_tint_rgb(struct orl_tint tint);
 
+/* X and Z of a colour, Y being its luma, from which orl_tint_of_xyz has its tint again. */
+void orl_color_xz(struct orl_rgb color, double *ret_x, double *ret_z);
+
 static inline struct orl_rgb orl_tinted(struct orl_tint tint, double luminance)
 {
     return tint.code == orl_tint_gray.code ? orl_gray(luminance)

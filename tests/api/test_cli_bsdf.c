@@ -1,4 +1,4 @@
-/* `oriel bsdf check` as a script meets it. */
+/* `oriel bsdf check` and `oriel bsdf make` as a script meets them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -82,6 +82,78 @@ static void faults_end_with_1(void **state)
     cli_remove_folder(folder);
 }
 
+/* A sheet by words of the line, and the same by a document: the same bytes, and a sound file. */
+static void a_panel_becomes_a_file(void **state)
+{
+    char folder[64], panel[128], xml[128], document[128], other[128], report[128];
+    double transmitted = 0;
+    (void)state;
+    cli_make_folder(folder);
+    cli_write_file(folder, "panel.rad",
+                   "void trans s 0 0 7 .5 .5 .5 0 0 .6 0\n"
+                   "s polygon p 0 0 12 0 0 0 2 0 0 2 1 0 0 1 0\n");
+    cli_write_file(folder, "panel.json",
+                   "{\"kind\": \"bsdf_make\", \"scene\": {\"files\": [\"panel.rad\"]},"
+                   " \"name\": \"sheet\", \"basis\": \"klems_quarter\", \"paths\": 256,"
+                   " \"cell\": {\"x\": [0, 1], \"y\": [0, 1]}}");
+    snprintf(panel, sizeof panel, "%s/panel.rad", folder);
+    snprintf(xml, sizeof xml, "%s/panel.xml", folder);
+    snprintf(document, sizeof document, "%s/panel.json", folder);
+    snprintf(other, sizeof other, "%s/other.xml", folder);
+    snprintf(report, sizeof report, "%s/report.json", folder);
+    const char *const by_document[] = {"bsdf", "make",     document, "-o",
+                                       xml,    "--report", report,   NULL};
+    cli_run(by_document, &result);
+    assert_int_equal(result.exit_code, 0);
+    assert_says(result.out, "diffuse light from");
+    json_t *json = json_load_file(report, 0, NULL);
+    assert_int_equal(json_unpack(json, "{s:{s:{s:{s:f}}}}", "diffuse", "front", "transmitted",
+                                 "value", &transmitted),
+                     0);
+    assert_true(transmitted > 0.29 && transmitted < 0.31); /* 0.3 */
+    json_decref(json);
+    check(xml, NULL);
+    assert_int_equal(result.exit_code, 0);
+    assert_says(result.out, "Klems Quarter, resolution 41");
+    assert_says(result.out, "\"sheet\"");
+    const char *const by_words[] = {"bsdf",    "make",          panel,     "-o",  other,
+                                    "--basis", "klems_quarter", "--paths", "256", "--name",
+                                    "sheet",   "--cell",        "0 1 0 1", NULL};
+    cli_run(by_words, &result);
+    assert_int_equal(result.exit_code, 0);
+    char *first = cli_read_file(folder, "panel.xml"), *second = cli_read_file(folder, "other.xml");
+    /* All but the line that names the file, by another path. */
+    assert_string_equal(strstr(first, "SHA-256"), strstr(second, "SHA-256"));
+    free(first);
+    free(second);
+    cli_remove_folder(folder);
+}
+
+/* What is wrong with the making of a file is said by the member that it is about. */
+static void what_cannot_be_made_is_refused(void **state)
+{
+    static const struct {
+        const char *const args[12];
+        int exit_code;
+        const char *err;
+    } cases[] = {
+        {{"bsdf", "make", "x.rad"}, 2, "-o FILE is missing"},
+        {{"bsdf", "make", "x.rad", "-o", "x.xml"}, 1, "cannot open"},
+        {{"bsdf", "make", "x.rad", "-o", "x.xml", "--basis", "klems"}, 1, "basis"},
+        {{"bsdf", "make", "x.rad", "-o", "x.xml", "--paths", "0"}, 1, "paths"},
+        {{"bsdf", "make", "x.rad", "-o", "x.xml", "--accuracy", "2"}, 1, "accuracy"},
+        {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2"}, 1, "cell"},
+        {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2 2"}, 1, "cell.y"},
+        {{"bsdf", "make", "x.json", "-o", "x.xml", "--color"}, 2, "alone on its line"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        cli_run(cases[i].args, &result);
+        assert_int_equal(result.exit_code, cases[i].exit_code);
+        assert_says(result.err, cases[i].err);
+    }
+}
+
 static void wrong_command_lines_exit_with_2(void **state)
 {
     const char *const unknown[] = {"bsdf", "paint", "a.xml", NULL};
@@ -89,7 +161,7 @@ static void wrong_command_lines_exit_with_2(void **state)
     (void)state;
     cli_run(unknown, &result);
     assert_int_equal(result.exit_code, 2);
-    assert_says(result.err, "\"paint\" is not check");
+    assert_says(result.err, "\"paint\" is neither check nor make");
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 2);
     check("no/such/file.xml", NULL);
@@ -103,6 +175,8 @@ int main(void)
         cmocka_unit_test(a_sound_file_passes),
         cmocka_unit_test(it_speaks_json),
         cmocka_unit_test(faults_end_with_1),
+        cmocka_unit_test(a_panel_becomes_a_file),
+        cmocka_unit_test(what_cannot_be_made_is_refused),
         cmocka_unit_test(wrong_command_lines_exit_with_2),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,216 @@
+/* oriel bsdf make PANEL.rad ... -o FILE.xml: a panel's BSDF from its geometry and materials. */
+#include "command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bsdf_make_json.h"
+#include "files.h"
+#include "job_file.h"
+#include "local.h"
+#include "report.h"
+
+enum { WORDS = 6 };
+
+/* The command line, and the document that it comes to. */
+struct line {
+    struct orl_local_line local;
+    const char *texts[WORDS]; /* of the members below; NULL: not given */
+    const char *cell, *report;
+    bool color;
+};
+
+/* Members of the document that an option gives as they are. */
+static const struct {
+    const char *name, *metavar, *help;
+    bool is_text;
+} words[WORDS] = {
+    {"basis", "BASIS", "klems_full (the default), klems_half or klems_quarter", true},
+    {"name", "NAME", "of the material, in the XML (default: the first file's)", true},
+    {"symmetry", "WHICH", "left_right, up_down or both: mirrors that the panel has", true},
+    {"paths", "N", "paths of light an incident direction (16384)", false},
+    {"accuracy", "SHARE",
+     "0.02: double the paths of a direction until no standard error is above 2 % of a value (of "
+     "those from 1 % of the peak on)",
+     false},
+    {"seed", "N", "the same seed gives the same file (1)", false},
+};
+
+/* ---- The document ---------------------------------------------------------------------------- */
+
+/* A number where it is one; else the text, which is then refused by its member's name. */
+static json_t *value_of(const char *text, bool is_text)
+{
+    json_t *value = is_text ? NULL : json_loads(text, JSON_DECODE_ANY, NULL);
+    return value ? value : json_string(text);
+}
+
+static json_t *cell_of(const char *text)
+{
+    double v[4];
+    int end = 0;
+    if (sscanf(text, "%lf %lf %lf %lf %n", v, v + 1, v + 2, v + 3, &end) != 4 || text[end] != '\0')
+        return json_string(text);
+    return json_pack("{s:[f, f], s:[f, f]}", "x", v[0], v[1], "y", v[2], v[3]);
+}
+
+static json_t *document_of(const struct line *line)
+{
+    json_t *files = json_array();
+    json_t *doc = json_pack("{s:s, s:{s:o}}", "kind", "bsdf_make", "scene", "files", files);
+    int failed = !doc;
+    for (int i = 0; i < line->local.all.count && !failed; i++)
+        failed = json_array_append_new(files, json_string(line->local.all.items[i]));
+    for (int i = 0; i < WORDS && !failed; i++)
+        if (line->texts[i])
+            failed =
+                json_object_set_new(doc, words[i].name, value_of(line->texts[i], words[i].is_text));
+    if (line->cell && !failed)
+        failed = json_object_set_new(doc, "cell", cell_of(line->cell));
+    if (line->color && !failed)
+        failed = json_object_set_new(doc, "color", json_true());
+    if (!failed)
+        return doc;
+    json_decref(doc);
+    return NULL;
+}
+
+static bool names_document(const struct line *line)
+{
+    const char *first = line->local.operand;
+    const size_t length = strlen(first);
+    return length > 5 && strcmp(first + length - 5, ".json") == 0;
+}
+
+/* Whether anything on the line is for the document to say. */
+static bool says_more(const struct line *line)
+{
+    bool more = line->cell || line->color || line->local.all.count > 1;
+    for (int i = 0; i < WORDS; i++)
+        more = more || line->texts[i];
+    return more;
+}
+
+/* By the line's words, or the document that it names. */
+static int request_of(const struct line *line, struct orl_job_file *file,
+                      struct orl_bsdf_make_request *ret_request, struct orl_error *err)
+{
+    const char *first = line->local.operand;
+    json_t *doc;
+    int rc;
+    if (names_document(line)) {
+        rc = orl_job_file_read(first, file, err);
+        if (rc == 0)
+            rc = orl_bsdf_make_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err);
+        if (rc)
+            orl_error_at(err, first, 0, NULL);
+        return rc;
+    }
+    doc = document_of(line);
+    rc = doc ? orl_bsdf_make_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err)
+             : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(doc);
+    return rc;
+}
+
+/* ---- What was made --------------------------------------------------------------------------- */
+
+static void print_made(const struct orl_bsdf_made *made)
+{
+    static const char *const sides[2] = {"outside", "inside"};
+    printf("cell x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g; %.3g million paths\n",
+           made->cell[0], made->cell[1], made->cell[2], made->cell[3], made->depth[0],
+           made->depth[1], 1e-6 * (double)made->paths);
+    printf("%-20s %10s %10s %10s %10s\n", "diffuse light from", "transmit.", "+-", "reflected",
+           "+-");
+    for (int front = 0; front < 2; front++) {
+        const struct orl_bsdf_share *s = made->diffuse[front];
+        printf("%-20s %10.5f %10.1e %10.5f %10.1e\n", sides[front], s[1].value, s[1].error,
+               s[0].value, s[0].error);
+    }
+    printf("largest standard error %.2g of a value (from 1 %% of the peak on)\n", made->worst);
+    if (made->lost > 0)
+        printf("given up inside the panel: %.2g of the light\n", made->lost);
+}
+
+static int write_text(const char *path, const struct orl_bsdf_made *made, struct orl_error *err)
+{
+    struct orl_new_file file;
+    const int rc = orl_new_file_open(&file, path, err);
+    if (rc)
+        return rc;
+    fwrite(made->xml, 1, made->xml_size, file.stream);
+    return orl_new_file_commit(&file, err);
+}
+
+static int write_report(const char *path, const struct orl_bsdf_made *made, struct orl_error *err)
+{
+    json_t *json = orl_bsdf_made_to_json(made);
+    const int rc =
+        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(json);
+    return rc;
+}
+
+static int make(const struct line *line)
+{
+    struct orl_job_file file = {0};
+    struct orl_bsdf_make_request request = {0};
+    struct orl_bsdf_made made = {0};
+    struct orl_error err = {0};
+    int rc = request_of(line, &file, &request, &err);
+    if (rc == 0)
+        rc = orl_local_make_bsdf(&request, file.folder[0] ? file.folder : ".", line->local.threads,
+                                 &made, &err);
+    if (rc == 0)
+        rc = write_text(line->local.output, &made, &err);
+    if (rc == 0 && line->report)
+        rc = write_report(line->report, &made, &err);
+    if (rc == 0)
+        print_made(&made);
+    if (rc == 0 && !made.reached)
+        fprintf(stderr, "warning: the accuracy was not reached within %u paths a direction\n",
+                request.paths_most);
+    orl_bsdf_made_done(&made);
+    orl_bsdf_make_request_done(&request);
+    orl_job_file_done(&file);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
+{
+    enum { OTHERS = 5 };
+    struct line line = {.local = {.most = 64}};
+    struct orl_option options[OTHERS + WORDS] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "FILE",
+         .help = "the XML to write",
+         .value = &line.local.output},
+        {.name = "cell",
+         .metavar = "\"X0 X1 Y0 Y1\"",
+         .help = "the part of the panel that is repeated (default: the box around it)",
+         .value = &line.cell},
+        {.name = "color", .help = "X and Z beside Y", .flag = &line.color},
+        {.name = "report",
+         .metavar = "FILE",
+         .help = "write a JSON with shares by direction, and standard errors of all values",
+         .value = &line.report},
+        ORL_OPTION_THREADS(&line.local.threads_text),
+    };
+    int code;
+    for (int i = 0; i < WORDS; i++)
+        options[OTHERS + i] = (struct orl_option){.name = words[i].name,
+                                                  .metavar = words[i].metavar,
+                                                  .help = words[i].help,
+                                                  .value = &line.texts[i]};
+    if (!orl_local_parse(self, argc, argv, options, OTHERS + WORDS, &line.local, &code))
+        return code;
+    if (!line.local.output)
+        return orl_usage_error(self, "-o FILE is missing");
+    if (names_document(&line) && says_more(&line))
+        return orl_usage_error(self, "\"%s\" says itself what is made, alone on its line",
+                               line.local.operand);
+    return make(&line);
+}

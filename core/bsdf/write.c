@@ -1,0 +1,163 @@
+/* The file around the data: labels, structure, and a block for each part and channel. */
+#include "bsdf/write.h"
+
+#include <string.h>
+
+/* Characters that mean something to XML by their names; those that XML has none for are left out.
+ */
+static void write_text(FILE *out, const char *text)
+{
+    for (; *text; text++) {
+        if (*text == '<')
+            fputs("&lt;", out);
+        else if (*text == '>')
+            fputs("&gt;", out);
+        else if (*text == '&')
+            fputs("&amp;", out);
+        else if ((unsigned char)*text >= ' ')
+            putc(*text, out);
+    }
+}
+
+/* Two dashes would end a comment: between them comes a space. */
+static void write_comment(FILE *out, const char *text)
+{
+    char before = '\n';
+    fputs("<!--\n", out);
+    for (; *text; text++) {
+        if (*text == '-' && before == '-')
+            putc(' ', out);
+        if ((unsigned char)*text >= ' ' || *text == '\n')
+            putc(*text, out);
+        before = *text;
+    }
+    fputs("\n-->\n", out);
+}
+
+static void write_length(FILE *out, const char *name, double length_m)
+{
+    if (length_m > 0)
+        fprintf(out, "<%s unit=\"meter\">%.6g</%s>\n", name, length_m, name);
+}
+
+static void write_basis(FILE *out, const struct orl_basis *basis)
+{
+    double lower = 0;
+    fprintf(out, "<AngleBasis>\n<AngleBasisName>%s</AngleBasisName>\n", basis->name);
+    for (int r = 0; r < basis->n_rings; r++) {
+        const struct orl_theta_ring *ring = &basis->rings[r];
+        const double upper = acos(sqrt(ring->cos2_high)) / ORL_DEG_TO_RAD;
+        const double middle = r == 0 ? 0 : 0.5 * (lower + upper);
+        fprintf(out,
+                "<AngleBasisBlock>\n<Theta>%.5g</Theta>\n<nPhis>%d</nPhis>\n<ThetaBounds>\n"
+                "<LowerTheta>%.5g</LowerTheta>\n<UpperTheta>%.5g</UpperTheta>\n</ThetaBounds>\n"
+                "</AngleBasisBlock>\n",
+                middle, ring->cells, lower, upper);
+        lower = upper;
+    }
+    fputs("</AngleBasis>\n", out);
+}
+
+static const struct orl_basis *basis_of(const struct orl_document *d)
+{
+    for (int i = 0; i < ORL_PART_COUNT; i++)
+        if (d->parts[i].present)
+            return &d->parts[i].matrix.basis[0];
+    return NULL;
+}
+
+static void write_definition(FILE *out, const struct orl_document *d)
+{
+    static const char *const names[] = {[ORL_STRUCTURE_NONE] = "",
+                                        [ORL_STRUCTURE_TREE3] = "TensorTree3",
+                                        [ORL_STRUCTURE_TREE4] = "TensorTree4",
+                                        [ORL_STRUCTURE_MATRIX] = "Columns"};
+    const struct orl_basis *basis = d->structure == ORL_STRUCTURE_MATRIX ? basis_of(d) : NULL;
+    fprintf(out, "<DataDefinition>\n<IncidentDataStructure>%s</IncidentDataStructure>\n",
+            names[d->structure]);
+    if (basis)
+        write_basis(out, basis);
+    fputs("</DataDefinition>\n", out);
+}
+
+static void write_head(FILE *out, const struct orl_document *d,
+                       const struct orl_bsdf_labels *labels)
+{
+    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n", out);
+    if (labels->comment)
+        write_comment(out, labels->comment);
+    fputs("<WindowElement xmlns=\"http://windows.lbl.gov\" "
+          "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
+          "xsi:schemaLocation=\"http://windows.lbl.gov/BSDF-v1.4.xsd\">\n"
+          "<WindowElementType>System</WindowElementType>\n<FileType>BSDF</FileType>\n"
+          "<Optical>\n<Layer>\n<Material>\n<Name>",
+          out);
+    write_text(out, d->name);
+    fputs("</Name>\n<Manufacturer>", out);
+    write_text(out, labels->manufacturer);
+    fputs("</Manufacturer>\n<DeviceType>Other</DeviceType>\n", out);
+    write_length(out, "Thickness", d->thickness_m);
+    write_length(out, "Width", labels->width_m);
+    write_length(out, "Height", labels->height_m);
+    fputs("</Material>\n", out);
+    write_definition(out, d);
+}
+
+enum channel { VISIBLE, FIRST, SECOND, CHANNELS };
+
+/* What the schema calls the channels, and the detectors that see them; chromaticities have none. */
+static void write_channel(FILE *out, enum orl_structure structure, enum channel channel)
+{
+    static const char *const of_matrices[] = {"Visible", "CIE-X", "CIE-Z"};
+    static const char *const of_trees[] = {"Visible", "CIE-u", "CIE-v"};
+    const bool matrix = structure == ORL_STRUCTURE_MATRIX;
+    fprintf(out,
+            "<Wavelength unit=\"Integral\">%s</Wavelength>\n"
+            "<SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n",
+            (matrix ? of_matrices : of_trees)[channel]);
+    if (matrix || channel == VISIBLE)
+        fprintf(out, "<DetectorSpectrum>ASTM E308 1931 %c.dsp</DetectorSpectrum>\n",
+                "YXZ"[channel]);
+}
+
+static void write_data(FILE *out, enum orl_structure structure, const struct orl_component *part,
+                       enum channel channel)
+{
+    const int k = (int)channel - 1;
+    if (structure == ORL_STRUCTURE_MATRIX)
+        orl_bsdf_write_matrix(k < 0 ? &part->matrix : &part->chroma.matrix[k], out);
+}
+
+static void write_block(FILE *out, const struct orl_document *d, enum orl_bsdf_part part,
+                        enum channel channel)
+{
+    const bool reflection = part == ORL_PART_REFLECTION_FRONT || part == ORL_PART_REFLECTION_BACK;
+    const char *basis = d->parts[part].matrix.basis[0].name;
+    fputs("<WavelengthData>\n<LayerNumber>System</LayerNumber>\n", out);
+    write_channel(out, d->structure, channel);
+    fprintf(out, "<WavelengthDataBlock>\n<WavelengthDataDirection>%s</WavelengthDataDirection>\n",
+            orl_part_names[part]);
+    if (d->structure == ORL_STRUCTURE_MATRIX)
+        fprintf(out, "<ColumnAngleBasis>%s</ColumnAngleBasis>\n<RowAngleBasis>%s</RowAngleBasis>\n",
+                basis, basis);
+    else
+        fputs("<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n", out);
+    fprintf(out, "<ScatteringDataType>%s</ScatteringDataType>\n<ScatteringData>\n",
+            reflection ? "BRDF" : "BTDF");
+    write_data(out, d->structure, &d->parts[part], channel);
+    fputs("</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n", out);
+}
+
+void orl_document_write(const struct orl_document *document, const struct orl_bsdf_labels *labels,
+                        FILE *out)
+{
+    write_head(out, document, labels);
+    for (int channel = VISIBLE; channel < CHANNELS; channel++)
+        for (int part = 0; part < ORL_PART_COUNT; part++) {
+            const struct orl_component *component = &document->parts[part];
+            const bool *given = component->chroma.given;
+            if (component->present && (channel == VISIBLE || (given[0] && given[1])))
+                write_block(out, document, (enum orl_bsdf_part)part, (enum channel)channel);
+        }
+    fputs("</Layer>\n</Optical>\n</WindowElement>\n", out);
+}

@@ -1,0 +1,63 @@
+#include "goniometer/cell.h"
+
+enum { MOST_SIDES = 1 << 16, MARGIN = 4 };
+
+struct orl_gonio_cell orl_gonio_cell_around(const struct orl_geometry *geometry,
+                                            const double sides[4])
+{
+    double offset = 0;
+    for (size_t i = 0; i < geometry->n_facets; i++)
+        offset = fmax(offset, geometry->facets[i].offset);
+    const double m = MARGIN * offset;
+    return (struct orl_gonio_cell){
+        .low = {sides[0] - m, sides[2] - m, geometry->low.z - m},
+        .high = {sides[1] + m, sides[3] + m, geometry->high.z + m},
+        .margin = m,
+    };
+}
+
+struct orl_vec3 orl_gonio_cell_place(const struct orl_gonio_cell *cell, bool front,
+                                     const double u[2])
+{
+    const double width = cell->high.x - cell->low.x - 2 * cell->margin;
+    const double height = cell->high.y - cell->low.y - 2 * cell->margin;
+    return orl_v3(cell->low.x + cell->margin + u[0] * width,
+                  cell->low.y + cell->margin + u[1] * height, front ? cell->high.z : cell->low.z);
+}
+
+/* How far it is to a side that faces the ray, and not beyond it. */
+static double way_to(double from, double along, double low, double high)
+{
+    if (along == 0)
+        return INFINITY;
+    const double way = ((along > 0 ? high : low) - from) / along;
+    return way > 0 ? way : 0;
+}
+
+enum orl_gonio_meeting orl_gonio_meet(const struct orl_gonio_cell *cell,
+                                      const struct orl_world *world, struct orl_path *path,
+                                      struct orl_hit *ret_hit)
+{
+    const struct orl_vec3 d = path->direction;
+    struct orl_vec3 *const o = &path->origin;
+    double come = 0;
+    for (int sides = 0; sides < MOST_SIDES; sides++) {
+        const double x = way_to(o->x, d.x, cell->low.x, cell->high.x);
+        const double y = way_to(o->y, d.y, cell->low.y, cell->high.y);
+        const double z = way_to(o->z, d.z, cell->low.z, cell->high.z);
+        const double way = fmin(x, fmin(y, z));
+        if (way > 0 && orl_geometry_intersect(world->geometry, *o, d, way, ret_hit)) {
+            ret_hit->distance += come;
+            return ORL_GONIO_SURFACE;
+        }
+        if (way == z)
+            return d.z > 0 ? ORL_GONIO_FRONT : ORL_GONIO_BACK;
+        *o = orl_madd(*o, d, way);
+        come += way;
+        if (way == x)
+            o->x = d.x > 0 ? cell->low.x : cell->high.x;
+        else
+            o->y = d.y > 0 ? cell->low.y : cell->high.y;
+    }
+    return ORL_GONIO_LOST;
+}

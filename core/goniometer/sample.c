@@ -1,0 +1,83 @@
+#include "goniometer/sample.h"
+
+#include <string.h>
+
+#include "scene/parse/parse.h"
+
+/* Light of its own has no place in a BSDF. */
+static int refuse_lights(const struct orl_scene *scene, struct orl_error *err)
+{
+    const struct orl_description *d = &scene->description;
+    if (d->n_distants > 0)
+        orl_error_set(err, ORL_ERR_INVALID, "source %s: a sun or sky is no part of a panel",
+                      d->distants[0].name);
+    else if (scene->n_shining > 0)
+        orl_error_set(err, ORL_ERR_INVALID, "%s shines: a BSDF has no light of its own",
+                      orl_scene_name_of(scene, scene->shining[0]));
+    else
+        return 0;
+    orl_error_hint(err, "Leave lights out of the panel's files");
+    return ORL_ERR_INVALID;
+}
+
+static int find_cell(const struct orl_bsdf_make_request *request, struct orl_gonio_sample *sample,
+                     struct orl_error *err)
+{
+    const struct orl_geometry *g = sample->world->geometry;
+    const double box[4] = {g->low.x, g->high.x, g->low.y, g->high.y};
+    const double center[4] = {g->center.x, g->center.x, g->center.y, g->center.y};
+    double moved[4];
+    for (int i = 0; i < 4; i++) {
+        moved[i] = request->has_cell ? request->cell[i] - center[i] : box[i];
+        sample->sides[i] = request->has_cell ? request->cell[i] : box[i] + center[i];
+    }
+    sample->depth[0] = g->low.z + g->center.z;
+    sample->depth[1] = g->high.z + g->center.z;
+    sample->cell = orl_gonio_cell_around(g, moved);
+    for (int axis = 0; axis < 2; axis++)
+        if (!(moved[2 * axis + 1] - moved[2 * axis] > 64 * sample->cell.margin)) {
+            orl_error_set(err, ORL_ERR_INVALID, "the panel's cell has no extent in %c", "xy"[axis]);
+            orl_error_hint(err, "A panel lies in the xy plane, y up, z towards the inside");
+            return ORL_ERR_INVALID;
+        }
+    return 0;
+}
+
+int orl_gonio_sample_load(const struct orl_bsdf_make_request *request,
+                          const struct orl_bsdf_make_env *env, struct orl_gonio_sample *ret_sample,
+                          struct orl_error *err)
+{
+    struct orl_gonio_sample sample = {0};
+    struct orl_description description = {0};
+    struct orl_scene *scene = NULL;
+    struct orl_lights *lights = NULL;
+    int code = orl_scene_parse((const char *const *)request->files, request->n_files, env->files,
+                               &description, err);
+    if (code < 0)
+        return code;
+    description.cancel = env->cancel;
+    code = orl_scene_new(&description, &scene, err);
+    if (code == 0 && scene->description.n_surfaces == 0)
+        code = orl_error_set(err, ORL_ERR_INVALID, "there is no surface: no panel");
+    if (code == 0)
+        code = refuse_lights(scene, err);
+    if (code == 0)
+        code = orl_lights_new(scene, NULL, &lights, err);
+    if (code == 0)
+        code = orl_world_new(lights, &sample.world, err);
+    if (code == 0)
+        code = find_cell(request, &sample, err);
+    orl_lights_release(lights);
+    orl_scene_release(scene);
+    if (code < 0)
+        orl_gonio_sample_done(&sample);
+    else
+        *ret_sample = sample;
+    return code;
+}
+
+void orl_gonio_sample_done(struct orl_gonio_sample *sample)
+{
+    orl_world_free(sample->world);
+    memset(sample, 0, sizeof *sample);
+}

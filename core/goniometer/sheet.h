@@ -1,0 +1,54 @@
+/*
+ * What came out of the panel, counted by cells of an angle basis: for light from either side, an
+ * incident cell each, and in batches that are independent of each other. An item is an incident
+ * cell on one side: front * cells + cell.
+ *
+ * Ownership: the caller's, orl_gonio_sheet_done. While items are measured each is written to by one
+ * thread.
+ */
+#ifndef ORL_GONIOMETER_SHEET_H
+#define ORL_GONIOMETER_SHEET_H
+
+#include "bsdf/basis.h"
+#include "goniometer/follow.h"
+
+enum { ORL_GONIO_BATCHES = ORL_BSDF_MAKE_BATCHES };
+
+struct orl_gonio_sheet {
+    struct orl_basis basis;
+    enum orl_bsdf_symmetry symmetry;
+    size_t items, channels; /* channels: 3, or 1 of luma alone */
+    double *sums;           /* weights: [item][batch][transmitted][cell out][channel] */
+    double *lost;           /* weight given up, by item */
+    uint32_t *paths;        /* in each batch, by item */
+};
+
+int orl_gonio_sheet_init(struct orl_gonio_sheet *sheet, const char *basis, bool color,
+                         enum orl_bsdf_symmetry symmetry, struct orl_error *err);
+void orl_gonio_sheet_done(struct orl_gonio_sheet *sheet);
+
+/* Sends more paths in, until there are so many in each batch of the item. */
+void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_sample *sample,
+                             const struct orl_sobol *sobol, uint64_t seed, size_t item,
+                             uint32_t paths);
+
+/* The cell that mirrors make of a cell. */
+int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_symmetry mirrors);
+
+/* A value that the sheet tells, of an item and a cell out: f in 1/sr, its error that of its luma.
+ */
+struct orl_gonio_value {
+    struct orl_rgb f;
+    double error;
+};
+struct orl_gonio_value orl_gonio_sheet_value(const struct orl_gonio_sheet *sheet, size_t item,
+                                             bool transmitted, int out);
+
+/* All that is reflected, or transmitted, of light from the item's direction; or of diffuse light
+ * from that side. By luma. */
+struct orl_bsdf_share orl_gonio_sheet_share(const struct orl_gonio_sheet *sheet, size_t item,
+                                            bool transmitted);
+struct orl_bsdf_share orl_gonio_sheet_diffuse(const struct orl_gonio_sheet *sheet, bool front,
+                                              bool transmitted);
+
+#endif

@@ -1,0 +1,122 @@
+/*
+ * A virtual goniophotometer: the BSDF of a panel made of geometry and materials, as XML.
+ *
+ * The panel lies in the xy plane, y up, z towards the inside, as Radiance's genBSDF has it, and
+ * goes on in x and y without end: a cell of it, by default the box around all surfaces, stands for
+ * the whole, and what leaves the cell by one side comes in by the other. Of surfaces that reach out
+ * of a given cell the parts outside are not there.
+ *
+ * Light is sent onto the cell from every incident direction that the basis tells apart, evenly over
+ * the directions of each and over the cell, is scattered by the materials (scene/material) until it
+ * leaves, and is counted where it goes. So a value is the mean of the panel's BSDF over a pair of
+ * cells of the basis, with no bias; its standard error comes from independent batches.
+ *
+ * What is no panel is refused: suns and skies, and surfaces that shine. Nothing is written but the
+ * text that is returned. The same request gives the same bytes for any number of threads.
+ */
+#ifndef ORIEL_BSDF_MAKE_H
+#define ORIEL_BSDF_MAKE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/crew.h>
+#include <oriel/error.h>
+#include <oriel/files.h>
+
+enum orl_bsdf_basis {
+    ORL_BSDF_KLEMS_FULL,    /* 145 directions a hemisphere */
+    ORL_BSDF_KLEMS_HALF,    /* 73 */
+    ORL_BSDF_KLEMS_QUARTER, /* 41 */
+    ORL_BSDF_BASES,
+};
+
+/* "klems_full" and so on; NULL for what is none. */
+const char *orl_bsdf_basis_name(enum orl_bsdf_basis basis);
+
+/* Mirrors that the panel has and whose two sides are to come out the same: in their mean. */
+enum orl_bsdf_symmetry {
+    ORL_BSDF_ASYMMETRIC = 0,
+    ORL_BSDF_LEFT_RIGHT = 1, /* x */
+    ORL_BSDF_UP_DOWN = 2,    /* y */
+    ORL_BSDF_QUADRILATERAL = 3,
+};
+
+enum {
+    ORL_BSDF_MAKE_BATCHES = 16,
+    ORL_BSDF_MAKE_PATHS_LEAST = ORL_BSDF_MAKE_BATCHES,
+    ORL_BSDF_MAKE_PATHS_MOST = 1 << 24
+};
+
+struct orl_bsdf_make_request {
+    char **files; /* scene texts, in order; owned */
+    size_t n_files;
+    char *name; /* of the material; NULL: the first file's. Owned */
+    enum orl_bsdf_basis basis;
+    enum orl_bsdf_symmetry symmetry;
+    bool color;     /* X and Z beside Y */
+    bool has_cell;  /* or the box around the panel */
+    double cell[4]; /* x from, x to, y from, y to: the files' coordinates */
+    uint32_t paths; /* an incident direction; with an accuracy those to begin with */
+    /*
+     * Paths are doubled, for incident directions that need it, until the standard error of every
+     * value of at least a hundredth of the largest of its part is at most this share of it; 0: not
+     * asked for. Beyond paths_most for one direction it is given up: orl_bsdf_made.reached.
+     */
+    double accuracy;
+    uint32_t paths_most;
+    uint64_t seed;
+};
+
+/* Klems full, 16384 paths a direction, seed 1. */
+void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request);
+void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
+
+/* What can be told of a request without its files: 0, ORL_ERR_INVALID, ORL_ERR_RANGE. */
+int orl_bsdf_make_validate(const struct orl_bsdf_make_request *request, struct orl_error *err);
+
+struct orl_bsdf_make_env {
+    const struct orl_files *files; /* borrowed */
+    struct orl_crew *crew;         /* borrowed; led by the caller */
+    const atomic_bool *cancel;     /* borrowed; may be NULL */
+    /* Called by the lead, now and then: the share that is done, which never falls; with an accuracy
+     * it is of the round. May be NULL. */
+    void (*progress)(void *ctx, uint32_t round, double fraction);
+    void *ctx;
+};
+
+/* A share of light with its standard error. */
+struct orl_bsdf_share {
+    double value, error;
+};
+
+/* Index 1 is light from the front (inside), 0 from the back; then reflected, transmitted. */
+struct orl_bsdf_made_direction {
+    double theta_deg, phi_deg; /* the middle of the cell; where the light comes from */
+    struct orl_bsdf_share shares[2][2];
+};
+
+struct orl_bsdf_made {
+    char *xml; /* owned, ends in 0 */
+    size_t xml_size;
+    size_t n_directions;
+    struct orl_bsdf_made_direction *directions; /* owned */
+    struct orl_bsdf_share diffuse[2][2];        /* of perfectly diffuse light */
+    float *errors[2][2]; /* standard errors, 1/sr: [direction in][direction out]; owned */
+    double worst;        /* largest share of the error in a value, as accuracy has it */
+    bool reached;        /* the accuracy; true when none was asked for */
+    uint64_t paths;
+    double lost;              /* share of the light that was given up inside the panel */
+    double cell[4], depth[2]; /* the files' coordinates; depth: z from, to */
+};
+
+/*
+ * Returns 0 and what the caller frees by orl_bsdf_made_done; or what reading the scene says, or
+ * ORL_ERR_INVALID (no panel), ORL_ERR_NOMEM, ORL_ERR_CANCELLED.
+ */
+int orl_bsdf_make(const struct orl_bsdf_make_request *request, const struct orl_bsdf_make_env *env,
+                  struct orl_bsdf_made *ret_made, struct orl_error *err);
+void orl_bsdf_made_done(struct orl_bsdf_made *made);
+
+#endif

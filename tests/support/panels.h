@@ -1,0 +1,39 @@
+/*
+ * Panels given as text, measured on the virtual goniophotometer in the test's own process. What
+ * does not succeed fails the test.
+ */
+#ifndef ORL_TESTS_SUPPORT_PANELS_H
+#define ORL_TESTS_SUPPORT_PANELS_H
+
+#include <oriel/bsdf.h>
+#include <oriel/bsdf_make.h>
+
+struct panel {
+    const char *text;
+    enum orl_bsdf_basis basis;
+    enum orl_bsdf_symmetry symmetry;
+    bool color;
+    const double *cell; /* four of them; NULL: the box */
+    uint32_t paths;     /* 0: 4096 */
+    double accuracy;
+    uint32_t paths_most; /* 0: the default */
+    uint64_t seed;       /* 0: 1 */
+    uint32_t threads;    /* 0: 1 */
+};
+
+/* For orl_bsdf_made_done. */
+struct orl_bsdf_made panel_make(const struct panel *panel);
+/* Whether it fails or not: returns the code. */
+int panel_try(const struct panel *panel, const atomic_bool *cancel, struct orl_bsdf_made *ret_made,
+              struct orl_error *ret_err);
+/* The XML as a BSDF, for orl_bsdf_unref. */
+struct orl_bsdf *panel_read(const struct orl_bsdf_made *made);
+
+/* Fresnel's reflectance of unpolarised light at one surface from index 1 to n, and that of both
+ * surfaces of a slab (or pane) with all inner passes, of which each lets that share pass; with its
+ * transmittance. Cosine: outside. */
+double fresnel(double cosine, double n);
+void slab_shares(double cosine, double n, double pass, double *ret_reflected,
+                 double *ret_transmitted);
+
+#endif
