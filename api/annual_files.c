@@ -122,6 +122,57 @@ static int write_coefficients(struct writing *w)
     return rc;
 }
 
+/* A window's, or a window's and a grid's. */
+static int write_window(struct writing *w, const struct orl_phase_window *window)
+{
+    const struct {
+        const char *ending;
+        const float *values;
+        size_t columns;
+    } own[] = {{"t", window->transmission, ORL_PHASES_CELLS},
+               {"d", window->daylight, ORL_ANNUAL_PATCHES},
+               {"dd", window->straight_daylight, ORL_ANNUAL_PATCHES}},
+      of_grids[] = {{"v", window->view, ORL_PHASES_CELLS},
+                    {"vd", window->straight_view, ORL_PHASES_CELLS}};
+    char path[PATH_SIZE], name[GRID_SIZE], grid_name[GRID_SIZE];
+    int rc = 0;
+    orl_annual_file_name(window->name, name, sizeof name);
+    for (size_t i = 0; i < sizeof own / sizeof *own && rc == 0; i++) {
+        rc = name_file(w, path, "%s.%s.mtx", name, own[i].ending);
+        if (rc == 0)
+            rc = orl_coefficients_write(path, own[i].values, ORL_PHASES_CELLS, own[i].columns,
+                                        w->err);
+    }
+    for (size_t k = 0; k < 2 * w->told->report->n_grids && rc == 0; k++) {
+        const struct orl_annual_grid *grid = &w->told->report->grids[k / 2];
+        orl_annual_file_name(grid->name, grid_name, sizeof grid_name);
+        rc = name_file(w, path, "%s.%s.%s.mtx", grid_name, name, of_grids[k % 2].ending);
+        if (rc == 0)
+            rc = orl_coefficients_write(path,
+                                        of_grids[k % 2].values + grid->first * ORL_PHASES_CELLS,
+                                        grid->count, ORL_PHASES_CELLS, w->err);
+    }
+    return rc;
+}
+
+static int write_phases(struct writing *w)
+{
+    const struct orl_annual_phases *phases = w->told->phases;
+    int rc = 0;
+    for (size_t i = 0; i < phases->n_windows && rc == 0; i++)
+        rc = write_window(w, &phases->windows[i]);
+    for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++) {
+        const struct orl_annual_grid *grid = &w->told->report->grids[g];
+        char path[PATH_SIZE], name[GRID_SIZE];
+        orl_annual_file_name(grid->name, name, sizeof name);
+        rc = name_file(w, path, "%s.cds.mtx", name);
+        if (rc == 0)
+            rc = orl_coefficients_write(path, phases->suns + grid->first * ORL_PHASES_SUNS,
+                                        grid->count, ORL_PHASES_SUNS, w->err);
+    }
+    return rc;
+}
+
 /* Every metric of a grid over the plan. */
 static int write_plans(struct writing *w, size_t g, const char *grid)
 {
@@ -229,9 +280,11 @@ static size_t count_files(const struct orl_annual_told *told)
 {
     const struct orl_annual_formats *formats = &told->job->formats;
     const size_t of_grid = 2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) +
-                           formats->coefficients + (formats->honeybee ? 9 : 0);
+                           formats->coefficients + (formats->honeybee ? 9 : 0) +
+                           (told->phases ? 1 + 2 * told->phases->n_windows : 0);
     return 2 + (told->report->views ? 1U : 0U) + (told->report->n_seats > 0 ? 1U : 0U) +
-           told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0);
+           told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0) +
+           (told->phases ? 3 * told->phases->n_windows : 0);
 }
 
 static int write_all(struct writing *w)
@@ -242,6 +295,8 @@ static int write_all(struct writing *w)
         rc = write_matrices(w);
     if (rc == 0 && told->job->formats.coefficients)
         rc = write_coefficients(w);
+    if (rc == 0 && told->phases)
+        rc = write_phases(w);
     if (rc == 0 && told->job->formats.honeybee)
         rc = write_honeybee(w);
     if (rc == 0)

@@ -7,6 +7,8 @@
 
 #include <jansson.h>
 
+#include <oriel/annual_phases.h>
+
 #include "annual_json.h"
 
 /* Whose files they are; borrowed. */
@@ -15,6 +17,7 @@ struct orl_annual_told {
     const struct orl_run_env *run; /* output_folder exists; crew, cancel and progress are heeded */
     const struct orl_annual_result *result;
     const struct orl_annual_report *report;
+    const struct orl_annual_phases *phases; /* of the job's formats; or NULL */
 };
 
 /* Of a job's time, what comes before them, more or less. */

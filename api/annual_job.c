@@ -16,6 +16,7 @@ struct running {
     struct orl_annual_report report;
     struct orl_view_out *views; /* until the report has them */
     size_t n_views;
+    struct orl_annual_phases phases;
 };
 
 /* ---- The year -------------------------------------------------------------------------------- */
@@ -116,7 +117,8 @@ static int make_report(struct running *r, struct orl_error *err)
 
 static int tell(struct running *r, struct orl_error *err)
 {
-    const struct orl_annual_told told = {r->job, &r->run, &r->result, &r->report};
+    const struct orl_annual_told told = {r->job, &r->run, &r->result, &r->report,
+                                         r->job->formats.phases ? &r->phases : NULL};
     json_t *names = json_array(), *document = NULL;
     int rc = names ? orl_annual_files_write(&told, names, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -144,6 +146,8 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
         rc = orl_annual_validate(&job->request, err);
     if (rc == 0)
         rc = see_out(&r, err);
+    if (rc == 0 && job->formats.phases)
+        rc = orl_annual_phases_find(&job->request, &r.run, &r.phases, err);
     if (rc == 0)
         rc = run_year(&r, err);
     if (rc == 0)
@@ -153,6 +157,7 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     if (rc == 0)
         rc = tell(&r, err);
     free(r.views);
+    orl_annual_phases_done(&r.phases);
     orl_annual_report_done(&r.report);
     orl_annual_done(&r.result);
     orl_annual_inputs_done(&r.inputs);

@@ -189,12 +189,13 @@ static int decode_until(const json_t *value, const char *path, void *into, struc
                          : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-static const char *const format_names[] = {"honeybee", "ill", "coefficients", NULL};
+static const char *const format_names[] = {"honeybee", "ill", "coefficients", "phases", NULL};
 
 static int decode_format(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_annual_formats *formats = into;
-    bool *const flags[] = {&formats->honeybee, &formats->matrices, &formats->coefficients};
+    bool *const flags[] = {&formats->honeybee, &formats->matrices, &formats->coefficients,
+                           &formats->phases};
     unsigned which = 0;
     const struct orl_json_member word = {.word = &which, .words = format_names};
     const int rc = orl_json_value(value, path, &word, err);
@@ -205,7 +206,7 @@ static int decode_format(const json_t *value, const char *path, void *into, stru
 
 static int decode_formats(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_each(value, path, 3, decode_format, into, err);
+    return orl_json_each(value, path, 4, decode_format, into, err);
 }
 
 static int decode_members(const json_t *doc, struct orl_annual_job *job, struct orl_error *err)
@@ -252,6 +253,10 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
     if (rc == 0 && request->coefficients && wishes->until)
         return orl_json_fail(err, ORL_ERR_INVALID, "formats",
                              "daylight coefficients are of one run: leave \"accuracy\" out");
+    if (rc == 0 && job->formats.phases && (wishes->until || request->n_terms > 0))
+        return orl_json_fail(err, ORL_ERR_INVALID, "formats",
+                             "matrices of phases are of one run by paths: leave \"accuracy\" and "
+                             "\"matrices\" out");
     if (rc == 0 && wishes->until && request->samples == 0)
         request->samples = FIRST_ROUND;
     return rc;

@@ -18,7 +18,7 @@
  *      "glare": {...} (annual_glare.h),
  *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
  * open; "samples" are those of the first round then, 256 when left out),
- *      "formats": ["honeybee", "ill", "coefficients"] (files beside the usual ones),
+ *      "formats": ["honeybee", "ill", "coefficients", "phases"] (files beside the usual ones),
  *      "priority": 5 (read by task_json.h)}
  *
  * result.json:
@@ -55,9 +55,10 @@
 
 #include "job_json.h"
 
-/* Files of all hours: Honeybee's results folder; Radiance's matrices; daylight coefficients. */
+/* Files of all hours: Honeybee's results folder; Radiance's matrices; daylight coefficients;
+ * matrices of phases. */
 struct orl_annual_formats {
-    bool honeybee, matrices, coefficients;
+    bool honeybee, matrices, coefficients, phases;
 };
 
 /* All of it owned; orl_annual_job_done frees it. */

@@ -161,6 +161,8 @@ static json_t *document_to_json(const struct orl_annual_job *job)
         formats = orl_json_append(formats, json_string("ill"));
     if (job->formats.coefficients)
         formats = orl_json_append(formats, json_string("coefficients"));
+    if (job->formats.phases)
+        formats = orl_json_append(formats, json_string("phases"));
     if (document && json_object_set_new(document, "formats", formats) == 0 &&
         json_object_set_new(document, "scene",
                             json_pack("{s:o}", "files", scene_to_json(&job->request))) == 0 &&

@@ -183,6 +183,7 @@ static int run_document(const char *document, const struct output *output, uint3
         rc = decode(&file, &job, &err);
     job.formats.honeybee = job.formats.honeybee || output->formats.honeybee;
     job.formats.matrices = job.formats.matrices || output->formats.matrices;
+    job.formats.phases = job.formats.phases || output->formats.phases;
     if (rc == 0)
         rc = orl_local_annual(&job, file.folder, output->folder, output->cache, threads, &teller,
                               &err);
@@ -214,11 +215,16 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "ill",
          .help = "all hours as Radiance matrices, DIR/GRID.ill",
          .flag = &output.formats.matrices},
+        {.name = "phases",
+         .help =
+             "view, transmission and daylight matrices of the windows, and coefficients of suns, "
+             "for dctimestep: DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, WINDOW.d.mtx, GRID.cds.mtx",
+         .flag = &output.formats.phases},
         ORL_OPTION_THREADS(&line.threads_text),
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 5, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 6, &line, &code))
         return code;
     output.folder = line.output;
     return run_document(line.operand, &output, line.threads);

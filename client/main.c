@@ -30,7 +30,7 @@ static const struct orl_subcommand commands[] = {
      "model's\n"
      "Radiance files go to DIR, with job.json that names them.",
      orl_cmd_project},
-    {"annual", "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--threads N]",
+    {"annual", "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--phases]\n  [--threads N]",
      "Daylight over a year: metrics and verdicts with their intervals",
      "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
      "if\n"
@@ -39,7 +39,8 @@ static const struct orl_subcommand commands[] = {
      "and\n"
      "over the year, and a page of each to show (PDF). With --honeybee all hours go to DIR/results "
      "as\n"
-     "Honeybee keeps them, with --ill to Radiance matrices.",
+     "Honeybee keeps them, with --ill to Radiance matrices; --phases adds those of the three- and\n"
+     "five-phase methods.",
      orl_cmd_annual},
     {"verify", "RESULT [--files DIR] [--threads N]",
      "Repeat a year from its result's provenance, and compare bytes",

@@ -32,7 +32,8 @@ struct walk {
     struct tracer *tracer;
     uint32_t depth;
     const double *evenly;
-    bool bent; /* not straight from where it set out */
+    bool bent;          /* not straight from where it set out */
+    bool straight_only; /* surfaces end it */
 };
 
 static void light_at(struct tracer *t, const struct stop *stop);
@@ -106,6 +107,8 @@ static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
 static void add_sun_by_lobes(struct walk *w, const struct orl_material *m)
 {
     const bool panel = m->kind == ORL_MATERIAL_BSDF;
+    if (!w->tracer->sums->nodes)
+        return;
     if (!w->eye.outside && w->tracer->scene->map && w->depth > 0)
         return;
     add_lobes(w, m, orl_material_transmits_lobes(m) && (!panel || w->bent) ? 2 : 1);
@@ -118,12 +121,36 @@ static bool survives(struct walk *w)
     return !(chance < 1) || orl_path_survives(&w->eye.path, chance, w->eye.random);
 }
 
+/* Ends at a window, where paths are to; false: it goes on. */
+static bool take_exit(const struct walk *w)
+{
+    const struct orl_eye_path *p = &w->eye;
+    struct orl_annual_exits *exits = w->tracer->sums->exits;
+    const int32_t port = exits ? p->world->port_of_facet[p->hit.facet] : ORL_NO_PORT;
+    if (port == ORL_NO_PORT)
+        return false;
+    const uint32_t window = exits->window_of_port[port];
+    const struct orl_vec3 leaving =
+        orl_to_local(&exits->frames[window], orl_neg(p->path.direction));
+    const int cell = orl_basis_cell(exits->basis, orl_polar_of(leaving), 0);
+    if (cell < 0 || !(leaving.z > 0))
+        return true;
+    const size_t at = (size_t)window * (size_t)exits->basis->n_cells + (size_t)cell;
+    const float luma = (float)orl_luma(p->path.weight);
+    exits->all[at] += luma;
+    if (w->depth == 0 && !w->bent)
+        exits->straight[at] += luma;
+    return true;
+}
+
 static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct walk *w = walk_of(p);
     const struct orl_rgb albedo = orl_material_diffuse(m, &p->hit);
     w->tracer->health->rays++;
-    if (orl_rgb_max(albedo) > 0)
+    if (take_exit(w))
+        return ORL_LOBE_NONE;
+    if (orl_rgb_max(albedo) > 0 && !w->straight_only)
         add_diffuse(w, albedo);
     if (orl_material_is_matt(m))
         return ORL_LOBE_NONE;
@@ -138,7 +165,7 @@ static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
     orl_eye_path_cross(p, s);
     p->clear = false;
     walk_of(p)->bent = walk_of(p)->bent || s->event != ORL_EVENT_STRAIGHT;
-    return true;
+    return !(walk_of(p)->bent && walk_of(p)->straight_only);
 }
 
 static const struct orl_eye_sink sink = {.escaped = take_sky, .met = meet, .sent_on = go_on};
@@ -188,7 +215,7 @@ static void light_at(struct tracer *t, const struct stop *stop)
     const struct orl_effort effort = orl_aim_effort(&t->scene->aim, stop->place.outside ? outside
                                                                     : stop->depth == 0  ? at_sensors
                                                                                         : deeper);
-    if (stop->depth > 0 && (!stop->mapped || t->scene->mirrors.beyond)) {
+    if (t->sums->nodes && stop->depth > 0 && (!stop->mapped || t->scene->mirrors.beyond)) {
         const struct orl_sunlit_query query = {
             .place = stop->place, .weight = stop->weight, .mapped = stop->mapped};
         orl_sunlit_add(t->scene, &query, &t->random, t->sums->nodes);
@@ -213,4 +240,19 @@ void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_pla
             .index = i};
         light_at(&tracer, &stop);
     }
+}
+
+void orl_annual_trace_out(const struct orl_annual_scene *scene, struct orl_vec3 from,
+                          struct orl_vec3 direction, struct orl_random random, bool straight,
+                          struct orl_annual_sums *sums, struct orl_health *health)
+{
+    struct tracer tracer = {.scene = scene, .sums = sums, .random = random, .health = health};
+    struct walk w = {.eye = {.world = scene->world,
+                             .random = &tracer.random,
+                             .path = orl_path_from(from, direction),
+                             .outside = true},
+                     .tracer = &tracer,
+                     .straight_only = straight};
+    health->paths++;
+    orl_eye_path_follow(&w.eye, &sink, health);
 }

@@ -17,13 +17,25 @@
 #define ORL_ANNUAL_TRACE_H
 
 #include "annual/scene.h"
+#include "bsdf/basis.h"
 
-/* What a batch of a sensor's paths comes to, summed up over its samples: luma. */
+/* Where paths end that look at windows from inside, in place of going on through them: by which
+ * window, and in which cell of directions about the way it faces inwards. */
+struct orl_annual_exits {
+    const uint32_t *window_of_port;
+    const struct orl_frame *frames; /* by window: n inwards */
+    const struct orl_basis *basis;
+    float *all, *straight; /* [window][cell]: irradiance, of radiance 1; and without reflections */
+};
+
+/* What a batch of a sensor's paths comes to, summed up over its samples: luma. Without nodes the
+ * sun is not looked for. */
 struct orl_annual_sums {
     float *bins;   /* ORL_BINS: irradiance, of radiance 1 there */
     double *nodes; /* by node: irradiance, of a sun that gives 1 to what faces it */
     double *beams; /* by beam of the map: the same, of what comes through its ports alone */
     float *lots;   /* [ORL_SUN_MAP_LOTS][beam]: the same, as each lot of photons has it */
+    struct orl_annual_exits *exits; /* NULL: windows are gone through */
 };
 
 struct orl_annual_batch {
@@ -36,5 +48,11 @@ struct orl_annual_batch {
 void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_place *place,
                       const struct orl_annual_batch *batch, struct orl_annual_sums *sums,
                       struct orl_health *health);
+
+/* Adds to the bins a path that sets out from a place outdoors in a direction, with the weight 1;
+ * straight: no further than to what it meets but thin panes. */
+void orl_annual_trace_out(const struct orl_annual_scene *scene, struct orl_vec3 from,
+                          struct orl_vec3 direction, struct orl_random random, bool straight,
+                          struct orl_annual_sums *sums, struct orl_health *health);
 
 #endif

@@ -247,6 +247,7 @@ static void test_mistakes_are_named(void **state)
         {"UDI100-2000 over the year", "DA500", "metrics"},
         {"\"seed\": 7", "\"formats\": [\"hdr\"]", "formats[0]"},
         {"\"seed\": 7", "\"formats\": [\"coefficients\"]", "formats"},
+        {"\"seed\": 7", "\"formats\": [\"phases\"]", "formats"},
         {"\"south\", ", "7, ", "shades[0].name"},
         {"[\"glass\", ", "[3, ", "shades[0].windows[0]"},
         {"[\"half.rad\"]", "\"half.rad\"", "shades[0].states[1].files"},
