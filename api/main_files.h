@@ -5,7 +5,8 @@
  * Radiance files at the top, those that its "scene" lists, if all of them are there;
  * 2. else the Radiance files (.rad) at the top that no command of another names
  *    (orl_scene_guess_main), in an order that defines modifiers before they are used, and by name
- *    where that leaves it open (main_order.h).
+ *    where that leaves it open; and the files of materials (.mat) beside them that define what
+ *    else nobody does (main_order.h).
  *
  * The top is the one folder that holds .rad files and lies in the fewest others; where several lie
  * equally deep none is chosen, and *ret_count is 0.

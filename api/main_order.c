@@ -9,7 +9,7 @@ enum { MOST_DEFINERS = 16, DEEPEST = 8 };
 struct word {
     const char *at;
     size_t size;
-    size_t file; /* the main file that it counts for */
+    size_t file; /* the main file, or file of materials, that it counts for */
 };
 
 struct words {
@@ -25,7 +25,7 @@ struct order {
     struct orl_file *texts; /* of those opened */
     bool *opened, *seen;
     struct words defined, used;
-    size_t file; /* the main file under way */
+    size_t file; /* the one under way */
     bool out_of_memory;
 };
 
@@ -219,26 +219,57 @@ static void sort_once(struct words *words)
     words->count = kept;
 }
 
+/* Those that define the name, up to a bound, in the files' order: from *ret_first on so many. */
+static size_t find_definers(const struct words *defined, const struct word *name, size_t *ret_first)
+{
+    size_t low = 0, high = defined->count, n = 0;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (compare_names(&defined->items[middle], name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    while (low + n < defined->count && n < MOST_DEFINERS &&
+           compare_names(&defined->items[low + n], name) == 0)
+        n++;
+    *ret_first = low;
+    return n;
+}
+
 /* needs[i * count + j]: main file i uses what j defines, and it does not. */
 static void find_needs(const struct order *order, bool *needs)
 {
     const struct words *used = &order->used, *defined = &order->defined;
-    size_t first = 0, end = 0;
     for (size_t i = 0; i < used->count; i++) {
         const struct word *word = &used->items[i];
-        while (first < defined->count && compare_names(&defined->items[first], word) < 0)
-            first++;
-        end = end < first ? first : end;
-        while (end < defined->count && end - first < MOST_DEFINERS &&
-               compare_names(&defined->items[end], word) == 0)
-            end++;
+        size_t first = 0;
+        const size_t n = find_definers(defined, word, &first);
         bool own = false;
-        for (size_t k = first; k < end; k++)
+        for (size_t k = first; k < first + n; k++)
             own = own || defined->items[k].file == word->file;
-        for (size_t k = first; k < end && !own; k++)
+        for (size_t k = first; k < first + n && !own; k++)
             needs[word->file * order->count + defined->items[k].file] = true;
-        end = first;
     }
+}
+
+/* Makes main files of those that define what main files use and none of them defines: of each name
+ * the first. Whether there were any. */
+static bool take_materials(const struct order *order, bool *is_main)
+{
+    const struct words *used = &order->used, *defined = &order->defined;
+    bool taken = false;
+    for (size_t i = 0; i < used->count; i++) {
+        size_t first = 0;
+        const size_t n =
+            is_main[used->items[i].file] ? find_definers(defined, &used->items[i], &first) : 0;
+        bool known = n == 0;
+        for (size_t k = first; k < first + n; k++)
+            known = known || is_main[defined->items[k].file];
+        if (!known)
+            is_main[defined->items[first].file] = taken = true;
+    }
+    return taken;
 }
 
 static bool waits(const bool *needs, const bool *left, size_t count, size_t index)
@@ -270,7 +301,19 @@ static size_t put_in_order(const bool *needs, bool *left, size_t count, size_t *
     }
 }
 
-int orl_main_order(const char *const *names, size_t count, const bool *is_main,
+/* Of the names that end so those that lie beside the main files. */
+static bool lies_beside(const char *const *names, size_t count, const bool *is_main, size_t index)
+{
+    const char *name = names[index], *slash = strrchr(name, '/');
+    const size_t folder = slash ? (size_t)(slash - name) + 1 : 0, length = strlen(name);
+    size_t top = 0;
+    while (top < count && !is_main[top])
+        top++;
+    return top < count && length > 4 && strcasecmp(name + length - 4, ".mat") == 0 &&
+           strncmp(names[top], name, folder) == 0 && !strchr(names[top] + folder, '/');
+}
+
+int orl_main_order(const char *const *names, size_t count, bool *is_main,
                    const struct orl_files *files, size_t *ret_order, size_t *ret_count,
                    struct orl_error *err)
 {
@@ -283,16 +326,18 @@ int orl_main_order(const char *const *names, size_t count, const bool *is_main,
     bool *needs = calloc(count * count + 1, sizeof *needs);
     order.out_of_memory = !order.texts || !order.opened || !order.seen || !needs;
     for (order.file = 0; order.file < count && !order.out_of_memory; order.file++) {
-        if (!is_main[order.file])
+        if (!is_main[order.file] && !lies_beside(names, count, is_main, order.file))
             continue;
         memset(order.seen, 0, count);
         look_at_file(&order, order.file, 0);
     }
     if (!order.out_of_memory) {
         bool *left = order.opened + count;
-        memcpy(left, is_main, count);
         sort_once(&order.defined);
         sort_once(&order.used);
+        while (take_materials(&order, is_main))
+            ;
+        memcpy(left, is_main, count);
         find_needs(&order, needs);
         *ret_count = put_in_order(needs, left, count, ret_order);
     }

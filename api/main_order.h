@@ -16,8 +16,8 @@
 
 #include <oriel/files.h>
 
-/* names: sorted. ret_order: room for count; their indices. */
-int orl_main_order(const char *const *names, size_t count, const bool *is_main,
+/* names: sorted. is_main: in and out. ret_order: room for count; their indices. */
+int orl_main_order(const char *const *names, size_t count, bool *is_main,
                    const struct orl_files *files, size_t *ret_order, size_t *ret_count,
                    struct orl_error *err);
 

@@ -123,10 +123,11 @@ static bool is_of_scene(const char *name)
     const size_t length = strlen(name);
 
     return (length > 4 && strcasecmp(name + length - 4, ".rad") == 0) ||
+           (length > 4 && strcasecmp(name + length - 4, ".mat") == 0) ||
            (length > 5 && strcasecmp(name + length - 5, ".json") == 0);
 }
 
-/* Files of a folder whose names end in .rad or .json, sorted. */
+/* Files of a folder whose names end in .rad, .mat or .json, sorted. */
 static int list_scene_files(const char *folder, char **names, size_t *count, struct orl_error *err)
 {
     DIR *entries = NULL;
@@ -139,7 +140,7 @@ static int list_scene_files(const char *folder, char **names, size_t *count, str
             continue;
         if (*count == ORL_LIMIT_SCENE_FILES)
             rc = orl_error_set(err, ORL_ERR_LIMIT,
-                               "the folder has more than %u .rad and .json files",
+                               "the folder has more than %u .rad, .mat and .json files",
                                ORL_LIMIT_SCENE_FILES);
         else if (!(names[*count] = strdup(entry->d_name)))
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -11,7 +11,8 @@ export class Problem extends Error {
   get sentence() {
     const { title, detail, file, line, primitive, hint } = this.document;
     const place = file ? ` (${file}${line ? `, line ${line}` : ''})` : primitive ? ` (${primitive})` : '';
-    return `${title || 'Refused'}: ${detail || ''}${place}.${hint ? ` ${hint}.` : ''}`.replace(/\.\.+/g, '.');
+    const more = hint ? ` ${hint[0].toUpperCase()}${hint.slice(1)}.` : '';
+    return `${title || 'Refused'}: ${detail || ''}${place}.${more}`.replace(/([.?!])\.+/g, '$1');
   }
 }
 

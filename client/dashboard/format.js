@@ -25,11 +25,12 @@ export function duration(seconds) {
   if (seconds < 1) return `${Math.round(1000 * seconds)}\u202fms`;
   if (seconds < 10) return `${seconds.toFixed(1)}\u202fs`;
   if (seconds < 60) return `${Math.round(seconds)}\u202fs`;
-  const minutes = Math.floor(seconds / 60), rest = Math.round(seconds % 60);
-  if (minutes < 10) return `${minutes}\u202fmin ${rest}\u202fs`;
+  const together = (large, small) => [large, small].filter((one) => !/^0/.test(one)).join(' ');
+  const whole = Math.round(seconds), minutes = Math.floor(whole / 60);
+  if (minutes < 10) return together(`${minutes}\u202fmin`, `${whole % 60}\u202fs`);
   if (minutes < 60) return `${Math.round(seconds / 60)}\u202fmin`;
   const hours = Math.floor(minutes / 60);
-  if (hours < 48) return `${hours}\u202fh ${minutes % 60}\u202fmin`;
+  if (hours < 48) return together(`${hours}\u202fh`, `${minutes % 60}\u202fmin`);
   return `${Math.round(hours / 24)} days`;
 }
 

@@ -57,7 +57,9 @@ class Row {
     this.bar.firstChild.style.inlineSize = known ? `${job.percent}%` : '0';
     this.bar.hidden = isOver(job.state);
     setText(this.share, known && !isOver(job.state) ? `${Math.floor(job.percent)}\u202f%` : '');
-    setText(this.cells.eta, timeWords(job));
+    const time = timeWords(job);
+    setText(this.cells.eta, time);
+    setAttr(this.cells.eta, 'data-none', time === NONE ? '' : null);
     setText(this.cells.error, percent(job.error ?? NaN));
     setAttr(this.cells.error, 'data-none', Number.isFinite(job.error) ? null : '');
     setText(this.cells.when, moment(job.created));

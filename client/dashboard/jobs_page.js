@@ -132,9 +132,9 @@ export class JobsPage {
 
   #count() {
     const { list } = this;
-    const words = [list.running && `${count(list.running)} running`, list.waiting && `${count(list.waiting)} waiting`,
-      `${count(list.size)}${list.next ? ' of more' : ''} shown`].filter(Boolean);
-    setText(this.summary, list.size ? words.join(' \u00b7 ') : '');
+    const states = [list.running && `${count(list.running)} running`, list.waiting && `${count(list.waiting)} waiting`].filter(Boolean);
+    const all = `${list.next ? 'the newest ' : ''}${count(list.size)}${list.next ? '' : ` job${list.size === 1 ? '' : 's'}`}`;
+    setText(this.summary, list.size ? `${all[0].toUpperCase()}${all.slice(1)}${states.length ? `: ${states.join(', ')}` : ''}` : '');
     if (!list.size) this.holder.replaceChildren(empty(this.filters));
     else if (this.holder.firstChild !== this.table) this.holder.replaceChildren(this.table);
   }

@@ -82,7 +82,8 @@ static void add_files(json_t *summary, const struct orl_bundle *bundle)
     for (size_t i = 0; i < bundle->count; i++) {
         const char *name = bundle->files[i].name;
         const size_t length = strlen(name);
-        const bool radiance = length > 4 && strcasecmp(name + length - 4, ".rad") == 0;
+        const char *suffix = name + (length > 4 ? length - 4 : 0);
+        const bool radiance = strcasecmp(suffix, ".rad") == 0 || strcasecmp(suffix, ".mat") == 0;
         if (!bundle->files[i].resource)
             json_array_append_new(mains, json_string(name));
         else if (radiance && !is_listed(referenced, name))

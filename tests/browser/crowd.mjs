@@ -21,7 +21,7 @@ export function crowdCases({ test, visit, browser, build }) {
 }
 
 async function scrollThrough(page) {
-  await page.getByText(/of more shown/).waitFor();
+  await page.getByText(/^The newest 100/).waitFor();
   for (let last = 0; ;) {
     await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
     const rows = await page.locator('tbody tr').count();
@@ -33,14 +33,14 @@ async function scrollThrough(page) {
 }
 
 async function look(page, browser, name) {
-  await page.getByText(/of more shown/).waitFor();
+  await page.getByText(/^The newest 100/).waitFor();
   assert.deepEqual(await browser.audit(page), []);
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true, 'nothing beside the page');
   await page.screenshot({ path: `${browser.folder}/jobs-${name}.png` });
 }
 
 async function walk(page) {
-  await page.getByText(/of more shown/).waitFor();
+  await page.getByText(/^The newest 100/).waitFor();
   await page.keyboard.press('Tab');
   assert.equal(await page.evaluate(() => document.activeElement.className), 'skip');
   const focused = () => page.evaluate(() => document.activeElement.textContent);
@@ -75,12 +75,12 @@ async function overtake(page, crowd) {
   events.close();
   await page.waitForTimeout(300); // the page has heard of them, too
   release();
-  await page.getByText(/100 of more shown/).waitFor();
+  await page.getByText(/^The newest 100/).waitFor();
   const rows = await page.locator('tbody tr').evaluateAll((all) => all.map((one) => [one.querySelector('a').getAttribute('href').split('/').pop(), one.dataset.state]));
   assert.deepEqual(rows.slice(0, 3), [[id, 'queued'], [jobs[0].id, 'queued'], [jobs[1].id, 'cancelled']]);
   assert.ok(!rows.some(([one]) => one === jobs[2].id), 'what was removed is not shown');
   assert.equal(new Set(rows.map(([one]) => one)).size, 100);
   await page.unroute(/\/v1\/jobs\?fields=summary/);
   await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
-  await page.getByText(/200 of more shown/).waitFor();
+  await page.getByText(/^The newest 200/).waitFor();
 }

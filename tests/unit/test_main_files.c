@@ -76,6 +76,27 @@ static void test_definitions_come_first(void **state)
         "b.rad a.rad");
 }
 
+/* Files of materials are read where they define what else nobody does. */
+static void test_materials(void **state)
+{
+    (void)state;
+    assert_string_equal(CHOOSE({"a.rad", BALL}, {"materials.mat", GREY}), "materials.mat a.rad");
+    assert_string_equal(CHOOSE({"a.rad", GREY BALL}, {"materials.mat", GREY}), "a.rad");
+    assert_string_equal(CHOOSE({"a.rad", BALL}, {"b.rad", GREY}, {"materials.mat", GREY}),
+                        "b.rad a.rad");
+    assert_string_equal(CHOOSE({"a.rad", BALL}, {"day.mat", GREY}, {"night.mat", GREY}),
+                        "day.mat a.rad");
+    assert_string_equal(CHOOSE({"a.rad", "dull sphere s 0 0 4 0 0 0 1\n"},
+                               {"dull.mat", "grey plastic dull 0 0 5 1 1 1 0 0\n"},
+                               {"grey.MAT", GREY},
+                               {"other.mat", "void plastic red 0 0 5 1 0 0 0 0\n"}),
+                        "grey.MAT dull.mat a.rad");
+    assert_string_equal(CHOOSE({"a.rad", BALL}, {"lib/materials.mat", GREY}), "a.rad");
+    assert_string_equal(CHOOSE({"in/a.rad", BALL}, {"in/m.mat", GREY}, {"materials.mat", GREY}),
+                        "in/m.mat in/a.rad");
+    assert_string_equal(CHOOSE({"materials.mat", GREY}), "");
+}
+
 /* Where files need each other names decide, and all are read. */
 static void test_circles(void **state)
 {
@@ -124,9 +145,11 @@ static void test_folders(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definitions_come_first), cmocka_unit_test(test_circles),
-        cmocka_unit_test(test_nonsense), cmocka_unit_test(test_documents),
-        cmocka_unit_test(test_folders)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_definitions_come_first),
+                                       cmocka_unit_test(test_materials),
+                                       cmocka_unit_test(test_circles),
+                                       cmocka_unit_test(test_nonsense),
+                                       cmocka_unit_test(test_documents),
+                                       cmocka_unit_test(test_folders)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -33,6 +33,6 @@ export async function upload(found) {
   const inOne = files.every(({ name }) => name.startsWith(`${top}/`));
   const named = files.map(({ name, bytes }) => [inOne ? name.slice(top.length + 1) : name, bytes]);
   const decoder = new TextDecoder('latin1');
-  const texts = new Map(named.filter(([name]) => /^[^/]+\.rad$/i.test(name)).map(([name, bytes]) => [name, decoder.decode(bytes)]));
+  const texts = new Map(named.filter(([name]) => /^[^/]+\.(rad|mat)$/i.test(name)).map(([name, bytes]) => [name, decoder.decode(bytes)]));
   return { body: zip(files), names: named.map(([name]) => name), mains: candidates(texts) };
 }

@@ -39,9 +39,17 @@ export function ordered(files) {
   return done.map(({ name }) => name);
 }
 
-// texts: Map of name to text, of the scene files at the top.
+// texts: Map of name to text, of the scene files at the top; those of materials (.mat) are some where they
+// define what no other does.
 // {files: of {name, scan}, all: what may be a main file, in order}
 export function candidates(texts) {
   const files = [...texts].map(([name, text]) => ({ name, scan: scan(text) }));
-  return { files, all: ordered(files.filter(({ name }) => !files.some((other) => other.scan.files.has(name)))) };
+  const named = files.filter(({ name }) => !files.some((other) => other.scan.files.has(name)));
+  const mains = named.filter(({ name }) => !/\.mat$/i.test(name));
+  const wants = (word) => mains.some(({ scan: one }) => one.uses.has(word)) && !mains.some(({ scan: one }) => one.defines.has(word));
+  for (let taken = true; taken;) {
+    taken = named.find((one) => !mains.includes(one) && [...one.scan.defines].some(wants));
+    if (taken) mains.push(taken);
+  }
+  return { files, all: ordered(mains) };
 }

@@ -84,6 +84,7 @@ static int paint_all(struct tiles *tiles)
     tiles->across = (film->width + tiles->side - 1) / tiles->side;
     tiles->all = tiles->across * ((film->height + tiles->side - 1) / tiles->side);
     tiles->stride = orl_scatter_stride(tiles->all);
+    painting->env->progress(painting->env->ctx, tiles->before); /* what came before is over */
     painting->env->phase(painting->env->ctx, tiles->before, 1);
     orl_crew_for(painting->env->crew, tiles->all, paint_tile, tiles);
     if (orl_paint_cancelled(painting->env))
