@@ -89,6 +89,8 @@ static bool is_colourless(const struct orl_material *m)
         return is_gray_panel(m);
     case ORL_MATERIAL_GLASS:
         return is_gray(m->transmissivity) && !(m->pattern && m->pattern->coloured);
+    case ORL_MATERIAL_MIXTURE:
+        return is_colourless(&m->mixed[0]) && is_colourless(&m->mixed[1]);
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_MIRROR:

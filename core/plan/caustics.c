@@ -99,6 +99,8 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
 
 static bool is_glass(const struct orl_material *m)
 {
+    if (m->kind == ORL_MATERIAL_MIXTURE)
+        return is_glass(&m->mixed[0]) || is_glass(&m->mixed[1]);
     return m->kind == ORL_MATERIAL_GLASS || (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
            (m->kind == ORL_MATERIAL_TRANS && !(m->roughness[0] > 0) && m->transmitted > 0 &&
             m->transmitted_specular > 0);

@@ -20,9 +20,13 @@ static bool has_coloured_bsdf(const struct orl_material *m)
     return info.colored;
 }
 
+static bool is_coloured(const struct orl_material *m);
+
 /* What cannot be bleached. */
 static bool has_coloured_data(const struct orl_material *m)
 {
+    if (m->kind == ORL_MATERIAL_MIXTURE && (is_coloured(&m->mixed[0]) || is_coloured(&m->mixed[1])))
+        return true;
     return has_coloured_bsdf(m) || (m->pattern && m->pattern->coloured);
 }
 
@@ -59,17 +63,24 @@ static double vividness(struct orl_rgb c)
     return orl_luma(c) > 0 ? orl_rgb_max(c) / orl_luma(c) : 1;
 }
 
+static double vividness_of(const struct orl_material *m)
+{
+    const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front, m->back, m->through};
+    double most = 1;
+    for (size_t k = 0; k < sizeof colors / sizeof *colors; k++)
+        most = fmax(most, vividness(colors[k]));
+    for (int i = 0; m->mixed && i < 2; i++)
+        most = fmax(most, vividness_of(&m->mixed[i]));
+    return most;
+}
+
 static double most_vivid(const struct orl_survey *survey)
 {
     const struct orl_world *world = survey->world;
     double most = 1;
-    for (size_t i = 0; i < world->n_materials; i++) {
-        const struct orl_material *m = &world->materials[i];
-        const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front, m->back,
-                                         m->through};
-        for (size_t k = 0; survey->surfaces[i] > 0 && k < sizeof colors / sizeof *colors; k++)
-            most = fmax(most, vividness(colors[k]));
-    }
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (survey->surfaces[i] > 0)
+            most = fmax(most, vividness_of(&world->materials[i]));
     for (size_t i = 0; i < world->n_suns; i++)
         most = fmax(most, vividness(world->suns[i].radiance));
     for (size_t i = 0; i < world->n_domes; i++)

@@ -54,6 +54,8 @@ struct finder {
 
 static bool is_window(const struct orl_material *material)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return orl_material_is_window(material);
     return material->kind == ORL_MATERIAL_GLASS || material->kind == ORL_MATERIAL_DIELECTRIC ||
            material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_ILLUM;
 }

@@ -36,6 +36,7 @@ enum orl_material_kind {
     ORL_MATERIAL_LIGHT,      /* radiance; a source to be sampled directly */
     ORL_MATERIAL_GLOW,       /* radiance, max_radius; seen, but sampled only within max_radius */
     ORL_MATERIAL_SPOTLIGHT,  /* a light that shines within a cone: spot */
+    ORL_MATERIAL_MIXTURE,    /* mixed, mix: of unlike materials (material/scatter.h) */
     ORL_MATERIAL_ILLUM,      /* a light that views see as what it stands for: seen_as */
 };
 
@@ -71,7 +72,9 @@ struct orl_material {
     struct orl_pattern *pattern; /* factor of color, of glass of what passes (material/pattern.h);
                                     or NULL */
     struct orl_pattern *texture; /* turns the normal (material/texture.h); or NULL */
-    int32_t sky;                 /* light, glow: index into skies that scales color, or -1 */
+    struct orl_pattern *mix;     /* mixture: the first's share (of pattern.h, a factor of 1) */
+    const struct orl_material *mixed; /* mixture: two, in the arena; with no BSDFs among them */
+    int32_t sky;                      /* light, glow: index into skies that scales color, or -1 */
     uint32_t part; /* whose windows and shades have it, from 1 (swap.h); 0: no one's */
 };
 

@@ -125,7 +125,7 @@ double subject_check_lobe(const struct subject *s, struct orl_vec3 from,
         struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
         const struct orl_scatter d =
             orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
-        if (d.event == ORL_EVENT_ABSORBED)
+        if (d.event != ORL_EVENT_GLOSSY) /* the others are specular, or absorbed */
             continue;
         const int b = bin_of(s, d.direction);
         sum[b] += d.weight.g / DRAWS;

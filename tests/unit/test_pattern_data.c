@@ -107,8 +107,9 @@ static struct orl_rgb seen(const struct orl_scene *scene, struct orl_vec3 origin
     assert_true(orl_geometry_intersect(scene->geometry, orl_sub(origin, scene->geometry->center),
                                        direction, 100, &hit));
     const struct orl_material *const m = orl_scene_material(scene, hit.facet);
-    return m->kind == ORL_MATERIAL_GLASS ? orl_material_straight(m, &hit, back)
-                                         : orl_material_emission(m, &hit, back);
+    return m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_MIXTURE
+               ? orl_material_straight(m, &hit, back)
+               : orl_material_emission(m, &hit, back);
 }
 
 /*
@@ -143,6 +144,11 @@ static void test_rtrace(void **state)
                   "void mixdata floor 6 m a noneg r.dat f.cal u*3 0 0\n" FLOOR,
                   {1266.75439, 1866.6228, 2666.55701, 3.63507585, 0.621479999, -0.397516385,
                    1789.1607, 3530.40419, 7398.79816}},
+                 {"void glass a 0 0 3 .8 .7 .9\nvoid trans b 0 0 7 .6 .5 .9 0 0 .7 .6\n"
+                  "void mixfunc n 4 a void u*v f.cal 0 0\n"
+                  "void mixfunc floor 6 n b Px/5 f.cal -rz 20 0 0\n" FLOOR,
+                  {541.244394, 488.712437, 635.083266, 0.835286294, 1.19470603, 0.632179588,
+                   302.36616, 246.323092, 411.830879}},
                  {"void colorpict p 7 clip_r clip_g clip_b p.hdr f.cal u v 0 0\n"
                   "p glass floor 0 0 3 .8 .7 .9\n" FLOOR,
                   {401.484208, 260.601963, 291.203694, -0.943380356, 1.7264356, -9.21947829,
@@ -293,9 +299,8 @@ static void test_mixtures(void **state)
 {
     static const struct {
         const char *second, *words;
-    } cases[] = {{"void plastic b 0 0 5 .2 .2 .2 .1 0", "not in gloss"},
-                 {"void metal b 0 0 5 .2 .2 .2 0 0", "of one type"},
-                 {"void glass b 0 0 3 .2 .2 .2", "of one type"},
+    } cases[] = {{"void glow b 0 0 4 .2 .2 .2 0", "of unlike materials"},
+                 {"void dielectric b 0 0 5 .2 .2 .2 1.5 0", "of unlike materials"},
                  {"void brightfunc b 2 Px . 0 0", "'b' is none"}};
     struct orl_description d = {0};
     struct orl_error err = {0};

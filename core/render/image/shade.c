@@ -263,6 +263,8 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
         follow(look, at, hit, &on);
     else if (orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);
+    else if (m->kind == ORL_MATERIAL_MIXTURE && orl_material_is_window(m))
+        follow(look, at, hit, &on);
     for (uint32_t i = 0; i < look->shaded->n_vertices; i++)
         look->shaded->vertices[i].weight = orl_gray(1);
 }

@@ -31,6 +31,8 @@ static int class_of(const struct orl_material *m)
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_DIELECTRIC:
         return 1;
+    case ORL_MATERIAL_MIXTURE:
+        return class_of(&m->mixed[0]) < 2 || class_of(&m->mixed[1]) < 2 ? 1 : 2;
     case ORL_MATERIAL_BSDF:
         return m->peak ? 1 : 2;
     default:
@@ -56,6 +58,8 @@ static int compare(const struct orl_description *d, const struct orl_surface *a,
 /* Whether both sides of it are the same to light. */
 static bool is_two_sided(const struct orl_material *m)
 {
+    if (m->kind == ORL_MATERIAL_MIXTURE)
+        return is_two_sided(&m->mixed[0]) && is_two_sided(&m->mixed[1]);
     return m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL ||
            m->kind == ORL_MATERIAL_TRANS || m->kind == ORL_MATERIAL_GLASS ||
            m->kind == ORL_MATERIAL_VOID;

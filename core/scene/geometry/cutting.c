@@ -50,7 +50,10 @@ bool orl_materials_alike(const struct orl_material *a, const struct orl_material
             same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
             same_rgb(a->through, b->through) && same_vec(a->aim, b->aim) &&
             a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
-            a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture);
+            a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture &&
+            a->mix == b->mix &&
+            (!a->mixed || (orl_materials_alike(&a->mixed[0], &b->mixed[0]) &&
+                           orl_materials_alike(&a->mixed[1], &b->mixed[1]))));
 }
 
 /* ---- Cutting --------------------------------------------------------------------------------- */

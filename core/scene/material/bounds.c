@@ -19,8 +19,12 @@ static struct orl_material at_most(const struct orl_material *material)
     return most;
 }
 
+/* Of a mixture it is the larger of what both are, whatever their shares. */
 double orl_material_diffuse_most(const struct orl_material *material)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return fmax(orl_material_diffuse_most(&material->mixed[0]),
+                    orl_material_diffuse_most(&material->mixed[1]));
     const struct orl_hit hit = orl_hit_anywhere(up, true);
     const struct orl_material most = at_most(material);
     return orl_rgb_max(orl_material_diffuse(&most, &hit));
@@ -29,6 +33,9 @@ double orl_material_diffuse_most(const struct orl_material *material)
 double orl_material_albedo_most(const struct orl_material *material, bool front, double cosine,
                                 enum orl_lobes lobes)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return fmax(orl_material_albedo_most(&material->mixed[0], front, cosine, lobes),
+                    orl_material_albedo_most(&material->mixed[1], front, cosine, lobes));
     const struct orl_hit hit = orl_hit_anywhere(up, front);
     const struct orl_material most = at_most(material);
     return orl_rgb_max(orl_material_albedo(&most, &hit, direction_at(front, cosine), lobes));
@@ -36,6 +43,9 @@ double orl_material_albedo_most(const struct orl_material *material, bool front,
 
 double orl_material_mirrored_most(const struct orl_material *material, bool front, double cosine)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return fmax(orl_material_mirrored_most(&material->mixed[0], front, cosine),
+                    orl_material_mirrored_most(&material->mixed[1], front, cosine));
     const struct orl_hit hit = orl_hit_anywhere(up, front);
     const struct orl_material most = at_most(material);
     return orl_rgb_max(orl_material_mirrored(&most, &hit, direction_at(front, cosine)));

@@ -20,6 +20,19 @@ void orl_pattern_free(struct orl_pattern *pattern)
     free(pattern);
 }
 
+size_t orl_patterns_of(const struct orl_material *material,
+                       struct orl_pattern *ret_patterns[ORL_MATERIAL_PATTERNS])
+{
+    struct orl_pattern *const own[] = {material->pattern, material->texture, material->mix};
+    size_t n = 0;
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+        if (own[i])
+            ret_patterns[n++] = own[i];
+    for (int i = 0; material->mixed && i < 2; i++)
+        n += orl_patterns_of(&material->mixed[i], ret_patterns + n);
+    return n;
+}
+
 static struct orl_vec3 turned(const struct orl_pattern *pattern, struct orl_vec3 v)
 {
     return orl_v3(orl_dot(pattern->row[0], v), orl_dot(pattern->row[1], v),
@@ -108,11 +121,9 @@ static enum worth mix(const struct orl_pattern *pattern, const struct orl_hit *h
     return worth;
 }
 
-/* What its function, and what its grids hold, come to. */
-static enum worth values_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
-                            struct orl_vec3 towards, double values[ORL_GRID_AXES])
+static void find_inputs(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                        struct orl_vec3 towards, double inputs[ORL_RAY_INPUTS])
 {
-    double inputs[ORL_RAY_INPUTS];
     take(inputs, ORL_RAY_PX,
          orl_add(turned(pattern, orl_add(hit->point, pattern->center)), pattern->offset));
     take(inputs, ORL_RAY_NX, orl_scale(turned(pattern, hit->normal), pattern->scale));
@@ -120,6 +131,14 @@ static enum worth values_at(const struct orl_pattern *pattern, const struct orl_
     inputs[ORL_RAY_RDOT] = orl_dot(towards, hit->normal);
     if (pattern->meshed)
         find_place(pattern, hit, inputs + ORL_RAY_LU);
+}
+
+/* What its function, and what its grids hold, come to. */
+static enum worth values_at(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                            struct orl_vec3 towards, double values[ORL_GRID_AXES])
+{
+    double inputs[ORL_RAY_INPUTS];
+    find_inputs(pattern, hit, towards, inputs);
     enum worth worth = run(pattern->function, inputs, values);
     if (worth == HAS_VALUE && pattern->values) {
         look_up(pattern, values, inputs + ORL_RAY_DATA);
@@ -139,14 +158,73 @@ bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit 
     return true;
 }
 
+/* Eight bands at once: what the grid holds of each, and the wavelength, are what values take. */
+static enum worth see_bands(const struct orl_pattern *pattern, const double *inputs, double *place,
+                            uint32_t first, struct orl_tristimulus *seen)
+{
+    struct orl_function_lanes columns[ORL_RAY_INPUTS], values;
+    double held[ORL_GRID_CHANNELS];
+    const uint32_t left = pattern->n_bands - first, n = left < LANES ? left : LANES;
+    for (uint32_t l = 0; l < n; l++) {
+        const struct orl_band *const band = &pattern->bands[first + l];
+        for (int i = 0; i < ORL_RAY_DATA; i++)
+            columns[i].at[l] = inputs[i];
+        columns[ORL_RAY_DATA].at[l] = band->nm;
+        if (pattern->n_grids > 0) {
+            place[pattern->grids[0]->n_axes - 1] = band->nm;
+            orl_grid_at(pattern->grids[0], place, held);
+            columns[ORL_RAY_DATA_2].at[l] = held[0];
+        }
+    }
+    const struct orl_function_outcome outcome = orl_function_evaluate(
+        pattern->values, orl_function_scratch_of_thread(), columns, (1U << n) - 1, &values);
+    for (uint32_t l = 0; l < n; l++) {
+        const struct orl_tristimulus w = pattern->bands[first + l].weight;
+        seen->x += w.x * values.at[l];
+        seen->y += w.y * values.at[l];
+        seen->z += w.z * values.at[l];
+    }
+    return outcome.exceeded ? TAKES_TOO_LONG : outcome.undefined ? HAS_NONE : HAS_VALUE;
+}
+
+/* A spectrum's factor. Of a grid all axes but the last are the function's coordinates. */
+static enum worth see(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                      struct orl_vec3 towards, struct orl_rgb *ret_factor)
+{
+    double inputs[ORL_RAY_INPUTS], place[ORL_GRID_AXES];
+    struct orl_tristimulus seen = {0, 0, 0};
+    find_inputs(pattern, hit, towards, inputs);
+    enum worth worth = pattern->function ? run(pattern->function, inputs, place) : HAS_VALUE;
+    for (uint32_t i = 0; i < pattern->n_bands && worth == HAS_VALUE; i += LANES)
+        worth = see_bands(pattern, inputs, place, i, &seen);
+    if (worth != HAS_VALUE)
+        return worth;
+    if (!isfinite(seen.x) || !isfinite(seen.y) || !isfinite(seen.z))
+        return HAS_NONE;
+    *ret_factor = orl_observed_rgb(seen);
+    return HAS_VALUE;
+}
+
+void orl_pattern_fix(struct orl_pattern *pattern)
+{
+    const uint64_t own = ((uint64_t)1 << ORL_RAY_DATA) - 1;
+    const struct orl_hit hit = {.normal = {0, 0, 1}, .front = true};
+    if ((pattern->function && orl_function_inputs(pattern->function) & own) ||
+        orl_function_inputs(pattern->values) & own)
+        return;
+    pattern->fixed = see(pattern, &hit, hit.normal, &pattern->factor) == HAS_VALUE;
+}
+
 /* Its own factor, without those under it. */
 static enum worth own_factor(const struct orl_pattern *pattern, const struct orl_hit *hit,
                              struct orl_vec3 towards, struct orl_rgb *ret_factor)
 {
     double values[ORL_GRID_AXES];
-    *ret_factor = orl_gray(1);
-    if (pattern->smooth)
+    *ret_factor = pattern->fixed ? pattern->factor : orl_gray(1);
+    if (pattern->smooth || pattern->fixed)
         return HAS_VALUE;
+    if (pattern->bands)
+        return see(pattern, hit, towards, ret_factor);
     enum worth worth = values_at(pattern, hit, towards, values);
     if (pattern->texture)
         return worth;
@@ -215,23 +293,27 @@ struct spread {
     double area;
 };
 
-/* Facets by patterns: those of pattern i are from first[i] on. */
-static void sort_facets(const struct orl_description *d, const struct orl_geometry *g,
-                        size_t *first, uint32_t *sorted)
+/* Facets by patterns: those of pattern i are from first[i] on. NULL without memory. */
+static uint32_t *sort_facets(const struct orl_description *d, const struct orl_geometry *g,
+                             size_t *first)
 {
-    for (int pass = 0; pass < 2; pass++) {
+    uint32_t *sorted = NULL;
+    for (int pass = 0; pass < 2 && (pass == 0 || sorted); pass++) {
         for (size_t i = 0; i < g->n_facets; i++) {
-            const struct orl_material *const m = &d->materials[g->facets[i].material];
-            const struct orl_pattern *const both[2] = {m->pattern, m->texture};
-            for (int k = 0; k < 2; k++)
-                if (both[k] && pass == 0)
-                    first[both[k]->index + 2]++;
-                else if (both[k])
-                    sorted[first[both[k]->index + 1]++] = (uint32_t)i;
+            struct orl_pattern *all[ORL_MATERIAL_PATTERNS];
+            const size_t n = orl_patterns_of(&d->materials[g->facets[i].material], all);
+            for (size_t k = 0; k < n; k++)
+                if (pass == 0)
+                    first[all[k]->index + 2]++;
+                else
+                    sorted[first[all[k]->index + 1]++] = (uint32_t)i;
         }
         for (size_t i = 0; pass == 0 && i < d->n_patterns; i++)
             first[i + 2] += first[i + 1];
+        if (pass == 0)
+            sorted = calloc(first[d->n_patterns + 1] + 1, sizeof *sorted);
     }
+    return sorted;
 }
 
 static int too_long(const struct orl_pattern *pattern, struct orl_error *err)
@@ -387,10 +469,8 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
     const size_t n = description->n_patterns;
     const size_t places = n > ALL_PLACES / PLACES ? FEWEST + ALL_PLACES / n : PLACES;
     size_t *const first = calloc(n + 3, sizeof *first);
-    uint32_t *const sorted = calloc(2 * geometry->n_facets + 1, sizeof *sorted);
-    int code = first && sorted ? 0 : ORL_ERR_NOMEM;
-    if (code == 0)
-        sort_facets(description, geometry, first, sorted);
+    uint32_t *const sorted = first ? sort_facets(description, geometry, first) : NULL;
+    int code = sorted ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; code == 0 && i < n; i++) {
         struct orl_pattern *const pattern = description->patterns[i];
         struct spread spread = {geometry, sorted + first[i], first[i + 1] - first[i], 0};

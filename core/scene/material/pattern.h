@@ -7,6 +7,8 @@
  * function's value, cut to 0 to 1, is the first's share of the colour, which is all of it where
  * there is no value.
  *
+ * Of two that are unlike (scatter.h) its factor is the first's share, by the same rule.
+ *
  * What a pattern makes of a reflector's colour is from 0 to 1 in each channel: where Radiance would
  * have a surface return more than it gets, or less than nothing, it is cut to that. Where anything
  * in a function has no value (function.h), or it takes too long, the colour is left as it is.
@@ -16,6 +18,9 @@
  * surface is the most of these. Of what lies on distant light alone they are over its directions.
  * Rays find that by chance: where a thousandth of all directions has more than a fourth of its
  * light, a warning says so.
+ *
+ * Spectra (spectrum, specfile, specfunc, specdata) are what an eye makes of them (observer.h):
+ * those that are the same everywhere when they are read, others at every hit, band by band.
  *
  * A texture (texture.h) is one whose three values turn the normal; both sorts may modify each
  * other.
@@ -30,6 +35,7 @@
 #include "function/function.h"
 #include "scene/geometry/geometry.h"
 #include "scene/grid/grid.h"
+#include "scene/material/observer.h"
 
 enum { ORL_PATTERN_STEPS = 64 }; /* functions of one pattern, with all that it depends on */
 
@@ -53,6 +59,11 @@ struct orl_pattern {
     const struct orl_pattern *other; /* the first of the other sort that does; or NULL */
     bool texture;                    /* its values turn the normal (texture.h): the other sort */
     bool smooth;                     /* a texture: the normals of a mesh's corners, no function */
+    bool fixed;                      /* factor is its own factor everywhere: no function */
+    struct orl_rgb factor;
+    const struct orl_band
+        *bands; /* of a spectrum, the arena's: values is asked for each; or NULL */
+    uint32_t n_bands;
     bool mixture;
     struct orl_mixed mixed[2];
     uint32_t steps;         /* evaluations of functions that it takes, at most */
@@ -71,6 +82,11 @@ struct orl_pattern {
 };
 
 void orl_pattern_free(struct orl_pattern *pattern); /* NULL is allowed */
+
+/* A material's patterns and textures, those of what it mixes too; how many. */
+enum { ORL_MIXED_MOST = 8, ORL_MATERIAL_PATTERNS = 4 * ORL_MIXED_MOST };
+size_t orl_patterns_of(const struct orl_material *material,
+                       struct orl_pattern *ret_patterns[ORL_MATERIAL_PATTERNS]);
 
 /*
  * Its factor at a hit; the mean at one that is anywhere. Not cut to anything but 0. towards: unit,
@@ -93,6 +109,9 @@ bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit 
 /* Shares of a triangle's corners b and c at a hit on it. */
 void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,
                          double *ret_b, double *ret_c);
+
+/* A spectrum that depends on no place is found once. */
+void orl_pattern_fix(struct orl_pattern *pattern);
 
 /* Its factor for distant light from a direction (unit): the place is as far away as Radiance has it
  * there, 1e10, the normal points at who looks. */

@@ -8,6 +8,62 @@ static bool is_reflector(const struct orl_material *material)
            material->kind == ORL_MATERIAL_TRANS;
 }
 
+static bool is_mixture(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_MIXTURE;
+}
+
+/* Whether one of a mixture's is so. */
+static bool either(const struct orl_material *material,
+                   bool (*is)(const struct orl_material *material))
+{
+    return is(&material->mixed[0]) || is(&material->mixed[1]);
+}
+
+/* ---- Mixtures --------------------------------------------------------------------------------
+ */
+
+enum part { DIFFUSE, STRAIGHT, MIRRORED, ALBEDO, LOBES };
+
+struct question {
+    enum part part;
+    struct orl_vec3 from, eye;
+    enum orl_lobes lobes;
+};
+
+static struct orl_rgb answer(const struct orl_material *m, const struct orl_hit *hit,
+                             const struct question *q)
+{
+    switch (q->part) {
+    case DIFFUSE:
+        return orl_material_diffuse(m, hit);
+    case STRAIGHT:
+        return orl_material_straight(m, hit, q->from);
+    case MIRRORED:
+        return orl_material_mirrored(m, hit, q->from);
+    case ALBEDO:
+        return orl_material_albedo(m, hit, q->from, q->lobes);
+    case LOBES:
+        return orl_scatter_eval_lobes(m, hit, q->from, q->eye);
+    }
+    return orl_gray(0);
+}
+
+/* One that has no share is not asked. */
+static struct orl_rgb mixed(const struct orl_material *material, const struct orl_hit *hit,
+                            const struct question *q)
+{
+    const double first = orl_share_at(material, hit), shares[2] = {first, 1 - first};
+    struct orl_rgb sum = orl_gray(0);
+    for (int i = 0; i < 2; i++)
+        if (shares[i] > 0)
+            sum = orl_rgb_add(sum, orl_rgb_scale(answer(&material->mixed[i], hit, q), shares[i]));
+    return sum;
+}
+
+/* ---- Shares -----------------------------------------------------------------------------------
+ */
+
 bool orl_material_is_window(const struct orl_material *material)
 {
     switch (material->kind) {
@@ -17,6 +73,8 @@ bool orl_material_is_window(const struct orl_material *material)
         return true;
     case ORL_MATERIAL_TRANS:
         return orl_trans_transmits(material);
+    case ORL_MATERIAL_MIXTURE:
+        return either(material, orl_material_is_window);
     default:
         return false;
     }
@@ -24,17 +82,24 @@ bool orl_material_is_window(const struct orl_material *material)
 
 struct orl_rgb orl_material_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
-    return is_reflector(material) ? orl_reflector_diffuse(material, hit) : orl_gray(0);
+    if (is_reflector(material))
+        return orl_reflector_diffuse(material, hit);
+    return is_mixture(material) ? mixed(material, hit, &(struct question){.part = DIFFUSE})
+                                : orl_gray(0);
 }
 
 bool orl_material_has_lobes(const struct orl_material *material)
 {
+    if (is_mixture(material))
+        return either(material, orl_material_has_lobes);
     return is_reflector(material) ? orl_reflector_has_lobes(material)
                                   : material->kind == ORL_MATERIAL_BSDF;
 }
 
 bool orl_material_transmits_lobes(const struct orl_material *material)
 {
+    if (is_mixture(material))
+        return either(material, orl_material_transmits_lobes);
     return is_reflector(material) ? orl_reflector_transmits_lobes(material)
                                   : material->kind == ORL_MATERIAL_BSDF;
 }
@@ -46,6 +111,8 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
         return orl_glass_transmittance(material, hit, orl_cosine_at(material, hit, from));
     if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
         return orl_trans_straight(material, hit);
+    if (is_mixture(material))
+        return mixed(material, hit, &(struct question){.part = STRAIGHT, .from = from});
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
                                                : orl_gray(0);
 }
@@ -61,7 +128,9 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
         return orl_gray(orl_dielectric_reflectance(material, hit, from));
     if (is_reflector(material) && !(material->roughness[0] > 0))
         return orl_reflector_specular(material, hit);
-    return orl_gray(0);
+    return is_mixture(material)
+               ? mixed(material, hit, &(struct question){.part = MIRRORED, .from = from})
+               : orl_gray(0);
 }
 
 /* What gets through, in whatever way, but for BSDFs. */
@@ -84,6 +153,8 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     struct orl_rgb sum = orl_gray(0);
     if (material->kind == ORL_MATERIAL_BSDF)
         return orl_panel_albedo(material, hit, light, lobes);
+    if (is_mixture(material))
+        return mixed(material, hit, &(struct question){ALBEDO, light, light, lobes});
     if (lobes & ORL_LOBE_DIFFUSE)
         sum = orl_rgb_add(sum, orl_material_diffuse(material, hit));
     if (lobes & ORL_LOBE_REFLECTED)
@@ -92,6 +163,51 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
                                                     : orl_material_mirrored(material, hit, light));
     if (lobes & ORL_LOBE_TRANSMITTED)
         sum = orl_rgb_add(sum, transmitted(material, hit, light));
+    return sum;
+}
+
+/* The first's chance of being drawn; false when neither sends anything on. */
+static bool weigh(const struct orl_draw *draw, double ret_shares[2], double *ret_chance)
+{
+    double sent[2];
+    ret_shares[0] = orl_share_at(draw->material, draw->hit);
+    ret_shares[1] = 1 - ret_shares[0];
+    for (int i = 0; i < 2; i++) {
+        const double share = ret_shares[i];
+        sent[i] = share > 0
+                      ? share * orl_luma(orl_material_albedo(&draw->material->mixed[i], draw->hit,
+                                                             draw->from, draw->lobes))
+                      : 0;
+    }
+    *ret_chance = sent[0] / (sent[0] + sent[1]);
+    return sent[0] + sent[1] > 0;
+}
+
+static struct orl_scatter sample_mixed(const struct orl_draw *draw, const double u[3])
+{
+    double shares[2], first;
+    if (!weigh(draw, shares, &first))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    const int which = u[2] < first ? 0 : 1;
+    const double chance = which == 0 ? first : 1 - first;
+    const double left = which == 0 ? u[2] / first : (u[2] - first) / (1 - first);
+    const double rest[3] = {u[0], u[1], orl_smaller(left, 1 - 0x1p-53)};
+    struct orl_scatter s = orl_scatter_sample_at(&draw->material->mixed[which], draw->hit,
+                                                 draw->from, draw->transport, draw->lobes, rest);
+    s.weight = orl_rgb_scale(s.weight, shares[which] / chance);
+    return s;
+}
+
+static double mixed_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    double shares[2], first, sum = 0;
+    if (!weigh(draw, shares, &first))
+        return 0;
+    const double chances[2] = {first, 1 - first};
+    for (int i = 0; i < 2; i++)
+        if (chances[i] > 0)
+            sum += chances[i] * orl_scatter_pdf(&draw->material->mixed[i], draw->hit, draw->from,
+                                                draw->transport, draw->lobes, towards);
     return sum;
 }
 
@@ -110,6 +226,8 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
         return orl_dielectric_sample(draw, u);
     case ORL_MATERIAL_MIRROR:
         return orl_mirror_sample(draw);
+    case ORL_MATERIAL_MIXTURE:
+        return sample_mixed(draw, u);
     case ORL_MATERIAL_VOID:
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:
@@ -170,6 +288,8 @@ double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit
     const struct orl_draw draw = {material, hit, from, transport, lobes};
     if (is_reflector(material))
         return orl_reflector_pdf(&draw, towards);
+    if (is_mixture(material))
+        return mixed_pdf(&draw, towards);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_pdf(&draw, towards) : 0;
 }
 
@@ -181,5 +301,7 @@ struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
         return orl_panel_lobes(material, hit, light, eye);
     if (is_reflector(material))
         return orl_reflector_lobes(material, hit, light, eye);
-    return orl_gray(0);
+    return is_mixture(material)
+               ? mixed(material, hit, &(struct question){LOBES, light, eye, ORL_LOBE_ALL})
+               : orl_gray(0);
 }

@@ -21,6 +21,10 @@
  * averaged over polarisations; light goes straight through or is mirrored. Dielectrics are Fresnel
  * at one surface; what they absorb depends on the way through them, which paths keep count of.
  *
+ * Of a mixture of unlike materials a share of the light, by a pattern, meets the first, the rest
+ * the second: all that is asked is the sum of both, draws choose one by how much it would send on.
+ * What is void in one is a pane of nothing: glass of index 1 that takes no light.
+ *
  * Known difference: to smooth plastic, metal and trans of a specularity from 0.018 on, rpict adds
  * specular reflection towards grazing (an approximation of Fresnel's, by the eye's direction alone,
  * taken from the diffuse part). It is neither reciprocal nor the same to light and eye, and is left

@@ -51,6 +51,25 @@ int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *
                            "function files ('%.60s') are not read: '.' must stand there", text);
 }
 
+bool orl_material_is_patterned(enum orl_material_kind kind, bool directed)
+{
+    switch (kind) {
+    case ORL_MATERIAL_PLASTIC:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_GLASS:
+    case ORL_MATERIAL_MIRROR:
+        return !directed;
+    case ORL_MATERIAL_LIGHT:
+    case ORL_MATERIAL_GLOW:
+    case ORL_MATERIAL_SPOTLIGHT:
+    case ORL_MATERIAL_ILLUM:
+        return true;
+    default:
+        return false;
+    }
+}
+
 /* The material that its string argument names, for views: that, or what that is seen as. */
 static int find_alternate(struct orl_parser *parser, const struct orl_scope *scope,
                           int32_t *ret_seen_as, struct orl_error *err)

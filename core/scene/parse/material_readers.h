@@ -31,11 +31,18 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
 int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
                                 struct orl_material *material, struct orl_error *err);
 
+/* mixtures.c: mixfunc, mixdata, mixpict of materials; kind as well. */
+int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
+                   struct orl_material *ret_material, struct orl_error *err);
+
 /* bsdf_material.c; the reference in material->bsdf is the caller's to drop, also on failure. */
 int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err);
 
 /* ---- Helpers, material_readers.c ------------------------------------------------------------- */
+
+/* What a pattern may lie on; and of what it may depend on the direction there. */
+bool orl_material_is_patterned(enum orl_material_kind kind, bool directed);
 
 /* Three number arguments from index i on. */
 struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i);

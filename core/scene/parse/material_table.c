@@ -50,8 +50,11 @@ static bool same_light(const struct orl_material *a, const struct orl_material *
 /* Whether two materials of one name are the same: arrays read their materials again and again. */
 bool orl_material_same(const struct orl_material *a, const struct orl_material *b)
 {
-    return a->kind == b->kind && same_reflector(a, b) && same_clear(a, b) && same_bsdf(a, b) &&
-           same_light(a, b);
+    for (int i = 0; i < 2 && a->mixed && b->mixed; i++)
+        if (!orl_material_same(&a->mixed[i], &b->mixed[i]))
+            return false;
+    return a->kind == b->kind && a->mix == b->mix && same_reflector(a, b) && same_clear(a, b) &&
+           same_bsdf(a, b) && same_light(a, b);
 }
 
 int orl_parser_add_material(struct orl_parser *parser, const char *name,

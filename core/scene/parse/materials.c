@@ -149,39 +149,28 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
-/* What a pattern may lie on; and of what may depend on the direction there. */
-static bool is_patterned(enum orl_material_kind kind, bool directed)
-{
-    switch (kind) {
-    case ORL_MATERIAL_PLASTIC:
-    case ORL_MATERIAL_METAL:
-    case ORL_MATERIAL_TRANS:
-    case ORL_MATERIAL_GLASS:
-    case ORL_MATERIAL_MIRROR:
-        return !directed;
-    case ORL_MATERIAL_LIGHT:
-    case ORL_MATERIAL_GLOW:
-    case ORL_MATERIAL_SPOTLIGHT:
-    case ORL_MATERIAL_ILLUM:
-        return true;
-    default:
-        return false;
-    }
-}
-
 /* Skies shine through light and glow only; patterns lie on what is no solid and no BSDF. */
 static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
                      const struct orl_material *material, struct orl_error *err)
 {
-    if (material->pattern && !is_patterned(material->kind, material->pattern->directed)) {
+    if (material->pattern &&
+        !orl_material_is_patterned(material->kind, material->pattern->directed)) {
         orl_parser_fail(
             parser, scope, err, ORL_ERR_UNSUPPORTED,
-            is_patterned(material->kind, false)
+            orl_material_is_patterned(material->kind, false)
                 ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot) are "
                   "simulated on what shines only: '%.200s' is one"
-                : "patterns are not simulated on dielectrics and BSDFs: '%.200s' is one",
+                : "patterns are not simulated on dielectrics, BSDFs and mixtures of unlike "
+                  "materials: '%.200s' is one",
             parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    if (material->mix && material->mix->directed) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "its function asks for the ray's direction: mixtures of unlike materials "
+                        "are simulated by place and normal");
+        orl_error_hint(err, "name one of the materials instead");
         return ORL_ERR_UNSUPPORTED;
     }
     if (material->texture && material->kind == ORL_MATERIAL_BSDF) {
@@ -216,60 +205,6 @@ static int put_off(struct orl_parser *parser, struct orl_error *err)
     return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
 }
 
-/* One of the materials that the primitive at hand mixes. */
-static int find_mixed(struct orl_parser *parser, const struct orl_scope *scope, size_t which,
-                      struct orl_material *ret_material, struct orl_error *err)
-{
-    const char *const name = orl_primitive_string(&parser->primitive, which);
-    const struct orl_symbol *const symbol = orl_symbols_find(&parser->symbols, name);
-    if (symbol && symbol->kind == ORL_SYMBOL_MATERIAL) {
-        *ret_material = parser->out->materials[symbol->index];
-        return 0;
-    }
-    if (!symbol && strcmp(name, "void") != 0)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
-                               "'%.200s', which it mixes, is not defined", name);
-    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                    "mixtures are simulated of two materials: '%.200s' is none", name);
-    orl_error_hint(err, "name one of the materials instead");
-    return ORL_ERR_UNSUPPORTED;
-}
-
-/* Two that are the same but for colour and pattern make a third of that kind. */
-static int mix(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
-{
-    struct orl_material two[2] = {{0}}, bare[2];
-    struct orl_pattern *pattern = NULL;
-    int code = 0;
-    if (parser->primitive.n_strings < 2 || strcmp(parser->primitive.modifier, "void") != 0)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "a mixture takes two materials, and is modified by void");
-    for (size_t i = 0; i < 2 && code == 0; i++) {
-        code = find_mixed(parser, scope, i, &two[i], err);
-        bare[i] = two[i];
-        bare[i].color = orl_gray(1);
-        bare[i].pattern = NULL;
-    }
-    if (code < 0)
-        return code;
-    const bool colored =
-        two[0].kind != ORL_MATERIAL_GLASS && two[0].sky < 0 && is_patterned(two[0].kind, false);
-    if (!colored || !orl_material_same(&bare[0], &bare[1])) {
-        orl_parser_fail(
-            parser, scope, err, ORL_ERR_UNSUPPORTED,
-            "mixtures are simulated of two materials of one type, no glass, that differ "
-            "in colours and patterns alone, not in gloss");
-        orl_error_hint(err, "name one of the materials instead, or give both the same gloss");
-        return ORL_ERR_UNSUPPORTED;
-    }
-    code = orl_parser_mixture(parser, scope, two, &pattern, err);
-    if (code < 0)
-        return code;
-    bare[0].pattern = pattern;
-    code = check_lit(parser, scope, &bare[0], err);
-    return code < 0 ? code : define(parser, scope, parser->primitive.id, &bare[0], err);
-}
-
 /* A pattern or texture that a material modifies: that material, with it. The material's own lie
  * under it. */
 static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, uint32_t index,
@@ -277,10 +212,11 @@ static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, ui
 {
     struct orl_material material = parser->out->materials[index];
     const char *const id = parser->primitive.id;
-    if (material.sky >= 0)
+    if (material.sky >= 0 || material.mix)
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "'%.200s', which it lies on, shines by a sky's function",
-                               parser->primitive.modifier);
+                               "'%.200s', which it lies on, %s", parser->primitive.modifier,
+                               material.mix ? "mixes unlike materials"
+                                            : "shines by a sky's function");
     int code = orl_parser_pattern(parser, scope, material.pattern, material.texture, true, err);
     if (code < 0)
         return code;
@@ -321,7 +257,11 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     if (code == 0 && refused)
         return define_like(parser, scope, refused, err);
     if (code == 0 && orl_parser_is_mixture(parser->primitive.type)) {
-        code = mix(parser, scope, err);
+        code = orl_parser_mix(parser, scope, &material, err);
+        if (code == 0)
+            code = check_lit(parser, scope, &material, err);
+        if (code == 0)
+            return define(parser, scope, parser->primitive.id, &material, err);
         return orl_is_deferrable(code) ? put_off(parser, err) : code;
     }
     const struct orl_symbol *const below = code == 0 ? find_below(parser) : NULL;
@@ -377,14 +317,14 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (symbol->kind != ORL_SYMBOL_MATERIAL)
         return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
-    const bool mixture = material.pattern && material.pattern->mixture;
-    if (mixture && (own.pattern || own.sky >= 0))
+    const bool mixture = material.mix || (material.pattern && material.pattern->mixture);
+    if (mixture && (own.pattern || own.sky >= 0 || (material.mix && own.texture)))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "a mixture, '%.200s', has no pattern but those of what it mixes",
                                target);
     material.sky = inherit ? material.sky : own.sky;
     material.pattern = inherit || mixture ? material.pattern : own.pattern;
-    material.texture = inherit ? material.texture : own.texture;
+    material.texture = inherit || material.mix ? material.texture : own.texture;
     code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;

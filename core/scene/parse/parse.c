@@ -32,10 +32,6 @@ static const struct unsupported unsupported_types[] = {
     {"brighttext",
      "leave it out: of patterns, those of functions, data and pictures are simulated"},
     {"mixtext", "name one of the materials instead"},
-    {"spectrum", "give the material's colour as RGB"},
-    {"specfile", "give the material's colour as RGB"},
-    {"specfunc", "give the material's colour as RGB"},
-    {"specdata", "give the material's colour as RGB"},
     {"specpict", "give the material's colour as RGB"},
 };
 

@@ -160,6 +160,27 @@ static int compile_values(struct orl_parser *parser, const struct orl_scope *sco
     return code;
 }
 
+/* A function of the wavelength, or of what the grid holds there and of that. */
+static int compile_spectral(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_pattern *pattern, int context, const char *name,
+                            struct orl_error *err)
+{
+    const char *const *const data = orl_function_ray_names + ORL_RAY_DATA;
+    const size_t room = strlen(name) + 64;
+    char *const text = malloc(room);
+    if (!text)
+        return ORL_ERR_NOMEM;
+    if (pattern->n_grids > 0)
+        snprintf(text, room, "%s(%s,%s)", name, data[1], data[0]);
+    else
+        snprintf(text, room, "%s(%s)", name, data[0]);
+    const char *const expression = text;
+    const int code =
+        compile(parser, scope, pattern, context, &expression, 1, &pattern->values, err);
+    free(text);
+    return code;
+}
+
 int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_pattern *pattern, const struct orl_xform *to_world,
                         const struct orl_pattern_strings *strings, struct orl_error *err)
@@ -175,9 +196,12 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     for (size_t i = 0; i < n; i++)
         expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
     int code = load(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
-    if (code == 0)
+    if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
         code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
-    if (code == 0 && pattern->n_grids > 0)
+    if (code == 0 && strings->spectral)
+        code = compile_spectral(parser, scope, pattern, context,
+                                orl_primitive_string(primitive, strings->functions), err);
+    else if (code == 0 && pattern->n_grids > 0)
         code = compile_values(parser, scope, pattern, context, strings->functions, err);
     if (code == 0 || code == ORL_ERR_NOMEM)
         return code;

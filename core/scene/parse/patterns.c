@@ -1,9 +1,10 @@
 /*
- * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; textures: texfunc,
- * texdata; and mixtures of materials: mixfunc, mixdata, mixpict. Strings: of mixtures, two
- * materials; one function, or three; of grids, their files; the function file or '.'; of grids, an
- * expression for each coordinate; and the transform from the function's coordinates. Numbers are
- * arg(1) and on. Reference: "The RADIANCE Synthetic Imaging System", section 2.1.4.
+ * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; spectra (spectra.h):
+ * spectrum, specfile, specfunc, specdata; textures: texfunc, texdata; and mixtures of materials:
+ * mixfunc, mixdata, mixpict. Strings: of mixtures, two materials; one function, or three; of grids,
+ * their files; the function file or '.'; of grids, an expression for each coordinate; and the
+ * transform from the function's coordinates. Numbers are arg(1) and on. Reference: "The RADIANCE
+ * Synthetic Imaging System", section 2.1.4.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +13,7 @@
 #include "base/grow.h"
 #include "function/ray_names.h"
 #include "scene/parse/pattern_programs.h"
+#include "scene/parse/spectra.h"
 
 struct pattern_type {
     const char *name;
@@ -19,14 +21,24 @@ struct pattern_type {
     bool picture;
     size_t n_materials; /* that it mixes, before all else */
     bool texture;
+    bool spectral;
 };
 
 static const struct pattern_type pattern_types[] = {
-    {"brightfunc", 1, 0, false, 0, false}, {"colorfunc", 3, 0, false, 0, false},
-    {"brightdata", 1, 1, false, 0, false}, {"colordata", 3, 3, false, 0, false},
-    {"colorpict", 3, 1, true, 0, false},   {"mixfunc", 1, 0, false, 2, false},
-    {"mixdata", 1, 1, false, 2, false},    {"mixpict", 1, 1, true, 2, false},
-    {"texfunc", 3, 0, false, 0, true},     {"texdata", 3, 3, false, 0, true},
+    {.name = "brightfunc", .n_functions = 1},
+    {.name = "colorfunc", .n_functions = 3},
+    {.name = "brightdata", .n_functions = 1, .n_files = 1},
+    {.name = "colordata", .n_functions = 3, .n_files = 3},
+    {.name = "colorpict", .n_functions = 3, .n_files = 1, .picture = true},
+    {.name = "spectrum", .spectral = true},
+    {.name = "specfile", .n_files = 1, .spectral = true},
+    {.name = "specfunc", .n_functions = 1, .spectral = true},
+    {.name = "specdata", .n_functions = 1, .n_files = 1, .spectral = true},
+    {.name = "mixfunc", .n_functions = 1, .n_materials = 2},
+    {.name = "mixdata", .n_functions = 1, .n_files = 1, .n_materials = 2},
+    {.name = "mixpict", .n_functions = 1, .n_files = 1, .picture = true, .n_materials = 2},
+    {.name = "texfunc", .n_functions = 3, .texture = true},
+    {.name = "texdata", .n_functions = 3, .n_files = 3, .texture = true},
 };
 
 static const struct pattern_type *find_type(const char *name)
@@ -53,7 +65,8 @@ bool orl_parser_is_mixture(const char *type)
 
 /* All that makes the pattern what it is: two definitions of the same are one. */
 static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
-                    const struct orl_xform *to_world, struct orl_pattern *pattern)
+                    const struct pattern_type *type, const struct orl_xform *to_world,
+                    struct orl_pattern *pattern)
 {
     const struct orl_primitive *const primitive = &parser->primitive;
     const size_t reals = primitive->n_reals * sizeof *primitive->reals;
@@ -99,8 +112,8 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
         memcpy(at, orl_primitive_string(primitive, i), length);
         at += length;
     }
-    *at = (unsigned char)((unsigned)pattern->texture << 3 | (unsigned)pattern->n_grids << 1 |
-                          (unsigned)pattern->three);
+    *at = (unsigned char)((unsigned)type->spectral << 4 | (unsigned)pattern->texture << 3 |
+                          (unsigned)pattern->n_grids << 1 | (unsigned)pattern->three);
     return 0;
 }
 
@@ -171,16 +184,26 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* One that was defined before and is the same, or NULL. */
 static const struct orl_symbol *find_same(const struct orl_parser *parser,
+                                          const struct pattern_type *type,
                                           const struct orl_pattern *pattern, bool of_material)
 {
+    const bool share = type->n_materials > 0 && !pattern->mixture;
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
-    if (old && old->kind == ORL_SYMBOL_PATTERN && !pattern->mixture && !of_material)
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
+        other = parser->out->materials[old->index].mix;
+    if (old && old->kind == ORL_SYMBOL_PATTERN && type->n_materials == 0 && !of_material)
         other = parser->out->patterns[old->index];
     if (old && old->kind == ORL_SYMBOL_MATERIAL && (pattern->mixture || of_material))
         other = pattern->texture ? parser->out->materials[old->index].texture
                                  : parser->out->materials[old->index].pattern;
     return other && same_pattern(other, pattern) ? old : NULL;
+}
+
+/* Whether it is the same everywhere: no function. */
+static bool is_fixed(const struct pattern_type *type)
+{
+    return type->n_functions == 0;
 }
 
 static void depend(struct orl_pattern *pattern, const struct orl_pattern *other)
@@ -194,8 +217,10 @@ static void depend(struct orl_pattern *pattern, const struct orl_pattern *other)
 static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
                   struct orl_pattern *pattern, struct orl_error *err)
 {
-    pattern->steps = 1;
-    pattern->coloured = pattern->three;
+    pattern->steps = 1 + (pattern->fixed ? 0 : pattern->n_bands / ORL_FUNCTION_LANES);
+    pattern->coloured = pattern->three || pattern->bands ||
+                        pattern->factor.r != pattern->factor.g ||
+                        pattern->factor.g != pattern->factor.b;
     depend(pattern, pattern->under);
     for (int i = 0; pattern->mixture && i < 2; i++) {
         const struct orl_rgb c = pattern->mixed[i].color;
@@ -223,21 +248,29 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     int code = find_grids(parser, scope, type, pattern, &axes, err);
     if (code < 0)
         return code;
-    if (parser->primitive.n_strings < file + 1 + axes)
+    if (type->spectral && axes == 1 && !is_fixed(type))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "its data has one axis: wavelengths are one more than coordinates");
+    axes -= type->spectral && axes > 0;
+    if (!is_fixed(type) && parser->primitive.n_strings < file + 1 + axes)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                                "its %s takes %zu coordinates behind the function file",
                                type->picture ? "picture" : "data", axes);
-    code = orl_parser_string_xform(parser, scope, file + 1 + axes, &to_world, err);
+    if (!is_fixed(type))
+        code = orl_parser_string_xform(parser, scope, file + 1 + axes, &to_world, err);
     if (code == 0)
         code = begin(parser, scope, pattern);
     if (code == 0)
-        code = make_key(parser, scope, &to_world, pattern);
-    *ret_same = code == 0 ? find_same(parser, pattern, of_material) : NULL;
+        code = make_key(parser, scope, type, &to_world, pattern);
+    *ret_same = code == 0 ? find_same(parser, type, pattern, of_material) : NULL;
     if (code < 0 || *ret_same)
         return code;
-    const struct orl_pattern_strings strings = {type->n_materials, file,
-                                                axes > 0 ? axes : type->n_functions};
-    code = orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
+    const struct orl_pattern_strings strings = {
+        type->n_materials, file, axes > 0 ? axes : type->n_functions, type->spectral};
+    code = is_fixed(type) ? orl_spectrum_read(parser, scope, pattern, err)
+                          : orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
+    if (code == 0 && type->spectral && !is_fixed(type))
+        code = orl_spectrum_bands(parser, scope, pattern, err);
     return code < 0 ? code : sum_up(parser, scope, pattern, err);
 }
 
@@ -246,7 +279,14 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
                                        const struct pattern_type *type, struct orl_error *err)
 {
     struct orl_pattern *pattern;
-    if (parser->primitive.n_strings < type->n_materials + type->n_functions + type->n_files + 1) {
+    const size_t least = type->n_materials + type->n_functions + type->n_files + !is_fixed(type);
+    if (is_fixed(type) && parser->primitive.n_strings != least) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                        "%s takes %zu string arguments; here are %zu", type->name, least,
+                        parser->primitive.n_strings);
+        return NULL;
+    }
+    if (parser->primitive.n_strings < least) {
         orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                         "%s takes %s%s%s and a function file ('.': none), and perhaps a "
                         "transform; here are %zu string arguments",
@@ -287,7 +327,7 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
-                       const struct orl_material mixed[2], struct orl_pattern **ret_pattern,
+                       const struct orl_material *mixed, struct orl_pattern **ret_pattern,
                        struct orl_error *err)
 {
     const struct pattern_type *const type = find_type(parser->primitive.type);
@@ -295,8 +335,8 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
     struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
     if (!pattern)
         return err->code;
-    pattern->mixture = true;
-    for (int i = 0; i < 2; i++)
+    pattern->mixture = mixed != NULL;
+    for (int i = 0; i < 2 && mixed; i++)
         pattern->mixed[i] = (struct orl_mixed){mixed[i].color, mixed[i].pattern};
     int code = read_pattern(parser, scope, type, pattern, false, &same, err);
     if (code < 0 || same)
@@ -304,6 +344,8 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
     else
         code = orl_parser_keep_pattern(parser, pattern);
     if (code == 0)
-        *ret_pattern = same ? parser->out->materials[same->index].pattern : pattern;
+        *ret_pattern = !same   ? pattern
+                       : mixed ? parser->out->materials[same->index].pattern
+                               : parser->out->materials[same->index].mix;
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }

@@ -17,10 +17,29 @@ static bool is_turned(const struct orl_material *material)
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_DIELECTRIC:
     case ORL_MATERIAL_MIRROR:
+    case ORL_MATERIAL_MIXTURE:
         return true;
     default:
         return false;
     }
+}
+
+/* What it mixes has the same texture as it has itself. */
+static int turn_mixed(struct orl_parser *parser, struct orl_material *material)
+{
+    if (!material->mixed)
+        return 0;
+    struct orl_material *const both = orl_arena_take(parser->out->arena, 2 * sizeof *both);
+    if (!both)
+        return ORL_ERR_NOMEM;
+    for (int i = 0; i < 2; i++) {
+        both[i] = material->mixed[i];
+        both[i].texture = material->texture;
+        if (turn_mixed(parser, &both[i]) < 0)
+            return ORL_ERR_NOMEM;
+    }
+    material->mixed = both;
+    return 0;
 }
 
 static int add_twin(struct orl_parser *parser, uint32_t material, uint32_t *ret_index)
@@ -35,10 +54,13 @@ static int add_twin(struct orl_parser *parser, uint32_t material, uint32_t *ret_
                                     .smooth = true,
                                     .under = twin.texture,
                                     .steps = 1};
-    const int code = orl_parser_keep_pattern(parser, texture);
+    int code = orl_parser_keep_pattern(parser, texture);
     if (code < 0)
         return code;
     twin.texture = texture;
+    code = turn_mixed(parser, &twin);
+    if (code < 0)
+        return code;
     return orl_parser_add_material(parser, twin.name, &twin, ret_index);
 }
 

@@ -1,0 +1,105 @@
+/*
+ * Mixtures of unlike materials: draws against densities, weights against values in both ways of
+ * transport, reciprocity, and every part as the sum of both by their shares.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "scene/material/bounds.h"
+#include "scene/material/kinds.h"
+#include "support/subject.h"
+
+#define TWO                                                                                        \
+    "void plastic p 0 0 5 .6 .5 .4 .1 .2\nvoid glass g 0 0 3 .9 .8 .7\n"                           \
+    "void metal b 0 0 5 .9 .8 .7 .9 .15\nvoid trans t 0 0 7 .8 .8 .8 .05 .15 .6 .4\n"              \
+    "void mirror r 0 0 3 .8 .8 .8\n"
+
+/* The quadrature's error in a bin: see test_scatter.c. */
+static const struct kind {
+    const char *text;
+    double slack;
+} kinds[] = {
+    {TWO "void mixfunc m 4 p g .3 . 0 0\n", 0.003},
+    {TWO "void mixfunc m 4 p b .6 . 0 0\n", 0.004},
+    {TWO "void mixfunc m 4 t void .7 . 0 0\n", 0.004},
+    {TWO "void mixfunc n 4 t r .5 . 0 0\nvoid mixfunc m 4 n b .4 . 0 0\n", 0.004},
+};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static const double angles[] = {0, 40, 75, 87, 130, 178};
+enum { ANGLES = sizeof angles / sizeof *angles };
+
+static void test_draws(void **state)
+{
+    (void)state;
+    for (int k = 0; k < KINDS; k++) {
+        struct subject s = subject_of(kinds[k].text, NULL, NULL);
+        assert_int_equal(s.material->kind, ORL_MATERIAL_MIXTURE);
+        for (int i = 0; i < ANGLES; i++) {
+            const struct orl_vec3 from = subject_direction(&s, angles[i], 20 + 37 * i);
+            const enum orl_transport transport = i & 1 ? ORL_TRANSPORT_EYE : ORL_TRANSPORT_LIGHT;
+            const uint64_t seed = (uint64_t)(100 + 20 * k + 2 * i);
+            subject_check_lobe(&s, from, transport, kinds[k].slack, seed);
+            subject_check_pdf(&s, from, transport, ORL_LOBE_ALL, kinds[k].slack, seed + 1000);
+            subject_check_pdf(&s, from, transport, ORL_LOBE_DIFFUSE, kinds[k].slack, seed + 2000);
+        }
+        subject_check_reciprocity(&s, (uint64_t)(400 + k));
+        subject_done(&s);
+    }
+}
+
+/* 30 % plastic, 70 % glass: what is known of each, and the means of draws. */
+static void test_shares(void **state)
+{
+    struct subject s = subject_of(kinds[0].text, NULL, NULL);
+    struct subject glass = subject_of("void glass m 0 0 3 .9 .8 .7\n", NULL, NULL);
+    const struct orl_vec3 from = subject_direction(&s, 50, 10);
+    const struct orl_rgb straight = orl_material_straight(glass.material, &glass.hit, from);
+    const struct orl_rgb mirrored = orl_material_mirrored(glass.material, &glass.hit, from);
+    const struct tally t = subject_draw(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 600);
+    const double noise = 4 * sqrt(1.0 / SUBJECT_DRAWS);
+    (void)state;
+    assert_true(fabs(orl_material_straight(s.material, &s.hit, from).b - .7 * straight.b) < 1e-12);
+    assert_true(fabs(orl_material_mirrored(s.material, &s.hit, from).r - .7 * mirrored.r) < 1e-12);
+    assert_true(fabs(orl_material_diffuse(s.material, &s.hit).g - .3 * .9 * .5) < 1e-12);
+    assert_true(fabs(t.straight.g - .7 * straight.g) < noise);
+    assert_true(fabs(t.mirror.g - .7 * mirrored.g) < noise);
+    assert_true(fabs(t.diffuse.g - .3 * .9 * .5) < noise);
+    const struct orl_rgb all = orl_material_albedo(s.material, &s.hit, from, ORL_LOBE_ALL);
+    assert_true(orl_rgb_max(all) < 1);
+    assert_true(orl_material_albedo_most(s.material, true, cos(.872664626), ORL_LOBE_ALL) >=
+                orl_rgb_max(all) - 1e-12);
+    assert_true(orl_material_is_window(s.material) && orl_material_has_lobes(s.material));
+    assert_false(orl_material_transmits_lobes(s.material) || orl_material_is_matt(s.material));
+    subject_done(&s);
+    subject_done(&glass);
+}
+
+/* What is all void lets all through, and mirrors nothing. */
+static void test_void(void **state)
+{
+    struct subject s = subject_of(TWO "void mixfunc m 4 p void 0 . 0 0\n", NULL, NULL);
+    (void)state;
+    for (int i = 0; i < 80; i += 10) {
+        const struct orl_vec3 from = subject_direction(&s, i, 10);
+        const struct orl_rgb through = orl_material_straight(s.material, &s.hit, from);
+        const struct orl_rgb back = orl_material_mirrored(s.material, &s.hit, from);
+        assert_true(fabs(through.r - 1) < 1e-12 && back.r < 1e-12);
+        assert_true(orl_rgb_max(orl_material_diffuse(s.material, &s.hit)) == 0);
+    }
+    subject_done(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_draws),
+        cmocka_unit_test(test_shares),
+        cmocka_unit_test(test_void),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,174 @@
+/*
+ * Mixtures of unlike materials in whole jobs, where the share is 1 on one side of a line and 0 on
+ * the other: the same light as of two polygons, by all techniques; and what is refused.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "light/scene.h"
+#include "scene/material/scatter.h"
+#include "scene/parse/parse.h"
+#include "support/scene_text.h"
+
+/* ---- Jobs -------------------------------------------------------------------------------------
+ */
+
+/* A closed room whose south wall is to be added; x and z as they are in it. */
+#define ROOM                                                                                       \
+    "void glow sky 0 0 4 100 90 80 0\nsky source s 0 0 4 0 0 1 360\n"                              \
+    "void light sun 0 0 3 4e6 4e6 4e6\nsun source d 0 0 4 .2 -.7 .6 .533\n"                        \
+    "void plastic wall 0 0 5 .6 .6 .6 0 0\nvoid glass pane 0 0 3 .8 .8 .8\n"                       \
+    "void metal steel 0 0 5 .7 .7 .7 .8 .1\nvoid mirror m 0 0 3 .8 .8 .8\n"                        \
+    "wall polygon w 0 0 12 0 0 0 0 0 3 0 5 3 0 5 0\nwall polygon e 0 0 12 4 0 0 4 5 0 4 5 3 4 0 "  \
+    "3\n"                                                                                          \
+    "wall polygon n 0 0 12 0 5 0 0 5 3 4 5 3 4 5 0\nwall polygon u 0 0 12 0 0 3 4 0 3 4 5 3 0 5 "  \
+    "3\n"
+#define FLOOR "polygon f 0 0 12 0 0 0 0 5 0 4 5 0 4 0 0\n"
+#define SOUTH "polygon s 0 0 12 0 0 0 4 0 0 4 0 3 0 0 3\n"
+#define LEFT "polygon l 0 0 12 0 0 0 2 0 0 2 0 3 0 0 3\n"
+#define RIGHT "polygon r 0 0 12 2 0 0 4 0 0 4 0 3 2 0 3\n"
+
+enum { SENSORS = 3 };
+
+static void run(const char *scene, enum orl_technique technique, double ret_lx[SENSORS])
+{
+    static const struct orl_sensor sensors[SENSORS] = {
+        {{1, 2.5, .8}, {0, 0, 1}}, {{3, 1.5, .8}, {0, 0, 1}}, {{2, 4, 1.5}, {0, -1, 0}}};
+    const struct scene_run job = {.scene = scene,
+                                  .sensors = sensors,
+                                  .n_sensors = SENSORS,
+                                  .technique = technique,
+                                  .wishes = scene_wish_maps,
+                                  .samples = 1024,
+                                  .global = 50000,
+                                  .caustic = 20000,
+                                  .threads = 2};
+    scene_run_lx(&job, ret_lx);
+}
+
+/* Of the first n sensors. Both are of 1 024 rays: 2 % each, were they strangers. */
+static void check(const char *mixed, const char *split, enum orl_technique technique, int n)
+{
+    double a[SENSORS], b[SENSORS];
+    run(mixed, technique, a);
+    run(split, technique, b);
+    for (int i = 0; i < n; i++)
+        if (!(b[i] > 10 && fabs(a[i] / b[i] - 1) < .05))
+            fail_msg("sensor %d: %g lx, not %g", i, a[i], b[i]);
+}
+
+/* A facade half glass, half wall: a port of which one half is shut. */
+static void test_facade(void **state)
+{
+    static const char split[] = ROOM "wall " FLOOR "wall " LEFT "pane " RIGHT;
+    static const char mixed[] =
+        ROOM "wall " FLOOR "void mixfunc half 4 pane wall if(Px-2,1,0) . 0 0\nhalf " SOUTH;
+    (void)state;
+    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+}
+
+/* A screen with a hole: void lets the sun through, too. */
+static void test_screen(void **state)
+{
+    static const char split[] =
+        ROOM "wall " FLOOR "wall " LEFT "void glass nothing 0 0 4 1 1 1 1\nnothing " RIGHT;
+    static const char mixed[] =
+        ROOM "wall " FLOOR "void mixfunc half 4 void wall if(Px-2,1,0) . 0 0\nhalf " SOUTH;
+    (void)state;
+    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+}
+
+/* A floor half steel, half paint: what gloss makes of the sun. A gather's sensor opposite finds the
+ * sun in it by chance, of both scenes. */
+static void test_floor(void **state)
+{
+#define WINDOW "pane " SOUTH
+    static const char split[] = ROOM WINDOW "wall polygon a 0 0 12 0 0 0 0 5 0 2 5 0 2 0 0\n"
+                                            "steel polygon b 0 0 12 2 0 0 2 5 0 4 5 0 4 0 0\n";
+    static const char mixed[] =
+        ROOM WINDOW "void mixfunc half 4 steel wall if(Px-2,1,0) . 0 0\nhalf " FLOOR;
+    (void)state;
+    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(mixed, split, ORL_TECHNIQUE_GATHER, 2);
+}
+
+/* ---- Files ------------------------------------------------------------------------------------
+ */
+
+static int parse(const char *text, struct orl_description *ret, struct orl_error *err)
+{
+    static const char *const names[] = {"a.rad"};
+    const struct orl_file contents[] = {{text, strlen(text), NULL}};
+    struct orl_memory_files memory = {names, contents, 1};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    return orl_scene_parse(names, 1, &files, ret, err);
+}
+
+#define MATERIALS                                                                                  \
+    "void plastic p 0 0 5 .5 .5 .5 0 0\nvoid metal b 0 0 5 .5 .5 .5 .5 .1\n"                       \
+    "void glow g 0 0 4 1 1 1 0\nvoid dielectric d 0 0 5 1 1 1 1.5 0\n"                             \
+    "void texfunc t 4 Nx Ny Nz . 0 0\nt plastic rough 0 0 5 .5 .5 .5 0 0\n"
+
+static void test_refused(void **state)
+{
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {MATERIALS "void mixfunc m 4 p g .5 . 0 0\nm " FLOOR, "mixtures of unlike materials"},
+        {MATERIALS "void mixfunc m 4 d p .5 . 0 0\nm " FLOOR, "mixtures of unlike materials"},
+        {MATERIALS "void mixfunc m 4 rough b .5 . 0 0\nm " FLOOR, "one texture"},
+        {MATERIALS "void mixfunc m 4 p b Rdot . 0 0\nm " FLOOR, "asks for the ray's direction"},
+        {MATERIALS "void mixfunc m 4 p b .5 . 0 0\nm texfunc x 4 0 0 0 . 0 0\nx " FLOOR,
+         "mixes unlike materials"},
+        {MATERIALS "void mixfunc m 4 p b .5 . 0 0\nt alias x m\nx " FLOOR, "has no pattern"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct orl_description description = {0};
+        struct orl_error err = {0};
+        const int code = parse(cases[i].text, &description, &err);
+        if (code == 0 || !strstr(err.message, cases[i].message))
+            fail_msg("case %zu: %d %s", i, code, err.message);
+        orl_description_done(&description);
+    }
+}
+
+/* Nine of them are too many; eight are not. In arrays one stays one. */
+static void test_bounds(void **state)
+{
+    char text[4096] = MATERIALS "void mixfunc m0 4 p b .5 . 0 0\n", more[128];
+    (void)state;
+    for (int i = 1; i < 9; i++) {
+        struct orl_description description = {0};
+        struct orl_error err = {0};
+        char whole[4200];
+        snprintf(more, sizeof more, "void mixfunc m%d 4 m%d p Px . 0 0\n", i, i - 1);
+        strcat(text, more);
+        snprintf(whole, sizeof whole, "%s%sm%d " FLOOR, text, more, i);
+        const int code = parse(whole, &description, &err);
+        assert_int_equal(code, i < 7 ? 0 : ORL_ERR_UNSUPPORTED);
+        if (code == 0)
+            assert_int_equal(description.n_patterns, i + 2);
+        orl_description_done(&description);
+        if (code < 0)
+            break;
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_facade),  cmocka_unit_test(test_screen), cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_refused), cmocka_unit_test(test_bounds),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
