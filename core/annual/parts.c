@@ -76,8 +76,9 @@ static void shut(struct orl_world *world, const struct orl_port *port, bool *don
     struct orl_material *m = &world->materials[at];
     if (done[at])
         return;
-    struct orl_material blind =
-        m->kind == ORL_MATERIAL_GLASS ? blind_glass(world, port) : blind_wall(world, port);
+    struct orl_material blind = m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING
+                                    ? blind_glass(world, port)
+                                    : blind_wall(world, port);
     blind.name = m->name;
     blind.part = m->part;
     blind.seen_as = ORL_SEEN_AS_ITSELF;

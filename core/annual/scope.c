@@ -89,6 +89,10 @@ static bool is_colourless(const struct orl_material *m)
         return is_gray_panel(m);
     case ORL_MATERIAL_GLASS:
         return is_gray(m->transmissivity) && !(m->pattern && m->pattern->coloured);
+    case ORL_MATERIAL_ASHIKHMIN:
+        return is_gray(m->color) && is_gray(m->gloss) && !(m->pattern && m->pattern->coloured);
+    case ORL_MATERIAL_GLAZING:
+        return !m->angles->coloured && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
     case ORL_MATERIAL_MIXTURE:
         return is_colourless(&m->mixed[0]) && is_colourless(&m->mixed[1]);
     case ORL_MATERIAL_TRANS:

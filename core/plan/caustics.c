@@ -101,7 +101,8 @@ static bool is_glass(const struct orl_material *m)
 {
     if (m->kind == ORL_MATERIAL_MIXTURE)
         return is_glass(&m->mixed[0]) || is_glass(&m->mixed[1]);
-    return m->kind == ORL_MATERIAL_GLASS || (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
+    return m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING ||
+           (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
            (m->kind == ORL_MATERIAL_TRANS && !(m->roughness[0] > 0) && m->transmitted > 0 &&
             m->transmitted_specular > 0);
 }

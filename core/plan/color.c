@@ -27,14 +27,15 @@ static bool has_coloured_data(const struct orl_material *m)
 {
     if (m->kind == ORL_MATERIAL_MIXTURE && (is_coloured(&m->mixed[0]) || is_coloured(&m->mixed[1])))
         return true;
-    return has_coloured_bsdf(m) || (m->pattern && m->pattern->coloured);
+    return has_coloured_bsdf(m) || (m->angles && m->angles->coloured) ||
+           (m->pattern && m->pattern->coloured);
 }
 
 /* What is not of its kind is zero, which is gray. */
 static bool is_coloured(const struct orl_material *m)
 {
-    return !(is_gray(m->color) && is_gray(m->transmissivity) && media_are_gray(m) &&
-             is_gray(m->front) && is_gray(m->back) && is_gray(m->through)) ||
+    return !(is_gray(m->color) && is_gray(m->gloss) && is_gray(m->transmissivity) &&
+             media_are_gray(m) && is_gray(m->front) && is_gray(m->back) && is_gray(m->through)) ||
            has_coloured_data(m);
 }
 
@@ -65,7 +66,8 @@ static double vividness(struct orl_rgb c)
 
 static double vividness_of(const struct orl_material *m)
 {
-    const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front, m->back, m->through};
+    const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front,
+                                     m->back,  m->through,        m->gloss};
     double most = 1;
     for (size_t k = 0; k < sizeof colors / sizeof *colors; k++)
         most = fmax(most, vividness(colors[k]));
@@ -99,6 +101,7 @@ static void bleach(struct orl_world *world)
     for (size_t i = 0; i < world->n_materials; i++) {
         struct orl_material *m = &world->materials[i];
         m->color = gray_of(m->color);
+        m->gloss = gray_of(m->gloss);
         m->transmissivity = gray_of(m->transmissivity);
         m->front = gray_of(m->front);
         m->back = gray_of(m->back);

@@ -56,8 +56,9 @@ static bool is_window(const struct orl_material *material)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
         return orl_material_is_window(material);
-    return material->kind == ORL_MATERIAL_GLASS || material->kind == ORL_MATERIAL_DIELECTRIC ||
-           material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_ILLUM;
+    return material->kind == ORL_MATERIAL_GLASS || material->kind == ORL_MATERIAL_GLAZING ||
+           material->kind == ORL_MATERIAL_DIELECTRIC || material->kind == ORL_MATERIAL_BSDF ||
+           material->kind == ORL_MATERIAL_ILLUM;
 }
 
 static bool is_seen(const struct orl_scene *scene, struct orl_vec3 origin, struct orl_vec3 towards)

@@ -65,7 +65,8 @@ static int mark_facets(const struct orl_view_out_wish *wish, struct orl_openings
     for (size_t i = 0; i < n; i++) {
         const struct orl_material *material = orl_scene_material(scene, i);
         if (wish->n_openings == 0)
-            o->clear[i] = material->kind == ORL_MATERIAL_GLASS;
+            o->clear[i] = material->kind == ORL_MATERIAL_GLASS ||
+                          (material->kind == ORL_MATERIAL_GLAZING && material->transmitted > 0);
         o->clear[i] = o->clear[i] && orl_material_is_window(material);
         if (wish->n_ground == 0)
             o->ground[i] = is_ground(scene->geometry, &scene->geometry->facets[i]);

@@ -29,7 +29,9 @@ enum orl_material_kind {
     ORL_MATERIAL_PLASTIC,    /* color, specular, roughness, grain (plastic2) */
     ORL_MATERIAL_METAL,      /* color, specular, roughness, grain (metal2) */
     ORL_MATERIAL_TRANS,      /* the same (trans2), transmitted, transmitted_specular */
+    ORL_MATERIAL_ASHIKHMIN,  /* color, gloss, power, grain (ashik2) */
     ORL_MATERIAL_GLASS,      /* transmissivity, ior */
+    ORL_MATERIAL_GLAZING,    /* angles, front/back/through, transmitted (BRTDfunc) */
     ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface anything */
     ORL_MATERIAL_MIRROR,     /* color, on the front; black behind */
     ORL_MATERIAL_BSDF,       /* bsdf, up, thickness, peak, front/back/through diffuse additions */
@@ -54,7 +56,10 @@ struct orl_material {
     double specular;       /* reflectors: share of color, or of white for plastic and trans */
     double roughness[2];   /* reflectors: rms slope along grain and across; equal: isotropic */
     struct orl_vec3 grain; /* plastic2 and the like: as written, not projected */
-    double transmitted;    /* trans: share of what is not reflected as by a mirror */
+    struct orl_rgb gloss;  /* ashik2: specular reflectance at the normal */
+    double power[2];       /* ashik2: of its lobe, along the grain and across */
+    double transmitted; /* glazing: the most that goes straight through; trans: share of what is not
+                           reflected as by a mirror */
     double transmitted_specular;   /* trans: share of that which is not spread evenly */
     struct orl_rgb transmissivity; /* glass: as written (at normal incidence, one pass) */
     double ior;                    /* glass: 1.52 unless written */
@@ -72,6 +77,7 @@ struct orl_material {
     struct orl_pattern *pattern; /* factor of color, of glass of what passes (material/pattern.h);
                                     or NULL */
     struct orl_pattern *texture; /* turns the normal (material/texture.h); or NULL */
+    struct orl_pattern *angles;  /* glazing: six functions of the angle (material/glazing.c) */
     struct orl_pattern *mix;     /* mixture: the first's share (of pattern.h, a factor of 1) */
     const struct orl_material *mixed; /* mixture: two, in the arena; with no BSDFs among them */
     int32_t sky;                      /* light, glow: index into skies that scales color, or -1 */

@@ -259,7 +259,8 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
 {
     const struct orl_scatter on = {
         .direction = at->path.direction, .weight = orl_gray(1), .transmitted = true};
-    if (m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_DIELECTRIC)
+    if (m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING ||
+        m->kind == ORL_MATERIAL_DIELECTRIC)
         follow(look, at, hit, &on);
     else if (orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);

@@ -37,6 +37,31 @@ void orl_reflector_sample_matts(const struct orl_draw *draws, const double (*u)[
                                 const size_t *which, size_t n, struct orl_scatter *ret);
 double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
+/* ashikhmin.c: ashik2; gloss is what its lobe reflects, about. */
+struct orl_rgb orl_ashikhmin_diffuse(const struct orl_material *material,
+                                     const struct orl_hit *hit);
+struct orl_rgb orl_ashikhmin_gloss(const struct orl_material *material, const struct orl_hit *hit,
+                                   struct orl_vec3 from);
+struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                                   struct orl_vec3 light, struct orl_vec3 eye);
+struct orl_scatter orl_ashikhmin_sample(const struct orl_draw *draw, const double u[3]);
+double orl_ashikhmin_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
+
+/* glazing.c: shares by functions of the angle. */
+bool orl_glazing_is_window(const struct orl_material *material);
+bool orl_glazing_has_lobes(const struct orl_material *material);
+bool orl_glazing_transmits_lobes(const struct orl_material *material);
+struct orl_rgb orl_glazing_mirrored(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 eye);
+struct orl_rgb orl_glazing_straight(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 eye);
+struct orl_rgb orl_glazing_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 light, enum orl_lobes lobes);
+struct orl_rgb orl_glazing_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                                 struct orl_vec3 light, struct orl_vec3 eye);
+struct orl_scatter orl_glazing_sample(const struct orl_draw *draw, const double u[3]);
+double orl_glazing_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
+
 /* dielectric.c: clear solids and liquids. */
 double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 from);

@@ -205,6 +205,18 @@ static enum worth see(const struct orl_pattern *pattern, const struct orl_hit *h
     return HAS_VALUE;
 }
 
+bool orl_pattern_of_angle(const struct orl_pattern *pattern, double cosine,
+                          double ret_values[ORL_PATTERN_ANGLES])
+{
+    double inputs[ORL_RAY_INPUTS];
+    inputs[ORL_RAY_RDOT] = cosine;
+    inputs[ORL_RAY_RDOTP] = fabs(cosine);
+    bool valued = run(pattern->function, inputs, ret_values) == HAS_VALUE;
+    for (int i = 0; i < ORL_PATTERN_ANGLES; i++)
+        valued = valued && isfinite(ret_values[i]);
+    return valued;
+}
+
 void orl_pattern_fix(struct orl_pattern *pattern)
 {
     const uint64_t own = ((uint64_t)1 << ORL_RAY_DATA) - 1;

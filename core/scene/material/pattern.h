@@ -64,6 +64,7 @@ struct orl_pattern {
     const struct orl_band
         *bands; /* of a spectrum, the arena's: values is asked for each; or NULL */
     uint32_t n_bands;
+    bool angles; /* of glazing: its function's values are shares by the angle */
     bool mixture;
     struct orl_mixed mixed[2];
     uint32_t steps;         /* evaluations of functions that it takes, at most */
@@ -105,6 +106,12 @@ static inline struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern,
  * none. */
 bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit *hit,
                         struct orl_vec3 towards, double ret_values[3]);
+
+/* What the functions of a glazing (glazing.c) give at that cosine to the front's normal; false
+ * where one has no value. */
+enum { ORL_PATTERN_ANGLES = 6 };
+bool orl_pattern_of_angle(const struct orl_pattern *pattern, double cosine,
+                          double ret_values[ORL_PATTERN_ANGLES]);
 
 /* Shares of a triangle's corners b and c at a hit on it. */
 void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,

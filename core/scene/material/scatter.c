@@ -73,6 +73,8 @@ bool orl_material_is_window(const struct orl_material *material)
         return true;
     case ORL_MATERIAL_TRANS:
         return orl_trans_transmits(material);
+    case ORL_MATERIAL_GLAZING:
+        return orl_glazing_is_window(material);
     case ORL_MATERIAL_MIXTURE:
         return either(material, orl_material_is_window);
     default:
@@ -84,22 +86,36 @@ struct orl_rgb orl_material_diffuse(const struct orl_material *material, const s
 {
     if (is_reflector(material))
         return orl_reflector_diffuse(material, hit);
-    return is_mixture(material) ? mixed(material, hit, &(struct question){.part = DIFFUSE})
-                                : orl_gray(0);
+    if (is_mixture(material))
+        return mixed(material, hit, &(struct question){.part = DIFFUSE});
+    return material->kind == ORL_MATERIAL_ASHIKHMIN ? orl_ashikhmin_diffuse(material, hit)
+                                                    : orl_gray(0);
 }
 
 bool orl_material_has_lobes(const struct orl_material *material)
 {
-    if (is_mixture(material))
+    switch (material->kind) {
+    case ORL_MATERIAL_PLASTIC:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
+        return orl_reflector_has_lobes(material);
+    case ORL_MATERIAL_ASHIKHMIN:
+        return orl_rgb_max(material->gloss) > 0;
+    case ORL_MATERIAL_GLAZING:
+        return orl_glazing_has_lobes(material);
+    case ORL_MATERIAL_MIXTURE:
         return either(material, orl_material_has_lobes);
-    return is_reflector(material) ? orl_reflector_has_lobes(material)
-                                  : material->kind == ORL_MATERIAL_BSDF;
+    default:
+        return material->kind == ORL_MATERIAL_BSDF;
+    }
 }
 
 bool orl_material_transmits_lobes(const struct orl_material *material)
 {
     if (is_mixture(material))
         return either(material, orl_material_transmits_lobes);
+    if (material->kind == ORL_MATERIAL_GLAZING)
+        return orl_glazing_transmits_lobes(material);
     return is_reflector(material) ? orl_reflector_transmits_lobes(material)
                                   : material->kind == ORL_MATERIAL_BSDF;
 }
@@ -111,6 +127,8 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
         return orl_glass_transmittance(material, hit, orl_cosine_at(material, hit, from));
     if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
         return orl_trans_straight(material, hit);
+    if (material->kind == ORL_MATERIAL_GLAZING)
+        return orl_glazing_straight(material, hit, from);
     if (is_mixture(material))
         return mixed(material, hit, &(struct question){.part = STRAIGHT, .from = from});
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
@@ -122,6 +140,8 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
 {
     if (material->kind == ORL_MATERIAL_GLASS)
         return orl_glass_reflectance(material, hit, orl_cosine_at(material, hit, from));
+    if (material->kind == ORL_MATERIAL_GLAZING)
+        return orl_glazing_mirrored(material, hit, from);
     if (material->kind == ORL_MATERIAL_MIRROR)
         return orl_mirror_reflectance(material, hit, from);
     if (material->kind == ORL_MATERIAL_DIELECTRIC)
@@ -153,6 +173,8 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     struct orl_rgb sum = orl_gray(0);
     if (material->kind == ORL_MATERIAL_BSDF)
         return orl_panel_albedo(material, hit, light, lobes);
+    if (material->kind == ORL_MATERIAL_GLAZING)
+        return orl_glazing_albedo(material, hit, light, lobes);
     if (is_mixture(material))
         return mixed(material, hit, &(struct question){ALBEDO, light, light, lobes});
     if (lobes & ORL_LOBE_DIFFUSE)
@@ -161,6 +183,8 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
         sum =
             orl_rgb_add(sum, is_reflector(material) ? orl_reflector_specular(material, hit)
                                                     : orl_material_mirrored(material, hit, light));
+    if (lobes & ORL_LOBE_REFLECTED && material->kind == ORL_MATERIAL_ASHIKHMIN)
+        sum = orl_rgb_add(sum, orl_ashikhmin_gloss(material, hit, light));
     if (lobes & ORL_LOBE_TRANSMITTED)
         sum = orl_rgb_add(sum, transmitted(material, hit, light));
     return sum;
@@ -218,8 +242,12 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
         return orl_reflector_sample(draw, u);
+    case ORL_MATERIAL_ASHIKHMIN:
+        return orl_ashikhmin_sample(draw, u);
     case ORL_MATERIAL_GLASS:
         return orl_glass_sample(draw, u);
+    case ORL_MATERIAL_GLAZING:
+        return orl_glazing_sample(draw, u);
     case ORL_MATERIAL_BSDF:
         return orl_panel_sample(draw, u);
     case ORL_MATERIAL_DIELECTRIC:
@@ -288,6 +316,10 @@ double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit
     const struct orl_draw draw = {material, hit, from, transport, lobes};
     if (is_reflector(material))
         return orl_reflector_pdf(&draw, towards);
+    if (material->kind == ORL_MATERIAL_ASHIKHMIN)
+        return orl_ashikhmin_pdf(&draw, towards);
+    if (material->kind == ORL_MATERIAL_GLAZING)
+        return orl_glazing_pdf(&draw, towards);
     if (is_mixture(material))
         return mixed_pdf(&draw, towards);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_pdf(&draw, towards) : 0;
@@ -301,6 +333,10 @@ struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
         return orl_panel_lobes(material, hit, light, eye);
     if (is_reflector(material))
         return orl_reflector_lobes(material, hit, light, eye);
+    if (material->kind == ORL_MATERIAL_ASHIKHMIN)
+        return orl_ashikhmin_lobes(material, hit, light, eye);
+    if (material->kind == ORL_MATERIAL_GLAZING)
+        return orl_glazing_lobes(material, hit, light, eye);
     return is_mixture(material)
                ? mixed(material, hit, &(struct question){LOBES, light, eye, ORL_LOBE_ALL})
                : orl_gray(0);

@@ -21,6 +21,9 @@
  * averaged over polarisations; light goes straight through or is mirrored. Dielectrics are Fresnel
  * at one surface; what they absorb depends on the way through them, which paths keep count of.
  *
+ * Glazing is what functions of the angle say (glazing.c). Where its two ways through differ, "to or
+ * from" below is to.
+ *
  * Of a mixture of unlike materials a share of the light, by a pattern, meets the first, the rest
  * the second: all that is asked is the sum of both, draws choose one by how much it would send on.
  * What is void in one is a pane of nothing: glass of index 1 that takes no light.

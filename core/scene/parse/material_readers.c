@@ -57,6 +57,7 @@ bool orl_material_is_patterned(enum orl_material_kind kind, bool directed)
     case ORL_MATERIAL_PLASTIC:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_ASHIKHMIN:
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_MIRROR:
         return !directed;
@@ -104,6 +105,8 @@ static int check_index(struct orl_parser *parser, const struct orl_scope *scope,
 static const double slack = 0.01;
 /* All that a surface may return: a thousand reflections, and light ends. */
 static const double most_returned = 0.999;
+/* Of ashik2: a lobe of a hundredth of a degree. */
+static const double most_power = 1e8;
 
 static bool bound(double *share, double from, double most)
 {
@@ -236,6 +239,33 @@ int orl_material_read_grained(struct orl_parser *parser, const struct orl_scope 
                        : material->kind == ORL_MATERIAL_METAL ? "metal"
                                                               : "plastic");
     }
+    return code;
+}
+
+int orl_material_read_ashikhmin(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    int code = orl_parser_expect(parser, scope, parser->primitive.n_strings, 8, err);
+    if (code == 0)
+        code = read_grain(parser, scope, material, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    material->gloss = orl_material_rgb(parser, 3);
+    material->power[0] = r[6];
+    material->power[1] = r[7];
+    code = orl_material_share(parser, scope, material->color, true, "diffuse reflectance", err);
+    if (code == 0)
+        code =
+            orl_material_share(parser, scope, material->gloss, true, "specular reflectance", err);
+    if (code == 0)
+        code = orl_material_share(parser, scope, orl_rgb_add(material->color, material->gloss),
+                                  false, "diffuse and specular reflectance together", err);
+    if (code == 0 && !(r[6] >= 0 && r[7] >= 0 && r[6] <= most_power && r[7] <= most_power))
+        code =
+            orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                            "its powers, %g and %g, are not from 0 to %g", r[6], r[7], most_power);
     return code;
 }
 

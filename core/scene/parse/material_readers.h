@@ -16,6 +16,8 @@ int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scop
                                 struct orl_material *material, struct orl_error *err);
 int orl_material_read_grained(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_material *material, struct orl_error *err);
+int orl_material_read_ashikhmin(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
 int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err);
 int orl_material_read_dielectric(struct orl_parser *parser, const struct orl_scope *scope,
@@ -34,6 +36,10 @@ int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scop
 /* mixtures.c: mixfunc, mixdata, mixpict of materials; kind as well. */
 int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
                    struct orl_material *ret_material, struct orl_error *err);
+
+/* glazing_material.c */
+int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_material *material, struct orl_error *err);
 
 /* bsdf_material.c; the reference in material->bsdf is the caller's to drop, also on failure. */
 int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,

@@ -23,6 +23,8 @@ static const struct material_type material_types[] = {
     {"metal2", ORL_MATERIAL_METAL, orl_material_read_grained},
     {"trans2", ORL_MATERIAL_TRANS, orl_material_read_grained},
     {"glass", ORL_MATERIAL_GLASS, orl_material_read_glass},
+    {"ashik2", ORL_MATERIAL_ASHIKHMIN, orl_material_read_ashikhmin},
+    {"BRTDfunc", ORL_MATERIAL_GLAZING, orl_material_read_glazing},
     {"dielectric", ORL_MATERIAL_DIELECTRIC, orl_material_read_dielectric},
     {"interface", ORL_MATERIAL_DIELECTRIC, orl_material_read_interface},
     {"mirror", ORL_MATERIAL_MIRROR, orl_material_read_mirror},
@@ -155,14 +157,14 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
 {
     if (material->pattern &&
         !orl_material_is_patterned(material->kind, material->pattern->directed)) {
-        orl_parser_fail(
-            parser, scope, err, ORL_ERR_UNSUPPORTED,
-            orl_material_is_patterned(material->kind, false)
-                ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot) are "
-                  "simulated on what shines only: '%.200s' is one"
-                : "patterns are not simulated on dielectrics, BSDFs and mixtures of unlike "
-                  "materials: '%.200s' is one",
-            parser->primitive.modifier);
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        orl_material_is_patterned(material->kind, false)
+                            ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot) are "
+                              "simulated on what shines only: '%.200s' is one"
+                            : "patterns are not simulated on dielectrics, BSDFs, BRTDfunc and "
+                              "mixtures of unlike "
+                              "materials: '%.200s' is one",
+                        parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;
     }
@@ -173,9 +175,10 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
         orl_error_hint(err, "name one of the materials instead");
         return ORL_ERR_UNSUPPORTED;
     }
-    if (material->texture && material->kind == ORL_MATERIAL_BSDF) {
+    if (material->texture &&
+        (material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_GLAZING)) {
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "textures are not simulated on BSDFs: '%.200s' is one",
+                        "textures are not simulated on BSDFs and BRTDfunc: '%.200s' is one",
                         parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;

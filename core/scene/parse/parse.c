@@ -15,7 +15,6 @@ struct unsupported {
 };
 
 static const struct unsupported unsupported_types[] = {
-    {"ashik2", "use plastic or metal"},
     {"mist", "leave it out"},
     {"antimatter", "leave it out, and cut the hole into the polygon"},
     {"prism1", "describe it as a BSDF"},
@@ -23,7 +22,6 @@ static const struct unsupported unsupported_types[] = {
     {"plasfunc", "use plastic, or a BSDF"},
     {"metfunc", "use metal, or a BSDF"},
     {"transfunc", "describe it as a BSDF"},
-    {"BRTDfunc", "describe it as a BSDF"},
     {"WGMDfunc", "describe it as a BSDF"},
     {"plasdata", "use plastic, or a BSDF"},
     {"metdata", "use metal, or a BSDF"},

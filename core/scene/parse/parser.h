@@ -97,7 +97,7 @@ int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *patte
 
 /* patterns.c: a mixture of two materials that differ in colour and pattern alone: the pattern that
  * has what they are together, as a factor of 1. Of others (mixed NULL): that of the first's share.
- */
+ * Of a BRTDfunc (NULL): its functions of the angle. */
 bool orl_parser_is_mixture(const char *type);
 int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_material *mixed, struct orl_pattern **ret_pattern,

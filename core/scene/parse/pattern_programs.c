@@ -88,7 +88,9 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
     for (int i = 0; i < ORL_RAY_INPUTS; i++) {
         const bool directed = i == ORL_RAY_RDOT || (i >= ORL_RAY_DX && i <= ORL_RAY_DZ);
         const bool meshed = i == ORL_RAY_LU || i == ORL_RAY_LV;
-        const bool placed = meshed || (i >= ORL_RAY_NX && i <= ORL_RAY_PZ);
+        /* What is oriented as if the front was met; whoever takes it sees to that. */
+        const bool oriented = i == ORL_RAY_RDOTP && pattern->angles;
+        const bool placed = oriented || meshed || (i >= ORL_RAY_NX && i <= ORL_RAY_PZ);
         const bool data = i >= ORL_RAY_DATA && i <= ORL_RAY_DATA_3 && function == pattern->values;
         if (inputs >> i & 1)
             pattern->meshed = pattern->meshed || meshed;
@@ -102,6 +104,24 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
                         "normal (Nx Ny Nz), and of what shines the direction, are simulated",
                         orl_function_ray_names[i]);
         orl_error_hint(err, "leave what depends on the ray's length and the like out of it");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    return 0;
+}
+
+/* Of glazing only the angle counts. */
+static int check_angles(struct orl_parser *parser, const struct orl_scope *scope,
+                        const struct orl_pattern *pattern, struct orl_error *err)
+{
+    const uint64_t inputs = orl_function_inputs(pattern->function);
+    for (int i = 0; i < ORL_RAY_INPUTS; i++) {
+        if (!(inputs >> i & 1) || i == ORL_RAY_RDOT || i == ORL_RAY_RDOTP)
+            continue;
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "its function asks for %s: glazing is simulated by the angle alone (Rdot, "
+                        "RdotP)",
+                        orl_function_ray_names[i]);
+        orl_error_hint(err, "describe it as a BSDF");
         return ORL_ERR_UNSUPPORTED;
     }
     return 0;
@@ -188,7 +208,7 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     const struct orl_primitive *const primitive = &parser->primitive;
     const size_t first = pattern->n_grids > 0 ? strings->file + 1 : strings->functions;
     const size_t n = strings->n;
-    const char *expressions[ORL_GRID_AXES];
+    const char *expressions[ORL_PATTERN_ANGLES]; /* the most that there are */
     int context = ORL_FUNCTION_GLOBAL;
     place_pattern(pattern, to_world);
     /* Of a picture the first coordinate is to the right, which is the grid's second axis. */
@@ -198,6 +218,8 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     int code = load(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
     if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
         code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
+    if (code == 0 && strings->angles)
+        code = check_angles(parser, scope, pattern, err);
     if (code == 0 && strings->spectral)
         code = compile_spectral(parser, scope, pattern, context,
                                 orl_primitive_string(primitive, strings->functions), err);

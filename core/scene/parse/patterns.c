@@ -22,6 +22,7 @@ struct pattern_type {
     size_t n_materials; /* that it mixes, before all else */
     bool texture;
     bool spectral;
+    bool angles; /* a material's own: six functions of the angle, and three zeros */
 };
 
 static const struct pattern_type pattern_types[] = {
@@ -37,6 +38,7 @@ static const struct pattern_type pattern_types[] = {
     {.name = "mixfunc", .n_functions = 1, .n_materials = 2},
     {.name = "mixdata", .n_functions = 1, .n_files = 1, .n_materials = 2},
     {.name = "mixpict", .n_functions = 1, .n_files = 1, .picture = true, .n_materials = 2},
+    {.name = "BRTDfunc", .n_functions = ORL_PATTERN_ANGLES, .angles = true},
     {.name = "texfunc", .n_functions = 3, .texture = true},
     {.name = "texdata", .n_functions = 3, .n_files = 3, .texture = true},
 };
@@ -51,7 +53,8 @@ static const struct pattern_type *find_type(const char *name)
 
 bool orl_parser_is_pattern(const char *type)
 {
-    return find_type(type) != NULL;
+    const struct pattern_type *const found = find_type(type);
+    return found && !found->angles;
 }
 
 bool orl_parser_is_mixture(const char *type)
@@ -188,6 +191,8 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
                                           const struct orl_pattern *pattern, bool of_material)
 {
     const bool share = type->n_materials > 0 && !pattern->mixture;
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->angles)
+        other = parser->out->materials[old->index].angles;
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
     if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
@@ -242,7 +247,8 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
                         const struct pattern_type *type, struct orl_pattern *pattern,
                         bool of_material, const struct orl_symbol **ret_same, struct orl_error *err)
 {
-    const size_t file = type->n_materials + type->n_functions + type->n_files;
+    const size_t file =
+        type->n_materials + type->n_functions + type->n_files + (type->angles ? 3 : 0);
     struct orl_xform to_world = orl_xform_identity;
     size_t axes = 0;
     int code = find_grids(parser, scope, type, pattern, &axes, err);
@@ -266,7 +272,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0 || *ret_same)
         return code;
     const struct orl_pattern_strings strings = {
-        type->n_materials, file, axes > 0 ? axes : type->n_functions, type->spectral};
+        type->n_materials, file, axes > 0 ? axes : type->n_functions, type->angles, type->spectral};
     code = is_fixed(type) ? orl_spectrum_read(parser, scope, pattern, err)
                           : orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
     if (code == 0 && type->spectral && !is_fixed(type))
@@ -301,8 +307,10 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
         orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     else
         pattern->three = type->n_functions == 3;
-    if (pattern)
+    if (pattern) {
         pattern->texture = type->texture;
+        pattern->angles = type->angles;
+    }
     return pattern;
 }
 
@@ -344,8 +352,9 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
     else
         code = orl_parser_keep_pattern(parser, pattern);
     if (code == 0)
-        *ret_pattern = !same   ? pattern
-                       : mixed ? parser->out->materials[same->index].pattern
-                               : parser->out->materials[same->index].mix;
+        *ret_pattern = !same          ? pattern
+                       : type->angles ? parser->out->materials[same->index].angles
+                       : mixed        ? parser->out->materials[same->index].pattern
+                                      : parser->out->materials[same->index].mix;
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }

@@ -14,6 +14,7 @@ static bool is_turned(const struct orl_material *material)
     case ORL_MATERIAL_PLASTIC:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_ASHIKHMIN:
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_DIELECTRIC:
     case ORL_MATERIAL_MIRROR:

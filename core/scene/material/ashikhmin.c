@@ -1,0 +1,174 @@
+/*
+ * ashik2: a Lambertian colour, and a lobe of Ashikhmin's and Shirley's ("An Anisotropic Phong BRDF
+ * Model", 2000, equations 4, 6 to 10): its half vectors lie as cos^e about the normal, e being one
+ * number along the grain and another across. By its density draws lose nothing but what the larger
+ * of two cosines takes, so that a lobe never gains.
+ *
+ * The lobe grows towards grazing by Schlick's approximation, at the half vector, up to what the
+ * diffuse colour leaves of 1: it is the same from either end, and both together never gain.
+ * (Radiance has it grow by the eye's direction, up to 1, and nothing taken from the diffuse colour
+ * but of direct light.)
+ */
+#include "scene/material/kinds.h"
+
+#include "scene/material/hemisphere.h"
+
+struct lobe {
+    struct orl_frame frame; /* u along the grain */
+    double along, across;   /* powers */
+};
+
+static struct lobe lobe_at(const struct orl_material *m, struct orl_vec3 normal)
+{
+    const struct orl_vec3 flat = orl_madd(m->grain, normal, -orl_dot(m->grain, normal));
+    const double along = m->power[0], across = m->power[1];
+    if (!(orl_length(flat) > 1e-9 * orl_length(m->grain))) {
+        /* A grain that stands on it means nothing. */
+        const double mean = 2 / (1 / (along + 1) + 1 / (across + 1)) - 1;
+        return (struct lobe){orl_frame_about(normal), mean, mean};
+    }
+    const struct orl_vec3 u = orl_normalize(flat);
+    return (struct lobe){{u, orl_cross(normal, u), normal}, along, across};
+}
+
+static double fifth(double x)
+{
+    return x * x * x * x * x;
+}
+
+struct orl_rgb orl_ashikhmin_diffuse(const struct orl_material *material, const struct orl_hit *hit)
+{
+    const struct orl_rgb c = orl_color_at(material, hit), gloss = material->gloss;
+    return (struct orl_rgb){orl_smaller(c.r, 1 - gloss.r), orl_smaller(c.g, 1 - gloss.g),
+                            orl_smaller(c.b, 1 - gloss.b)};
+}
+
+/* Of light at that cosine to the half vector. */
+static struct orl_rgb gloss_at(const struct orl_material *material, struct orl_rgb diffuse,
+                               double cosine)
+{
+    const double grown = fifth(1 - orl_smaller(cosine, 1));
+    const struct orl_rgb sum = orl_rgb_add(material->gloss, diffuse);
+    const struct orl_rgb left = {1 - sum.r, 1 - sum.g, 1 - sum.b};
+    return orl_rgb_add(material->gloss, orl_rgb_scale(left, grown));
+}
+
+struct orl_rgb orl_ashikhmin_gloss(const struct orl_material *material, const struct orl_hit *hit,
+                                   struct orl_vec3 from)
+{
+    return gloss_at(material, orl_ashikhmin_diffuse(material, hit),
+                    fabs(orl_dot(from, hit->normal)));
+}
+
+/* The density of half vectors, per steradian, of a unit one. */
+static double density(const struct lobe *lobe, struct orl_vec3 half)
+{
+    const struct orl_vec3 h = orl_to_local(&lobe->frame, half);
+    const double sine2 = h.x * h.x + h.y * h.y;
+    const double power =
+        sine2 > 0 ? (lobe->along * h.x * h.x + lobe->across * h.y * h.y) / sine2 : lobe->along;
+    return sqrt((lobe->along + 1) * (lobe->across + 1)) / (2 * ORL_PI) *
+           pow(orl_larger(h.z, 0), power);
+}
+
+/* f of the lobe about a normal, for two directions on its side. */
+static struct orl_rgb lobe_between(const struct orl_material *m, struct orl_rgb diffuse,
+                                   struct orl_vec3 normal, struct orl_vec3 a, struct orl_vec3 b)
+{
+    const struct lobe lobe = lobe_at(m, normal);
+    const struct orl_vec3 half = orl_normalize(orl_add(a, b));
+    const double cosine = orl_dot(half, a);
+    const double larger = orl_larger(orl_dot(a, normal), orl_dot(b, normal));
+    return orl_rgb_scale(gloss_at(m, diffuse, cosine),
+                         density(&lobe, half) / (4 * cosine * larger));
+}
+
+/* About a turned normal light arrives by that one's cosine (texture.h). */
+struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                                   struct orl_vec3 light, struct orl_vec3 eye)
+{
+    const double cos_light = orl_dot(light, hit->normal), cos_eye = orl_dot(eye, hit->normal);
+    if (!(cos_light * cos_eye > 0))
+        return orl_gray(0);
+    const struct orl_rgb diffuse = orl_ashikhmin_diffuse(material, hit);
+    const struct orl_vec3 normal = orl_normal_at(material, hit, eye);
+    const double turned = orl_dot(light, normal);
+    if (!(turned > 0) || !(orl_dot(eye, normal) > 0))
+        return orl_gray(0);
+    const struct orl_rgb f = lobe_between(material, diffuse, normal, light, eye);
+    return material->texture ? orl_rgb_scale(f, turned / fabs(cos_light)) : f;
+}
+
+/* ---- Draws ------------------------------------------------------------------------------------
+ */
+
+static void weigh(const struct orl_draw *draw, double *ret_diffuse, double *ret_gloss)
+{
+    *ret_diffuse = draw->lobes & ORL_LOBE_DIFFUSE
+                       ? orl_luma(orl_ashikhmin_diffuse(draw->material, draw->hit))
+                       : 0;
+    *ret_gloss = draw->lobes & ORL_LOBE_REFLECTED
+                     ? orl_luma(orl_ashikhmin_gloss(draw->material, draw->hit, draw->from))
+                     : 0;
+}
+
+static struct orl_vec3 facing(const struct orl_draw *draw)
+{
+    const struct orl_vec3 normal = draw->hit->normal;
+    return orl_dot(draw->from, normal) >= 0 ? normal : orl_neg(normal);
+}
+
+static struct orl_scatter sample_lobe(const struct orl_draw *draw, const double u[2], double chance)
+{
+    const struct orl_vec3 normal = orl_normal_at(draw->material, draw->hit, draw->from);
+    const struct lobe lobe = lobe_at(draw->material, normal);
+    const double phi = 2 * ORL_PI * u[0];
+    const double x = sqrt(lobe.across + 1) * cos(phi), y = sqrt(lobe.along + 1) * sin(phi);
+    const double length = sqrt(x * x + y * y), c = x / length, s = y / length;
+    const double z = pow(1 - u[1], 1 / (lobe.along * c * c + lobe.across * s * s + 1));
+    const double sine = sqrt(orl_larger(1 - z * z, 0));
+    const struct orl_vec3 half = orl_to_world(&lobe.frame, orl_v3(c * sine, s * sine, z));
+    const double cosine = orl_dot(draw->from, half);
+    const struct orl_vec3 d = orl_sub(orl_scale(half, 2 * cosine), draw->from);
+    const double in = orl_dot(draw->from, normal), out = orl_dot(d, normal);
+    if (!(cosine > 0) || !(out > 0) || !(in > 0) || !(orl_dot(d, facing(draw)) > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    const struct orl_rgb gloss =
+        gloss_at(draw->material, orl_ashikhmin_diffuse(draw->material, draw->hit), cosine);
+    return (struct orl_scatter){.event = ORL_EVENT_GLOSSY,
+                                .direction = d,
+                                .weight =
+                                    orl_rgb_scale(gloss, out / (orl_larger(in, out) * chance))};
+}
+
+struct orl_scatter orl_ashikhmin_sample(const struct orl_draw *draw, const double u[3])
+{
+    double diffuse, gloss;
+    weigh(draw, &diffuse, &gloss);
+    if (!(diffuse + gloss > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    const double chance = diffuse / (diffuse + gloss);
+    if (u[2] >= chance)
+        return sample_lobe(draw, u, 1 - chance);
+    return (struct orl_scatter){
+        .event = ORL_EVENT_DIFFUSE,
+        .direction = orl_hemisphere_about(facing(draw), u[0], u[1]),
+        .weight = orl_rgb_scale(orl_ashikhmin_diffuse(draw->material, draw->hit), 1 / chance)};
+}
+
+double orl_ashikhmin_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    double diffuse, gloss;
+    const double cosine = orl_dot(towards, facing(draw));
+    weigh(draw, &diffuse, &gloss);
+    if (!(diffuse + gloss > 0) || !(cosine > 0))
+        return 0;
+    double sum = diffuse * cosine / ORL_PI;
+    const struct orl_vec3 normal = orl_normal_at(draw->material, draw->hit, draw->from);
+    if (gloss > 0 && orl_dot(towards, normal) > 0 && orl_dot(draw->from, normal) > 0) {
+        const struct lobe lobe = lobe_at(draw->material, normal);
+        const struct orl_vec3 half = orl_normalize(orl_add(draw->from, towards));
+        sum += gloss * density(&lobe, half) / (4 * orl_dot(half, draw->from));
+    }
+    return sum / (diffuse + gloss);
+}

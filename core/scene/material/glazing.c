@@ -1,0 +1,153 @@
+/*
+ * Glazing by functions of the angle (BRTDfunc without lobes): how much of each channel is mirrored
+ * and how much goes straight through, by the cosine to the front's normal of the direction that it
+ * goes to, negative behind; and what is spread evenly: reflectances of the front and of the back,
+ * and a transmittance both ways. The latter are lobes.
+ */
+#include "scene/material/kinds.h"
+
+#include "scene/material/hemisphere.h"
+
+enum part { STRAIGHT, MIRROR, REFLECTED, THROUGH, PARTS };
+
+struct glazing {
+    struct orl_rgb part[PARTS];
+};
+
+/* Of what goes to the eye in that direction; where functions have no value there is nothing. */
+static struct orl_rgb at_angle(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 eye, int first)
+{
+    double values[ORL_PATTERN_ANGLES];
+    if (!orl_pattern_of_angle(material->angles, orl_dot(eye, hit->normal), values))
+        return orl_gray(0);
+    return (struct orl_rgb){orl_larger(values[first], 0), orl_larger(values[first + 1], 0),
+                            orl_larger(values[first + 2], 0)};
+}
+
+struct orl_rgb orl_glazing_mirrored(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 eye)
+{
+    return at_angle(material, hit, eye, 0);
+}
+
+struct orl_rgb orl_glazing_straight(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 eye)
+{
+    return at_angle(material, hit, eye, 3);
+}
+
+bool orl_glazing_transmits_lobes(const struct orl_material *material)
+{
+    return orl_rgb_max(material->through) > 0;
+}
+
+bool orl_glazing_has_lobes(const struct orl_material *material)
+{
+    return orl_glazing_transmits_lobes(material) || orl_rgb_max(material->front) > 0 ||
+           orl_rgb_max(material->back) > 0;
+}
+
+bool orl_glazing_is_window(const struct orl_material *material)
+{
+    return material->transmitted > 0 || orl_glazing_transmits_lobes(material);
+}
+
+struct orl_rgb orl_glazing_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                                 struct orl_vec3 light, struct orl_vec3 eye)
+{
+    const double cos_light = orl_dot(light, hit->normal), cos_eye = orl_dot(eye, hit->normal);
+    if (cos_light == 0 || cos_eye == 0)
+        return orl_gray(0);
+    const struct orl_rgb back = cos_light > 0 ? material->front : material->back;
+    return orl_rgb_scale(cos_light * cos_eye > 0 ? back : material->through, 1 / ORL_PI);
+}
+
+static struct glazing parts_of(const struct orl_material *m, const struct orl_hit *hit,
+                               struct orl_vec3 from, enum orl_transport transport,
+                               enum orl_lobes lobes)
+{
+    struct glazing g = {.part = {{0}}};
+    if (lobes & ORL_LOBE_TRANSMITTED) {
+        const struct orl_vec3 eye = transport == ORL_TRANSPORT_EYE ? from : orl_neg(from);
+        g.part[STRAIGHT] = orl_glazing_straight(m, hit, eye);
+        g.part[THROUGH] = m->through;
+    }
+    if (lobes & ORL_LOBE_REFLECTED) {
+        g.part[MIRROR] = orl_glazing_mirrored(m, hit, from);
+        g.part[REFLECTED] = orl_dot(from, hit->normal) > 0 ? m->front : m->back;
+    }
+    return g;
+}
+
+struct orl_rgb orl_glazing_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 light, enum orl_lobes lobes)
+{
+    const struct glazing g = parts_of(material, hit, light, ORL_TRANSPORT_LIGHT, lobes);
+    struct orl_rgb sum = orl_gray(0);
+    for (int i = 0; i < PARTS; i++)
+        sum = orl_rgb_add(sum, g.part[i]);
+    return sum;
+}
+
+/* ---- Draws ------------------------------------------------------------------------------------
+ */
+
+static double sum_of(const struct glazing *g)
+{
+    double sum = 0;
+    for (int i = 0; i < PARTS; i++)
+        sum += orl_luma(g->part[i]);
+    return sum;
+}
+
+static enum part choose(const struct glazing *g, double sum, double u)
+{
+    double passed = 0;
+    enum part last = STRAIGHT;
+    for (int i = 0; i < PARTS; i++) {
+        const double luma = orl_luma(g->part[i]);
+        passed += luma;
+        if (luma > 0)
+            last = (enum part)i;
+        if (luma > 0 && u * sum < passed)
+            return last;
+    }
+    return last;
+}
+
+struct orl_scatter orl_glazing_sample(const struct orl_draw *draw, const double u[3])
+{
+    const struct glazing g =
+        parts_of(draw->material, draw->hit, draw->from, draw->transport, draw->lobes);
+    const double sum = sum_of(&g);
+    if (!(sum > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    const enum part part = choose(&g, sum, u[2]);
+    const struct orl_vec3 normal = draw->hit->normal, from = draw->from;
+    const struct orl_vec3 side = orl_dot(from, normal) >= 0 ? normal : orl_neg(normal);
+    struct orl_scatter s = {.event = ORL_EVENT_GLOSSY,
+                            .transmitted = part == STRAIGHT || part == THROUGH,
+                            .weight = orl_rgb_scale(g.part[part], sum / orl_luma(g.part[part]))};
+    if (part == STRAIGHT) {
+        s.event = ORL_EVENT_STRAIGHT;
+        s.direction = orl_neg(from);
+    } else if (part == MIRROR) {
+        s.event = ORL_EVENT_MIRROR;
+        s.direction = orl_mirrored(from, normal);
+    } else {
+        s.direction = orl_hemisphere_about(part == REFLECTED ? side : orl_neg(side), u[0], u[1]);
+    }
+    return s;
+}
+
+double orl_glazing_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    const struct glazing g =
+        parts_of(draw->material, draw->hit, draw->from, draw->transport, draw->lobes);
+    const double sum = sum_of(&g), cosine = orl_dot(towards, draw->hit->normal);
+    const bool back = cosine * orl_dot(draw->from, draw->hit->normal) > 0;
+    if (!(sum > 0))
+        return 0;
+    return orl_luma(g.part[back ? REFLECTED : THROUGH]) / sum * fabs(cosine) / ORL_PI;
+}
