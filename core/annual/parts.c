@@ -141,10 +141,10 @@ static bool facet_is_by(const struct orl_geometry *g, const struct orl_facet *f,
                         const struct orl_window *w)
 {
     if (f->kind != ORL_SURFACE_POLYGON) {
-        const double r = -fmax(f->radius[0], f->radius[1]);
+        const double r = -fmax(f->round->radius[0], f->round->radius[1]);
         const bool two = f->kind == ORL_SURFACE_CYLINDER || f->kind == ORL_SURFACE_TUBE ||
                          f->kind == ORL_SURFACE_CONE || f->kind == ORL_SURFACE_CUP;
-        return is_by(w, f->center[0], r) && (!two || is_by(w, f->center[1], r));
+        return is_by(w, f->round->center[0], r) && (!two || is_by(w, f->round->center[1], r));
     }
     for (uint32_t i = 0; i < f->n_triangles; i++) {
         const struct orl_triangle *t = &g->triangles[f->first_triangle + i];

@@ -184,8 +184,8 @@ static double round_area(const struct orl_facet *f, const int64_t cell[2])
     if (!tapers)
         return whole;
     const double along = ((double)cell[1] + 0.5) / ROUND_ROWS;
-    const double here = f->radius[0] + along * (f->radius[1] - f->radius[0]);
-    const double mean = 0.5 * (f->radius[0] + f->radius[1]);
+    const double here = f->round->radius[0] + along * (f->round->radius[1] - f->round->radius[0]);
+    const double mean = 0.5 * (f->round->radius[0] + f->round->radius[1]);
     return mean > 0 ? whole * here / mean : whole;
 }
 

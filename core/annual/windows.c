@@ -42,9 +42,9 @@ static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet
 static struct orl_window of_ring(const struct orl_facet *f, uint32_t facet)
 {
     const struct orl_frame frame = orl_frame_about(f->normal);
-    const double r = fmax(f->radius[0], f->radius[1]);
+    const double r = fmax(f->round->radius[0], f->round->radius[1]);
     return (struct orl_window){.facet = facet,
-                               .corner = f->center[0],
+                               .corner = f->round->center[0],
                                .normal = f->normal,
                                .along = {frame.u, frame.v},
                                .low = {-r, -r},

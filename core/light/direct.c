@@ -41,8 +41,8 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
 static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, const double u[2],
                           struct orl_lamp_aim *ret_aim)
 {
-    const struct orl_vec3 way = orl_sub(facet->center[0], from);
-    const double d2 = orl_dot(way, way), r2 = facet->radius[0] * facet->radius[0];
+    const struct orl_vec3 way = orl_sub(facet->round->center[0], from);
+    const double d2 = orl_dot(way, way), r2 = facet->round->radius[0] * facet->round->radius[0];
     if (d2 <= r2 * (1 + 1e-9))
         return false;
     const double sine2 = r2 / d2, least_cosine = sqrt(1 - sine2);
@@ -51,10 +51,10 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
     const struct orl_frame frame = orl_frame_about(orl_scale(way, 1 / d));
     ret_aim->light = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
     /* As far as a sphere a little larger: a ray to the rim is a float, and must not meet it. */
-    const double room = 2 * facet->radius[0] * (d * 0x1p-20 + facet->offset);
+    const double room = 2 * facet->round->radius[0] * (d * 0x1p-20 + facet->offset);
     ret_aim->distance = d * cosine - sqrt(fmax(0, r2 - d2 * sine * sine) + room);
-    ret_aim->normal =
-        orl_normalize(orl_sub(orl_madd(from, ret_aim->light, ret_aim->distance), facet->center[0]));
+    ret_aim->normal = orl_normalize(
+        orl_sub(orl_madd(from, ret_aim->light, ret_aim->distance), facet->round->center[0]));
     ret_aim->measure_sr = 2 * ORL_PI * sine2 / (1 + least_cosine);
     return true;
 }
@@ -102,8 +102,9 @@ static double aim_pdf_of_hit(const struct orl_world *world, const struct orl_hit
         const double cosine = fabs(orl_dot(way, hit->normal)) / sqrt(d2);
         return d2 / (cosine * facet->area);
     }
-    const struct orl_vec3 to_center = orl_sub(facet->center[0], from);
-    const double r2 = facet->radius[0] * facet->radius[0], c2 = orl_dot(to_center, to_center);
+    const struct orl_vec3 to_center = orl_sub(facet->round->center[0], from);
+    const double r2 = facet->round->radius[0] * facet->round->radius[0],
+                 c2 = orl_dot(to_center, to_center);
     const double sine2 = r2 / c2;
     return c2 > r2 ? (1 + sqrt(1 - sine2)) / (2 * ORL_PI * sine2) : 0;
 }

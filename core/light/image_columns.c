@@ -74,8 +74,8 @@ static void draw_facet(struct drawing *d, const struct orl_facet *f,
 {
     if (f->kind != ORL_SURFACE_POLYGON) {
         struct box part = nothing;
-        add_point(&part, d->frame, f->center[0]);
-        grow(&part, fmax(f->radius[0], f->radius[1]) + d->margin);
+        add_point(&part, d->frame, f->round->center[0]);
+        grow(&part, fmax(f->round->radius[0], f->round->radius[1]) + d->margin);
         take(d, &part);
         return;
     }

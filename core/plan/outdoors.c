@@ -26,16 +26,17 @@ static double reach(const struct orl_geometry *g, const struct orl_facet *f, str
         return most;
     case ORL_SURFACE_CYLINDER:
     case ORL_SURFACE_TUBE:
-        return fmax(orl_dot(f->center[0], d), orl_dot(f->center[1], d)) + f->radius[0];
+        return fmax(orl_dot(f->round->center[0], d), orl_dot(f->round->center[1], d)) +
+               f->round->radius[0];
     case ORL_SURFACE_CONE:
     case ORL_SURFACE_CUP:
-        return fmax(orl_dot(f->center[0], d) + f->radius[0],
-                    orl_dot(f->center[1], d) + f->radius[1]);
+        return fmax(orl_dot(f->round->center[0], d) + f->round->radius[0],
+                    orl_dot(f->round->center[1], d) + f->round->radius[1]);
     case ORL_SURFACE_SPHERE:
     case ORL_SURFACE_BUBBLE:
-        return orl_dot(f->center[0], d) + f->radius[0];
+        return orl_dot(f->round->center[0], d) + f->round->radius[0];
     case ORL_SURFACE_RING:
-        return orl_dot(f->center[0], d) + f->radius[1];
+        return orl_dot(f->round->center[0], d) + f->round->radius[1];
     }
     return INFINITY;
 }

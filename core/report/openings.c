@@ -46,7 +46,7 @@ static bool is_ground(const struct orl_geometry *g, const struct orl_facet *f)
     if (fabs(f->normal.z) < least_level)
         return false;
     if (f->kind == ORL_SURFACE_RING)
-        top = f->center[0].z + f->radius[0] * sqrt(1 - f->normal.z * f->normal.z);
+        top = f->round->center[0].z + f->round->radius[0] * sqrt(1 - f->normal.z * f->normal.z);
     for (uint32_t t = f->first_triangle; t < f->first_triangle + f->n_triangles; t++) {
         const struct orl_triangle *triangle = &g->triangles[t];
         top = fmax(top, fmax(triangle->a.z, fmax(triangle->b.z, triangle->c.z)));

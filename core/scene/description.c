@@ -6,6 +6,8 @@
 #include "base/arena.h"
 #include "scene/material/pattern.h"
 
+const struct orl_round orl_round_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
+
 void orl_description_done(struct orl_description *description)
 {
     if (!description)

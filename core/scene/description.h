@@ -95,21 +95,27 @@ enum orl_surface_kind {
     ORL_SURFACE_RING,     /* center[0], normal, radius[0] < radius[1] */
 };
 
+/* What is round has its centres and radii apart: nearly all surfaces are polygons. */
+struct orl_round {
+    struct orl_vec3 center[2];
+    double radius[2];
+};
+extern const struct orl_round orl_round_none; /* all 0: of polygons */
+
 struct orl_surface {
     enum orl_surface_kind kind;
     uint32_t material;
     uint32_t modifier_order; /* of its modifier's definition among all: later ones are larger */
+    int line;
     char *name;
     const char *file; /* points into orl_description.files */
-    int line;
     /* polygon */
     struct orl_vec3 *vertices;
     uint32_t n_vertices;
     bool has_places;  /* of a mesh: orl_surface_places */
     bool has_normals; /* of a mesh: orl_surface_normals */
-    /* the others */
-    struct orl_vec3 center[2];
-    double radius[2];
+    /* the others, in the arena; never NULL */
+    const struct orl_round *round;
     struct orl_vec3 normal; /* ring; for polygons the unit normal by Newell's method */
 };
 

@@ -92,14 +92,14 @@ static void check_material(const struct orl_description *d, const struct orl_mat
 static void check_round(const struct orl_surface *s)
 {
     for (int k = 0; k < 2; k++) {
-        fuzz_check_finite(s->center[k]);
-        FUZZ_PROMISE(isfinite(s->radius[k]) && s->radius[k] >= 0);
+        fuzz_check_finite(s->round->center[k]);
+        FUZZ_PROMISE(isfinite(s->round->radius[k]) && s->round->radius[k] >= 0);
     }
     if (s->kind == ORL_SURFACE_RING) {
         fuzz_check_unit(s->normal);
-        FUZZ_PROMISE(s->radius[0] < s->radius[1]);
+        FUZZ_PROMISE(s->round->radius[0] < s->round->radius[1]);
     } else {
-        FUZZ_PROMISE(s->radius[0] > 0 || s->radius[1] > 0);
+        FUZZ_PROMISE(s->round->radius[0] > 0 || s->round->radius[1] > 0);
     }
 }
 

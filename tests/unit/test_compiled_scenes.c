@@ -237,8 +237,8 @@ static void test_frozen(void **state)
         parse_well("void instance \"two words\" 7 b.bin -s 2 -t 10 0 0 0 0\n", &b, "");
     assert_int_equal(d.n_surfaces, 1);
     assert_int_equal(d.surfaces[0].kind, ORL_SURFACE_SPHERE);
-    expect_point(d.surfaces[0].center[0], 12, 4, 6);
-    assert_true(fabs(d.surfaces[0].radius[0] - 1) < 1e-8);
+    expect_point(d.surfaces[0].round->center[0], 12, 4, 6);
+    assert_true(fabs(d.surfaces[0].round->radius[0] - 1) < 1e-8);
     assert_true(fabs(material_of(&d, 0)->color.g - .25) < 1e-8);
     orl_description_done(&d);
 }
@@ -280,7 +280,7 @@ static void test_named_files(void **state)
         parse_well("void instance i 5 b.bin -t 0 0 5 0 0\n", &b,
                    "void plastic p 0 0 5 .1 .1 .1 0 0\np sphere s 0 0 4 0 0 0 1\n");
     assert_int_equal(d.n_surfaces, 1);
-    expect_point(d.surfaces[0].center[0], 0, 0, 5);
+    expect_point(d.surfaces[0].round->center[0], 0, 0, 5);
     orl_description_done(&d);
     struct bytes missing = {.size = 0}, itself = {.size = 0}, command = {.size = 0};
     make_named(&missing, "away.rad");

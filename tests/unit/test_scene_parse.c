@@ -206,10 +206,10 @@ static void test_surfaces(void **state)
     assert_string_equal(d.surfaces[0].file, "a.rad");
     assert_int_equal(d.surfaces[0].line, 2);
     assert_int_equal(d.surfaces[1].line, 5);
-    assert_vec(d.surfaces[1].center[1], 4, 5, 6);
-    assert_true(d.surfaces[1].radius[0] == .5 && d.surfaces[1].radius[1] == 0);
+    assert_vec(d.surfaces[1].round->center[1], 4, 5, 6);
+    assert_true(d.surfaces[1].round->radius[0] == .5 && d.surfaces[1].round->radius[1] == 0);
     assert_vec(d.surfaces[2].normal, 0, 0, -1);
-    assert_true(d.surfaces[2].radius[0] == 1 && d.surfaces[2].radius[1] == 2);
+    assert_true(d.surfaces[2].round->radius[0] == 1 && d.surfaces[2].round->radius[1] == 2);
     orl_description_done(&d);
 }
 
@@ -245,9 +245,10 @@ static void test_numbers(void **state)
         parse(RED "red sphere s 0 0 4 +.5 -1.25e-3 12345678901234567890123e-20 0.1\n"
                   "void glow g 0 0 4 1e22 5. 9007199254740993 3.0000000000000004\n");
     (void)state;
-    assert_true(d.surfaces[0].center[0].x == .5 && d.surfaces[0].center[0].y == -1.25e-3);
-    assert_true(d.surfaces[0].center[0].z == 123.45678901234567890123);
-    assert_true(d.surfaces[0].radius[0] == 0.1);
+    assert_true(d.surfaces[0].round->center[0].x == .5 &&
+                d.surfaces[0].round->center[0].y == -1.25e-3);
+    assert_true(d.surfaces[0].round->center[0].z == 123.45678901234567890123);
+    assert_true(d.surfaces[0].round->radius[0] == 0.1);
     assert_true(d.materials[1].color.r == 1e22 && d.materials[1].color.g == 5);
     assert_true(d.materials[1].color.b == 9007199254740992.0);
     assert_true(d.materials[1].max_radius == 3.0000000000000004);
@@ -303,8 +304,8 @@ static void test_xform_mirror(void **state)
     assert_vec(d.surfaces[0].normal, -1, 0, 0);
     assert_vec(d.surfaces[0].vertices[2], -1, 0, 0);
     assert_int_equal(d.surfaces[1].kind, ORL_SURFACE_SPHERE);
-    assert_vec(d.surfaces[1].center[0], -1, 0, 0);
-    assert_true(d.surfaces[1].radius[0] == 6);
+    assert_vec(d.surfaces[1].round->center[0], -1, 0, 0);
+    assert_true(d.surfaces[1].round->radius[0] == 6);
     assert_vec(d.surfaces[2].normal, -1, 0, 0);
     assert_vec(d.distants[0].direction, -sqrt(.5), sqrt(.5), 0);
     assert_true(d.materials[2].max_radius == 6);

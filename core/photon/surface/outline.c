@@ -61,12 +61,13 @@ static double polygon_exit(const struct orl_world *world, const struct orl_surfa
 static double ring_exit(const struct orl_facet *f, const struct orl_frame *frame,
                         struct orl_vec3 origin, const double direction[2], double from)
 {
-    const struct orl_vec3 way = orl_sub(f->center[0], origin);
+    const struct orl_vec3 way = orl_sub(f->round->center[0], origin);
     const double x = orl_dot(way, frame->u), y = orl_dot(way, frame->v);
     const double along = direction[0] * x + direction[1] * y;
     double best = INFINITY;
     for (int i = 0; i < 2; i++) {
-        const double root2 = along * along - x * x - y * y + f->radius[i] * f->radius[i];
+        const double root2 =
+            along * along - x * x - y * y + f->round->radius[i] * f->round->radius[i];
         for (int sign = -1; sign <= 1 && root2 >= 0; sign += 2) {
             const double length = along + sign * sqrt(root2);
             if (length > from && length < best)
@@ -80,14 +81,16 @@ static double ring_exit(const struct orl_facet *f, const struct orl_frame *frame
 static double tube_exit(const struct orl_facet *f, const struct orl_frame *frame,
                         struct orl_vec3 origin, const double direction[2])
 {
-    const struct orl_vec3 whole = orl_sub(f->center[1], f->center[0]);
+    const struct orl_vec3 whole = orl_sub(f->round->center[1], f->round->center[0]);
     const double length = orl_length(whole);
     const struct orl_vec3 axis = orl_scale(whole, 1 / length);
     const struct orl_vec3 way =
         orl_add(orl_scale(frame->u, direction[0]), orl_scale(frame->v, direction[1]));
-    const double z = orl_dot(orl_sub(origin, f->center[0]), axis), climb = orl_dot(way, axis);
+    const double z = orl_dot(orl_sub(origin, f->round->center[0]), axis),
+                 climb = orl_dot(way, axis);
     const double around = orl_dot(way, orl_normalize(orl_cross(axis, frame->n)));
-    const double radius = f->radius[0] + (f->radius[1] - f->radius[0]) * z / length;
+    const double radius =
+        f->round->radius[0] + (f->round->radius[1] - f->round->radius[0]) * z / length;
     double best = INFINITY;
     if (around != 0)
         best = fabs(radius * sine_20 / around);
@@ -110,7 +113,7 @@ double orl_outline_exit(const struct orl_world *world, uint32_t facet,
         return ring_exit(f, frame, origin, direction, from);
     case ORL_SURFACE_SPHERE:
     case ORL_SURFACE_BUBBLE:
-        return 2 * sine_14 * f->radius[0];
+        return 2 * sine_14 * f->round->radius[0];
     default:
         return tube_exit(f, frame, origin, direction);
     }
@@ -129,10 +132,12 @@ double orl_outline_clearance(const struct orl_world *world, uint32_t facet, stru
 {
     const struct orl_facet *f = &world->geometry->facets[facet];
     if (f->kind == ORL_SURFACE_SPHERE || f->kind == ORL_SURFACE_BUBBLE)
-        return 2 * sine_14 * f->radius[0];
+        return 2 * sine_14 * f->round->radius[0];
     if (f->kind == ORL_SURFACE_RING) {
-        const double at = orl_length(orl_sub(point, f->center[0]));
-        return fmax(fmin(f->radius[1] - at, f->radius[0] > 0 ? at - f->radius[0] : INFINITY), 0);
+        const double at = orl_length(orl_sub(point, f->round->center[0]));
+        return fmax(fmin(f->round->radius[1] - at,
+                         f->round->radius[0] > 0 ? at - f->round->radius[0] : INFINITY),
+                    0);
     }
     if (f->kind != ORL_SURFACE_POLYGON)
         return 0;

@@ -149,12 +149,12 @@ struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct 
     const struct orl_facet *f = &geometry->facets[facet];
     struct orl_shaft shaft = {.beam = index, .facet = facet};
     double low_u = INFINITY, high_u = -INFINITY, low_v = INFINITY, high_v = -INFINITY;
-    struct orl_vec3 corner = f->center[0];
+    struct orl_vec3 corner = f->round->center[0];
     if (f->n_triangles == 0) { /* a ring */
-        low_u = orl_dot(corner, beam->frame.u) - fmax(f->radius[0], f->radius[1]);
-        high_u = low_u + 2 * fmax(f->radius[0], f->radius[1]);
-        low_v = orl_dot(corner, beam->frame.v) - fmax(f->radius[0], f->radius[1]);
-        high_v = low_v + 2 * fmax(f->radius[0], f->radius[1]);
+        low_u = orl_dot(corner, beam->frame.u) - fmax(f->round->radius[0], f->round->radius[1]);
+        high_u = low_u + 2 * fmax(f->round->radius[0], f->round->radius[1]);
+        low_v = orl_dot(corner, beam->frame.v) - fmax(f->round->radius[0], f->round->radius[1]);
+        high_v = low_v + 2 * fmax(f->round->radius[0], f->round->radius[1]);
     }
     for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
         const struct orl_triangle *t = &geometry->triangles[f->first_triangle + i / 3];

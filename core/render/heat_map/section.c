@@ -38,9 +38,9 @@ static void cut_triangle(const struct cut *cut, const struct orl_vec3 corners[3]
 
 static void cut_sphere(const struct cut *cut, const struct orl_facet *facet)
 {
-    const double off = cut->offset - orl_dot(cut->plane->normal, facet->center[0]);
-    const double square = facet->radius[0] * facet->radius[0] - off * off;
-    const struct orl_vec3 center = orl_add(facet->center[0], cut->geometry->center);
+    const double off = cut->offset - orl_dot(cut->plane->normal, facet->round->center[0]);
+    const double square = facet->round->radius[0] * facet->round->radius[0] - off * off;
+    const struct orl_vec3 center = orl_add(facet->round->center[0], cut->geometry->center);
     const double u = orl_dot(cut->plane->u, center), v = orl_dot(cut->plane->v, center);
     double before[2] = {u + sqrt(fmax(square, 0)), v};
     for (int i = 1; i <= SIDES && square > 0; i++) {
@@ -57,17 +57,19 @@ static void cut_round(const struct cut *cut, const struct orl_facet *facet)
 {
     const bool ring = facet->kind == ORL_SURFACE_RING;
     const bool even = facet->kind == ORL_SURFACE_CYLINDER || facet->kind == ORL_SURFACE_TUBE;
-    const struct orl_vec3 second = ring ? facet->center[0] : facet->center[1];
-    const double radii[2] = {facet->radius[0], even ? facet->radius[0] : facet->radius[1]};
+    const struct orl_vec3 second = ring ? facet->round->center[0] : facet->round->center[1];
+    const double radii[2] = {facet->round->radius[0],
+                             even ? facet->round->radius[0] : facet->round->radius[1]};
     const struct orl_vec3 axis =
-        ring ? facet->normal : orl_normalize(orl_sub(facet->center[1], facet->center[0]));
+        ring ? facet->normal
+             : orl_normalize(orl_sub(facet->round->center[1], facet->round->center[0]));
     const struct orl_frame frame = orl_frame_about(axis);
-    struct orl_vec3 a = orl_madd(facet->center[0], frame.u, radii[0]);
+    struct orl_vec3 a = orl_madd(facet->round->center[0], frame.u, radii[0]);
     struct orl_vec3 b = orl_madd(second, frame.u, radii[1]);
     for (int i = 1; i <= SIDES; i++) {
         const double t = 2 * ORL_PI * i / SIDES;
         const struct orl_vec3 way = orl_add(orl_scale(frame.u, cos(t)), orl_scale(frame.v, sin(t)));
-        const struct orl_vec3 c = orl_madd(facet->center[0], way, radii[0]);
+        const struct orl_vec3 c = orl_madd(facet->round->center[0], way, radii[0]);
         const struct orl_vec3 d = orl_madd(second, way, radii[1]);
         cut_triangle(cut, (const struct orl_vec3[3]){a, b, d});
         cut_triangle(cut, (const struct orl_vec3[3]){a, d, c});

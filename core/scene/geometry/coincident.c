@@ -121,14 +121,14 @@ static struct orl_outline outline_within(const struct orl_surface *s,
     if (s->kind != ORL_SURFACE_RING)
         return orl_outline_of(s);
     const struct orl_frame frame = orl_frame_about(s->normal);
-    const double inner = s->radius[0] / cos(ORL_PI / RING_CORNERS);
+    const double inner = s->round->radius[0] / cos(ORL_PI / RING_CORNERS);
     uint32_t n = 0;
-    for (int loop = 0; loop < (inner > 0 ? 2 : 1) && inner < s->radius[1]; loop++)
+    for (int loop = 0; loop < (inner > 0 ? 2 : 1) && inner < s->round->radius[1]; loop++)
         for (int i = 0; i < RING_CORNERS + (inner > 0); i++) {
             const double phi = 2 * ORL_PI * (loop ? -i : i) / RING_CORNERS;
-            const double r = loop ? inner : s->radius[1];
-            corners[n++] =
-                orl_add(s->center[0], orl_to_world(&frame, orl_v3(r * cos(phi), r * sin(phi), 0)));
+            const double r = loop ? inner : s->round->radius[1];
+            corners[n++] = orl_add(s->round->center[0],
+                                   orl_to_world(&frame, orl_v3(r * cos(phi), r * sin(phi), 0)));
         }
     return (struct orl_outline){corners, n, s->normal};
 }

@@ -36,22 +36,22 @@ static enum family family_of(const struct orl_surface *s)
 /* Either way round. */
 static struct orl_vec3 axis_of(const struct orl_surface *s)
 {
-    const struct orl_vec3 axis = orl_normalize(orl_sub(s->center[1], s->center[0]));
+    const struct orl_vec3 axis = orl_normalize(orl_sub(s->round->center[1], s->round->center[0]));
     return orl_dot(axis, odd) < 0 ? orl_neg(axis) : axis;
 }
 
 static double key_of(const struct orl_surface *s, enum family family,
                      const struct orl_same_place *place)
 {
-    const struct orl_vec3 from = orl_sub(s->center[0], place->middle);
+    const struct orl_vec3 from = orl_sub(s->round->center[0], place->middle);
     if (family == SPHERES)
-        return orl_dot(from, odd) + s->radius[0];
+        return orl_dot(from, odd) + s->round->radius[0];
     if (family == CONES)
-        return orl_dot(orl_add(from, orl_sub(s->center[1], place->middle)), odd) + s->radius[0] +
-               s->radius[1];
+        return orl_dot(orl_add(from, orl_sub(s->round->center[1], place->middle)), odd) +
+               s->round->radius[0] + s->round->radius[1];
     const struct orl_vec3 axis = axis_of(s);
     return orl_dot(orl_madd(from, axis, -orl_dot(from, axis)), odd) +
-           place->reach * orl_dot(axis, odd) + s->radius[0];
+           place->reach * orl_dot(axis, odd) + s->round->radius[0];
 }
 
 static int compare(const void *left, const void *right)
@@ -77,16 +77,16 @@ static bool alike(double a, double b, double tolerance)
 /* Both about the first one's axis, and overlapping along it by more than a seam. */
 static bool cylinders_meet(const struct orl_surface *a, const struct orl_surface *b, double seam)
 {
-    const struct orl_vec3 along = orl_sub(a->center[1], a->center[0]);
+    const struct orl_vec3 along = orl_sub(a->round->center[1], a->round->center[0]);
     const double length = orl_length(along);
     double at[2];
     for (int i = 0; i < 2; i++) {
-        const struct orl_vec3 from = orl_sub(b->center[i], a->center[0]);
+        const struct orl_vec3 from = orl_sub(b->round->center[i], a->round->center[0]);
         at[i] = orl_dot(from, along) / length;
         if (orl_length(orl_madd(from, along, -at[i] / length)) > seam)
             return false;
     }
-    return alike(a->radius[0], b->radius[0], seam) &&
+    return alike(a->round->radius[0], b->round->radius[0], seam) &&
            fmin(fmax(at[0], at[1]), length) - fmax(fmin(at[0], at[1]), 0) > seam;
 }
 
@@ -95,8 +95,8 @@ static bool cones_meet(const struct orl_surface *a, const struct orl_surface *b,
     for (int turn = 0; turn < 2; turn++) {
         bool all = true;
         for (int i = 0; i < 2; i++)
-            all = all && near(a->center[i], b->center[i ^ turn], seam) &&
-                  alike(a->radius[i], b->radius[i ^ turn], seam);
+            all = all && near(a->round->center[i], b->round->center[i ^ turn], seam) &&
+                  alike(a->round->radius[i], b->round->radius[i ^ turn], seam);
         if (all)
             return true;
     }
@@ -107,7 +107,8 @@ static bool meet(const struct orl_surface *a, const struct orl_surface *b, enum 
                  double seam)
 {
     if (family == SPHERES)
-        return near(a->center[0], b->center[0], seam) && alike(a->radius[0], b->radius[0], seam);
+        return near(a->round->center[0], b->round->center[0], seam) &&
+               alike(a->round->radius[0], b->round->radius[0], seam);
     return family == CYLINDERS ? cylinders_meet(a, b, seam) : cones_meet(a, b, seam);
 }
 

@@ -30,7 +30,7 @@ static bool is_flat(const struct orl_surface *s)
 
 static struct orl_vec3 point_of(const struct orl_surface *s)
 {
-    return s->kind == ORL_SURFACE_RING ? s->center[0] : s->vertices[0];
+    return s->kind == ORL_SURFACE_RING ? s->round->center[0] : s->vertices[0];
 }
 
 /* A number that tells planes apart: their distance, and their direction by a slope like no other's.
@@ -57,8 +57,9 @@ static struct orl_box box_of_ring(const struct orl_surface *s)
     const struct orl_vec3 reach =
         orl_scale(orl_v3(sqrt(fmax(1 - n.x * n.x, 0)), sqrt(fmax(1 - n.y * n.y, 0)),
                          sqrt(fmax(1 - n.z * n.z, 0))),
-                  s->radius[1]);
-    return (struct orl_box){orl_sub(s->center[0], reach), orl_add(s->center[0], reach)};
+                  s->round->radius[1]);
+    return (struct orl_box){orl_sub(s->round->center[0], reach),
+                            orl_add(s->round->center[0], reach)};
 }
 
 struct orl_box orl_box_of_flat(const struct orl_surface *surface)
@@ -154,7 +155,7 @@ static bool lies_in(const struct search *t, const struct orl_surface *s,
 {
     const struct orl_vec3 origin = point_of(plane);
     const uint32_t n = s->kind == ORL_SURFACE_RING ? 1 : s->n_vertices;
-    const struct orl_vec3 *points = s->kind == ORL_SURFACE_RING ? s->center : s->vertices;
+    const struct orl_vec3 *points = s->kind == ORL_SURFACE_RING ? s->round->center : s->vertices;
     for (uint32_t i = 0; i < n; i++)
         if (!(fabs(orl_dot(orl_sub(points[i], origin), plane->normal)) <= t->place.tolerance))
             return false;

@@ -22,26 +22,27 @@ static double largest(struct orl_vec3 v)
     return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
 
-static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface)
+/* A facet by its surface's numbers; round is where its own are kept. */
+static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface,
+                        struct orl_round *round)
 {
-    facet->normal = surface->normal;
-    for (int k = 0; k < 2; k++) {
-        facet->center[k] = surface->center[k];
-        facet->radius[k] = surface->radius[k];
-    }
+    *round = *surface->round;
     if (surface->kind == ORL_SURFACE_CYLINDER || surface->kind == ORL_SURFACE_TUBE)
-        facet->radius[1] = facet->radius[0];
+        round->radius[1] = round->radius[0];
+    facet->normal = surface->normal;
+    facet->round = round;
 }
 
 static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
                       struct orl_vec3 *high)
 {
     struct orl_facet facet = {.kind = surface->kind};
+    struct orl_round round;
     struct orl_vec3 a, b;
     for (uint32_t i = 0; i < surface->n_vertices; i++)
         include(surface->vertices[i], low, high);
     if (surface->kind != ORL_SURFACE_POLYGON) {
-        fill_curved(&facet, surface);
+        fill_curved(&facet, surface, &round);
         orl_quadric_bounds(&facet, &a, &b);
         include(a, low, high);
         include(b, low, high);
@@ -124,10 +125,11 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
 static void add_curved(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet)
 {
     struct orl_facet *f = &g->facets[facet];
+    struct orl_round *round = &g->rounds[g->n_facets - 1 - facet];
     struct orl_vec3 low, high;
-    fill_curved(f, surface);
+    fill_curved(f, surface, round);
     for (int k = 0; k < 2; k++)
-        f->center[k] = orl_sub(f->center[k], g->center);
+        round->center[k] = orl_sub(round->center[k], g->center);
     orl_quadric_bounds(f, &low, &high);
     f->area = orl_quadric_area(f);
     f->offset = fmax(largest(low), largest(high)) * 0x1p-20;
@@ -147,6 +149,7 @@ static int add_facets(struct builder *b)
         g->facets[facet].kind = surface->kind;
         g->facets[facet].material = surface->material;
         g->facets[facet].surface = (uint32_t)i;
+        g->facets[facet].round = &orl_round_none;
         g->facets[facet].beyond = d->materials[surface->material].thickness;
         if (flat)
             code = add_polygon(b, surface, facet);
@@ -190,8 +193,10 @@ static int add_rivals(struct orl_geometry *g, const struct orl_description *d)
 static void measure(struct orl_geometry *g, const struct orl_description *d)
 {
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
-    for (size_t i = 0; i < d->n_surfaces; i++)
+    for (size_t i = 0; i < d->n_surfaces; i++) {
         bounds_of(&d->surfaces[i], &low, &high);
+        g->n_rounds += d->surfaces[i].kind != ORL_SURFACE_POLYGON;
+    }
     if (d->n_surfaces == 0)
         low = high = orl_v3(0, 0, 0);
     g->center = orl_scale(orl_add(low, high), 0.5);
@@ -221,7 +226,8 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
     measure(g, description);
     g->n_facets = description->n_surfaces;
     g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
-    if (!g->facets || !make_room(&builder, description->n_surfaces))
+    g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
+    if (!g->facets || !g->rounds || !make_room(&builder, description->n_surfaces))
         goto done;
     code = add_facets(&builder);
     if (code == 0)
@@ -253,15 +259,19 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->n_triangles = 0;
     g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
+    g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
     g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
-    if (!g->facets || !g->triangles || !g->rivals)
+    if (!g->facets || !g->rounds || !g->triangles || !g->rivals)
         goto done;
     if (g->n_rivals > 0)
         memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
+    memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet *f = &g->facets[i];
         const size_t kept = keep[i] ? whole->facets[i].n_triangles : 0;
         *f = whole->facets[i];
+        if (f->kind != ORL_SURFACE_POLYGON)
+            f->round = &g->rounds[g->n_facets - 1 - i];
         f->area = keep[i] ? f->area : 0;
         f->n_triangles = (uint32_t)kept;
         f->first_triangle = (uint32_t)g->n_triangles;
@@ -286,6 +296,7 @@ void orl_geometry_free(struct orl_geometry *geometry)
         return;
     orl_embree_free(geometry);
     free(geometry->facets);
+    free(geometry->rounds);
     free(geometry->triangles);
     free(geometry->rivals);
     free(geometry);

@@ -29,17 +29,16 @@
 /* A surface as it is shot at: the description's, moved, with what hits need at hand. */
 struct orl_facet {
     enum orl_surface_kind kind;
-    uint32_t material, surface; /* indices into the description's */
-    struct orl_vec3 normal;     /* polygons and rings: unit, the declared front */
-    struct orl_vec3 center[2];
-    double radius[2];
-    double offset; /* how far from the surface a ray must start to be clear of it */
+    uint32_t material, surface;    /* indices into the description's */
+    struct orl_vec3 normal;        /* polygons and rings: unit, the declared front */
+    const struct orl_round *round; /* all but polygons: in orl_geometry.rounds; never NULL */
+    double offset;                 /* how far from the surface a ray must start to be clear of it */
     double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
     double area;
-    bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
     uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
     uint32_t first_rival, n_rivals;       /* into orl_geometry.rivals: facets in the same place that
                                              face the other way */
+    bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
 };
 
 struct orl_triangle {
@@ -54,6 +53,8 @@ struct orl_geometry {
     double radius;             /* of the bounding sphere about the moved origin */
     struct orl_facet *facets;
     size_t n_facets;
+    struct orl_round *rounds; /* of the facets that are not polygons, from the last one back */
+    size_t n_rounds;
     struct orl_triangle *triangles;
     size_t n_triangles;
     uint32_t *rivals;

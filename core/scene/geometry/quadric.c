@@ -18,10 +18,11 @@ struct axis {
 
 static struct axis axis_of(const struct orl_facet *facet)
 {
-    const struct orl_vec3 d = orl_sub(facet->center[1], facet->center[0]);
+    const struct orl_vec3 d = orl_sub(facet->round->center[1], facet->round->center[0]);
     const double length = orl_length(d);
     return (struct axis){orl_scale(d, 1.0 / length), length,
-                         (facet->radius[1] - facet->radius[0]) / length, facet->radius[0]};
+                         (facet->round->radius[1] - facet->round->radius[0]) / length,
+                         facet->round->radius[0]};
 }
 
 /* Real roots of a t^2 + 2 h t + c, ascending, without cancellation; returns how many. */
@@ -45,12 +46,12 @@ static bool sphere_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_
                        double far, double *ret_t, struct orl_vec3 *ret_normal)
 {
     double roots[2];
-    const struct orl_vec3 m = orl_sub(o, f->center[0]);
+    const struct orl_vec3 m = orl_sub(o, f->round->center[0]);
     /* The distance of the line to the centre, squared, is formed from the nearest point: exact far
      * out. */
     const double h = orl_dot(m, d);
     const struct orl_vec3 nearest = orl_madd(m, d, -h);
-    const double c = orl_dot(nearest, nearest) + h * h - f->radius[0] * f->radius[0];
+    const double c = orl_dot(nearest, nearest) + h * h - f->round->radius[0] * f->round->radius[0];
     const int n = solve(1.0, h, c, roots);
     for (int i = 0; i < n; i++) {
         if (roots[i] > near && roots[i] < far) {
@@ -66,7 +67,7 @@ static bool cone_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_ve
                      double far, double *ret_t, struct orl_vec3 *ret_normal)
 {
     const struct axis axis = axis_of(f);
-    const struct orl_vec3 m = orl_sub(o, f->center[0]);
+    const struct orl_vec3 m = orl_sub(o, f->round->center[0]);
     const double mz = orl_dot(m, axis.direction), dz = orl_dot(d, axis.direction);
     const struct orl_vec3 mp = orl_madd(m, axis.direction, -mz),
                           dp = orl_madd(d, axis.direction, -dz);
@@ -92,11 +93,11 @@ static bool ring_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_ve
     const double slope = orl_dot(d, f->normal);
     if (slope == 0)
         return false;
-    const double t = orl_dot(orl_sub(f->center[0], o), f->normal) / slope;
-    const struct orl_vec3 p = orl_sub(orl_madd(o, d, t), f->center[0]);
+    const double t = orl_dot(orl_sub(f->round->center[0], o), f->normal) / slope;
+    const struct orl_vec3 p = orl_sub(orl_madd(o, d, t), f->round->center[0]);
     const double r2 = orl_dot(p, p);
-    if (!(t > near && t < far) || r2 < f->radius[0] * f->radius[0] ||
-        r2 > f->radius[1] * f->radius[1])
+    if (!(t > near && t < far) || r2 < f->round->radius[0] * f->round->radius[0] ||
+        r2 > f->round->radius[1] * f->round->radius[1])
         return false;
     *ret_t = t;
     *ret_normal = f->normal;
@@ -122,10 +123,10 @@ struct orl_vec3 orl_quadric_normal(const struct orl_facet *facet, struct orl_vec
 {
     struct orl_vec3 normal = facet->normal;
     if (is_sphere(facet->kind)) {
-        normal = orl_normalize(orl_sub(point, facet->center[0]));
+        normal = orl_normalize(orl_sub(point, facet->round->center[0]));
     } else if (facet->kind != ORL_SURFACE_RING) {
         const struct axis axis = axis_of(facet);
-        const struct orl_vec3 m = orl_sub(point, facet->center[0]);
+        const struct orl_vec3 m = orl_sub(point, facet->round->center[0]);
         const struct orl_vec3 radial =
             orl_normalize(orl_madd(m, axis.direction, -orl_dot(m, axis.direction)));
         normal = orl_normalize(orl_madd(radial, axis.direction, -axis.slope));
@@ -152,21 +153,22 @@ void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
     *ret_low = orl_v3(INFINITY, INFINITY, INFINITY);
     *ret_high = orl_neg(*ret_low);
     if (is_sphere(facet->kind)) {
-        const double r = facet->radius[0];
-        grow(facet->center[0], orl_v3(r, r, r), ret_low, ret_high);
+        const double r = facet->round->radius[0];
+        grow(facet->round->center[0], orl_v3(r, r, r), ret_low, ret_high);
     } else if (facet->kind == ORL_SURFACE_RING) {
-        grow(facet->center[0], disc_extent(facet->normal, facet->radius[1]), ret_low, ret_high);
+        grow(facet->round->center[0], disc_extent(facet->normal, facet->round->radius[1]), ret_low,
+             ret_high);
     } else {
         const struct axis axis = axis_of(facet);
         for (int i = 0; i < 2; i++)
-            grow(facet->center[i], disc_extent(axis.direction, facet->radius[i]), ret_low,
-                 ret_high);
+            grow(facet->round->center[i], disc_extent(axis.direction, facet->round->radius[i]),
+                 ret_low, ret_high);
     }
 }
 
 double orl_quadric_area(const struct orl_facet *facet)
 {
-    const double r0 = facet->radius[0], r1 = facet->radius[1];
+    const double r0 = facet->round->radius[0], r1 = facet->round->radius[1];
     if (is_sphere(facet->kind))
         return 4 * ORL_PI * r0 * r0;
     if (facet->kind == ORL_SURFACE_RING)
@@ -177,17 +179,18 @@ double orl_quadric_area(const struct orl_facet *facet)
 void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
                         struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
-    const double r0 = facet->radius[0], r1 = facet->radius[1], phi = 2 * ORL_PI * u[1];
+    const double r0 = facet->round->radius[0], r1 = facet->round->radius[1],
+                 phi = 2 * ORL_PI * u[1];
     if (is_sphere(facet->kind)) {
         const double z = 1 - 2 * u[0], s = sqrt(fmax(0, 1 - z * z));
         *ret_normal = orl_v3(s * cos(phi), s * sin(phi), z);
-        *ret_point = orl_madd(facet->center[0], *ret_normal, r0);
+        *ret_point = orl_madd(facet->round->center[0], *ret_normal, r0);
     } else if (facet->kind == ORL_SURFACE_RING) {
         const struct orl_frame frame = orl_frame_about(facet->normal);
         const double r = sqrt(r0 * r0 + u[0] * (r1 * r1 - r0 * r0));
         *ret_normal = facet->normal;
-        *ret_point =
-            orl_madd(orl_madd(facet->center[0], frame.u, r * cos(phi)), frame.v, r * sin(phi));
+        *ret_point = orl_madd(orl_madd(facet->round->center[0], frame.u, r * cos(phi)), frame.v,
+                              r * sin(phi));
     } else {
         /* Area grows linearly with the radius: invert its integral along the axis. */
         const struct axis axis = axis_of(facet);
@@ -197,8 +200,9 @@ void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
         const struct orl_vec3 radial =
             orl_add(orl_scale(frame.u, cos(phi)), orl_scale(frame.v, sin(phi)));
         *ret_normal = orl_normalize(orl_madd(radial, axis.direction, -axis.slope));
-        *ret_point = orl_madd(orl_madd(facet->center[0], axis.direction, share * axis.length),
-                              radial, r0 + share * (r1 - r0));
+        *ret_point =
+            orl_madd(orl_madd(facet->round->center[0], axis.direction, share * axis.length), radial,
+                     r0 + share * (r1 - r0));
     }
     if (is_inverted(facet->kind))
         *ret_normal = orl_neg(*ret_normal);
@@ -213,7 +217,7 @@ static double turn(const struct orl_frame *frame, struct orl_vec3 way)
 
 void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double ret_uv[2])
 {
-    const struct orl_vec3 way = orl_sub(point, facet->center[0]);
+    const struct orl_vec3 way = orl_sub(point, facet->round->center[0]);
     const bool round = is_sphere(facet->kind), ring = facet->kind == ORL_SURFACE_RING;
     const struct axis axis = round || ring ? (struct axis){.length = 1} : axis_of(facet);
     const struct orl_frame frame = orl_frame_about(round  ? orl_v3(0, 0, 1)
@@ -222,10 +226,10 @@ void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double
     const double along = orl_dot(way, frame.n);
     ret_uv[0] = turn(&frame, way);
     if (round)
-        ret_uv[1] = 0.5 + 0.5 * along / facet->radius[0];
+        ret_uv[1] = 0.5 + 0.5 * along / facet->round->radius[0];
     else if (ring)
-        ret_uv[1] = (orl_length(orl_madd(way, frame.n, -along)) - facet->radius[0]) /
-                    (facet->radius[1] - facet->radius[0]);
+        ret_uv[1] = (orl_length(orl_madd(way, frame.n, -along)) - facet->round->radius[0]) /
+                    (facet->round->radius[1] - facet->round->radius[0]);
     else
         ret_uv[1] = along / axis.length;
     ret_uv[1] = fmin(fmax(ret_uv[1], 0), 1);

@@ -264,16 +264,16 @@ static int check_radius(struct orl_parser *parser, const struct orl_scope *scope
 }
 
 static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_surface *surface, struct orl_error *err)
+                       struct orl_round *round, struct orl_error *err)
 {
-    surface->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
-    surface->radius[0] = parser->primitive.reals[3] * scope->xform.scale;
+    round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
+    round->radius[0] = parser->primitive.reals[3] * scope->xform.scale;
     return check_radius(parser, scope, parser->primitive.reals[3], err);
 }
 
 /* Cylinder, tube (one radius), cone and cup (two, of which one may be 0). */
 static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_surface *surface, struct orl_error *err)
+                     struct orl_round *round, struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
     const bool straight = parser->primitive.n_reals == 7;
@@ -286,14 +286,14 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
     if (!straight && (r[6] < 0 || r[7] < 0))
         return check_radius(parser, scope, fmin(r[6], r[7]), err);
     for (size_t i = 0; i < 2; i++) {
-        surface->center[i] = orl_xform_point(&scope->xform, real3(parser, 3 * i));
-        surface->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
+        round->center[i] = orl_xform_point(&scope->xform, real3(parser, 3 * i));
+        round->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
     }
     return check_radius(parser, scope, straight ? r[6] : fmax(r[6], r[7]), err);
 }
 
 static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_surface *surface, struct orl_error *err)
+                     struct orl_surface *surface, struct orl_round *round, struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
     const double inner = fmin(r[6], r[7]), outer = fmax(r[6], r[7]);
@@ -304,10 +304,10 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
     if (inner < 0 || !(outer > inner))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its radii %g and %g do not enclose anything", r[6], r[7]);
-    surface->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
+    round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
     surface->normal = scope->xform.inverted ? orl_neg(normal) : normal;
-    surface->radius[0] = inner * scope->xform.scale;
-    surface->radius[1] = outer * scope->xform.scale;
+    round->radius[0] = inner * scope->xform.scale;
+    round->radius[1] = outer * scope->xform.scale;
     return 0;
 }
 
@@ -315,18 +315,23 @@ static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct surface_type *type, struct orl_surface *surface,
                       struct orl_error *err)
 {
+    struct orl_round *const round = orl_arena_take(parser->out->arena, sizeof *round);
     int code = orl_parser_expect(parser, scope, 0, type->n_reals, err);
     if (code < 0)
         return code;
+    if (!round)
+        return out_of_memory(parser, scope, err);
+    *round = orl_round_none;
     if (type->kind == ORL_SURFACE_RING)
-        code = read_ring(parser, scope, surface, err);
+        code = read_ring(parser, scope, surface, round, err);
     else if (type->n_reals == 4)
-        code = read_sphere(parser, scope, surface, err);
+        code = read_sphere(parser, scope, round, err);
     else
-        code = read_cone(parser, scope, surface, err);
-    if (code == 0 && (!in_reach(surface->center[0]) || !in_reach(surface->center[1]) ||
-                      !(surface->radius[0] < farthest) || !(surface->radius[1] < farthest)))
+        code = read_cone(parser, scope, round, err);
+    if (code == 0 && (!in_reach(round->center[0]) || !in_reach(round->center[1]) ||
+                      !(round->radius[0] < farthest) || !(round->radius[1] < farthest)))
         code = too_far(parser, scope, err);
+    surface->round = round;
     return code;
 }
 
@@ -448,7 +453,8 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
     const struct surface_type *type = find_type(parser->primitive.type);
-    struct orl_surface surface = {.file = scope->file, .line = parser->primitive.line};
+    struct orl_surface surface = {
+        .file = scope->file, .line = parser->primitive.line, .round = &orl_round_none};
     bool keep = true;
     int code;
     if (!type)
