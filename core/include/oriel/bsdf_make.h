@@ -27,7 +27,7 @@
 
 enum orl_bsdf_basis {
     ORL_BSDF_KLEMS_FULL,    /* 145 directions a hemisphere */
-    ORL_BSDF_KLEMS_HALF,    /* 73 */
+    ORL_BSDF_KLEMS_HALF,    /* 77 */
     ORL_BSDF_KLEMS_QUARTER, /* 41 */
     ORL_BSDF_BASES,
 };
