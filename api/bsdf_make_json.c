@@ -73,6 +73,8 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {"color", .flag = &r->color},
         {"cell", .decode = decode_cell, .into = r},
         {"symmetry", .word = &r->symmetry, .words = symmetries},
+        {"resolution", .whole_32 = &r->resolution, .from = 4, .to = 128},
+        {"cull", .real = &r->cull, .least = 0, .most = 1},
         {"paths", .whole_32 = &r->paths, .from = ORL_BSDF_MAKE_PATHS_LEAST,
          .to = ORL_BSDF_MAKE_PATHS_MOST},
         {"accuracy", .real = &r->accuracy, .least = 0, .most = 1, .above = true, .below = true,
@@ -93,6 +95,11 @@ static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
         return orl_json_fail(err, ORL_ERR_INVALID, "kind",
                              "a BSDF to be made says \"kind\": \"bsdf_make\"");
     const int rc = decode_members(doc, draft, err);
+    if (rc == 0 && !orl_bsdf_basis_is_tree(draft->request.basis) &&
+        (json_object_get(doc, "resolution") || json_object_get(doc, "cull")))
+        return orl_json_fail(err, ORL_ERR_INVALID,
+                             json_object_get(doc, "resolution") ? "resolution" : "cull",
+                             "it is of tensor trees, and the basis is none");
     if (rc == 0 && json_object_get(doc, "paths_most") && !(draft->request.accuracy > 0))
         return orl_json_fail(err, ORL_ERR_INVALID, "paths_most",
                              "it bounds what an accuracy takes, and none is asked for");
@@ -160,8 +167,8 @@ static json_t *row_to_json(const float *values, size_t count)
 
 static json_t *errors_to_json(const float *errors, size_t cells)
 {
-    json_t *rows = json_array();
-    for (size_t i = 0; rows && i < cells; i++)
+    json_t *rows = errors ? json_array() : json_null();
+    for (size_t i = 0; errors && rows && i < cells; i++)
         if (json_array_append_new(rows, row_to_json(errors + i * cells, cells))) {
             json_decref(rows);
             return NULL;

@@ -4,11 +4,13 @@
  *
  *     {"kind": "bsdf_make", "scene": {"files": ["panel.rad"]} (or an id, as in a job),
  *      "name": "Laser cut panel" (the first file's when left out),
- *      "basis": "klems_full" (the default), "klems_half" or "klems_quarter",
+ *      "basis": "klems_full" (the default), "klems_half", "klems_quarter", "tensor_tree_3" or
+ *      "tensor_tree_4",
+ *      "resolution": 64, "cull": 0.05 (of tensor trees alone),
  *      "color": true (X and Z beside Y; false),
  *      "cell": {"x": [0, 1], "y": [0, 0.02]} (the box around the panel when left out),
  *      "symmetry": "none" (the default), "left_right", "up_down" or "both",
- *      "paths": 16384 (an incident direction),
+ *      "paths": 16384 (an incident direction; by the basis when left out),
  *      "accuracy": 0.02, "paths_most": 1048576 (of one direction, only with an accuracy),
  *      "seed": 1}
  *
@@ -16,8 +18,9 @@
  * "transmitted": {...}}, "back": {...}}, "directions": [{"theta_deg", "phi_deg", "front", "back"}],
  * "standard_errors": {"transmission_front": [[...], ...] (a row for each direction in, 1/sr),
  * "transmission_back", "reflection_front", "reflection_back"}, "worst_relative_error", "reached",
- * "paths", "lost", "cell": {"x", "y", "z"}}. Front is the surface's, where z > 0, the inside: not
- * what the XML calls Front.
+ * "paths", "lost", "cell": {"x", "y", "z"}}. Of tensor trees there are no
+ * directions, and their standard errors are null. Front is the surface's, where z > 0, the inside:
+ * not what the XML calls Front.
  *
  * Rules, ownership, threads and errors as in job_json.h. What they mean: oriel/bsdf_make.h.
  */

@@ -11,7 +11,7 @@
 #include "local.h"
 #include "report.h"
 
-enum { WORDS = 6 };
+enum { WORDS = 8 };
 
 /* The command line, and the document that it comes to. */
 struct line {
@@ -26,13 +26,19 @@ static const struct {
     const char *name, *metavar, *help;
     bool is_text;
 } words[WORDS] = {
-    {"basis", "BASIS", "klems_full (the default), klems_half or klems_quarter", true},
+    {"basis", "BASIS",
+     "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
+    {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
+    {"cull", "SHARE", "of tensor trees: cells within this share of their mean are one (0.05)",
+     false},
     {"name", "NAME", "of the material, in the XML (default: the first file's)", true},
     {"symmetry", "WHICH", "left_right, up_down or both: mirrors that the panel has", true},
-    {"paths", "N", "paths of light an incident direction (16384)", false},
+    {"paths", "N",
+     "paths of light an incident direction (16384; tensor_tree_3 32768, tensor_tree_4 4096)",
+     false},
     {"accuracy", "SHARE",
-     "0.02: double the paths of a direction until no standard error is above 2 % of a value (of "
-     "those from 1 % of the peak on)",
+     "of Klems bases: 0.02 doubles the paths of a direction until no standard error is above "
+     "2 % of a value (of those from 1 % of the peak on)",
      false},
     {"seed", "N", "the same seed gives the same file (1)", false},
 };

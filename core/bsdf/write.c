@@ -105,36 +105,37 @@ static void write_head(FILE *out, const struct orl_document *d,
 
 enum channel { VISIBLE, FIRST, SECOND, CHANNELS };
 
-/* What the schema calls the channels, and the detectors that see them; chromaticities have none. */
-static void write_channel(FILE *out, enum orl_structure structure, enum channel channel)
+/* What the schema calls the channels, and the detectors that see them. */
+static void write_channel(FILE *out, enum channel channel)
 {
-    static const char *const of_matrices[] = {"Visible", "CIE-X", "CIE-Z"};
-    static const char *const of_trees[] = {"Visible", "CIE-u", "CIE-v"};
-    const bool matrix = structure == ORL_STRUCTURE_MATRIX;
+    static const char *const names[] = {"Visible", "CIE-X", "CIE-Z"};
     fprintf(out,
             "<Wavelength unit=\"Integral\">%s</Wavelength>\n"
-            "<SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n",
-            (matrix ? of_matrices : of_trees)[channel]);
-    if (matrix || channel == VISIBLE)
-        fprintf(out, "<DetectorSpectrum>ASTM E308 1931 %c.dsp</DetectorSpectrum>\n",
-                "YXZ"[channel]);
+            "<SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n"
+            "<DetectorSpectrum>ASTM E308 1931 %c.dsp</DetectorSpectrum>\n",
+            names[channel], "YXZ"[channel]);
 }
 
-static void write_data(FILE *out, enum orl_structure structure, const struct orl_component *part,
+static void write_data(FILE *out, const struct orl_document *d,
+                       const struct orl_bsdf_labels *labels, enum orl_bsdf_part part,
                        enum channel channel)
 {
-    const int k = (int)channel - 1;
-    if (structure == ORL_STRUCTURE_MATRIX)
-        orl_bsdf_write_matrix(k < 0 ? &part->matrix : &part->chroma.matrix[k], out);
+    const struct orl_component *c = &d->parts[part];
+    if (d->structure != ORL_STRUCTURE_MATRIX)
+        labels->write_part(labels->ctx, part, out);
+    else
+        orl_bsdf_write_matrix(channel == VISIBLE ? &c->matrix : &c->chroma.matrix[(int)channel - 1],
+                              out);
 }
 
-static void write_block(FILE *out, const struct orl_document *d, enum orl_bsdf_part part,
+static void write_block(FILE *out, const struct orl_document *d,
+                        const struct orl_bsdf_labels *labels, enum orl_bsdf_part part,
                         enum channel channel)
 {
     const bool reflection = part == ORL_PART_REFLECTION_FRONT || part == ORL_PART_REFLECTION_BACK;
     const char *basis = d->parts[part].matrix.basis[0].name;
     fputs("<WavelengthData>\n<LayerNumber>System</LayerNumber>\n", out);
-    write_channel(out, d->structure, channel);
+    write_channel(out, channel);
     fprintf(out, "<WavelengthDataBlock>\n<WavelengthDataDirection>%s</WavelengthDataDirection>\n",
             orl_part_names[part]);
     if (d->structure == ORL_STRUCTURE_MATRIX)
@@ -144,7 +145,7 @@ static void write_block(FILE *out, const struct orl_document *d, enum orl_bsdf_p
         fputs("<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n", out);
     fprintf(out, "<ScatteringDataType>%s</ScatteringDataType>\n<ScatteringData>\n",
             reflection ? "BRDF" : "BTDF");
-    write_data(out, d->structure, &d->parts[part], channel);
+    write_data(out, d, labels, part, channel);
     fputs("</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n", out);
 }
 
@@ -157,7 +158,7 @@ void orl_document_write(const struct orl_document *document, const struct orl_bs
             const struct orl_component *component = &document->parts[part];
             const bool *given = component->chroma.given;
             if (component->present && (channel == VISIBLE || (given[0] && given[1])))
-                write_block(out, document, (enum orl_bsdf_part)part, (enum channel)channel);
+                write_block(out, document, labels, (enum orl_bsdf_part)part, (enum channel)channel);
         }
     fputs("</Layer>\n</Optical>\n</WindowElement>\n", out);
 }

@@ -1,12 +1,12 @@
 /*
  * BSDF XML written in the WINDOW schema, the counterpart of xml.h: what is read of it is what was
- * written, to the last bit. Luminance is "Visible"; colour stands beside it as Radiance has it, CIE
- * X and Z of matrices, u' and v' of trees.
+ * written, to the last bit. Luminance is "Visible"; colour of matrices stands beside it as Radiance
+ * has it, CIE X and Z.
  *
- * A document as it is before its colour is turned into tints: orl_chroma.matrix (.tree) of both
- * channels hold X and Z (u' and v'), where orl_chroma.given says so of both. Parts that are not
- * present are not written. Only one basis of both directions is known to the schema's readers, one
- * of the standard ones.
+ * A document as it is before its colour is turned into tints: orl_chroma.matrix of both
+ * channels hold X and Z, where orl_chroma.given says so of both. Parts that are not present are not
+ * written. Trees are their makers' to write, who have them in other forms. Only one basis of both
+ * directions is known to the schema's readers, one of the standard ones.
  */
 #ifndef ORL_BSDF_WRITE_H
 #define ORL_BSDF_WRITE_H
@@ -15,11 +15,16 @@
 
 #include "bsdf/document.h"
 
+/* The braces of a part's tree, by luminance. */
+typedef void orl_bsdf_write_part(void *ctx, enum orl_bsdf_part part, FILE *out);
+
 /* What a file says beside data, name and thickness. */
 struct orl_bsdf_labels {
     const char *manufacturer;
-    double width_m, height_m; /* 0: not told */
-    const char *comment;      /* of how it was made; any text, lines and all; NULL: none */
+    double width_m, height_m;        /* 0: not told */
+    const char *comment;             /* of how it was made; any text, lines and all; NULL: none */
+    orl_bsdf_write_part *write_part; /* of trees, with ctx: writes the data of those present */
+    void *ctx;
 };
 
 /* Whether it could be written is for the stream to say (ferror). */

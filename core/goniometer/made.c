@@ -1,7 +1,6 @@
 #include "goniometer/made.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static const double told_from = 0.01; /* of the peak: values whose error counts */
 
@@ -87,11 +86,9 @@ static void tell_whole(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made
     made->lost = lost / (double)made->paths;
 }
 
-int orl_gonio_tell(const struct orl_gonio_sheet *sheet, const struct orl_gonio_sample *sample,
-                   struct orl_bsdf_made *ret_made, struct orl_error *err)
+int orl_gonio_tell(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made *made,
+                   struct orl_error *err)
 {
-    struct orl_bsdf_made *const made = ret_made;
-    memset(made, 0, sizeof *made);
     made->n_directions = (size_t)sheet->basis.n_cells;
     made->directions = calloc(made->n_directions, sizeof *made->directions);
     if (!made->directions || tell_errors(sheet, made) < 0)
@@ -99,18 +96,5 @@ int orl_gonio_tell(const struct orl_gonio_sheet *sheet, const struct orl_gonio_s
     for (int in = 0; in < sheet->basis.n_cells; in++)
         made->directions[in] = direction_of(sheet, in);
     tell_whole(sheet, made);
-    memcpy(made->cell, sample->sides, sizeof made->cell);
-    memcpy(made->depth, sample->depth, sizeof made->depth);
     return 0;
-}
-
-void orl_bsdf_made_done(struct orl_bsdf_made *made)
-{
-    if (!made)
-        return;
-    free(made->xml);
-    free(made->directions);
-    for (int part = 0; part < 4; part++)
-        free(made->errors[part / 2][part % 2]);
-    memset(made, 0, sizeof *made);
 }

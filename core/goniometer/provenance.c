@@ -1,44 +1,13 @@
-/* The panel's XML, and what it says of its making. */
+#include "goniometer/provenance.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/version.h>
 
-#include "bsdf/write.h"
-#include "goniometer/made.h"
-
-/* Of light from the back, which the file calls Front, and from the front. */
-static const enum orl_bsdf_part part_of[2][2] = {
+const enum orl_bsdf_part orl_gonio_part_of[2][2] = {
     {ORL_PART_REFLECTION_FRONT, ORL_PART_TRANSMISSION_FRONT},
     {ORL_PART_REFLECTION_BACK, ORL_PART_TRANSMISSION_BACK}};
-
-static int fill_part(const struct orl_gonio_sheet *sheet, bool front, bool transmitted,
-                     struct orl_component *part, struct orl_error *err)
-{
-    const struct orl_basis *basis = &sheet->basis;
-    const size_t cells = (size_t)basis->n_cells;
-    const bool color = sheet->channels > 1;
-    int code = orl_matrix_init(&part->matrix, basis, basis, err);
-    for (int k = 0; k < ORL_CHROMA_CHANNELS && color && code == 0; k++)
-        code = orl_matrix_init(&part->chroma.matrix[k], basis, basis, err);
-    if (code < 0)
-        return code;
-    for (size_t i = 0; i < cells * cells; i++) {
-        const struct orl_rgb f =
-            orl_gonio_sheet_value(sheet, front * cells + i / cells, transmitted, (int)(i % cells))
-                .f;
-        double x, z;
-        part->matrix.values[i] = (float)orl_luma(f);
-        if (!color)
-            continue;
-        orl_color_xz(f, &x, &z);
-        part->chroma.matrix[0].values[i] = (float)x;
-        part->chroma.matrix[1].values[i] = (float)z;
-    }
-    part->present = true;
-    part->chroma.given[0] = part->chroma.given[1] = color;
-    return 0;
-}
 
 /* ---- In words -------------------------------------------------------------------------------- */
 
@@ -64,6 +33,8 @@ static void say_settings(const struct orl_bsdf_make_request *r, const struct orl
             made->cell[0], made->cell[1], made->cell[2], made->cell[3], made->depth[0],
             made->depth[1], (unsigned long long)r->seed, (unsigned long long)made->paths,
             mirrors[r->symmetry]);
+    if (orl_bsdf_basis_is_tree(r->basis))
+        fprintf(out, ", cells as one where within %g of their mean", r->cull);
     if (r->accuracy > 0)
         fprintf(out, ", accuracy %g%s", r->accuracy, made->reached ? "" : " (not reached)");
     putc('\n', out);
@@ -117,26 +88,23 @@ static int write_out(const struct orl_document *document, const struct orl_bsdf_
     return fclose(out) == 0 && !failed ? 0 : ORL_ERR_NOMEM;
 }
 
-int orl_gonio_write(const struct orl_gonio_sheet *sheet, const struct orl_gonio_sample *sample,
-                    const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made,
-                    struct orl_error *err)
+int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
+                    const struct orl_gonio_sample *sample,
+                    const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made)
 {
-    struct orl_document document = {.structure = ORL_STRUCTURE_MATRIX,
-                                    .thickness_m = made->depth[1] - made->depth[0]};
     char *comment = say_all(sample, request, made);
     const struct orl_bsdf_labels labels = {.manufacturer = "simulated",
                                            .width_m = made->cell[1] - made->cell[0],
                                            .height_m = made->cell[3] - made->cell[2],
-                                           .comment = comment};
-    int code = comment ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    snprintf(document.name, sizeof document.name, "%s",
+                                           .comment = comment,
+                                           .write_part = write_part,
+                                           .ctx = ctx};
+    int code = comment ? 0 : ORL_ERR_NOMEM;
+    document->thickness_m = made->depth[1] - made->depth[0];
+    snprintf(document->name, sizeof document->name, "%s",
              request->name ? request->name : request->files[0]);
-    for (int part = 0; part < 4 && code == 0; part++)
-        code =
-            fill_part(sheet, part / 2, part % 2, &document.parts[part_of[part / 2][part % 2]], err);
-    if (code == 0 && write_out(&document, &labels, made) < 0)
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF's text");
+    if (code == 0)
+        code = write_out(document, &labels, made);
     free(comment);
-    orl_document_done(&document);
     return code;
 }

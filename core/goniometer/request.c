@@ -7,14 +7,16 @@
 
 const char *orl_bsdf_basis_name(enum orl_bsdf_basis basis)
 {
-    static const char *const names[ORL_BSDF_BASES] = {"klems_full", "klems_half", "klems_quarter"};
+    static const char *const names[ORL_BSDF_BASES] = {"klems_full", "klems_half", "klems_quarter",
+                                                      "tensor_tree_3", "tensor_tree_4"};
     return (size_t)basis < ORL_BSDF_BASES ? names[basis] : NULL;
 }
 
 void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request)
 {
     memset(request, 0, sizeof *request);
-    request->paths = 16384;
+    request->resolution = 64;
+    request->cull = 0.05;
     request->paths_most = 1 << 20;
     request->seed = 1;
 }
@@ -37,22 +39,50 @@ static int fail(struct orl_error *err, int code, const char *member, const char 
     return code;
 }
 
+uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request)
+{
+    if (request->paths)
+        return request->paths;
+    return request->basis == ORL_BSDF_TENSOR_TREE_4   ? 4096
+           : request->basis == ORL_BSDF_TENSOR_TREE_3 ? 32768
+                                                      : 16384;
+}
+
+/* What trees have of their own, and what is of matrices alone. */
+static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error *err)
+{
+    if (r->resolution < 4 || r->resolution > 128 || (r->resolution & (r->resolution - 1)))
+        return fail(err, ORL_ERR_RANGE, "resolution", "a resolution is 4, 8, 16, 32, 64 or 128");
+    if (!(r->cull >= 0 && r->cull <= 1))
+        return fail(err, ORL_ERR_RANGE, "cull", "a cull is a share, from 0 to 1");
+    if (r->color)
+        return fail(err, ORL_ERR_UNSUPPORTED, "color", "colour is made in Klems bases alone");
+    if (r->accuracy > 0)
+        return fail(err, ORL_ERR_UNSUPPORTED, "accuracy",
+                    "an accuracy is for Klems bases; trees are told their paths");
+    if (r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_ASYMMETRIC)
+        return fail(err, ORL_ERR_UNSUPPORTED, "symmetry",
+                    "a tensor tree of rank 3 is the same from all azimuths: it has no mirrors");
+    return 0;
+}
+
 int orl_bsdf_make_validate(const struct orl_bsdf_make_request *r, struct orl_error *err)
 {
     if (r->n_files == 0)
         return fail(err, ORL_ERR_INVALID, "scene", "no file of the panel is named");
     if (!orl_bsdf_basis_name(r->basis))
         return fail(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
-    if (r->paths < ORL_BSDF_MAKE_PATHS_LEAST || r->paths > ORL_BSDF_MAKE_PATHS_MOST)
+    const uint32_t paths = orl_bsdf_make_paths(r);
+    if (paths < ORL_BSDF_MAKE_PATHS_LEAST || paths > ORL_BSDF_MAKE_PATHS_MOST)
         return fail(err, ORL_ERR_RANGE, "paths", "from 16 to 16777216 paths a direction");
     if (!(r->accuracy >= 0 && r->accuracy < 1))
         return fail(err, ORL_ERR_RANGE, "accuracy", "an accuracy is above 0 and below 1");
-    if (r->accuracy > 0 && (r->paths_most < r->paths || r->paths_most > ORL_BSDF_MAKE_PATHS_MOST))
+    if (r->accuracy > 0 && (r->paths_most < paths || r->paths_most > ORL_BSDF_MAKE_PATHS_MOST))
         return fail(err, ORL_ERR_RANGE, "paths_most",
                     "the most paths are no fewer than those to begin with, and at most 16777216");
     for (int i = 0; r->has_cell && i < 4; i++)
         if (!isfinite(r->cell[i]) || (i % 2 == 1 && !(r->cell[i] > r->cell[i - 1])))
             return fail(err, ORL_ERR_RANGE, "cell",
                         "a cell is x from, x to, y from, y to, in that order");
-    return 0;
+    return orl_bsdf_basis_is_tree(r->basis) ? validate_tree(r, err) : 0;
 }

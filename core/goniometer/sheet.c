@@ -143,19 +143,6 @@ static void batch_share(const struct orl_gonio_sheet *sheet, size_t item, size_t
         ret_share[1] = ret_share[2] = ret_share[0];
 }
 
-/* Mean and standard error of independent values. */
-static struct orl_bsdf_share share_of(const double values[ORL_GONIO_BATCHES])
-{
-    double sum = 0, squares = 0;
-    for (int k = 0; k < ORL_GONIO_BATCHES; k++)
-        sum += values[k];
-    const double mean = sum / ORL_GONIO_BATCHES;
-    for (int k = 0; k < ORL_GONIO_BATCHES; k++)
-        squares += (values[k] - mean) * (values[k] - mean);
-    return (struct orl_bsdf_share){mean,
-                                   sqrt(squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0)))};
-}
-
 struct orl_gonio_value orl_gonio_sheet_value(const struct orl_gonio_sheet *sheet, size_t item,
                                              bool transmitted, int out)
 {
@@ -170,7 +157,7 @@ struct orl_gonio_value orl_gonio_sheet_value(const struct orl_gonio_sheet *sheet
         sum = orl_rgb_add(sum, share);
     }
     return (struct orl_gonio_value){orl_rgb_scale(sum, 1 / (ORL_GONIO_BATCHES * omega)),
-                                    share_of(lumas).error / omega};
+                                    orl_gonio_share_of(lumas).error / omega};
 }
 
 static double batch_total(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
@@ -191,7 +178,7 @@ struct orl_bsdf_share orl_gonio_sheet_share(const struct orl_gonio_sheet *sheet,
     double totals[ORL_GONIO_BATCHES];
     for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
         totals[k] = batch_total(sheet, item, k, transmitted);
-    return share_of(totals);
+    return orl_gonio_share_of(totals);
 }
 
 struct orl_bsdf_share orl_gonio_sheet_diffuse(const struct orl_gonio_sheet *sheet, bool front,
@@ -203,5 +190,5 @@ struct orl_bsdf_share orl_gonio_sheet_diffuse(const struct orl_gonio_sheet *shee
         for (size_t in = 0; in < cells; in++)
             totals[k] += batch_total(sheet, front * cells + in, k, transmitted) *
                          orl_basis_ring(&sheet->basis, (int)in)->omega_sr / ORL_PI;
-    return share_of(totals);
+    return orl_gonio_share_of(totals);
 }

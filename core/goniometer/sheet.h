@@ -10,9 +10,8 @@
 #define ORL_GONIOMETER_SHEET_H
 
 #include "bsdf/basis.h"
+#include "goniometer/batches.h"
 #include "goniometer/follow.h"
-
-enum { ORL_GONIO_BATCHES = ORL_BSDF_MAKE_BATCHES };
 
 struct orl_gonio_sheet {
     struct orl_basis basis;

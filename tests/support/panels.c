@@ -25,6 +25,8 @@ static struct orl_bsdf_make_request request_of(const struct panel *panel, char *
     for (int i = 0; r.has_cell && i < 4; i++)
         r.cell[i] = panel->cell[i];
     r.paths = panel->paths ? panel->paths : 4096;
+    r.resolution = panel->resolution ? panel->resolution : 16;
+    r.cull = panel->cull > 0 ? panel->cull : r.cull;
     r.accuracy = panel->accuracy;
     r.paths_most = panel->paths_most ? panel->paths_most : r.paths_most;
     r.seed = panel->seed ? panel->seed : 1;

@@ -13,8 +13,10 @@ struct panel {
     enum orl_bsdf_basis basis;
     enum orl_bsdf_symmetry symmetry;
     bool color;
-    const double *cell; /* four of them; NULL: the box */
-    uint32_t paths;     /* 0: 4096 */
+    const double *cell;  /* four of them; NULL: the box */
+    uint32_t resolution; /* 0: 16 */
+    double cull;         /* 0: the default */
+    uint32_t paths;      /* 0: 4096 */
     double accuracy;
     uint32_t paths_most; /* 0: the default */
     uint64_t seed;       /* 0: 1 */

@@ -30,7 +30,8 @@ static void fill(struct orl_matrix *matrix, const char *name, uint64_t seed)
 
 static struct orl_bsdf *write_and_read(const struct orl_document *document, const char *comment)
 {
-    const struct orl_bsdf_labels labels = {"nobody & sons", 2, 1.5, comment};
+    const struct orl_bsdf_labels labels = {
+        .manufacturer = "nobody & sons", .width_m = 2, .height_m = 1.5, .comment = comment};
     struct orl_bsdf *bsdf = NULL;
     struct orl_error err = {0};
     char *text = NULL;

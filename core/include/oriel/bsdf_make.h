@@ -29,13 +29,20 @@ enum orl_bsdf_basis {
     ORL_BSDF_KLEMS_FULL,    /* 145 directions a hemisphere */
     ORL_BSDF_KLEMS_HALF,    /* 77 */
     ORL_BSDF_KLEMS_QUARTER, /* 41 */
+    ORL_BSDF_TENSOR_TREE_3, /* which no turn about the axis changes: the mean over all turns */
+    ORL_BSDF_TENSOR_TREE_4,
     ORL_BSDF_BASES,
 };
 
 /* "klems_full" and so on; NULL for what is none. */
 const char *orl_bsdf_basis_name(enum orl_bsdf_basis basis);
+static inline bool orl_bsdf_basis_is_tree(enum orl_bsdf_basis basis)
+{
+    return basis == ORL_BSDF_TENSOR_TREE_3 || basis == ORL_BSDF_TENSOR_TREE_4;
+}
 
-/* Mirrors that the panel has and whose two sides are to come out the same: in their mean. */
+/* Mirrors that the panel has and whose two sides are to come out the same: of matrices in their
+ * mean; of trees of rank 4 one of them is measured. Not for trees of rank 3. */
 enum orl_bsdf_symmetry {
     ORL_BSDF_ASYMMETRIC = 0,
     ORL_BSDF_LEFT_RIGHT = 1, /* x */
@@ -55,23 +62,31 @@ struct orl_bsdf_make_request {
     char *name; /* of the material; NULL: the first file's. Owned */
     enum orl_bsdf_basis basis;
     enum orl_bsdf_symmetry symmetry;
-    bool color;     /* X and Z beside Y */
-    bool has_cell;  /* or the box around the panel */
-    double cell[4]; /* x from, x to, y from, y to: the files' coordinates */
-    uint32_t paths; /* an incident direction; with an accuracy those to begin with */
+    bool color;          /* X and Z beside Y; of matrices alone */
+    bool has_cell;       /* or the box around the panel */
+    double cell[4];      /* x from, x to, y from, y to: the files' coordinates */
+    uint32_t resolution; /* of trees: cells a side of the square, a power of two from 4 to 128 */
+    double cull; /* of trees: cells are one where they are within this share of their mean, 0..1, or
+                    within what their errors explain (goniometer/forest.h) */
+    uint32_t paths; /* an incident direction; with an accuracy those to begin with; 0: by the basis
+                       (orl_bsdf_make_paths) */
     /*
      * Paths are doubled, for incident directions that need it, until the standard error of every
      * value of at least a hundredth of the largest of its part is at most this share of it; 0: not
-     * asked for. Beyond paths_most for one direction it is given up: orl_bsdf_made.reached.
+     * asked for. Beyond paths_most for one direction it is given up: orl_bsdf_made.reached. Of
+     * matrices alone.
      */
     double accuracy;
     uint32_t paths_most;
     uint64_t seed;
 };
 
-/* Klems full, 16384 paths a direction, seed 1. */
+/* Klems full, seed 1; of trees a resolution of 64, a cull of 0.05. */
 void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request);
 void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
+
+/* Those of the request, or of its basis: 16384; of trees of rank 3 and 4 32768 and 4096. */
+uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request);
 
 /* What can be told of a request without its files: 0, ORL_ERR_INVALID, ORL_ERR_RANGE. */
 int orl_bsdf_make_validate(const struct orl_bsdf_make_request *request, struct orl_error *err);
@@ -100,10 +115,11 @@ struct orl_bsdf_made_direction {
 struct orl_bsdf_made {
     char *xml; /* owned, ends in 0 */
     size_t xml_size;
-    size_t n_directions;
+    size_t n_directions;                        /* of a matrix; 0 of trees */
     struct orl_bsdf_made_direction *directions; /* owned */
     struct orl_bsdf_share diffuse[2][2];        /* of perfectly diffuse light */
-    float *errors[2][2]; /* standard errors, 1/sr: [direction in][direction out]; owned */
+    float *errors[2][2]; /* standard errors, 1/sr: [direction in][direction out]; owned; NULL of
+                            trees */
     double worst;        /* largest share of the error in a value, as accuracy has it */
     bool reached;        /* the accuracy; true when none was asked for */
     uint64_t paths;

@@ -1,0 +1,62 @@
+/*
+ * Tensor trees while they are measured: cells with values and what is known of their errors, from
+ * the finest up. Of rank 4 or 3 (bsdf/tree.h, iso.h): a branch has a child for each part of a cell
+ * in (A.x, A.y, B.x, B.y), or (A, B.x, B.y), numbered by these bits.
+ *
+ * Cells that a branch would hold become one where the data do not tell them apart: where they
+ * differ by no more than their standard errors explain, or by less than a share of their mean that
+ * is asked for, or by less light than counts. Their mean stays.
+ *
+ * Ownership: the caller's, orl_gonio_forest_done. One thread writes at a time.
+ */
+#ifndef ORL_GONIOMETER_FOREST_H
+#define ORL_GONIOMETER_FOREST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+enum { ORL_GONIO_FAN_MOST = 16 };
+
+/* A leaf, or a branch. */
+struct orl_gonio_node {
+    float value, variance; /* 1/sr; of a branch: of the mean of all below */
+    float doubt;           /* of a branch: by how much, at the most, what is below it differs by
+                              more than errors explain, as a ratio of squares; of a leaf 0 */
+    uint32_t branch;       /* 1 + its place; 0: a leaf */
+};
+
+struct orl_gonio_branch {
+    struct orl_gonio_node child[ORL_GONIO_FAN_MOST];
+};
+
+struct orl_gonio_forest {
+    unsigned rank;
+    double cull; /* deviation from their mean that cells may have, as a share of it */
+    struct orl_gonio_branch *branches; /* owned */
+    size_t count, room;
+};
+
+void orl_gonio_forest_done(struct orl_gonio_forest *forest);
+
+/* One node over 2^rank others, which lie level deep: a branch, or a leaf. False: no memory. */
+bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node *children,
+                    unsigned level, struct orl_gonio_node *ret_node);
+
+/* Takes over all branches of another one, with children mirrored: the i-th is the (i ^ mirror)-th.
+ * *ret_shift: what is to be added to places. False: no memory. */
+bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gonio_forest *other,
+                           unsigned mirror, uint32_t *ret_shift);
+struct orl_gonio_node orl_gonio_shifted(struct orl_gonio_node node, uint32_t shift);
+
+/* As the braces of a file. */
+void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
+                            FILE *out);
+
+/* The largest leaf, and the largest share that a standard error has in leaves from a value on. */
+double orl_gonio_forest_peak(const struct orl_gonio_forest *forest, struct orl_gonio_node root);
+double orl_gonio_forest_worst(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
+                              double from);
+
+#endif

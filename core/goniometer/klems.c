@@ -1,0 +1,164 @@
+#include "goniometer/klems.h"
+#include <stdlib.h>
+#include <string.h>
+
+#include "goniometer/made.h"
+#include "goniometer/provenance.h"
+
+enum { AT_ONCE = 32 }; /* items between two words of progress */
+
+struct round {
+    const struct orl_bsdf_make_request *request;
+    const struct orl_bsdf_make_env *env;
+    const struct orl_gonio_sample *sample;
+    struct orl_gonio_sheet *sheet;
+    const struct orl_sobol *sobol;
+    uint32_t *wanted; /* paths in each batch, by item; 0: enough there are */
+    uint32_t number;
+    size_t first;
+};
+
+static void measure_item(void *arg, size_t index, uint32_t member)
+{
+    const struct round *r = arg;
+    const size_t item = r->first + index;
+    (void)member;
+    if (r->wanted[item] > r->sheet->paths[item])
+        orl_gonio_sheet_measure(r->sheet, r->sample, r->sobol, r->request->seed, item,
+                                r->wanted[item]);
+}
+
+static int measure(struct round *r)
+{
+    const size_t items = r->sheet->items;
+    for (r->first = 0; r->first < items; r->first += AT_ONCE) {
+        const size_t count = items - r->first < AT_ONCE ? items - r->first : AT_ONCE;
+        const int code = orl_crew_try(r->env->crew, count, measure_item, r);
+        if (code < 0 || orl_is_cancelled(r->env->cancel))
+            return ORL_ERR_CANCELLED;
+        if (r->env->progress)
+            r->env->progress(r->env->ctx, r->number, (double)(r->first + count) / (double)items);
+    }
+    return 0;
+}
+
+/* All of them that mirrors make of one have as many paths. */
+static void want_mirrored(struct round *r, size_t item, uint32_t paths)
+{
+    const size_t cells = (size_t)r->sheet->basis.n_cells;
+    for (unsigned m = 0; m <= ORL_BSDF_QUADRILATERAL; m++)
+        if ((m & r->request->symmetry) == m)
+            r->wanted[item - item % cells +
+                      (size_t)orl_gonio_mirrored(&r->sheet->basis, (int)(item % cells),
+                                                 (enum orl_bsdf_symmetry)m)] = paths;
+}
+
+/* Doubles the paths of items that need it. Whether there are any that may have more. */
+static bool want_more(struct round *r)
+{
+    const size_t cells = (size_t)r->sheet->basis.n_cells;
+    const uint32_t most = r->request->paths_most / ORL_GONIO_BATCHES;
+    bool any = false;
+    for (size_t item = 0; item < r->sheet->items; item++)
+        r->wanted[item] = 0;
+    for (size_t front = 0; front < 2; front++) {
+        double peaks[2];
+        orl_gonio_peaks(r->sheet, front, peaks);
+        for (size_t item = front * cells; item < (front + 1) * cells; item++) {
+            const uint32_t paths = 2 * r->sheet->paths[item];
+            if (paths > most || orl_gonio_worst(r->sheet, item, peaks) <= r->request->accuracy)
+                continue;
+            want_mirrored(r, item, paths);
+            any = true;
+        }
+    }
+    return any;
+}
+
+static int measure_all(struct round *r, struct orl_error *err)
+{
+    const uint32_t paths = orl_bsdf_make_paths(r->request);
+    const uint32_t first = (paths + ORL_GONIO_BATCHES - 1) / ORL_GONIO_BATCHES;
+    int code;
+    for (size_t item = 0; item < r->sheet->items; item++)
+        r->wanted[item] = first;
+    do {
+        code = measure(r);
+        r->number++;
+    } while (code == 0 && r->request->accuracy > 0 && want_more(r));
+    return code < 0 ? orl_error_set(err, code, "cancelled") : 0;
+}
+
+/* ---- The file -------------------------------------------------------------------------------- */
+
+static int fill_part(const struct orl_gonio_sheet *sheet, bool front, bool transmitted,
+                     struct orl_component *part, struct orl_error *err)
+{
+    const struct orl_basis *basis = &sheet->basis;
+    const size_t cells = (size_t)basis->n_cells;
+    const bool color = sheet->channels > 1;
+    int code = orl_matrix_init(&part->matrix, basis, basis, err);
+    for (int k = 0; k < ORL_CHROMA_CHANNELS && color && code == 0; k++)
+        code = orl_matrix_init(&part->chroma.matrix[k], basis, basis, err);
+    if (code < 0)
+        return code;
+    for (size_t i = 0; i < cells * cells; i++) {
+        const struct orl_rgb f =
+            orl_gonio_sheet_value(sheet, front * cells + i / cells, transmitted, (int)(i % cells))
+                .f;
+        double x, z;
+        part->matrix.values[i] = (float)orl_luma(f);
+        if (!color)
+            continue;
+        orl_color_xz(f, &x, &z);
+        part->chroma.matrix[0].values[i] = (float)x;
+        part->chroma.matrix[1].values[i] = (float)z;
+    }
+    part->present = true;
+    part->chroma.given[0] = part->chroma.given[1] = color;
+    return 0;
+}
+
+static int write_out(const struct round *r, struct orl_bsdf_made *made, struct orl_error *err)
+{
+    struct orl_document document = {.structure = ORL_STRUCTURE_MATRIX};
+    int code = 0;
+    for (int part = 0; part < 4 && code == 0; part++)
+        code = fill_part(r->sheet, part / 2, part % 2,
+                         &document.parts[orl_gonio_part_of[part / 2][part % 2]], err);
+    if (code == 0 && orl_gonio_write(&document, NULL, NULL, r->sample, r->request, made) < 0)
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF's text");
+    orl_document_done(&document);
+    return code;
+}
+
+static const char *name_of(enum orl_bsdf_basis basis)
+{
+    return basis == ORL_BSDF_KLEMS_FULL   ? "LBNL/Klems Full"
+           : basis == ORL_BSDF_KLEMS_HALF ? "LBNL/Klems Half"
+                                          : "LBNL/Klems Quarter";
+}
+
+int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
+                         const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
+                         const struct orl_sobol *sobol, struct orl_bsdf_made *made,
+                         struct orl_error *err)
+{
+    struct orl_gonio_sheet sheet;
+    int code = orl_gonio_sheet_init(&sheet, name_of(request->basis), request->color,
+                                    request->symmetry, err);
+    if (code < 0)
+        return code;
+    uint32_t *wanted = malloc(sheet.items * sizeof *wanted);
+    struct round round = {request, env, sample, &sheet, sobol, wanted, 1, 0};
+    code = wanted ? measure_all(&round, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (code == 0)
+        code = orl_gonio_tell(&sheet, made, err);
+    if (code == 0) {
+        made->reached = !(request->accuracy > 0) || made->worst <= request->accuracy;
+        code = write_out(&round, made, err);
+    }
+    free(wanted);
+    orl_gonio_sheet_done(&sheet);
+    return code;
+}

@@ -1,0 +1,302 @@
+#include "goniometer/trees.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "goniometer/probe.h"
+#include "goniometer/provenance.h"
+
+enum { SPLIT_LEVEL = 3, AT_ONCE = 32 };
+
+/* A part of the incident directions that one thread measures: a cell at some level. */
+struct block {
+    struct orl_gonio_forest forest;
+    struct orl_gonio_node *tops; /* [transmitted][cell out at that level]; owned */
+    double totals[ORL_GONIO_BATCHES][2], lost;
+    int code;
+};
+
+struct trees {
+    const struct orl_bsdf_make_request *request;
+    const struct orl_gonio_sample *sample;
+    const struct orl_sobol *sobol;
+    unsigned rank, levels, split; /* split: the level of blocks */
+    size_t n_blocks;              /* on one side */
+    uint32_t paths;
+    struct block *blocks; /* of light from the back, then from the front */
+    size_t first;
+    /* What they come to, by side: */
+    struct orl_gonio_forest forests[2];
+    struct orl_gonio_node roots[2][2];
+};
+
+/* ---- Joining --------------------------------------------------------------------------------- */
+
+/* Parts of a cell in A: 4 of rank 4, 2 of rank 3. */
+static unsigned parts_in(const struct trees *t)
+{
+    return t->rank == 4 ? 4 : 2;
+}
+
+/* Cells of B at a level, of both components. */
+static size_t nodes_at(unsigned level)
+{
+    return (size_t)2 << 2 * level;
+}
+
+/* parts: nodes of all parts in A, a level deeper. */
+static bool join_level(const struct trees *t, struct orl_gonio_forest *forest, unsigned level,
+                       const struct orl_gonio_node *parts, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = parts_in(t);
+    for (size_t i = 0; i < nodes_at(level); i++) {
+        struct orl_gonio_node children[ORL_GONIO_FAN_MOST];
+        for (unsigned a = 0; a < in; a++)
+            for (unsigned b = 0; b < 4; b++)
+                children[a + b * in] = parts[a * nodes_at(level + 1) + 4 * i + b];
+        if (!orl_gonio_join(forest, children, level + 1, &ret_nodes[i]))
+            return false;
+    }
+    return true;
+}
+
+/* ---- Blocks ---------------------------------------------------------------------------------- */
+
+/* The nodes of incident cell a at a level, from the finest cells up. */
+static bool grow(const struct trees *t, struct orl_gonio_probe *probe,
+                 struct orl_gonio_forest *forest, unsigned level, uint32_t a,
+                 struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = parts_in(t);
+    if (level == t->levels) {
+        orl_gonio_probe_measure(probe, a, ret_nodes);
+        return true;
+    }
+    struct orl_gonio_node *parts = malloc(in * nodes_at(level + 1) * sizeof *parts);
+    bool fine = parts != NULL;
+    for (unsigned k = 0; k < in && fine; k++)
+        fine = grow(t, probe, forest, level + 1, in * a + k, parts + k * nodes_at(level + 1));
+    fine = fine && join_level(t, forest, level, parts, ret_nodes);
+    free(parts);
+    return fine;
+}
+
+/* Mirrors take a block from another one: the one with the lesser place. */
+static size_t original_of(const struct trees *t, size_t block, unsigned *ret_mirror)
+{
+    size_t a = block;
+    *ret_mirror = 0;
+    if (t->rank == 3)
+        return block;
+    for (unsigned axis = 0; axis < 2; axis++) { /* the top bit of x, then of y */
+        if (!(t->request->symmetry >> axis & 1) || !(a >> (2 * (t->split - 1) + axis) & 1))
+            continue;
+        for (unsigned level = 0; level < t->split; level++)
+            a ^= (size_t)1 << (2 * level + axis);
+        *ret_mirror |= 5U << axis; /* of A and of B */
+    }
+    return a;
+}
+
+static void measure_block(void *arg, size_t index, uint32_t member)
+{
+    const struct trees *t = arg;
+    const size_t place = t->first + index, a = place % t->n_blocks;
+    struct block *block = &t->blocks[place];
+    struct orl_gonio_probe probe = {.sample = t->sample,
+                                    .sobol = t->sobol,
+                                    .seed = t->request->seed,
+                                    .rank = t->rank,
+                                    .levels = t->levels,
+                                    .paths = t->paths,
+                                    .front = place >= t->n_blocks};
+    unsigned mirror;
+    (void)member;
+    if (original_of(t, a, &mirror) != a)
+        return;
+    block->forest = (struct orl_gonio_forest){.rank = t->rank, .cull = t->request->cull};
+    block->tops = malloc(nodes_at(t->split) * sizeof *block->tops);
+    block->code = block->tops ? orl_gonio_probe_init(&probe, NULL) : ORL_ERR_NOMEM;
+    if (block->code == 0 && !grow(t, &probe, &block->forest, t->split, (uint32_t)a, block->tops))
+        block->code = ORL_ERR_NOMEM;
+    memcpy(block->totals, probe.totals, sizeof block->totals);
+    block->lost = probe.lost;
+    orl_gonio_probe_done(&probe);
+}
+
+static int measure(struct trees *t, const struct orl_bsdf_make_env *env)
+{
+    const size_t items = 2 * t->n_blocks;
+    for (t->first = 0; t->first < items; t->first += AT_ONCE) {
+        const size_t count = items - t->first < AT_ONCE ? items - t->first : AT_ONCE;
+        const int code = orl_crew_try(env->crew, count, measure_block, t);
+        if (code < 0)
+            return code;
+        for (size_t i = 0; i < count; i++)
+            if (t->blocks[t->first + i].code < 0)
+                return t->blocks[t->first + i].code;
+        if (env->progress)
+            env->progress(env->ctx, 1, (double)(t->first + count) / (double)items);
+    }
+    return 0;
+}
+
+/* ---- The whole ------------------------------------------------------------------------------- */
+
+/* Mirrored cells of B at a level, by the bits of a child's mirror. */
+static size_t mirrored_cell(size_t cell, unsigned level, unsigned mirror)
+{
+    for (unsigned l = 0; l < level; l++)
+        cell ^= (size_t)(mirror & 3) << 2 * l;
+    return cell;
+}
+
+/* The nodes of a block, in the side's forest. Original or mirrored. */
+static bool plant(const struct trees *t, struct orl_gonio_forest *forest, size_t side, size_t a,
+                  struct orl_gonio_node *ret_nodes)
+{
+    unsigned mirror;
+    const struct block *block = &t->blocks[side * t->n_blocks + original_of(t, a, &mirror)];
+    const size_t cells = nodes_at(t->split) / 2;
+    uint32_t shift;
+    if (!orl_gonio_forest_take(forest, &block->forest, mirror, &shift))
+        return false;
+    for (size_t i = 0; i < 2 * cells; i++) {
+        const size_t from = i / cells * cells + mirrored_cell(i % cells, t->split, mirror);
+        ret_nodes[i] = orl_gonio_shifted(block->tops[from], shift);
+    }
+    return true;
+}
+
+/* The nodes of incident cell a at a level above the blocks. Of rank 3 the upper half of A is of no
+ * direction: it is as the lower one. */
+static bool gather(const struct trees *t, struct orl_gonio_forest *forest, size_t side,
+                   unsigned level, size_t a, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = parts_in(t);
+    if (level == t->split)
+        return plant(t, forest, side, a, ret_nodes);
+    const size_t count = nodes_at(level + 1);
+    struct orl_gonio_node *parts = malloc(in * count * sizeof *parts);
+    bool fine = parts != NULL;
+    for (unsigned k = 0; k < in && fine; k++) {
+        if (t->rank == 3 && level == 0 && k == 1)
+            memcpy(parts + count, parts, count * sizeof *parts);
+        else
+            fine = gather(t, forest, side, level + 1, in * a + k, parts + k * count);
+    }
+    fine = fine && join_level(t, forest, level, parts, ret_nodes);
+    free(parts);
+    return fine;
+}
+
+static int join_all(struct trees *t)
+{
+    for (size_t side = 0; side < 2; side++) {
+        t->forests[side] = (struct orl_gonio_forest){.rank = t->rank, .cull = t->request->cull};
+        if (!gather(t, &t->forests[side], side, 0, 0, t->roots[side]))
+            return ORL_ERR_NOMEM;
+    }
+    return 0;
+}
+
+/* ---- What is told ---------------------------------------------------------------------------- */
+
+/* Light from a side evenly: cells of A weigh alike in rank 4, rings by their size in rank 3. */
+static struct orl_bsdf_share diffuse_of(const struct trees *t, size_t side, bool transmitted)
+{
+    double values[ORL_GONIO_BATCHES] = {0};
+    unsigned mirror;
+    for (size_t a = 0; a < t->n_blocks; a++) {
+        const struct block *b = &t->blocks[side * t->n_blocks + original_of(t, a, &mirror)];
+        const double n = (double)t->n_blocks;
+        const double weight =
+            t->rank == 4 ? ldexp(1, -2 * (int)t->levels) : (2 * (n - (double)a) - 1) / (n * n);
+        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+            values[k] += weight * b->totals[k][transmitted];
+    }
+    return orl_gonio_share_of(values);
+}
+
+static void tell(const struct trees *t, struct orl_bsdf_made *made)
+{
+    size_t measured = 0;
+    double lost = 0;
+    for (size_t side = 0; side < 2; side++)
+        for (size_t k = 0; k < 2; k++) {
+            const struct orl_gonio_forest *forest = &t->forests[side];
+            const struct orl_gonio_node root = t->roots[side][k];
+            const double from = 0.01 * orl_gonio_forest_peak(forest, root);
+            made->diffuse[side][k] = diffuse_of(t, side, k);
+            made->worst = fmax(made->worst, orl_gonio_forest_worst(forest, root, from));
+        }
+    for (size_t i = 0; i < 2 * t->n_blocks; i++) {
+        measured += t->blocks[i].tops != NULL;
+        lost += t->blocks[i].lost;
+    }
+    const unsigned below = t->levels - t->split;
+    made->paths = (uint64_t)measured * t->paths * ORL_GONIO_BATCHES
+                  << (t->rank == 4 ? 2 * below : below);
+    made->lost = lost / (double)made->paths;
+    made->reached = true;
+}
+
+static void write_part(void *ctx, enum orl_bsdf_part part, FILE *out)
+{
+    const struct trees *t = ctx;
+    for (size_t side = 0; side < 2; side++)
+        for (size_t k = 0; k < 2; k++)
+            if (orl_gonio_part_of[side][k] == part)
+                orl_gonio_forest_write(&t->forests[side], t->roots[side][k], out);
+}
+
+static void done(struct trees *t)
+{
+    for (size_t i = 0; t->blocks && i < 2 * t->n_blocks; i++) {
+        orl_gonio_forest_done(&t->blocks[i].forest);
+        free(t->blocks[i].tops);
+    }
+    free(t->blocks);
+    orl_gonio_forest_done(&t->forests[0]);
+    orl_gonio_forest_done(&t->forests[1]);
+}
+
+static struct trees trees_of(const struct orl_bsdf_make_request *request,
+                             const struct orl_gonio_sample *sample, const struct orl_sobol *sobol)
+{
+    struct trees t = {.request = request, .sample = sample, .sobol = sobol};
+    t.rank = request->basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
+    while (1U << t.levels < request->resolution)
+        t.levels++;
+    /* Of rank 3 every ring is a block, and half of A is none. */
+    t.split = t.rank == 3 ? t.levels : t.levels < SPLIT_LEVEL ? t.levels : SPLIT_LEVEL;
+    t.n_blocks = t.rank == 3 ? (size_t)1 << (t.levels - 1) : (size_t)1 << 2 * t.split;
+    t.paths = (orl_bsdf_make_paths(request) + ORL_GONIO_BATCHES - 1) / ORL_GONIO_BATCHES;
+    t.blocks = calloc(2 * t.n_blocks, sizeof *t.blocks);
+    return t;
+}
+
+int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
+                         const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
+                         const struct orl_sobol *sobol, struct orl_bsdf_made *made,
+                         struct orl_error *err)
+{
+    struct trees t = trees_of(request, sample, sobol);
+    struct orl_document document = {.structure =
+                                        t.rank == 4 ? ORL_STRUCTURE_TREE4 : ORL_STRUCTURE_TREE3};
+    int code = t.blocks ? measure(&t, env) : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = join_all(&t);
+    if (code == 0) {
+        tell(&t, made);
+        for (int part = 0; part < ORL_PART_COUNT; part++)
+            document.parts[part].present = true;
+        code = orl_gonio_write(&document, write_part, &t, sample, request, made);
+    }
+    done(&t);
+    if (code < 0)
+        orl_error_set(err, code,
+                      code == ORL_ERR_CANCELLED ? "cancelled"
+                                                : "out of memory for the panel's BSDF");
+    return code;
+}

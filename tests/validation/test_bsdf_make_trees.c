@@ -1,0 +1,188 @@
+/*
+ * Tensor trees from the virtual goniophotometer: closed forms, agreement with matrices of the same
+ * panel, and that cells are one where nothing tells them apart. Tolerances as in test_bsdf_make.c.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixtures/bsdf_ask.h"
+#include "support/panels.h"
+
+static const double square[4] = {0, 1, 0, 1};
+
+/* What has no shape is one number a part, however fine the cells it was counted by. */
+static void an_even_sheet_is_four_numbers(void **state)
+{
+    static const enum orl_bsdf_basis bases[] = {ORL_BSDF_TENSOR_TREE_3, ORL_BSDF_TENSOR_TREE_4};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const struct panel panel = {.text = "void trans s 0 0 7 .5 .5 .5 0 0 .6 0\n"
+                                            "s polygon p 0 0 12 0 0 0 2 0 0 2 1 0 0 1 0\n",
+                                    .basis = bases[i],
+                                    .paths = 512};
+        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf *bsdf = panel_read(&made);
+        struct orl_bsdf_info info;
+        orl_bsdf_describe(bsdf, &info);
+        assert_int_equal(info.values, 4);
+        assert_int_equal(info.resolution, i == 0 ? 2 : 1);
+        for (int front = 0; front < 2; front++) {
+            const struct orl_vec3 in = direction(0.3, -0.4, front ? 1 : -1);
+            for (int t = 0; t < 2; t++) {
+                const struct orl_bsdf_share *s = &made.diffuse[front][t];
+                assert_close(s->value, t ? 0.3 : 0.2, 6 * s->error);
+                assert_close(eval(bsdf, in, direction(0.5, 0.1, front == t ? -1 : 1)),
+                             (t ? 0.3 : 0.2) / ORL_PI, 6 * made.worst);
+            }
+        }
+        assert_int_equal(made.n_directions, 0);
+        assert_null(made.errors[0][0]);
+        orl_bsdf_unref(bsdf);
+        orl_bsdf_made_done(&made);
+    }
+}
+
+/* Slabs of 1.5, in rings of the same projected solid angle: what is straight is all there is. */
+static void a_slab_is_fresnels_in_every_ring(void **state)
+{
+    enum { RINGS = 8, STEPS = 64 }; /* of a resolution of 16 */
+    const struct panel panel = {.text = "void dielectric d 0 0 5 .7 .7 .7 1.5 0\n"
+                                        "!genbox d slab 4 4 .5 | xform -t -2 -2 -.5\n",
+                                .basis = ORL_BSDF_TENSOR_TREE_3,
+                                .cell = square,
+                                .paths = 4096};
+    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf *bsdf = panel_read(&made);
+    double mean = 0;
+    (void)state;
+    for (int ring = 0; ring < RINGS; ring++) {
+        const double low = (double)ring / RINGS, high = (ring + 1.0) / RINGS;
+        double transmitted = 0;
+        for (int i = 0; i < STEPS; i++) {
+            double r, t;
+            const double s2 = low * low + (high * high - low * low) * (i + 0.5) / STEPS;
+            slab_shares(sqrt(1 - s2), 1.5, pow(0.7, 0.5 / sqrt(1 - s2 / 2.25)), &r, &t);
+            transmitted += t / STEPS;
+        }
+        mean += transmitted * (high * high - low * low);
+        const double sine = 0.5 * (low + high);
+        for (int k = 0; k < 7; k++) { /* from all sides */
+            const struct orl_vec3 in = direction(sine * cos(k), sine * sin(k), -1);
+            const double got = orl_bsdf_albedo(bsdf, in, ORL_BSDF_TRANSMIT).g;
+            /* Of 4096 even points, and 0.8 % where faint cells were made one. */
+            assert_close(got, transmitted, 0.003);
+            assert_true(eval(bsdf, in, orl_neg(in)) > 10 * got / ORL_PI);
+        }
+    }
+    assert_close(made.diffuse[0][1].value, mean, 6 * made.diffuse[0][1].error + 3e-5);
+    orl_bsdf_unref(bsdf);
+    orl_bsdf_made_done(&made);
+}
+
+/* Of the same panel: trees as matrices, whichever way it is counted. */
+static void trees_and_matrices_agree(void **state)
+{
+    struct panel panel = {.text = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
+                                  "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+                                  "d polygon flat 0 0 12 -1 -1 0 2 -1 0 2 2 0 -1 2 0\n"
+                                  "d polygon slope 0 0 12 -1 0 -.2 -1 1 -.6 2 1 -.6 2 0 -.2\n"
+                                  "d polygon riser 0 0 12 -1 1 -.6 -1 1 -.2 2 1 -.2 2 1 -.6\n"
+                                  "p polygon slat 0 0 12 0 .2 -.8 0 .5 -.7 1 .5 -.7 1 .2 -.8\n",
+                          .cell = square,
+                          .paths = 1024,
+                          .basis = ORL_BSDF_KLEMS_FULL};
+    struct orl_bsdf_made matrix = panel_make(&panel);
+    (void)state;
+    panel.basis = ORL_BSDF_TENSOR_TREE_4;
+    panel.resolution = 32;
+    panel.paths = 256;
+    struct orl_bsdf_made tree = panel_make(&panel);
+    for (int front = 0; front < 2; front++) {
+        for (int t = 0; t < 2; t++) {
+            const struct orl_bsdf_share *a = &matrix.diffuse[front][t],
+                                        *b = &tree.diffuse[front][t];
+            assert_close(a->value, b->value, 6 * hypot(a->error, b->error));
+        }
+    }
+    orl_bsdf_made_done(&tree);
+    orl_bsdf_made_done(&matrix);
+}
+
+/* Black slats at 45 degrees, as in test_bsdf_make_blinds.c: which way is up, left and out. */
+static void directions_are_where_they_are(void **state)
+{
+    static const double s = 0.70710678;
+    static const char *const texts[2] = {
+        "void plastic b 0 0 5 0 0 0 0 0\nb polygon s 0 0 12 0 0 0 1 0 0 1 1 -1 0 1 -1\n",
+        "void plastic b 0 0 5 0 0 0 0 0\nb polygon s 0 0 12 0 0 0 0 1 0 1 1 -1 1 0 -1\n"};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const struct panel panel = {
+            .text = texts[k], .basis = ORL_BSDF_TENSOR_TREE_4, .paths = 256};
+        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf *bsdf = panel_read(&made);
+        const double x = k ? s : 0.01, y = k ? 0.01 : s;
+        assert_true(orl_bsdf_albedo(bsdf, direction(x, y, -1), ORL_BSDF_TRANSMIT).g > 0.75);
+        assert_true(orl_bsdf_albedo(bsdf, direction(-x, -y, 1), ORL_BSDF_TRANSMIT).g > 0.75);
+        assert_true(orl_bsdf_albedo(bsdf, direction(-x, -y, -1), ORL_BSDF_TRANSMIT).g < 1e-3);
+        assert_true(orl_bsdf_albedo(bsdf, direction(x, y, 1), ORL_BSDF_TRANSMIT).g < 1e-3);
+        assert_true(eval(bsdf, direction(x, y, -1), direction(-x, -y, 1)) > 10);
+        orl_bsdf_unref(bsdf);
+        orl_bsdf_made_done(&made);
+    }
+}
+
+/* Mirrored trees are measured once and are the same to the bit; and so are they for any threads. */
+static void mirrors_and_threads_change_nothing(void **state)
+{
+    char *first = NULL;
+    (void)state;
+    for (uint32_t threads = 1; threads <= 7; threads += 3) {
+        const struct panel panel = {.text = "void dielectric d 0 0 5 1 1 1 1.491 0\n"
+                                            "!genbox d part 4 1 1.5 | xform -t -2 0 -1.5\n",
+                                    .basis = ORL_BSDF_TENSOR_TREE_4,
+                                    .symmetry = ORL_BSDF_QUADRILATERAL,
+                                    .cell = square,
+                                    .paths = 128,
+                                    .threads = threads};
+        struct orl_bsdf_made made = panel_make(&panel);
+        if (!first) {
+            struct orl_bsdf *bsdf = panel_read(&made);
+            first = strdup(made.xml);
+            for (int i = 0; i < 30; i++) {
+                const double r = 0.0301 * i + 0.0131; /* on no border of cells */
+                const struct orl_vec3 in = direction(r * cos(i), r * sin(i), -1);
+                for (int m = 1; m < 4; m++) {
+                    const double sx = m & 1 ? -1 : 1, sy = m & 2 ? -1 : 1;
+                    const struct orl_vec3 a = orl_v3(sx * in.x, sy * in.y, in.z);
+                    assert_true(eval(bsdf, a, orl_neg(a)) == eval(bsdf, in, orl_neg(in)));
+                }
+            }
+            /* 16 by 16 cells from each side, of which a quarter is measured. */
+            assert_int_equal(made.paths, 2 * 64 * 128);
+            orl_bsdf_unref(bsdf);
+        }
+        assert_string_equal(made.xml, first);
+        orl_bsdf_made_done(&made);
+    }
+    free(first);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_even_sheet_is_four_numbers),
+        cmocka_unit_test(a_slab_is_fresnels_in_every_ring),
+        cmocka_unit_test(trees_and_matrices_agree),
+        cmocka_unit_test(directions_are_where_they_are),
+        cmocka_unit_test(mirrors_and_threads_change_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
