@@ -122,7 +122,7 @@ uint64_t orl_scene_bytes(const struct orl_scene *scene)
         if (parts[i])
             bytes += parts[i]->n_triangles * (uint64_t)BYTES_A_TRIANGLE +
                      parts[i]->n_facets * (uint64_t)BYTES_A_FACET +
-                     parts[i]->n_rounds * 2 * sizeof(struct orl_round);
+                     parts[i]->n_rounds * 2 * sizeof(struct orl_curved);
     for (size_t i = 0; i < scene->description.n_grids; i++)
         bytes += orl_grid_bytes(scene->description.grids[i]);
     return bytes + scene->description.n_surfaces * sizeof(struct orl_surface) +

@@ -6,7 +6,7 @@
 #include "base/arena.h"
 #include "scene/material/pattern.h"
 
-const struct orl_round orl_round_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
+const struct orl_curved orl_curved_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
 
 void orl_description_done(struct orl_description *description)
 {

@@ -96,11 +96,11 @@ enum orl_surface_kind {
 };
 
 /* What is round has its centres and radii apart: nearly all surfaces are polygons. */
-struct orl_round {
+struct orl_curved {
     struct orl_vec3 center[2];
     double radius[2];
 };
-extern const struct orl_round orl_round_none; /* all 0: of polygons */
+extern const struct orl_curved orl_curved_none; /* all 0: of polygons */
 
 struct orl_surface {
     enum orl_surface_kind kind;
@@ -115,7 +115,7 @@ struct orl_surface {
     bool has_places;  /* of a mesh: orl_surface_places */
     bool has_normals; /* of a mesh: orl_surface_normals */
     /* the others, in the arena; never NULL */
-    const struct orl_round *round;
+    const struct orl_curved *round;
     struct orl_vec3 normal; /* ring; for polygons the unit normal by Newell's method */
 };
 

@@ -24,7 +24,7 @@ static double largest(struct orl_vec3 v)
 
 /* A facet by its surface's numbers; round is where its own are kept. */
 static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface,
-                        struct orl_round *round)
+                        struct orl_curved *round)
 {
     *round = *surface->round;
     if (surface->kind == ORL_SURFACE_CYLINDER || surface->kind == ORL_SURFACE_TUBE)
@@ -37,7 +37,7 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
                       struct orl_vec3 *high)
 {
     struct orl_facet facet = {.kind = surface->kind};
-    struct orl_round round;
+    struct orl_curved round;
     struct orl_vec3 a, b;
     for (uint32_t i = 0; i < surface->n_vertices; i++)
         include(surface->vertices[i], low, high);
@@ -125,7 +125,7 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
 static void add_curved(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet)
 {
     struct orl_facet *f = &g->facets[facet];
-    struct orl_round *round = &g->rounds[g->n_facets - 1 - facet];
+    struct orl_curved *round = &g->rounds[g->n_facets - 1 - facet];
     struct orl_vec3 low, high;
     fill_curved(f, surface, round);
     for (int k = 0; k < 2; k++)
@@ -149,7 +149,7 @@ static int add_facets(struct builder *b)
         g->facets[facet].kind = surface->kind;
         g->facets[facet].material = surface->material;
         g->facets[facet].surface = (uint32_t)i;
-        g->facets[facet].round = &orl_round_none;
+        g->facets[facet].round = &orl_curved_none;
         g->facets[facet].beyond = d->materials[surface->material].thickness;
         if (flat)
             code = add_polygon(b, surface, facet);

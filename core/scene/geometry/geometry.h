@@ -29,10 +29,10 @@
 /* A surface as it is shot at: the description's, moved, with what hits need at hand. */
 struct orl_facet {
     enum orl_surface_kind kind;
-    uint32_t material, surface;    /* indices into the description's */
-    struct orl_vec3 normal;        /* polygons and rings: unit, the declared front */
-    const struct orl_round *round; /* all but polygons: in orl_geometry.rounds; never NULL */
-    double offset;                 /* how far from the surface a ray must start to be clear of it */
+    uint32_t material, surface;     /* indices into the description's */
+    struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
+    const struct orl_curved *round; /* all but polygons: in orl_geometry.rounds; never NULL */
+    double offset; /* how far from the surface a ray must start to be clear of it */
     double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
     double area;
     uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
@@ -53,7 +53,7 @@ struct orl_geometry {
     double radius;             /* of the bounding sphere about the moved origin */
     struct orl_facet *facets;
     size_t n_facets;
-    struct orl_round *rounds; /* of the facets that are not polygons, from the last one back */
+    struct orl_curved *rounds; /* of the facets that are not polygons, from the last one back */
     size_t n_rounds;
     struct orl_triangle *triangles;
     size_t n_triangles;

@@ -264,7 +264,7 @@ static int check_radius(struct orl_parser *parser, const struct orl_scope *scope
 }
 
 static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_round *round, struct orl_error *err)
+                       struct orl_curved *round, struct orl_error *err)
 {
     round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
     round->radius[0] = parser->primitive.reals[3] * scope->xform.scale;
@@ -273,7 +273,7 @@ static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* Cylinder, tube (one radius), cone and cup (two, of which one may be 0). */
 static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_round *round, struct orl_error *err)
+                     struct orl_curved *round, struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
     const bool straight = parser->primitive.n_reals == 7;
@@ -293,7 +293,7 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_surface *surface, struct orl_round *round, struct orl_error *err)
+                     struct orl_surface *surface, struct orl_curved *round, struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
     const double inner = fmin(r[6], r[7]), outer = fmax(r[6], r[7]);
@@ -315,13 +315,13 @@ static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct surface_type *type, struct orl_surface *surface,
                       struct orl_error *err)
 {
-    struct orl_round *const round = orl_arena_take(parser->out->arena, sizeof *round);
+    struct orl_curved *const round = orl_arena_take(parser->out->arena, sizeof *round);
     int code = orl_parser_expect(parser, scope, 0, type->n_reals, err);
     if (code < 0)
         return code;
     if (!round)
         return out_of_memory(parser, scope, err);
-    *round = orl_round_none;
+    *round = orl_curved_none;
     if (type->kind == ORL_SURFACE_RING)
         code = read_ring(parser, scope, surface, round, err);
     else if (type->n_reals == 4)
@@ -454,7 +454,7 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
 {
     const struct surface_type *type = find_type(parser->primitive.type);
     struct orl_surface surface = {
-        .file = scope->file, .line = parser->primitive.line, .round = &orl_round_none};
+        .file = scope->file, .line = parser->primitive.line, .round = &orl_curved_none};
     bool keep = true;
     int code;
     if (!type)
