@@ -191,10 +191,10 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
                                           const struct orl_pattern *pattern, bool of_material)
 {
     const bool share = type->n_materials > 0 && !pattern->mixture;
-    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->angles)
-        other = parser->out->materials[old->index].angles;
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->angles)
+        other = parser->out->materials[old->index].angles;
     if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
         other = parser->out->materials[old->index].mix;
     if (old && old->kind == ORL_SYMBOL_PATTERN && type->n_materials == 0 && !of_material)
