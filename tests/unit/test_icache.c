@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "render/gather/icache.h"
+#include "support/scene_text.h"
 
 /* On the plane z = 0, seen from above. */
 static struct orl_place place_at(double x, double y)
@@ -139,10 +140,38 @@ static void test_order(void **state)
     orl_icache_done(&other);
 }
 
+/* What a record has seen near it ends its reach: a board between it and a place, on end at x = 0.
+ */
+static void test_board_between(void **state)
+{
+    struct orl_record record = record_at(-0.3, 0, 4, 10);
+    struct orl_geometry *board = scene_geometry(
+        "void plastic w 0 0 5 .5 .5 .5 0 0\nw polygon b 0 0 12 0 -1 -1 0 1 -1 0 1 1 0 -1 1\n");
+    const struct orl_place across = place_at(0.3, 0), before = place_at(-0.9, 0);
+    const struct orl_place beside = place_at(-0.3, 0.6);
+    struct orl_icache cache;
+    struct orl_cached found;
+    (void)state;
+    record.clear = 0.3;
+    fill(&cache, &record, 1);
+    assert_true(orl_icache_serves(&cache, &across)); /* nothing is known to stand there */
+    cache.geometry = board;
+    assert_false(orl_icache_serves(&cache, &across));
+    assert_false(orl_icache_reaches(&cache, &across));
+    assert_false(orl_icache_lookup(&cache, &across, &found));
+    assert_false(orl_records_lookup(&record, 1, &cache, &across, &found));
+    assert_true(orl_icache_serves(&cache, &before) && orl_icache_lookup(&cache, &before, &found));
+    assert_true(orl_icache_serves(&cache, &beside) && orl_icache_lookup(&cache, &beside, &found));
+    assert_true(orl_records_lookup(&record, 1, &cache, &beside, &found));
+    orl_icache_done(&cache);
+    orl_geometry_free(board);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reach_and_gradient), cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_hold_back), cmocka_unit_test(test_order)};
+        cmocka_unit_test(test_hold_back), cmocka_unit_test(test_order),
+        cmocka_unit_test(test_board_between)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

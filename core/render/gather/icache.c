@@ -188,6 +188,22 @@ static double weight_of(const struct orl_record *record, const struct orl_place 
     return fmax(0, 1 - error / ORL_ICACHE_ACCURACY);
 }
 
+/* Whether nothing stands between a record and a place that it is read at. Both are lifted a little:
+ * the straight way between places of a vault's outside goes through it. */
+static bool is_open(const struct orl_icache *cache, const struct orl_record *record,
+                    const struct orl_place *place)
+{
+    static const double lifted = 0.05;
+    const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
+    const double away = orl_length(shift);
+    if (away <= record->clear || !cache->geometry)
+        return true;
+    const struct orl_vec3 from = orl_madd(record->place.point, record->place.normal, lifted * away);
+    const struct orl_vec3 way = orl_sub(orl_madd(place->point, place->normal, lifted * away), from);
+    const double length = orl_length(way);
+    return !orl_geometry_occluded(cache->geometry, from, orl_scale(way, 1 / length), length);
+}
+
 int orl_icache_hold_back(struct orl_icache *cache)
 {
     double *radii = calloc(cache->count + 1, sizeof *radii);
@@ -219,7 +235,7 @@ bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *p
     struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
     for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
          i = orl_icache_visit_next(&v))
-        if (serves(&cache->records[i], place))
+        if (serves(&cache->records[i], place) && is_open(cache, &cache->records[i], place))
             return true;
     return false;
 }
@@ -229,7 +245,7 @@ bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *
     struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
     for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
          i = orl_icache_visit_next(&v))
-        if (weight_of(&cache->records[i], place) > 0)
+        if (weight_of(&cache->records[i], place) > 0 && is_open(cache, &cache->records[i], place))
             return true;
     return false;
 }
@@ -240,13 +256,14 @@ struct joined {
     double total, by_photons, by_rays;
 };
 
-static void join(struct joined *joined, const struct orl_record *record,
-                 const struct orl_place *place, uint32_t channels)
+static void join(struct joined *joined, const struct orl_icache *cache,
+                 const struct orl_record *record, const struct orl_place *place)
 {
     const double weight = weight_of(record, place);
-    if (!(weight > 0))
+    if (!(weight > 0) || !is_open(cache, record, place))
         return;
-    joined->sum = orl_rgb_add(joined->sum, orl_rgb_scale(carried(record, place, channels), weight));
+    joined->sum =
+        orl_rgb_add(joined->sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
     joined->by_photons += weight * record->error_by_photons;
     joined->by_rays += weight * weight * record->error_by_rays * record->error_by_rays;
     joined->total += weight;
@@ -269,15 +286,16 @@ bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *p
     struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
     for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
          i = orl_icache_visit_next(&v))
-        join(&joined, &cache->records[i], place, cache->channels);
+        join(&joined, cache, &cache->records[i], place);
     return settle(&joined, ret_cached);
 }
 
-bool orl_records_lookup(const struct orl_record *records, size_t count, uint32_t channels,
-                        const struct orl_place *place, struct orl_cached *ret_cached)
+bool orl_records_lookup(const struct orl_record *records, size_t count,
+                        const struct orl_icache *like, const struct orl_place *place,
+                        struct orl_cached *ret_cached)
 {
     struct joined joined = {.total = 0};
     for (size_t i = 0; i < count; i++)
-        join(&joined, &records[i], place, channels);
+        join(&joined, like, &records[i], place);
     return settle(&joined, ret_cached);
 }

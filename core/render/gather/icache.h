@@ -11,7 +11,8 @@
  *
  * Places are served sparsely, but read from more: from all records whose e is below a when R is
  * ORL_ICACHE_OVERLAP times the radius, or the least, and they turn by as much more. Weights are
- * 1 - e/a. Each place is so a mean of several records, whose rays err by chances of their own;
+ * 1 - e/a. A record is not read through what it has seen near it: a leg of a desk, lit on the other
+ * side. Each place is so a mean of several records, whose rays err by chances of their own;
  * weights without a peak leave none of them alone with its noise.
  *
  * References: Ward, Rubinstein, Clear 1988; Ward and Heckbert 1992; Krivanek and Gautron 2009;
@@ -32,10 +33,12 @@ struct orl_record {
     double error_by_photons, error_by_rays; /* standard ones, of the irradiance's luma */
     double rays;                            /* through strata of its hemisphere: one each */
     double radius, least;                   /* it serves as if the radius were at least that */
+    double clear; /* nothing that it has seen is nearer: what is farther may stand behind things */
 };
 
 struct orl_icache {
-    uint32_t channels; /* 3, or 1: all is gray */
+    uint32_t channels;                   /* 3, or 1: all is gray */
+    const struct orl_geometry *geometry; /* borrowed: what stands between places; NULL: nothing */
     struct orl_record *records;
     size_t count, capacity;
     /* An index by level (power of two of the record's reach) and cell; rebuilt between rounds. */
@@ -79,8 +82,9 @@ struct orl_cached {
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_cached *ret_cached);
 
-/* The same from a few records that are in no cache. */
-bool orl_records_lookup(const struct orl_record *records, size_t count, uint32_t channels,
-                        const struct orl_place *place, struct orl_cached *ret_cached);
+/* The same from a few records that are not in the cache, but like its own. */
+bool orl_records_lookup(const struct orl_record *records, size_t count,
+                        const struct orl_icache *like, const struct orl_place *place,
+                        struct orl_cached *ret_cached);
 
 #endif

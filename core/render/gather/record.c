@@ -42,7 +42,8 @@ struct orl_record orl_record_make(const struct orl_gather *gather, const struct 
                                 .rays = (double)rows * columns_of(rows),
                                 .radius =
                                     fmin(radius, least * most_reach_pixels / least_reach_pixels),
-                                .least = least};
+                                .least = least,
+                                .clear = h.least_distance};
     const double served = fmax(record.radius, least);
     for (int c = 0; c < 3; c++) {
         const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;

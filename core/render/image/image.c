@@ -354,6 +354,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
                         ? (struct orl_grain){.width = view->horizontal / painting->film->width}
                         : (struct orl_grain){.angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side};
     orl_icache_init(&painter.cache, gather->world->omit.channels);
+    painter.cache.geometry = gather->world->geometry;
     int code = orl_discs_init(&discs, gather->world, painting);
     painter.shader.suns = discs.suns;
     painter.shader.lamps_apart = discs.lamps;

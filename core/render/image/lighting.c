@@ -36,16 +36,15 @@ static struct orl_cached stray_at(const struct orl_lighting *lighting, const str
                                   struct orl_strays *strays, struct orl_random *random,
                                   struct orl_search *search)
 {
-    const uint32_t channels = lighting->cache->channels;
     const uint32_t count = strays->made < ORL_STRAYS ? strays->made : ORL_STRAYS;
     struct orl_cached cached = {.standard_error = 0};
-    if (orl_records_lookup(strays->records, count, channels, &v->place, &cached))
+    if (orl_records_lookup(strays->records, count, lighting->cache, &v->place, &cached))
         return cached;
     struct orl_record *record = &strays->records[strays->made++ % ORL_STRAYS];
     *record = orl_record_make(lighting->gather, &v->place,
                               orl_record_least(&lighting->grain, v->distance), ROWS,
                               lighting->cache, random, search);
-    if (v->place.textured && orl_records_lookup(record, 1, channels, &v->place, &cached))
+    if (v->place.textured && orl_records_lookup(record, 1, lighting->cache, &v->place, &cached))
         return cached;
     return (struct orl_cached){record->irradiance,
                                hypot(record->error_by_photons, record->error_by_rays)};
