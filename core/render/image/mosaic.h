@@ -5,8 +5,9 @@
  *     way (shade.h), carried over to the pixels between where the middle of the square bears it
  *     out; elsewhere squares are quartered, down to single pixels;
  *   more rays for gloss, where those about a pixel say that chance shows in it;
- *   where neighbours see other things, or shadows end, more rays through the pixel (pixel.h), which
- *     take what is smooth from the pixel about them that sees the same.
+ *   where neighbours see other things, shadows end, or what is smooth is steep even so (caustics),
+ *     more rays through the pixel (pixel.h), which take what is smooth from the pixel about them
+ *     that sees the same.
  * A pixel that finds there what none of its neighbours has seen makes these look again, too: things
  * narrower than a pixel are followed along. So does one that finds a shadow's edge, and there all
  * of a pixel's rays are sent: penumbras are looked at from end to end.

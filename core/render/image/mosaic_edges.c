@@ -1,7 +1,8 @@
 #include "render/image/mosaic_cells.h"
 
-/* Neighbours that differ by more than this share see an edge of a shadow; by less than the other
- * they see none, whatever they see. */
+/* Neighbours that differ by more than the first share see an edge of a shadow; by less than the
+ * second they see none, whatever they see. Of what is smooth a pixel's middle does not tell the
+ * mean where neighbours differ by more than the third: along the edges of caustics. */
 static const double sharp_difference = 0.15, no_difference = 0.02, steep_difference = 0.2;
 
 /* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
