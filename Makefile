@@ -103,7 +103,8 @@ help:
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
 ## make annual     a year of daylight in the office, in ray-times, beside hours of it by backward, and
-##                 glare of its seats beside pictures: tables, and build/annual.json
+##                 glare of its seats beside pictures: tables, and build/annual.json; then verdicts of
+##                 100 seeds in four rooms
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/bench/tables.md has its parts)
@@ -364,9 +365,15 @@ check-perf: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions
 	@ORIEL_BUILD=$(BUILD) tests/bench/check_perf $(BUILD) $(BUILD)/tests/bench/instructions \
 		'$(CC)' '$(RECORD)'
-table2 gallery calibration annual: %: deps-check
+table2 gallery calibration: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
+
+VERDICTS_BIN := $(BUILD)/tests/validation/test_annual_verdicts
+annual: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/annual $(VERDICTS_BIN)
+	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/annual
+	@ORIEL_VERDICT_SEEDS=$${ORIEL_VERDICT_SEEDS:-100} $(VERDICTS_BIN)
 
 .PHONY: eta
 eta: deps-check

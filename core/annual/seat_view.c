@@ -1,13 +1,12 @@
 #include "annual/seat_view.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "light/path.h"
 #include "scene/geometry/stand.h"
 
 /* Rays of a pixel: two by two, evenly; where lobes scatter them, more. */
-enum { SIDE = 2, RAYS = SIDE * SIDE, LOBE_SIDE = 6, MOST_TERMS = 1024, MOST_STEPS = 12 };
+enum { SIDE = 2, LOBE_SIDE = 6, MOST_STEPS = 12 };
 static const double dimmest = 0.002, dimmest_mirror = 0.02;
 
 /* A pixel's terms while it is looked at. */
@@ -16,11 +15,10 @@ struct looking {
     const struct orl_annual_scene *scene;
     struct orl_random random;
     uint32_t pixel;
-    double share; /* of the pixel, a ray's */
-    bool first;   /* of its rays: spots are its */
-    bool lobes;   /* some ray was scattered */
-    struct orl_seat_term terms[MOST_TERMS];
-    uint32_t n_terms;
+    double share;                  /* of the pixel, a ray's */
+    bool first;                    /* of its rays: spots are its */
+    bool lobes;                    /* some ray was scattered */
+    size_t n_terms;                /* the pixel's, behind the view's others */
     size_t terms_room, spots_room; /* of the view's arrays */
     int code;
 };
@@ -35,13 +33,24 @@ struct step {
 
 static void add_term(struct looking *l, uint32_t which, double weight)
 {
-    for (uint32_t i = 0; i < l->n_terms; i++)
-        if (l->terms[i].which == which) {
-            l->terms[i].weight += (float)weight;
+    struct orl_seat_view *view = l->view;
+    const size_t first = view->first[l->pixel];
+    for (size_t i = 0; i < l->n_terms; i++)
+        if (view->terms[first + i].which == which) {
+            view->terms[first + i].weight += (float)weight;
             return;
         }
-    if (l->n_terms < MOST_TERMS)
-        l->terms[l->n_terms++] = (struct orl_seat_term){which, (float)weight};
+    if (first + l->n_terms == l->terms_room) {
+        const size_t room = 2 * l->terms_room + ORL_SEAT_PIXELS;
+        struct orl_seat_term *grown = realloc(view->terms, room * sizeof *grown);
+        if (!grown) {
+            l->code = ORL_ERR_NOMEM;
+            return;
+        }
+        view->terms = grown;
+        l->terms_room = room;
+    }
+    view->terms[first + l->n_terms++] = (struct orl_seat_term){which, (float)weight};
 }
 
 static void add_sky(struct looking *l, const struct step *s)
@@ -203,24 +212,6 @@ static void look_at(struct looking *l, uint32_t side)
     }
 }
 
-static int keep_terms(struct looking *l)
-{
-    struct orl_seat_view *view = l->view;
-    const size_t at = view->first[l->pixel];
-    if (at + l->n_terms > l->terms_room) {
-        const size_t room = 2 * (at + l->n_terms) + ORL_SEAT_PIXELS;
-        struct orl_seat_term *grown = realloc(view->terms, room * sizeof *grown);
-        if (!grown)
-            return ORL_ERR_NOMEM;
-        view->terms = grown;
-        l->terms_room = room;
-    }
-    if (l->n_terms > 0)
-        memcpy(view->terms + at, l->terms, l->n_terms * sizeof *l->terms);
-    view->first[l->pixel + 1] = (uint32_t)(at + l->n_terms);
-    return l->code;
-}
-
 static int look_all(struct looking *l, uint64_t seed)
 {
     struct orl_seat_view *view = l->view;
@@ -238,7 +229,8 @@ static int look_all(struct looking *l, uint64_t seed)
                 look_at(l, LOBE_SIDE);
             }
         }
-        code = keep_terms(l);
+        view->first[i + 1] = view->first[i] + (uint32_t)l->n_terms;
+        code = l->code;
     }
     return code;
 }

@@ -1,0 +1,176 @@
+/*
+ * Verdicts on sDA over many seeds in four rooms, beside a long run of each: how often the interval
+ * holds what that says, and that nothing passes or fails that should not. ORIEL_VERDICT_SEEDS: of
+ * each room, 100 of which are acceptance (make annual); without, three seeds of two rooms.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "support/year.h"
+
+enum {
+    COLUMNS = 6,
+    ROWS = 8,
+    SENSORS = COLUMNS * ROWS,
+    FIRST = 64,
+    LONG = 16384,
+    SHORT = 4096,
+    TEXT = 1 << 15
+};
+
+#define GROUND                                                                                     \
+    "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 "           \
+    "40 40 -.3 -40 40 -.3\n"
+#define WALL "e polygon wall 0 0 12 -9 -6 -.3 13 -6 -.3 13 -6 5 -9 -6 5\n"
+#define PANES ROOM_PANE "p polygon second 0 0 12 .2 0 1 .2 0 2.5 .8 0 2.5 .8 0 1\n"
+
+static const struct year_site izmir = {38.42, 27.14, 2};
+
+/* What target is near what a room has, so that chance could mislead; offsets of the bound from what
+ * the long run says, in turn by seed, in per cent of the area. */
+static const struct {
+    const char *name, *scene, *figure;
+    bool panel;
+} rooms[] = {
+    {"glass", ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND, "sDA600/50", false},
+    {"tinted", ROOM_GREY "void glass p 0 0 3 .5 .5 .5\n" ROOM_SHELL PANES GROUND, "sDA300/50",
+     false},
+    {"facing a wall", ROOM_GREY ROOM_CLEAR ROOM_SHELL PANES GROUND WALL, "sDA200/50", false},
+    {"panel", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE GROUND, "sDA700/50", true}};
+enum { ROOMS = sizeof rooms / sizeof *rooms };
+static const double offsets[] = {-8, -3, 3, 8};
+
+/* ---- A year ---------------------------------------------------------------------------------- */
+
+/* A day of every other month. */
+static const char *weather(void)
+{
+    static char text[TEXT];
+    if (text[0])
+        return text;
+    snprintf(text, TEXT,
+             "place made_up\nlatitude %.4f\nlongitude %.4f\ntime_zone %.1f\nsite_elevation 0\n"
+             "weather_data_file_units 1\n",
+             izmir.latitude_deg, -izmir.longitude_deg, -15 * izmir.time_zone_h);
+    for (int month = 1; month <= 12; month += 2)
+        year_day(&izmir, month, 21, text, TEXT);
+    return text;
+}
+
+static const char *panel_text(void)
+{
+    static char *text;
+    size_t size;
+    if (text)
+        return text;
+    char *xml = (char *)scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
+    text = calloc(size + 1, 1);
+    assert_non_null(text);
+    for (size_t i = 0; i < size; i++)
+        text[i] = xml[i];
+    free(xml);
+    return text;
+}
+
+static struct orl_annual_refinement decide(size_t room, const char *target, uint64_t seed,
+                                           uint32_t samples)
+{
+    struct orl_sensor sensors[SENSORS];
+    struct orl_annual_wishes wishes;
+    struct orl_annual_refinement found;
+    for (int i = 0; i < SENSORS; i++)
+        sensors[i] = (struct orl_sensor){
+            {0.35 + 0.66 * (i % COLUMNS), 0.35 + 0.6 * (i / COLUMNS), 0.8}, {0, 0, 1}};
+    const struct year_run run = {.scene = rooms[room].scene,
+                                 .resource_name = rooms[room].panel ? "pane.xml" : NULL,
+                                 .resource_text = rooms[room].panel ? panel_text() : NULL,
+                                 .site = izmir,
+                                 .weather = weather(),
+                                 .sensors = sensors,
+                                 .n_sensors = SENSORS,
+                                 .samples = samples,
+                                 .threads = 2,
+                                 .seed = seed,
+                                 .wishes = &wishes,
+                                 .ret_refinement = &found};
+    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    wishes.until = calloc(1, sizeof *wishes.until);
+    assert_non_null(wishes.until);
+    assert_int_equal(orl_annual_target_parse(target, wishes.until, NULL), 0);
+    struct orl_annual_result year = year_run(&run);
+    orl_annual_done(&year);
+    orl_annual_wishes_done(&wishes);
+    return found;
+}
+
+/* ---- Many ------------------------------------------------------------------------------------ */
+
+struct tally {
+    unsigned n, covered, wrong, undecided;
+};
+
+static void count(const struct orl_annual_refinement *found, const struct orl_annual_value *truth,
+                  double bound, struct tally *tally)
+{
+    const struct orl_annual_value *area = &found->area.value;
+    tally->n++;
+    tally->covered += area->low <= truth->value + 1e-9 && truth->value <= area->high + 1e-9;
+    tally->undecided += found->verdict == ORL_VERDICT_UNDECIDED;
+    tally->wrong += (found->verdict == ORL_VERDICT_PASS && truth->value < bound) ||
+                    (found->verdict == ORL_VERDICT_FAIL && truth->value >= bound);
+}
+
+/* A target that is met at once, so that all its paths are the first round's. */
+static struct orl_annual_value long_run(size_t room, uint32_t samples)
+{
+    char target[64];
+    snprintf(target, sizeof target, "%s >= 0 %%", rooms[room].figure);
+    return decide(room, target, 4711, samples).area.value;
+}
+
+static void try_room(size_t room, unsigned seeds, uint32_t samples, struct tally *ret)
+{
+    const struct orl_annual_value truth = long_run(room, samples);
+    *ret = (struct tally){.n = 0};
+    assert_true(truth.value > 12 && truth.value < 88); /* or offsets lead nowhere */
+    for (unsigned seed = 0; seed < seeds; seed++) {
+        char target[64];
+        const double bound = truth.value + offsets[seed % 4];
+        snprintf(target, sizeof target, "%s >= %.6g %%", rooms[room].figure, bound);
+        const struct orl_annual_refinement found = decide(room, target, seed + 1, FIRST);
+        count(&found, &truth, bound, ret);
+    }
+    print_message("%-14s %s %.1f %% [%.1f, %.1f]: %u seeds, interval holds it in %u, wrong %u, "
+                  "undecided %u\n",
+                  rooms[room].name, rooms[room].figure, truth.value, truth.low, truth.high, ret->n,
+                  ret->covered, ret->wrong, ret->undecided);
+}
+
+/* Of few seeds one may miss. */
+static void test_verdicts(void **state)
+{
+    const char *text = getenv("ORIEL_VERDICT_SEEDS");
+    const unsigned seeds = text ? (unsigned)atoi(text) : 3;
+    (void)state;
+    assert_true(seeds >= 1 && seeds <= 1000);
+    for (size_t room = 0; room < ROOMS; room += text ? 1 : ROOMS - 1) {
+        struct tally tally;
+        try_room(room, seeds, text ? LONG : SHORT, &tally);
+        assert_int_equal(tally.n, seeds);
+        assert_int_equal(tally.wrong, 0);
+        assert_true(tally.covered >= (seeds >= 20 ? 0.93 * seeds : seeds - 1.0));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_verdicts)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
