@@ -92,6 +92,30 @@ static void test_planes(void **state)
     orl_sensor_planes_done(planes, count);
 }
 
+/* Sensors in a row, whichever way it goes, are squares as wide as they are apart: no slivers. */
+static void test_rows(void **state)
+{
+    static const double turns[] = {0, 0.3, ORL_PI / 2, 2.8};
+    enum { ROW = 5 };
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        struct orl_sensor sensors[ROW];
+        struct orl_sensor_plane planes[1];
+        size_t count;
+        const double c = cos(turns[k]), s = sin(turns[k]);
+        for (int i = 0; i < ROW; i++)
+            sensors[i] =
+                (struct orl_sensor){orl_v3(1 + 0.6 * i * c, 2 + 0.6 * i * s, 1), orl_v3(0, 0, 1)};
+        assert_int_equal(orl_sensor_planes_find(sensors, ROW, 1, planes, &count), 0);
+        assert_int_equal(count, 1);
+        assert_near(planes[0].cell[0], 0.6, 1e-9);
+        assert_near(planes[0].cell[1], 0.6, 1e-9);
+        assert_near(planes[0].high[0] - planes[0].low[0],
+                    0.6 * (ROW - 1) * fabs(c) + 0.6 * (fabs(c) + fabs(s)), 1e-9);
+        orl_sensor_planes_done(planes, count);
+    }
+}
+
 /* Sensors anywhere share the plane's area in squares. */
 static void test_scattered(void **state)
 {
@@ -221,9 +245,9 @@ static void test_map(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grids),     cmocka_unit_test(test_planes),
-        cmocka_unit_test(test_scattered), cmocka_unit_test(test_section),
-        cmocka_unit_test(test_map),
+        cmocka_unit_test(test_grids),   cmocka_unit_test(test_planes),
+        cmocka_unit_test(test_rows),    cmocka_unit_test(test_scattered),
+        cmocka_unit_test(test_section), cmocka_unit_test(test_map),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -90,8 +90,10 @@ static void make_squares(struct orl_sensor_plane *p)
     p->cell[0] = p->cell[1] = 0;
     p->angle = 0;
     bound_cells(p);
-    const double area = (p->high[0] - p->low[0]) * (p->high[1] - p->low[1]);
-    p->cell[0] = p->cell[1] = sqrt(area / (double)p->count);
+    const double wide = p->high[0] - p->low[0], high = p->high[1] - p->low[1];
+    /* Nearly in a row they have hardly any area: then by the row's length. */
+    p->cell[0] = p->cell[1] =
+        fmax(sqrt(wide * high / (double)p->count), fmax(wide, high) / (double)p->count);
 }
 
 /* A grid has at most twice as many places as there are sensors, for rooms that are no rectangles
@@ -108,7 +110,9 @@ static int find_cells(struct orl_sensor_plane *p, double extent)
     free(scratch);
     p->grid = lines[0] > 1 && lines[1] > 1 &&
               (double)lines[0] * (double)lines[1] <= 2.0 * (double)p->count;
-    if (!p->grid)
+    if ((lines[0] > 1) != (lines[1] > 1)) /* a row: of squares */
+        p->cell[0] = p->cell[1] = fmax(p->cell[0], p->cell[1]);
+    else if (!p->grid)
         make_squares(p);
     bound_cells(p);
     return 0;

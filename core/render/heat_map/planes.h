@@ -3,8 +3,8 @@
  *
  * A plane has axes of its own: of a level one x and y of the scene, so that it is seen as a plan is
  * drawn; of any other u level and v upwards, as seen from where the sensors look. Sensors on a
- * grid, which may be turned, stand for its cells; others for squares, of as much area as there is
- * for one.
+ * grid, which may be turned, stand for its cells; those in one row for squares as wide as they are
+ * apart; others for squares, of as much area as there is for one.
  */
 #ifndef ORL_RENDER_HEAT_MAP_PLANES_H
 #define ORL_RENDER_HEAT_MAP_PLANES_H
