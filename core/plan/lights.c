@@ -1,4 +1,6 @@
 /* Suns, skies and lamps: whether there are any, and what they can give at most. */
+#include <stdio.h>
+
 #include "plan/decide.h"
 
 enum { SUN_RAYS_A_SENSOR = 128, SUN_RAYS_A_PIXEL = 8 };
@@ -10,6 +12,16 @@ static double shadow_rays_s(const struct orl_survey *survey, size_t lights)
     return places * (double)lights * survey->ray_s;
 }
 
+/* Four digits, or all before the point. */
+static const char *in_lux(double lux, char ret_text[32])
+{
+    if (lux < 1000)
+        snprintf(ret_text, 32, "%.4g lx", lux);
+    else
+        snprintf(ret_text, 32, "%.0f lx", lux);
+    return ret_text;
+}
+
 /*
  * A sun counts by its own irradiance and what surfaces reflect of it; only one that is too dim to
  * matter however it is focused, pi L, goes by itself.
@@ -17,6 +29,7 @@ static double shadow_rays_s(const struct orl_survey *survey, size_t lights)
 static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
 {
     struct orl_world *world = survey->world;
+    char lux[32];
     double focused = 0;
     for (size_t i = 0; i < world->n_suns; i++)
         focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(world->suns[i].radiance);
@@ -28,22 +41,23 @@ static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
     if (!orl_settle(&plan->effects[ORL_EFFECT_SUN], &finding,
                     world->n_suns == 0
                         ? "there are %zu suns"
-                        : "suns: %zu; a plane that faces them gets %.4g lx where nothing focuses",
-                    world->n_suns, survey->sun_lx))
+                        : "suns: %zu; a plane that faces them gets %s where nothing focuses",
+                    world->n_suns, in_lux(survey->sun_lx, lux)))
         orl_world_keep_suns(world, NULL);
 }
 
 static void decide_sky(struct orl_survey *survey, struct orl_plan *plan)
 {
     struct orl_world *world = survey->world;
+    char lux[32];
     const struct orl_finding finding = {.needed = survey->sky_lx > survey->tolerance_lx,
                                         .unit = ORL_BOUND_LX,
                                         .bound = survey->sky_lx,
                                         .saved_s = survey->sensor_rays * survey->ray_s / 3};
     if (!orl_settle(&plan->effects[ORL_EFFECT_SKY], &finding,
                     "skies and other wide lights: %zu; the brightest direction of them all round "
-                    "would give %.4g lx",
-                    world->n_domes, survey->sky_lx))
+                    "would give %s",
+                    world->n_domes, in_lux(survey->sky_lx, lux)))
         world->n_domes = 0;
 }
 
@@ -60,13 +74,14 @@ static void put_out_lamps(struct orl_world *world)
 static void decide_lamps(struct orl_survey *survey, struct orl_plan *plan)
 {
     struct orl_world *world = survey->world;
+    char lux[32];
     const struct orl_finding finding = {.needed = survey->lamp_lx > survey->tolerance_lx,
                                         .unit = ORL_BOUND_LX,
                                         .bound = survey->lamp_lx,
                                         .saved_s = shadow_rays_s(survey, world->n_emitters)};
     if (!orl_settle(&plan->effects[ORL_EFFECT_LAMPS], &finding,
-                    "shining surfaces: %zu; right before the brightest it is %.4g lx",
-                    world->n_emitters, survey->lamp_lx))
+                    "shining surfaces: %zu; right before the brightest it is %s", world->n_emitters,
+                    in_lux(survey->lamp_lx, lux)))
         put_out_lamps(world);
 }
 

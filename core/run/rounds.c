@@ -24,6 +24,7 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
     if (state->pilot && state->pilot->samples > 0)
         r->work.least = state->pilot->samples;
     r->samples = r->work.least;
+    state->told->open = state->job->goal.relative_error > 0 || state->job->goal.dgp_error > 0;
     if (!orl_goal_is_set(&state->job->goal)) {
         r->planned = orl_run_batches(state);
         r->samples = ceil((double)ORL_DEFAULT_GATHER_SAMPLES / r->planned);
@@ -314,6 +315,7 @@ static int settle(struct orl_rounds *r, struct orl_error *err)
         return code == 0 ? tell_of_views(state) : code;
     orl_rounds_go_on(r, &parts);
     orl_rounds_foresee(r);
+    state->told->open = false;
     result->total_s = orl_rounds_now(r) - state->started_s;
     note_course(&result->outcome, result->total_s);
     if (code == 0 && state->env->round_ready)

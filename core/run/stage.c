@@ -54,7 +54,8 @@ void orl_run_progress(const struct orl_run_state *state, double fraction)
     const double left = left_s(state, fraction, now);
     const double *spent = state->result->timings_s;
     struct orl_told *told = state->told;
-    told->share = orl_ahead_share(told->share, now - told->at_s, left);
+    const double unknown = told->open ? now - state->started_s + left : 0; /* say, as much again */
+    told->share = orl_ahead_share(told->share, now - told->at_s, left + unknown);
     told->at_s = now;
     /* Whatever the run is a part of reads its scene once. */
     const struct orl_run_report report = {

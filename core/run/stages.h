@@ -22,6 +22,7 @@ struct orl_sensor_round {
 struct orl_told {
     double share, at_s;
     double phase_from, phase_to, phase_s;
+    bool open; /* what comes after the round under way nobody knows yet */
 };
 
 struct orl_pilot;

@@ -228,12 +228,14 @@ export class NewPage {
     this.ask.disabled = true;
     try {
       const asked = this.document;
-      const { plans } = await post('/v1/plans', asked);
       this.plan?.close();
+      this.planPlace.replaceChildren(h('p', { class: 'quiet' }, 'Two small rounds of it are being rendered\u2026'));
+      const { plans } = await post('/v1/plans', asked);
       this.plan = new PlanPart(plans[0], asked.accuracy);
       this.planPlace.replaceChildren(this.plan.node);
       this.planPlace.scrollIntoView({ block: 'nearest' });
     } catch (error) {
+      this.planPlace.replaceChildren();
       this.#say(error);
     }
     this.ask.disabled = false;

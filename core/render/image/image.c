@@ -258,7 +258,7 @@ static int compute_wanted(struct painter *p)
  * does, roughly: pixels take the rest. */
 enum { STEPS = 5 };
 static const double shares_gathered[STEPS + 1] = {0.12, 0.1, 0.12, 0.18, 0.07, 0.03};
-static const double shares_read[STEPS + 1] = {0.04, 0.07, 0.1, 0.15, 0, 0};
+static const double shares_read[STEPS + 1] = {0.025, 0.06, 0.075, 0.12, 0, 0};
 
 static double share_of_round(const struct painter *p, int round)
 {
