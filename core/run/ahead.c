@@ -4,6 +4,8 @@
 
 /* From this part of a stage on its own progress is all that counts. */
 static const double known_from = 0.05;
+/* From this part of a phase on its own progress is all that counts. */
+static const double phase_known_from = 0.1;
 /* At the least so much of what a stage has taken is thought to be left of it, when it overruns. */
 static const double overrun = 0.1;
 /* What is trusted beside what was measured; bounds of the ratio. */
@@ -32,17 +34,19 @@ static double pace_of(const struct orl_ahead *a, double fraction)
     return fmin(fmax(spent / foreseen, least_pace), most_pace);
 }
 
-/* Of the stage, by its progress and its phase's. */
+/* Of the stage, by its progress and its phase's: what is missing of the phase's first tenth is
+ * thought to go as the stage did, for the first bits of anything are no measure of it. */
 static double by_progress(const struct orl_ahead *a, double fraction)
 {
-    const double done = (fraction - a->phase_from) / fmax(a->phase_to - a->phase_from, 1e-9);
-    const double of_stage = worked_s(a) * (1 - fraction) / fraction;
+    const double share = a->phase_to - a->phase_from;
+    const double done = (fraction - a->phase_from) / fmax(share, 1e-9);
+    const double all = worked_s(a) / fraction;
     if (!(a->phase_to > 0) || !(done > 0) || done > 1)
-        return of_stage;
-    const double of_phase = a->in_phase_s * (1 - done) / done;
-    const double after = (a->in_stage_s + of_phase) * (1 - a->phase_to) / a->phase_to;
-    const double weight = fmin(done / known_from, 1);
-    return (1 - weight) * of_stage + weight * (of_phase + after);
+        return all * (1 - fraction);
+    const double usual = fmax(phase_known_from - done, 0);
+    const double phase = (a->in_phase_s + usual * share * all) / (done + usual);
+    const double of_phase = phase * (1 - done);
+    return of_phase + (a->in_stage_s + of_phase) * (1 - a->phase_to) / a->phase_to;
 }
 
 double orl_ahead_left_s(const struct orl_ahead *a)

@@ -115,6 +115,11 @@ static void test_phases(void **state)
         ahead.in_stage_s = 1 + 9 * done;
         assert_true(fabs(orl_ahead_left_s(&ahead) - 9 * (1 - done)) < 1e-9);
     }
+    /* Its first bit takes ten times as long as others: what is said stays of the right order. */
+    ahead.fraction = 0.5 + 0.5 * 0.01;
+    ahead.in_phase_s = 0.1;
+    ahead.in_stage_s = 1.1;
+    assert_true(fabs(orl_ahead_left_s(&ahead) - 1) < 1);
     /* What was set up before the first phase is not what it goes by. */
     ahead = (struct orl_ahead){.stage = ORL_STAGE_PHOTONS, .phase_to = 1, .foreseen_s = {0}};
     ahead.foreseen_s[ORL_STAGE_PHOTONS] = 1;
