@@ -8,9 +8,9 @@
  * virtual lamp, one indexed; a gather ray, what one reads of the map for the first time, all of the
  * map at the most, by photons; a path by backward, of a sensor and of a pixel. */
 static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, gather_us = 2.7, first_us = 18,
-                    leaf_us = 0.9, path_us = 10, pixel_path_us = 15;
+                    leaf_us = 0.85, path_us = 10, pixel_path_us = 15;
 /* Of a view by a final gather, beside its pixels. */
-static const double view_us = 3e5;
+static const double view_us = 6.5e5;
 /* Of a pixel in one file of a picture. */
 static const double write_us = 0.08;
 /* Of a pixel, by technique. */

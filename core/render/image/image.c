@@ -257,7 +257,7 @@ static int compute_wanted(struct painter *p)
 /* What each round of records takes of a view's time, from the coarsest on, and what fitting them
  * does, roughly: pixels take the rest. */
 enum { STEPS = 5 };
-static const double shares_gathered[STEPS + 1] = {0.12, 0.1, 0.12, 0.18, 0.07, 0.03};
+static const double shares_gathered[STEPS + 1] = {0.11, 0.09, 0.11, 0.16, 0.06, 0.03};
 static const double shares_read[STEPS + 1] = {0.025, 0.06, 0.075, 0.12, 0, 0};
 
 static double share_of_round(const struct painter *p, int round)
