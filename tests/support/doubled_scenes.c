@@ -325,6 +325,18 @@ static void write_patterns(FILE *f, size_t n)
                 i, i, i, i, i, i, i);
 }
 
+/* A spectrum, a lobe of it, glazing, and both mixed, each by its own name. */
+static void write_shares(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f,
+                "void spectrum s%zu 0 0 7 380 780 .1 .2 .3 .4 .5\n"
+                "s%zu ashik2 a%zu 4 1 0 0 . 0 8 .5 .5 .5 .1 .1 .1 9 9\n"
+                "void BRTDfunc g%zu 10 .1 .1 .1 .8 .8 .8 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+                "void mixfunc x%zu 4 a%zu g%zu Px . 0 0\nx%zu sphere b%zu 0 0 4 %zu 0 0 .4\n",
+                i, i, i, i, i, i, i, i, i, i);
+}
+
 /* ---- The table ------------------------------------------------------------------------------- */
 
 #define SCENE(name, n)                                                                             \
@@ -380,6 +392,7 @@ const struct doubled doubled_scenes[] = {
     SCENE(skies_made, 40),
     SCENE(daylit, 40),
     SCENE(patterns, 200),
+    SCENE(shares, 100),
     SCENE(includes, 500),
     SCENE(pipes, 30),
     SCENE(strings, 3000),
@@ -399,6 +412,7 @@ const struct doubled doubled_scenes[] = {
     WORLD(polygons, 200),
     WORLD(spheres, 200),
     WORLD(patterns, 40),
+    WORLD(shares, 20),
     WORLD(disc, 500),
     WORLD(star, 200),
     WORLD(comb, 100),

@@ -2,7 +2,8 @@
  * Glazing by functions of the angle (BRTDfunc without lobes): how much of each channel is mirrored
  * and how much goes straight through, by the cosine to the front's normal of the direction that it
  * goes to, negative behind; and what is spread evenly: reflectances of the front and of the back,
- * and a transmittance both ways. The latter are lobes.
+ * and a transmittance both ways. The latter are lobes. Functions that make more of the light than
+ * there is, as approximations do at grazing, are cut to it.
  */
 #include "scene/material/kinds.h"
 
@@ -14,27 +15,43 @@ struct glazing {
     struct orl_rgb part[PARTS];
 };
 
-/* Of what goes to the eye in that direction; where functions have no value there is nothing. */
-static struct orl_rgb at_angle(const struct orl_material *material, const struct orl_hit *hit,
-                               struct orl_vec3 eye, int first)
+/* What becomes of light from there, but for what is spread evenly. */
+struct passes {
+    struct orl_rgb mirrored, straight;
+};
+
+/* Where functions have no value there is nothing; both are cut to what is left of the light. */
+static struct passes passes_of(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 light)
 {
-    double values[ORL_PATTERN_ANGLES];
-    if (!orl_pattern_of_angle(material->angles, orl_dot(eye, hit->normal), values))
-        return orl_gray(0);
-    return (struct orl_rgb){orl_larger(values[first], 0), orl_larger(values[first + 1], 0),
-                            orl_larger(values[first + 2], 0)};
+    const double cosine = orl_dot(light, hit->normal);
+    const struct orl_rgb even =
+        orl_rgb_add(cosine > 0 ? material->front : material->back, material->through);
+    struct passes p = {{0, 0, 0}, {0, 0, 0}};
+    double back[ORL_PATTERN_ANGLES], beyond[ORL_PATTERN_ANGLES];
+    if (!orl_pattern_of_angle(material->angles, cosine, back) ||
+        !orl_pattern_of_angle(material->angles, -cosine, beyond))
+        return p;
+    for (int c = 0; c < 3; c++) {
+        const double mirrored = orl_larger(back[c], 0), straight = orl_larger(beyond[3 + c], 0);
+        const double room = orl_larger(1 - (&even.r)[c], 0), sum = mirrored + straight;
+        const double cut = sum > room ? room / sum : 1;
+        (&p.mirrored.r)[c] = cut * mirrored;
+        (&p.straight.r)[c] = cut * straight;
+    }
+    return p;
 }
 
 struct orl_rgb orl_glazing_mirrored(const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 eye)
 {
-    return at_angle(material, hit, eye, 0);
+    return passes_of(material, hit, eye).mirrored;
 }
 
 struct orl_rgb orl_glazing_straight(const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 eye)
 {
-    return at_angle(material, hit, eye, 3);
+    return passes_of(material, hit, orl_neg(eye)).straight;
 }
 
 bool orl_glazing_transmits_lobes(const struct orl_material *material)

@@ -8,6 +8,7 @@
 
 #include "function/ray_names.h"
 #include "scene/material/hemisphere.h"
+#include "scene/material/text.h"
 
 enum { LANES = ORL_FUNCTION_LANES, PLACES = 1024, FEWEST = 64, ALL_PLACES = 1 << 22 };
 
@@ -227,6 +228,11 @@ void orl_pattern_fix(struct orl_pattern *pattern)
     pattern->fixed = see(pattern, &hit, hit.normal, &pattern->factor) == HAS_VALUE;
 }
 
+static bool covers(const struct orl_pattern *pattern, const struct orl_hit *hit)
+{
+    return orl_text_covers(pattern->text, orl_add(hit->point, pattern->center));
+}
+
 /* Its own factor, without those under it. */
 static enum worth own_factor(const struct orl_pattern *pattern, const struct orl_hit *hit,
                              struct orl_vec3 towards, struct orl_rgb *ret_factor)
@@ -237,9 +243,16 @@ static enum worth own_factor(const struct orl_pattern *pattern, const struct orl
         return HAS_VALUE;
     if (pattern->bands)
         return see(pattern, hit, towards, ret_factor);
-    enum worth worth = values_at(pattern, hit, towards, values);
+    const bool covered = pattern->text && covers(pattern, hit);
+    enum worth worth = pattern->text ? HAS_VALUE : values_at(pattern, hit, towards, values);
     if (pattern->texture)
         return worth;
+    if (pattern->text && !pattern->mixture) {
+        *ret_factor = covered ? pattern->factor : pattern->around;
+        return HAS_VALUE;
+    }
+    if (pattern->text)
+        values[0] = covered ? 1 : 0;
     if (pattern->mixture) {
         const bool valued = worth == HAS_VALUE && isfinite(values[0]);
         const double share = valued ? fmin(fmax(values[0], 0), 1) : 1;

@@ -22,6 +22,9 @@
  * Spectra (spectrum, specfile, specfunc, specdata) are what an eye makes of them (observer.h):
  * those that are the same everywhere when they are read, others at every hit, band by band.
  *
+ * Texts have two factors, in letters and around them (text.h); as mixtures, all of one or the
+ * other.
+ *
  * A texture (texture.h) is one whose three values turn the normal; both sorts may modify each
  * other.
  *
@@ -45,6 +48,8 @@ struct orl_mixed {
     const struct orl_pattern *pattern; /* or NULL */
 };
 
+struct orl_text;
+
 struct orl_pattern {
     const char *name; /* as errors have it: "brightfunc dirt" */
     const char *file; /* where it is defined */
@@ -61,6 +66,8 @@ struct orl_pattern {
     bool smooth;                     /* a texture: the normals of a mesh's corners, no function */
     bool fixed;                      /* factor is its own factor everywhere: no function */
     struct orl_rgb factor;
+    const struct orl_text *text; /* the arena's: factor in its letters, around elsewhere; or NULL */
+    struct orl_rgb around;
     const struct orl_band
         *bands; /* of a spectrum, the arena's: values is asked for each; or NULL */
     uint32_t n_bands;

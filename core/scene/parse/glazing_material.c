@@ -10,8 +10,8 @@
 
 enum { ANGLES = 512, FIRST_LOBE = 6, STRINGS = 10, REALS = 9 };
 
-/* What rounding may exceed 1 by. */
-static const double slack = 0.001;
+/* What rounding may exceed 1 by; what approximations may at grazing, below this cosine, is cut. */
+static const double slack = 0.001, grazing = 0.4;
 
 static int check_lobes(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
@@ -33,9 +33,9 @@ static int check_lobes(struct orl_parser *parser, const struct orl_scope *scope,
     return 0;
 }
 
-/* At one angle: all that it does with light, which is to be no more than 1. */
+/* At one angle: all that it does with light, which is to be no more than 1, but at grazing. */
 static int look(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
-                struct orl_material *m, struct orl_error *err)
+                struct orl_material *m, double *most, struct orl_error *err)
 {
     double to[ORL_PATTERN_ANGLES], behind[ORL_PATTERN_ANGLES];
     if (!orl_pattern_of_angle(m->angles, cosine, to) ||
@@ -48,10 +48,12 @@ static int look(struct orl_parser *parser, const struct orl_scope *scope, double
     const double evenly[3] = {even.r, even.g, even.b};
     for (int c = 0; c < 3; c++) {
         const double mirrored = fmax(to[c], 0), straight = fmax(behind[3 + c], 0);
-        if (mirrored + straight + evenly[c] > 1 + slack)
+        const double sum = mirrored + straight + evenly[c];
+        if (evenly[c] > 1 || (sum > 1 + slack && fabs(cosine) > grazing))
             return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                    "at a cosine of %g it returns %g of the light, more than all",
-                                   cosine, mirrored + straight + evenly[c]);
+                                   cosine, sum);
+        *most = fmax(*most, sum);
         m->transmitted = fmax(m->transmitted, straight);
     }
     m->angles->coloured =
@@ -62,6 +64,7 @@ static int look(struct orl_parser *parser, const struct orl_scope *scope, double
 int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_material *material, struct orl_error *err)
 {
+    double most = 0;
     int code = check_lobes(parser, scope, err);
     if (code < 0)
         return code;
@@ -75,7 +78,12 @@ int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope 
         code = orl_parser_mixture(parser, scope, NULL, &material->angles, err);
     for (int i = 0; i < 2 * ANGLES && code == 0; i++) {
         const double cosine = (i / 2 + 0.5) / ANGLES;
-        code = look(parser, scope, i & 1 ? -cosine : cosine, material, err);
+        code = look(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);
     }
+    if (code == 0 && most > 1 + slack)
+        orl_parser_warn(parser,
+                        "BRTDfunc %.100s at %.200s:%d: at grazing it returns up to %.3g of the "
+                        "light: cut to all",
+                        parser->primitive.id, scope->file, parser->primitive.line, most);
     return code;
 }

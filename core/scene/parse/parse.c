@@ -26,10 +26,6 @@ static const struct unsupported unsupported_types[] = {
     {"plasdata", "use plastic, or a BSDF"},
     {"metdata", "use metal, or a BSDF"},
     {"transdata", "describe it as a BSDF"},
-    {"colortext", "leave it out: of patterns, those of functions, data and pictures are simulated"},
-    {"brighttext",
-     "leave it out: of patterns, those of functions, data and pictures are simulated"},
-    {"mixtext", "name one of the materials instead"},
     {"specpict", "give the material's colour as RGB"},
 };
 

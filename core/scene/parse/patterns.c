@@ -1,10 +1,10 @@
 /*
  * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; spectra (spectra.h):
- * spectrum, specfile, specfunc, specdata; textures: texfunc, texdata; and mixtures of materials:
- * mixfunc, mixdata, mixpict. Strings: of mixtures, two materials; one function, or three; of grids,
- * their files; the function file or '.'; of grids, an expression for each coordinate; and the
- * transform from the function's coordinates. Numbers are arg(1) and on. Reference: "The RADIANCE
- * Synthetic Imaging System", section 2.1.4.
+ * spectrum, specfile, specfunc, specdata; texts (texts.h): brighttext, colortext; textures:
+ * texfunc, texdata; and mixtures of materials: mixfunc, mixdata, mixpict, mixtext. Strings: of
+ * mixtures, two materials; one function, or three; of grids, their files; the function file or '.';
+ * of grids, an expression for each coordinate; and the transform from the function's coordinates.
+ * Numbers are arg(1) and on. Reference: "The RADIANCE Synthetic Imaging System", section 2.1.4.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +14,7 @@
 #include "function/ray_names.h"
 #include "scene/parse/pattern_programs.h"
 #include "scene/parse/spectra.h"
+#include "scene/parse/texts.h"
 
 struct pattern_type {
     const char *name;
@@ -22,6 +23,7 @@ struct pattern_type {
     size_t n_materials; /* that it mixes, before all else */
     bool texture;
     bool spectral;
+    bool text;
     bool angles; /* a material's own: six functions of the angle, and three zeros */
 };
 
@@ -38,6 +40,9 @@ static const struct pattern_type pattern_types[] = {
     {.name = "mixfunc", .n_functions = 1, .n_materials = 2},
     {.name = "mixdata", .n_functions = 1, .n_files = 1, .n_materials = 2},
     {.name = "mixpict", .n_functions = 1, .n_files = 1, .picture = true, .n_materials = 2},
+    {.name = "brighttext", .text = true},
+    {.name = "colortext", .text = true},
+    {.name = "mixtext", .text = true, .n_materials = 2},
     {.name = "BRTDfunc", .n_functions = ORL_PATTERN_ANGLES, .angles = true},
     {.name = "texfunc", .n_functions = 3, .texture = true},
     {.name = "texdata", .n_functions = 3, .n_files = 3, .texture = true},
@@ -115,7 +120,8 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
         memcpy(at, orl_primitive_string(primitive, i), length);
         at += length;
     }
-    *at = (unsigned char)((unsigned)type->spectral << 4 | (unsigned)pattern->texture << 3 |
+    *at = (unsigned char)((unsigned)type->angles << 6 | (unsigned)type->text << 5 |
+                          (unsigned)type->spectral << 4 | (unsigned)pattern->texture << 3 |
                           (unsigned)pattern->n_grids << 1 | (unsigned)pattern->three);
     return 0;
 }
@@ -208,7 +214,7 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
 /* Whether it is the same everywhere: no function. */
 static bool is_fixed(const struct pattern_type *type)
 {
-    return type->n_functions == 0;
+    return type->n_functions == 0 && !type->text;
 }
 
 static void depend(struct orl_pattern *pattern, const struct orl_pattern *other)
@@ -242,6 +248,21 @@ static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
                            ORL_PATTERN_STEPS);
 }
 
+/* The same of a text. */
+static int read_text(struct orl_parser *parser, const struct orl_scope *scope,
+                     const struct pattern_type *type, struct orl_pattern *pattern, bool of_material,
+                     const struct orl_symbol **ret_same, struct orl_error *err)
+{
+    int code = begin(parser, scope, pattern);
+    if (code == 0)
+        code = make_key(parser, scope, type, &scope->xform, pattern);
+    *ret_same = code == 0 ? find_same(parser, type, pattern, of_material) : NULL;
+    if (code < 0 || *ret_same)
+        return code;
+    code = orl_text_read(parser, scope, pattern, type->n_materials, err);
+    return code < 0 ? code : sum_up(parser, scope, pattern, err);
+}
+
 /* Fills in the pattern; ret_same: there is no need of it. */
 static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct pattern_type *type, struct orl_pattern *pattern,
@@ -251,6 +272,8 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
         type->n_materials + type->n_functions + type->n_files + (type->angles ? 3 : 0);
     struct orl_xform to_world = orl_xform_identity;
     size_t axes = 0;
+    if (type->text)
+        return read_text(parser, scope, type, pattern, of_material, ret_same, err);
     int code = find_grids(parser, scope, type, pattern, &axes, err);
     if (code < 0)
         return code;
@@ -306,7 +329,7 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
     if (!pattern)
         orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     else
-        pattern->three = type->n_functions == 3;
+        pattern->three = type->n_functions == 3 || strcmp(type->name, "colortext") == 0;
     if (pattern) {
         pattern->texture = type->texture;
         pattern->angles = type->angles;

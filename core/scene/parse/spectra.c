@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { STEP_NM = 5, FIRST_NM = 380, LAST_NM = 780, MOST_BANDS = 4096 };
+enum { STEP_NM = 5, FIRST_NM = 380, LAST_NM = 780, MOST_BANDS = 496, MOST_SAMPLES = 1 << 16 };
 
 /* What of an even spectrum's luminance a range must hold, or a warning says so. */
 static const double least_covered = 0.99;
@@ -40,6 +40,12 @@ static struct orl_rgb see_samples(const struct samples *s, struct orl_tristimulu
     return orl_observed_rgb(seen);
 }
 
+static int too_many(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
+{
+    return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "it has more than %d samples",
+                           MOST_SAMPLES);
+}
+
 static int read_numbers(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_pattern *pattern, struct orl_error *err)
 {
@@ -49,6 +55,8 @@ static int read_numbers(struct orl_parser *parser, const struct orl_scope *scope
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                                "spectrum takes two wavelengths that differ, and three values or "
                                "more");
+    if (p->n_reals > MOST_SAMPLES)
+        return too_many(parser, scope, err);
     const struct samples s = {p->reals + 2, p->n_reals - 2, p->reals[0], p->reals[1]};
     pattern->factor = see_samples(&s, &white);
     warn_of_range(parser, scope, white);
@@ -69,7 +77,9 @@ static int read_file(struct orl_parser *parser, const struct orl_scope *scope,
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                                "its data has %u axes: a spectrum has one, of wavelengths",
                                grid->n_axes);
-    if (fabs(axis->size) > 1e6)
+    if (axis->n > MOST_SAMPLES)
+        return too_many(parser, scope, err);
+    if (fabs(axis->size) > 1e5)
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its wavelengths span %g nm",
                                fabs(axis->size));
     for (size_t i = 0; i < n; i++) {

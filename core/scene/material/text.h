@@ -1,0 +1,46 @@
+/*
+ * Texts in a polygonal font: whether a place lies in one of its letters.
+ *
+ * A place's coordinates are (x, y) of origin + x right + y down, lines being 1 apart from the top.
+ * A letter is a polygon on a square of 255 by 255, from the lower left, by the even-odd rule;
+ * letters may overlap. Units: the world's. Ownership: all in a description's arena. Immutable once
+ * made.
+ */
+#ifndef ORL_SCENE_MATERIAL_TEXT_H
+#define ORL_SCENE_MATERIAL_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include <oriel/vec.h>
+
+enum { ORL_GLYPH_SIDE = 255 };
+
+struct orl_glyph {
+    const unsigned char *corners; /* x, y, x, y, ... */
+    int n;                        /* corners; 0: a space */
+    int left, right, bottom, top;
+};
+
+struct orl_letter {
+    const struct orl_glyph *glyph;
+    int at; /* of its square's left side, in 255ths of a letter's height */
+};
+
+struct orl_text_line {
+    const struct orl_letter *letters;
+    size_t n;
+    int width; /* nothing is beyond it */
+};
+
+struct orl_text {
+    struct orl_vec3 origin;
+    struct orl_vec3 right, down; /* a place's coordinates are its products with these */
+    double unit;                 /* what 1 to the right is of at and width */
+    const struct orl_text_line *lines;
+    size_t n_lines;
+};
+
+bool orl_text_covers(const struct orl_text *text, struct orl_vec3 place);
+
+#endif
