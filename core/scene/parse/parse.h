@@ -1,7 +1,7 @@
 /*
- * Radiance scene files -> struct orl_description. Reads !xform, !genbox, !gensky and !gendaylit
- * natively; any other command, and any primitive Oriel does not simulate, is an error with file,
- * line and primitive. No shell is ever started.
+ * Radiance scene files -> struct orl_description. The commands that they call are read natively
+ * (commands.c); any other, and any primitive Oriel does not simulate, is an error with file, line
+ * and primitive. No shell is ever started.
  */
 #ifndef ORL_SCENE_PARSE_PARSE_H
 #define ORL_SCENE_PARSE_PARSE_H
