@@ -152,6 +152,26 @@ static const char picture[] =
     "match_u = tri(Px, wide`I.); match_v = tri(Py, high`I.);\n"
     "stag_u = mod(if(frac(Py/high`I./2)-.5, Px, Px + wide`I./2), wide`I.); stag_v = tile_v;\n";
 
+/* Coated and fritted panes as genglaze(1) describes them. At grazing angles all is reflected; glass
+ * without a coating reflects .076 and passes .883 at right angles. Of one pane: A10 is 1 where its
+ * plain side is the front; A11 the share that is fritted, or A11 to A13 and A14 to A16 what the
+ * plain side and the coated one reflect, and A17 to A19 what it passes. Of two: functions for the
+ * numbers that are written in the scene. */
+#define GLAZE "grazing`G. = exp(-5.85*abs(Rdot)) - exp(-5.85);\n"
+static const char glaze1[] = GLAZE
+    "fresne_refl(r) = r + (1 - r)*grazing`G.; fresne_trans(t) = t - t*grazing`G.;\n"
+    "glass_refl = fresne_refl(.076); glass_trans = fresne_trans(.883);\n"
+    "clear_side = A10*Rdot; frac_glass = 1 - arg(11);\n"
+    "sr_frit_r = if(clear_side, 1, frac_glass)*glass_refl; st_frit_r = frac_glass*glass_trans;\n"
+    "sr_frit_g = sr_frit_r; sr_frit_b = sr_frit_r; st_frit_g = st_frit_r; st_frit_b = st_frit_r;\n"
+    "side`G.(i) = fresne_refl(if(clear_side, arg(10 + i), arg(13 + i)));\n"
+    "sr_clear_r = side`G.(1); sr_clear_g = side`G.(2); sr_clear_b = side`G.(3);\n"
+    "st_clear_r = fresne_trans(arg(17)); st_clear_g = fresne_trans(arg(18));\n"
+    "st_clear_b = fresne_trans(arg(19));\n";
+static const char glaze2[] = GLAZE
+    "fr(r) = r + (1 - r)*grazing`G.; ft(t) = t - t*grazing`G.; rclr = fr(.076); tclr = ft(.883);\n"
+    "cr(front,t,back) : front + t*t*back;\n";
+
 static const struct {
     const char *name, *text;
 } texts[] = {{ORL_STANDARD_START, start},
@@ -161,6 +181,8 @@ static const struct {
              {"rev.cal", rev},
              {"surf.cal", surf},
              {"tmesh.cal", tmesh},
+             {"glaze1.cal", glaze1},
+             {"glaze2.cal", glaze2},
              {"source.cal", source},
              {"picture.cal", picture}};
 

@@ -167,6 +167,48 @@ static void test_standard_files(void **state)
     }
 }
 
+/* Panes of genglaze, by rcalc with Radiance's files; args 10 to 19: 1 .3 .2 .1 .5 .6 .7 .4 .45 .35.
+ */
+static void test_panes(void **state)
+{
+    static const double arguments[19] = {0,  0,  0,  0,  0,  0,  0,  0,   0,  1,
+                                         .3, .2, .1, .5, .6, .7, .4, .45, .35};
+    static const struct {
+        const char *file, *expression;
+        double values[2]; /* where Rdot is .6, and -.25 */
+    } rows[] = {
+        {"glaze2.cal", "cr(fr(.06),ft(.789),fr(.086))", {.150631919, .384316225}},
+        {"glaze2.cal", "rclr", {.100963722, .287389495}},
+        {"glaze2.cal", "tclr", {.859143976, .680990342}},
+        {"glaze1.cal", "sr_clear_r", {.318911911, .614388255}},
+        {"glaze1.cal", "sr_clear_b", {.124315314, .768632953}},
+        {"glaze1.cal", "st_clear_g", {.437842343, .34705057}},
+        {"glaze1.cal", "st_clear_b", {.340544045, .269928221}},
+        {"glaze1.cal", "sr_frit_g", {.100963722, .201172647}},
+        {"glaze1.cal", "st_frit_b", {.601400783, .476693239}},
+    };
+    (void)state;
+    for (size_t i = 0; i < 2 * (sizeof rows / sizeof *rows); i++) {
+        struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
+        struct orl_function *function = NULL;
+        struct orl_function_request request = {.expressions = &rows[i / 2].expression,
+                                               .n_expressions = 1,
+                                               .arguments = arguments,
+                                               .n_arguments = 19};
+        double inputs[ORL_RAY_INPUTS] = {0}, value = 0;
+        inputs[ORL_RAY_RDOT] = i % 2 ? -.25 : .6;
+        assert_int_equal(
+            orl_functions_load(set, NULL, rows[i / 2].file, false, &request.context, NULL), 0);
+        assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
+        orl_function_at(function, function_scratch, inputs, &value);
+        if (!(fabs(value - rows[i / 2].values[i % 2]) < 2e-9))
+            fail_msg("%s is %.10g, not %.10g", rows[i / 2].expression, value,
+                     rows[i / 2].values[i % 2]);
+        orl_function_free(function);
+        orl_functions_free(set);
+    }
+}
+
 /* Radiance's noises at places of its own, by rtrace -ov of a glow of noise + 2: six digits. */
 static void test_noise(void **state)
 {
@@ -210,8 +252,8 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_standard_names), cmocka_unit_test(test_ray_names),
-        cmocka_unit_test(test_standard_files), cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_noise_gradient),
+        cmocka_unit_test(test_standard_files), cmocka_unit_test(test_panes),
+        cmocka_unit_test(test_noise),          cmocka_unit_test(test_noise_gradient),
     };
     return cmocka_run_group_tests(tests, function_set_up, function_tear_down);
 }
