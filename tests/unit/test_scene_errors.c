@@ -52,8 +52,8 @@ static const struct bad bad_scenes[] = {
     {"void antimatter t 1 void 0 0", ORL_ERR_UNSUPPORTED, 1, "antimatter t", "type antimatter"},
     {"void mesh t 1 x.rtm 0 0", ORL_ERR_NOT_FOUND, 1, "mesh t", "x.rtm"},
     {"void mixfunc t 4 a b .5 . 0 0", ORL_ERR_NOT_FOUND, 1, "mixfunc t", "which it mixes"},
-    {"void mixtext t 4 a b helvet.fnt c.txt 0 9 0 0 0 1 0 0 0 -1 0", ORL_ERR_UNSUPPORTED, 1,
-     "mixtext t", "type mixtext"},
+    {"void mixtext t 4 a b helvet.fnt c.txt 0 9 0 0 0 1 0 0 0 -1 0", ORL_ERR_NOT_FOUND, 1,
+     "mixtext t", "'a', which it mixes"},
     {"\nred polygon p 0 0 9 0 0 0 1 0 0 0 1 0", ORL_ERR_NOT_FOUND, 2, "polygon p", "'red'"},
     {"red polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n" RED, ORL_ERR_NOT_FOUND, 1, "polygon p", "'red'"},
     {RED "red sphere s 0 0 4 0 0 0 1\ns sphere t 0 0 4 0 0 0 1", ORL_ERR_NOT_FOUND, 3, "sphere t",
@@ -184,7 +184,7 @@ static const struct bad bad_scenes[] = {
     {RED "!cat -n a.rad\n", ORL_ERR_UNSUPPORTED, 2, "!cat -n a.rad", "'-n'"},
     {RED "!genprism red p away.txt\n", ORL_ERR_NOT_FOUND, 2, "!genprism red p away.txt",
      "away.txt"},
-    {RED "!genclock 9:45\n", ORL_ERR_UNSUPPORTED, 2, "brighttext clock_face_paint", "brighttext"},
+    {RED "!genclock 9:45\n", ORL_ERR_NOT_FOUND, 2, "brighttext clock_face_paint", "hexbit4x1.fnt"},
     {"!gensky 13 1 12\n", ORL_ERR_RANGE, 1, "!gensky 13 1 12", "month is 13"},
     {"!gensky 1 1 noon\n", ORL_ERR_SYNTAX, 1, "!gensky 1 1 noon", "time of day"},
     {"!gensky 1 1 12XYZ\n", ORL_ERR_SYNTAX, 1, "!gensky 1 1 12XYZ", "time zone"},
@@ -296,14 +296,14 @@ static void test_refusals_together(void **state)
 {
     static const char text[] = "void plasfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
                                "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-                               "void colortext cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
+                               "void plasdata cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
                                "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
-                               "void colortext paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
+                               "void plasdata paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
                                "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
                                "void prism1 film 5 a b c d e 0 0\n"
                                "film polygon q 0 0 9 0 0 0 1 0 0 0 1 0\n"
                                "void alias other film\nother sphere s 0 0 4 0 0 0 1\n"
-                               "!gensurf rough w 0 0 0 1 9\n"
+                               "!gencatenary rough w 0 0 0 1 9\n"
                                "dressed ring r 0 0 8 0 0 0 0 0 1 0 1\n";
     struct orl_error err = {0};
     (void)state;
@@ -313,7 +313,7 @@ static void test_refusals_together(void **state)
     assert_string_equal(err.primitive, "plasfunc bumps");
     assert_string_equal(err.message,
                         "not simulated: 1 x plasfunc (first at a.rad:1), 1 x prism1 (first at "
-                        "a.rad:10), 1 x !gensurf (first at a.rad:14), 1 x colortext (first at "
+                        "a.rad:10), 1 x !gencatenary (first at a.rad:14), 1 x plasdata (first at "
                         "a.rad:6)");
     assert_non_null(strstr(err.hint, "plasfunc: use plastic"));
 }
@@ -338,7 +338,7 @@ static void test_unused(void **state)
 {
     static const char text[] =
         "void plastic bad 0 0 5 -.0013 .1 .1 0 0\n"
-        "void BRTDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void transdata paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
         "paint alias other paint\n"
         "void plasfunc bumps 4 dx dy dz bumps.cal 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
@@ -383,7 +383,7 @@ static void test_refusals_unused(void **state)
         "void plasfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void alias coarse rough\n"
-        "void BRTDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void transdata pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
         "void brightfunc dirt 2 Px*T . 0 0\n"
         "dirt glow lamp 0 0 4 1 1 1 0\n"
         "void illum window 1 pane 0 3 1 1 1\n" RED;

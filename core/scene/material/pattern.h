@@ -48,7 +48,7 @@ struct orl_mixed {
     const struct orl_pattern *pattern; /* or NULL */
 };
 
-struct orl_text;
+struct orl_lettering;
 
 struct orl_pattern {
     const char *name; /* as errors have it: "brightfunc dirt" */
@@ -66,7 +66,8 @@ struct orl_pattern {
     bool smooth;                     /* a texture: the normals of a mesh's corners, no function */
     bool fixed;                      /* factor is its own factor everywhere: no function */
     struct orl_rgb factor;
-    const struct orl_text *text; /* the arena's: factor in its letters, around elsewhere; or NULL */
+    const struct orl_lettering
+        *text; /* the arena's: factor in its letters, around elsewhere; or NULL */
     struct orl_rgb around;
     const struct orl_band
         *bands; /* of a spectrum, the arena's: values is asked for each; or NULL */

@@ -15,13 +15,13 @@ static bool is_inside(const struct orl_glyph *glyph, double x, double y)
     return inside;
 }
 
-bool orl_text_covers(const struct orl_text *text, struct orl_vec3 place)
+bool orl_text_covers(const struct orl_lettering *text, struct orl_vec3 place)
 {
     const struct orl_vec3 from = orl_sub(place, text->origin);
     const double x = orl_dot(from, text->right) * text->unit, y = orl_dot(from, text->down);
     if (!(x >= 0) || !(y >= 0) || !(y < (double)text->n_lines))
         return false;
-    const struct orl_text_line *const line = &text->lines[(size_t)y];
+    const struct orl_lettering_line *const line = &text->lines[(size_t)y];
     const double up = ((double)(size_t)y + 1 - y) * ORL_GLYPH_SIDE;
     for (size_t i = 0; i < line->n && x < line->width; i++)
         if (is_inside(line->letters[i].glyph, x - line->letters[i].at, up))

@@ -22,25 +22,25 @@ struct orl_glyph {
     int left, right, bottom, top;
 };
 
-struct orl_letter {
+struct orl_set_letter {
     const struct orl_glyph *glyph;
     int at; /* of its square's left side, in 255ths of a letter's height */
 };
 
-struct orl_text_line {
-    const struct orl_letter *letters;
+struct orl_lettering_line {
+    const struct orl_set_letter *letters;
     size_t n;
     int width; /* nothing is beyond it */
 };
 
-struct orl_text {
+struct orl_lettering {
     struct orl_vec3 origin;
     struct orl_vec3 right, down; /* a place's coordinates are its products with these */
     double unit;                 /* what 1 to the right is of at and width */
-    const struct orl_text_line *lines;
+    const struct orl_lettering_line *lines;
     size_t n_lines;
 };
 
-bool orl_text_covers(const struct orl_text *text, struct orl_vec3 place);
+bool orl_text_covers(const struct orl_lettering *text, struct orl_vec3 place);
 
 #endif

@@ -194,10 +194,10 @@ static int set_in_steps(const struct setting *s, int gap)
 }
 
 static int make_line(struct orl_parser *parser, struct setting *s, double spacing,
-                     struct orl_text_line *line)
+                     struct orl_lettering_line *line)
 {
     const int gap = (int)(fabs(spacing) * ORL_GLYPH_SIDE);
-    struct orl_letter *const letters =
+    struct orl_set_letter *const letters =
         orl_arena_take(parser->out->arena, (s->n + 1) * sizeof *letters);
     s->steps = malloc((s->n + 1) * sizeof *s->steps);
     int at = 0;
@@ -205,14 +205,14 @@ static int make_line(struct orl_parser *parser, struct setting *s, double spacin
         free(s->steps);
         return ORL_ERR_NOMEM;
     }
-    *line = (struct orl_text_line){.letters = letters};
+    *line = (struct orl_lettering_line){.letters = letters};
     line->width = gap == 0      ? set_evenly(s)
                   : spacing < 0 ? set_closely(s, gap)
                                 : set_in_steps(s, gap);
     for (size_t i = 0; i < s->n; i++) {
         at += s->steps[i];
         if (glyph_of(s, i) && glyph_of(s, i)->n > 0)
-            letters[line->n++] = (struct orl_letter){glyph_of(s, i), at};
+            letters[line->n++] = (struct orl_set_letter){glyph_of(s, i), at};
     }
     free(s->steps);
     return 0;
@@ -230,10 +230,11 @@ static size_t count_lines(const char *text, size_t size)
 }
 
 static int set_lines(struct orl_parser *parser, const struct font *font, const char *text,
-                     size_t size, double spacing, struct orl_text *ret)
+                     size_t size, double spacing, struct orl_lettering *ret)
 {
     const size_t n = count_lines(text, size);
-    struct orl_text_line *const lines = orl_arena_take(parser->out->arena, (n + 1) * sizeof *lines);
+    struct orl_lettering_line *const lines =
+        orl_arena_take(parser->out->arena, (n + 1) * sizeof *lines);
     int code = lines ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; i < n && code == 0; i++) {
         const char *const end = memchr(text, '\n', size);
@@ -283,8 +284,8 @@ static int find_file(struct orl_parser *parser, const struct orl_scope *scope, s
 }
 
 static int set_text(struct orl_parser *parser, const struct orl_scope *scope,
-                    const struct font *font, size_t first, double spacing, struct orl_text *text,
-                    struct orl_error *err)
+                    const struct font *font, size_t first, double spacing,
+                    struct orl_lettering *text, struct orl_error *err)
 {
     const bool words = parser->primitive.n_strings > first + 2;
     const struct orl_source *source = NULL;
@@ -311,7 +312,7 @@ static int set_text(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* The vectors whose products with a place are its coordinates along right and down. */
 static int place_text(struct orl_parser *parser, const struct orl_scope *scope,
-                      struct orl_text *text, struct orl_error *err)
+                      struct orl_lettering *text, struct orl_error *err)
 {
     const double *const r = parser->primitive.reals;
     const struct orl_vec3 right = orl_xform_vector(&scope->xform, orl_v3(r[3], r[4], r[5]));
@@ -333,12 +334,12 @@ int orl_text_read(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_primitive *const p = &parser->primitive;
     const size_t colors = first > 0 ? 0 : pattern->three ? 6 : 2, n = 9 + colors;
     const double spacing = p->n_reals > n ? p->reals[n] : 0;
-    struct orl_text *const text = orl_arena_take(parser->out->arena, sizeof *text);
+    struct orl_lettering *const text = orl_arena_take(parser->out->arena, sizeof *text);
     const struct orl_source *source = NULL;
     struct font font = {.glyphs = {NULL}};
     if (!text)
         return ORL_ERR_NOMEM;
-    *text = (struct orl_text){.unit = ORL_GLYPH_SIDE};
+    *text = (struct orl_lettering){.unit = ORL_GLYPH_SIDE};
     if (p->n_strings < first + 2 || p->n_reals < n || !(fabs(spacing) <= 100))
         return orl_parser_fail(
             parser, scope, err, ORL_ERR_SYNTAX,
