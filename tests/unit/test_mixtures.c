@@ -150,7 +150,7 @@ static void test_bounds(void **state)
     for (int i = 1; i < 9; i++) {
         struct orl_description description = {0};
         struct orl_error err = {0};
-        char whole[4200];
+        char whole[4400];
         snprintf(more, sizeof more, "void mixfunc m%d 4 m%d p Px . 0 0\n", i, i - 1);
         strcat(text, more);
         snprintf(whole, sizeof whole, "%s%sm%d " FLOOR, text, more, i);

@@ -276,6 +276,57 @@ static void the_sun_glances_off_rough_metal(void **state)
     orl_result_done(&result);
 }
 
+/*
+ * Of few photons each run is a matter of chance, but not all of them are low: of widths that are
+ * read the one that has caught least must not be taken for the surest. Twenty-four seeds scatter by
+ * 9 % each, their mean by 1.8 %, and a wide disc blurs a lobe by some per cent; when widths were
+ * chosen by their own scatter the mean was 21 % low, and 9 of 24 intervals held. Of intervals that
+ * hold in 88 of 100 cases 17 or more do in 99.8 of 100 runs.
+ */
+static void few_photons_are_not_read_low(void **state)
+{
+    enum { SEEDS = 24, HELD = 17 };
+    static const char scene[] =
+        "void glow sky 0 0 4 100 90 80 0\nsky source s 0 0 4 0 0 1 360\n"
+        "void light sun 0 0 3 4e6 4e6 4e6\nsun source d 0 0 4 .2 -.7 .6 .533\n"
+        "void plastic wall 0 0 5 .6 .6 .6 0 0\nvoid glass pane 0 0 3 .8 .8 .8\n"
+        "void metal steel 0 0 5 .7 .7 .7 .8 .1\n"
+        "wall polygon w 0 0 12 0 0 0 0 0 3 0 5 3 0 5 0\n"
+        "wall polygon e 0 0 12 4 0 0 4 5 0 4 5 3 4 0 3\n"
+        "wall polygon n 0 0 12 0 5 0 0 5 3 4 5 3 4 5 0\n"
+        "wall polygon u 0 0 12 0 0 3 4 0 3 4 5 3 0 5 3\n"
+        "pane polygon s 0 0 12 0 0 0 4 0 0 4 0 3 0 0 3\n"
+        "wall polygon a 0 0 12 0 0 0 0 5 0 2 5 0 2 0 0\n"
+        "steel polygon b 0 0 12 2 0 0 2 5 0 4 5 0 4 0 0\n";
+    static const struct orl_sensor sensor[] = {{{2, 4, 1.5}, {0, -1, 0}}};
+    struct scene_run job = {.scene = scene,
+                            .sensors = sensor,
+                            .n_sensors = 1,
+                            .technique = ORL_TECHNIQUE_BACKWARD,
+                            .samples = 16384};
+    double sum = 0;
+    int held = 0;
+    (void)state;
+    struct orl_result known = scene_run(&job);
+    const double lx = known.illuminance_lx[0];
+    job.technique = ORL_TECHNIQUE_GATHER;
+    job.global = 50000;
+    job.caustic = 20000;
+    job.samples = 1024;
+    for (int i = 0; i < SEEDS; i++) {
+        job.seed = (uint64_t)i + 1;
+        struct orl_result result = scene_run(&job);
+        const double *interval = result.interval_95_lx[0];
+        held += interval[0] <= lx && lx <= interval[1];
+        sum += result.illuminance_lx[0] / SEEDS;
+        orl_result_done(&result);
+    }
+    print_message("mean %g of %g lx, %d of %d held\n", sum, lx, held, SEEDS);
+    assert_true(held >= HELD);
+    assert_true(fabs(sum / lx - 1) < 0.06 + 3 * 0.018);
+    orl_result_done(&known);
+}
+
 /* ---- Outside --------------------------------------------------------------------------------- */
 
 /* A canopy beside a sealed room: what it scatters is found by rays, and not once more. */
@@ -352,6 +403,7 @@ int main(void)
         cmocka_unit_test(a_narrow_gleam_on_a_floor_is_caught),
         cmocka_unit_test(a_lamp_is_seen_in_a_mirror),
         cmocka_unit_test(the_sun_glances_off_rough_metal),
+        cmocka_unit_test(few_photons_are_not_read_low),
         cmocka_unit_test(a_canopy_outside_counts_once),
         cmocka_unit_test(flights_that_nobody_feels_are_few),
     };

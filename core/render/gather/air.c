@@ -312,21 +312,35 @@ static void find_biases(struct reading readings[WIDTHS])
     }
 }
 
-static struct orl_estimate caught(const struct orl_air *air, uint32_t disc, double *ret_lamps)
+/*
+ * Of the error of a width, to choose by. What has caught little has little scatter, too, and chosen
+ * by its own it would be light that is missed: scatter counts as no less than the widest one's,
+ * which goes by area.
+ */
+static double expected_square(const struct reading readings[WIDTHS], int width)
+{
+    const struct reading *r = &readings[width], *widest = &readings[WIDTHS - 1];
+    return fmax(r->variance, widest->variance * widest->area / r->area) + r->bias * r->bias;
+}
+
+static struct reading read_disc(const struct orl_air *air, uint32_t disc)
 {
     struct reading readings[WIDTHS];
     int best = WIDTHS - 1;
     read_widths(air, disc, readings);
     find_biases(readings);
     for (int w = WIDTHS - 1; w >= 0; w--)
-        if (readings[w].variance + readings[w].bias * readings[w].bias <
-            readings[best].variance + readings[best].bias * readings[best].bias)
+        if (expected_square(readings, w) < expected_square(readings, best))
             best = w;
-    *ret_lamps = readings[best].lamps;
-    return (struct orl_estimate){.value = readings[best].irradiance,
-                                 .standard_error = sqrt(readings[best].variance),
+    return readings[best];
+}
+
+static struct orl_estimate estimate_of(const struct reading *reading)
+{
+    return (struct orl_estimate){.value = reading->irradiance,
+                                 .standard_error = sqrt(reading->variance),
                                  .degrees = ORL_MAP_BATCHES - 1,
-                                 .bias = readings[best].bias};
+                                 .bias = reading->bias};
 }
 
 struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor)
@@ -334,22 +348,24 @@ struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor)
     const struct sensor *s = &air->sensors[sensor];
     if (s->disc == NONE || air->emitted == 0)
         return s->rest;
-    double lamps;
-    const struct orl_estimate more = caught(air, s->disc, &lamps);
-    return orl_estimate_add(s->rest, more);
+    const struct reading reading = read_disc(air, s->disc);
+    return orl_estimate_add(s->rest, estimate_of(&reading));
 }
 
 struct orl_estimate orl_air_caught(const struct orl_air *air, size_t sensor, double *ret_lamps)
 {
-    return caught(air, air->sensors[sensor].disc, ret_lamps);
+    const struct reading reading = read_disc(air, air->sensors[sensor].disc);
+    *ret_lamps = reading.lamps;
+    return estimate_of(&reading);
 }
 
 /* Whether what comes through its disc is known well enough; and whether it is felt. */
-static bool is_content(const struct sensor *s, const struct orl_estimate *more, bool *ret_felt)
+static bool is_content(const struct sensor *s, const struct reading *more, bool *ret_felt)
 {
-    const double light = orl_luma(s->rest.value) + orl_luma(more->value);
-    *ret_felt = orl_luma(more->value) > felt * hypot(s->rest.standard_error, more->standard_error);
-    return more->standard_error <= fmax(beside_rest * s->rest.standard_error, beside_light * light);
+    const double luma = orl_luma(more->irradiance), scatter = sqrt(more->variance);
+    *ret_felt = luma > felt * hypot(s->rest.standard_error, scatter);
+    return scatter <= fmax(beside_rest * s->rest.standard_error,
+                           beside_light * (orl_luma(s->rest.value) + luma));
 }
 
 /* Twice as many are not flown for what almost all sensors know; nor, beyond the rays that are no
@@ -360,10 +376,9 @@ static bool is_enough(const struct orl_air *air, double rays_not_felt)
     for (size_t i = 0; i < air->n_sensors; i++) {
         const struct sensor *s = &air->sensors[i];
         bool feels;
-        double lamps;
         if (s->disc == NONE)
             continue;
-        const struct orl_estimate more = caught(air, s->disc, &lamps);
+        const struct reading more = read_disc(air, s->disc);
         const bool is = is_content(s, &more, &feels);
         content += is;
         feeling += feels && !is;

@@ -9,8 +9,9 @@
  * sensors' errors by much, where what they have found is not felt at any sensor beside its error,
  * or at a number. Each disc is read at several widths at once; of these the one counts whose
  * scatter and bias together are least, a bias being in proportion to the area and so told by the
- * next width. The standard error is that of batches, and no less than if one photon more had come:
- * where none came there may be light that is rare.
+ * next width. The scatter that is chosen by is no less than the widest's, by area: what has caught
+ * little by chance scatters little, too. The standard error is that of batches, and no less than if
+ * one photon more had come: where none came there may be light that is rare.
  *
  * A sensor's disc may be made by any member of the crew, each sensor once; all else by the lead.
  */
