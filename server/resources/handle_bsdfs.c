@@ -20,6 +20,7 @@ struct upload {
     char *summary;           /* JSON text */
     struct orl_blobs *blobs; /* with a claim on it; NULL: none */
     struct orl_check check;
+    bool kept; /* its file is a blob already */
     int rc;
     struct orl_error err;
 };
@@ -45,23 +46,39 @@ static void hash_upload(struct orl_request *request)
     upload->bytes = upload->rc == 0 ? file.size : 0;
 }
 
-static void check_and_keep(struct orl_request *request)
+/* What is known already mends what is damaged in the store, no more. */
+static void keep(struct orl_request *request)
 {
     struct upload *upload = request->state;
     const struct orl_folders *folders = &request->server->folders;
     char path[ORL_PATH_MAX];
-    const char *file = NULL;
-    upload->rc = orl_body_file(&request->body, folders, &file, &upload->err);
-    if (upload->rc == 0)
-        upload->rc =
-            orl_ask_bsdf(&upload->check.asking, file, upload->name, &upload->summary, &upload->err);
-    if (upload->rc == 0)
-        upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
+    if (upload->kept)
+        return;
+    upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
     if (upload->rc)
         return;
     upload->rc = orl_blob_keep(folders, path, upload->id, &upload->err);
     if (upload->rc)
         unlink(path);
+    else
+        upload->kept = true;
+}
+
+static void check_and_keep(struct orl_request *request)
+{
+    struct upload *upload = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    char blob[ORL_PATH_MAX];
+    const char *file = blob;
+    if (upload->kept)
+        orl_blob_path(folders, upload->id, blob);
+    else
+        upload->rc = orl_body_file(&request->body, folders, &file, &upload->err);
+    if (upload->rc == 0)
+        upload->rc =
+            orl_ask_bsdf(&upload->check.asking, file, upload->name, &upload->summary, &upload->err);
+    if (upload->rc == 0)
+        keep(request);
 }
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
@@ -83,65 +100,61 @@ static void insert_and_reply(struct orl_request *request)
     orl_reply_when_safe(request);
 }
 
-static void admit(struct orl_request *request)
+/* Of a file that is claimed. */
+static void begin_check(struct orl_request *request)
 {
     struct upload *upload = request->state;
-    struct orl_blobs *blobs = request->server->blobs;
     const bool here = orl_blob_exists(&request->server->folders, upload->id);
-    upload->rc = orl_blobs_claim(blobs, upload->id, &upload->err);
-    if (upload->rc) {
-        orl_reply_error(request, &upload->err);
-        return;
-    }
-    upload->blobs = blobs;
     if (!orl_reply_if_full(request, here ? 0 : upload->bytes))
         orl_check_begin(&request->server->checks, &upload->check, request, check_and_keep,
                         insert_and_reply);
 }
 
-/* What is known already mends what is damaged in the store, no more. */
-static void keep_again(struct orl_request *request)
+/* Whether the BSDF is known. */
+static void is_here(struct orl_request *request, bool *ret_found)
 {
     struct upload *upload = request->state;
-    const struct orl_folders *folders = &request->server->folders;
-    char path[ORL_PATH_MAX];
-    upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
-    if (upload->rc == 0)
-        upload->rc = orl_blob_keep(folders, path, upload->id, &upload->err);
+    struct orl_stored_item item;
+    *ret_found = false;
+    upload->rc = orl_bsdf_find(&request->server->db, upload->id, &item, ret_found, &upload->err);
+    if (upload->rc == 0 && *ret_found)
+        free(item.summary);
 }
 
+/* Where it was removed meanwhile it comes as a new one. */
 static void reply_known(struct orl_request *request)
 {
     struct upload *upload = request->state;
-    bool created = false;
+    bool created = false, found = false;
+    if (upload->rc == 0)
+        is_here(request, &found);
     if (upload->rc) {
         orl_reply_error(request, &upload->err);
-        return;
+    } else if (!found) {
+        begin_check(request);
+    } else {
+        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
+        orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
     }
-    orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
-    orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
 }
 
 static void look_up(struct orl_request *request)
 {
     struct upload *upload = request->state;
-    struct orl_stored_item item;
     bool found = false;
     if (upload->rc == 0)
-        upload->rc = orl_bsdf_find(&request->server->db, upload->id, &item, &found, &upload->err);
+        is_here(request, &found);
+    if (upload->rc == 0)
+        upload->rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->err);
     if (upload->rc) {
         orl_reply_error(request, &upload->err);
-    } else if (found) {
-        free(item.summary);
-        upload->rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->err);
-        upload->blobs = upload->rc ? NULL : request->server->blobs;
-        if (upload->rc)
-            orl_reply_error(request, &upload->err);
-        else
-            orl_request_work(request, keep_again, reply_known);
-    } else {
-        admit(request);
+        return;
     }
+    upload->blobs = request->server->blobs;
+    if (found)
+        orl_request_work(request, keep, reply_known);
+    else
+        begin_check(request);
 }
 
 void orl_handle_bsdf_post(struct orl_request *request)

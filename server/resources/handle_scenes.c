@@ -128,17 +128,25 @@ static uint64_t count_new_bytes(const struct orl_folders *folders, const struct 
     return bytes;
 }
 
-static void admit(struct orl_request *request)
+/* Of files that are claimed. */
+static void begin_check(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     const struct orl_folders *folders = &request->server->folders;
-    post->blobs = request->server->blobs;
-    post->rc = claim_files(folders, post);
-    if (post->rc)
-        orl_reply_error(request, &post->err);
-    else if (!orl_reply_if_full(request, count_new_bytes(folders, &post->upload.bundle)))
+    if (!orl_reply_if_full(request, count_new_bytes(folders, &post->upload.bundle)))
         orl_check_begin(&request->server->checks, &post->check, request, check_and_keep,
                         insert_and_reply);
+}
+
+/* Whether the scene is known. */
+static void is_here(struct orl_request *request, bool *ret_found)
+{
+    struct scene_post *post = request->state;
+    struct orl_stored_item item;
+    *ret_found = false;
+    post->rc = orl_scene_find(&request->server->db, post->upload.id, &item, ret_found, &post->err);
+    if (post->rc == 0 && *ret_found)
+        free(item.summary);
 }
 
 /* Files of a scene that is known: they mend those that are damaged in the store, no more. */
@@ -148,41 +156,41 @@ static void keep_again(struct orl_request *request)
     post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
 }
 
+/* Where it was removed meanwhile it comes as a new one. */
 static void reply_known(struct orl_request *request)
 {
     struct scene_post *post = request->state;
-    bool created = false;
+    bool created = false, found = false;
+    if (post->rc == 0)
+        is_here(request, &found);
     if (post->rc) {
         orl_reply_error(request, &post->err);
-        return;
+    } else if (!found) {
+        begin_check(request);
+    } else {
+        orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
+        orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
     }
-    orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
-    orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
 }
 
 /* A scene that is here already is not checked again. */
 static void look_up(struct orl_request *request)
 {
     struct scene_post *post = request->state;
-    struct orl_stored_item item;
     bool found = false;
     if (!orl_check_ended(&post->check, &post->rc, &post->err))
         return;
     if (post->rc == 0)
-        post->rc = orl_scene_find(&request->server->db, post->upload.id, &item, &found, &post->err);
-    if (post->rc) {
-        orl_reply_error(request, &post->err);
-    } else if (found) {
-        free(item.summary);
-        post->blobs = request->server->blobs;
+        is_here(request, &found);
+    post->blobs = request->server->blobs;
+    if (post->rc == 0)
         post->rc = claim_files(&request->server->folders, post);
-        if (post->rc)
-            orl_reply_error(request, &post->err);
-        else
-            orl_request_work(request, keep_again, reply_known);
-    } else {
-        admit(request);
-    }
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else if (found)
+        orl_request_work(request, keep_again, reply_known);
+    else
+        begin_check(request);
 }
 
 void orl_handle_scene_post(struct orl_request *request)

@@ -300,11 +300,18 @@ int orl_scene_upload_keep(struct orl_scene_upload *upload, const struct orl_fold
     int rc = 0;
     for (size_t i = 0; i < upload->bundle.count && rc == 0; i++) {
         struct orl_bundle_file *file = &upload->bundle.files[i];
+        char blob[ORL_PATH_MAX];
         if (!file->temporary)
             continue;
         rc = orl_blob_keep(folders, file->path, file->sha, err);
-        if (rc == 0)
-            file->temporary = false;
+        if (rc)
+            break;
+        file->temporary = false;
+        free(file->path);
+        orl_blob_path(folders, file->sha, blob);
+        file->path = strdup(blob);
+        if (!file->path)
+            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     return rc;
 }

@@ -8,6 +8,7 @@ case starts from a daemon with a scene and a job that succeeded, and ends by ask
 """
 
 import errno
+import hashlib
 import os
 import resource
 import shutil
@@ -17,6 +18,7 @@ import sqlite3
 import struct
 import sys
 import tempfile
+import threading
 import time
 
 from daemon import Client, Daemon, Failure
@@ -275,6 +277,35 @@ def restarted(case, act):
     case.start()
 
 
+def removal_beside_upload(case):
+    """What comes again, and is removed by another while it is kept, comes as new."""
+    def twice(post, path, created):
+        expect("the status of %s" % path, post(case.client).status, *created)
+        for wait_s in (0.02, 0.06, 0.15):
+            client, answers = case.daemon.client("another"), []
+            case.fail(100, SLOW)
+            again = threading.Thread(target=lambda: answers.append(post(client)))
+            again.start()
+            time.sleep(wait_s)
+            removed = case.client.request("DELETE", path)
+            again.join()
+            case.fail(0, 0)
+            expect("its removal", removed.status, 204, 404)
+            expect("the status of %r" % answers[0].body[:300], answers[0].status, 200, 201)
+            if answers[0].status == 201:
+                expect("what is there", case.client.request("GET", path).status, 200)
+            client.close()
+            expect("once more", post(case.client).status, 200, 201)
+
+    text = FIRST_SCENE + b"# once more\n"
+    scene = upload_scene(case.client, text).json()["id"]
+    twice(lambda client: upload_scene(client, text), "/v1/scenes/" + scene, (200,))
+    with open("tests/fixtures/bsdf_klems41.xml", "rb") as stream:
+        xml = stream.read()
+    twice(lambda client: client.request("POST", "/v1/bsdfs", xml, {"Content-Type": "application/xml"}),
+          "/v1/bsdfs/" + hashlib.sha256(xml).hexdigest(), (201,))
+
+
 def truncated_map(case):
     case.stop()
     case.start()
@@ -469,7 +500,7 @@ def no_memory(case):
     expect("how often it was tried", status["attempts"], 1)
 
 
-CASES = (disk_full, quota_full, disk_fails, syncs_fail, slow_disk, truncated_map, flipped_map, map_cut_under_way,
+CASES = (disk_full, quota_full, disk_fails, syncs_fail, slow_disk, removal_beside_upload, truncated_map, flipped_map, map_cut_under_way,
          flipped_blob, truncated_blob, flipped_result, truncated_result, damaged_document, locked_database,
          later_database, damaged_database, no_database, no_descriptors, no_memory)
 
