@@ -30,6 +30,12 @@ static void test_slow_disk(void **state)
     run("faults.py", "slow_disk");
 }
 
+static void test_removal_beside_upload(void **state)
+{
+    (void)state;
+    run("faults.py", "removal_beside_upload");
+}
+
 static void test_damaged_upload(void **state)
 {
     (void)state;
@@ -81,11 +87,17 @@ static void test_malformed_requests(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_full_disk),       cmocka_unit_test(test_slow_disk),
-        cmocka_unit_test(test_damaged_upload),  cmocka_unit_test(test_damaged_result),
-        cmocka_unit_test(test_locked_database), cmocka_unit_test(test_damaged_database),
-        cmocka_unit_test(test_no_descriptors),  cmocka_unit_test(test_each_call_of_an_upload),
-        cmocka_unit_test(test_power_cuts),      cmocka_unit_test(test_malformed_requests),
+        cmocka_unit_test(test_full_disk),
+        cmocka_unit_test(test_slow_disk),
+        cmocka_unit_test(test_damaged_upload),
+        cmocka_unit_test(test_damaged_result),
+        cmocka_unit_test(test_locked_database),
+        cmocka_unit_test(test_damaged_database),
+        cmocka_unit_test(test_no_descriptors),
+        cmocka_unit_test(test_each_call_of_an_upload),
+        cmocka_unit_test(test_power_cuts),
+        cmocka_unit_test(test_malformed_requests),
+        cmocka_unit_test(test_removal_beside_upload),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
