@@ -116,8 +116,9 @@ static struct orl_random random_of(const struct looking *l, size_t cell, uint64_
 /* One of side x side parts of a square, by lot. */
 static void part_of(uint32_t i, uint32_t side, struct orl_random *random, double u[2])
 {
-    u[0] = (i % side + orl_random_uniform(random)) / side;
-    u[1] = ((double)(i / side) + orl_random_uniform(random)) / side;
+    const uint32_t column = i % side, row = i / side;
+    u[0] = (column + orl_random_uniform(random)) / side;
+    u[1] = (row + orl_random_uniform(random)) / side;
 }
 
 /* Means over the cells, by what the material does with rays from inside. */
@@ -215,7 +216,7 @@ static void look_out(struct looking *l, uint32_t window, size_t cell, bool strai
 {
     const struct orl_world *world = l->year->world;
     const struct orl_frame *frame = &l->windows->frames[window];
-    struct orl_random random = random_of(l, window * CELLS + cell, straight ? 2 : 1);
+    struct orl_random random = random_of(l, (size_t)window * CELLS + cell, straight ? 2 : 1);
     struct orl_annual_sums sums = {.bins = bins};
     memset(bins, 0, ORL_BINS * sizeof *bins);
     for (uint32_t i = 0; i < RAYS_SIDE * RAYS_SIDE; i++) {

@@ -34,7 +34,7 @@ static double sum_of(double *values, unsigned fan)
 
 static struct orl_gonio_node mean_of(const struct orl_gonio_node *children, unsigned fan)
 {
-    double values[ORL_GONIO_FAN_MOST], variances[ORL_GONIO_FAN_MOST];
+    double values[ORL_GONIO_FAN_MOST] = {0}, variances[ORL_GONIO_FAN_MOST] = {0};
     for (unsigned i = 0; i < fan; i++) {
         values[i] = (double)children[i].value;
         variances[i] = (double)children[i].variance;
@@ -50,7 +50,7 @@ static bool are_one(const struct orl_gonio_forest *forest, const struct orl_goni
     const unsigned fan = 1U << forest->rank;
     const double omega = ldexp(ORL_PI, -2 * (int)level), unseen = least_share / omega;
     const double shade = forest->cull * (double)mean->value;
-    double off2[ORL_GONIO_FAN_MOST], variances[ORL_GONIO_FAN_MOST], doubt = 0;
+    double off2[ORL_GONIO_FAN_MOST] = {0}, variances[ORL_GONIO_FAN_MOST] = {0}, doubt = 0;
     bool leaves = true;
     for (unsigned i = 0; i < fan; i++) {
         const double off = (double)children[i].value - (double)mean->value;

@@ -7,7 +7,8 @@
 
 int orl_gonio_probe_init(struct orl_gonio_probe *probe, struct orl_error *err)
 {
-    probe->sums = calloc(2 * ORL_GONIO_BATCHES * orl_gonio_probe_cells(probe), sizeof *probe->sums);
+    probe->sums =
+        calloc((size_t)2 * ORL_GONIO_BATCHES * orl_gonio_probe_cells(probe), sizeof *probe->sums);
     return probe->sums ? 0
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the panel's BSDF");
 }

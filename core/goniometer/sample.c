@@ -34,7 +34,7 @@ static int find_cell(const struct orl_bsdf_make_request *request, struct orl_gon
     sample->depth[0] = g->low.z + g->center.z;
     sample->depth[1] = g->high.z + g->center.z;
     sample->cell = orl_gonio_cell_around(g, moved);
-    for (int axis = 0; axis < 2; axis++)
+    for (size_t axis = 0; axis < 2; axis++)
         if (!(moved[2 * axis + 1] - moved[2 * axis] > 64 * sample->cell.margin)) {
             orl_error_set(err, ORL_ERR_INVALID, "the panel's cell has no extent in %c", "xy"[axis]);
             orl_error_hint(err, "A panel lies in the xy plane, y up, z towards the inside");

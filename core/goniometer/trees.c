@@ -86,7 +86,7 @@ static size_t original_of(const struct trees *t, size_t block, unsigned *ret_mir
 {
     size_t a = block;
     *ret_mirror = 0;
-    if (t->rank == 3)
+    if (t->rank == 3 || t->split == 0)
         return block;
     for (unsigned axis = 0; axis < 2; axis++) { /* the top bit of x, then of y */
         if (!(t->request->symmetry >> axis & 1) || !(a >> (2 * (t->split - 1) + axis) & 1))
@@ -264,7 +264,7 @@ static void done(struct trees *t)
 static struct trees trees_of(const struct orl_bsdf_make_request *request,
                              const struct orl_gonio_sample *sample, const struct orl_sobol *sobol)
 {
-    struct trees t = {.request = request, .sample = sample, .sobol = sobol};
+    struct trees t = {.request = request, .sample = sample, .sobol = sobol, .levels = 1};
     t.rank = request->basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
     while (1U << t.levels < request->resolution)
         t.levels++;
