@@ -70,6 +70,7 @@ static void check_and_keep(struct orl_request *request)
     const struct orl_folders *folders = &request->server->folders;
     char blob[ORL_PATH_MAX];
     const char *file = blob;
+    upload->rc = 0; /* of an attempt before */
     if (upload->kept)
         orl_blob_path(folders, upload->id, blob);
     else

@@ -32,7 +32,7 @@ static const char functions[] =
     "void BRTDfunc m 10 sr_r sr_g sr_b st_r st_g st_b 0 0 0 g.cal 0 19 .4 .38 .37 .35 .36 .37 "    \
     ".3 .3 .3 1 .05 .06 .07 .1 .12 .14 .1 .09 .08\n"
 
-static const double angles[] = {0, 75, 130};
+static const double angles[] = {0, 87, 130};
 enum { ANGLES = sizeof angles / sizeof *angles };
 
 static void test_draws(void **state)
