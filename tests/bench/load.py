@@ -101,12 +101,16 @@ class Office:
         self.running = None
 
     def busy(self):
+        """Anew where one runs: on fast machines the most photons there can be take half a minute."""
+        if self.running:
+            self.quiet()
         self.running = self.daemon.submit(sensors_of(self.scene, photons={"global": NEVER}))
         self.daemon.wait(self.running, ("running",), lambda job: job["stage"] == "photons")
 
     def quiet(self):
         self.daemon.ask("POST", self.running + "/cancel", want=202)
         self.daemon.wait(self.running)
+        self.running = None
 
 
 # ---- Polls ---------------------------------------------------------------------------------------
@@ -130,15 +134,15 @@ def idle_polls(table, office, build):
 
 
 def busy_polls(table, office):
-    office.busy()
-    for what, path in (("of the job that runs", office.running),
-                       ("of one that ended", office.ended)):
+    for what, ended in (("of the job that runs", None), ("of one that ended", office.ended)):
+        office.busy()
+        path = ended or office.running
         rate, late = best([paced(office.port, path) for _ in range(ROUNDS)])
         table.row("status polls %s, all cores rendering" % what, "%.0f /s" % rate, ">= 5000 /s",
                   rate >= 5000)
         table.row("  99 % of them answered within", "%.1f ms" % late, "< 20 ms", late < 20)
         table.note("  as many as it can", "%.0f /s" % wrk(office.port, path)[0])
-    assert office.daemon.ask("GET", office.running).json["state"] == "running"
+        assert office.daemon.ask("GET", office.running).json["state"] == "running"
 
 
 # ---- Streams -------------------------------------------------------------------------------------
@@ -151,6 +155,7 @@ def open_stream(office, path):
 
 def streams(table, office):
     """All at once on the job that runs: the first event, polls beside them, the last event."""
+    office.busy()
     began = time.monotonic()
     opened = [open_stream(office, office.running) for _ in range(STREAMS)]
     good = sum(stream.recv(12) == b"HTTP/1.1 200" for stream in opened)
@@ -172,6 +177,7 @@ def streams(table, office):
         stream.close()
     seconds = time.monotonic() - began
     office.daemon.wait(office.running)
+    office.running = None
     table.row("  streams that told the end, and then ended", "%d in %.1f s" % (whole, seconds),
               "all", whole == STREAMS)
 
