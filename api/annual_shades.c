@@ -11,7 +11,8 @@
 #include "encode.h"
 #include "members.h"
 
-enum { NAME_MAX_BYTES = 63, FILE_MAX_BYTES = 1024, ROWS_MAX = 35136 };
+/* Names: Honeybee's identifiers have up to 100 characters, and states of groups more. */
+enum { NAME_MAX_BYTES = 127, FILE_MAX_BYTES = 1024, ROWS_MAX = 35136 };
 
 /* ---- States ---------------------------------------------------------------------------------- */
 

@@ -14,6 +14,7 @@
 #include "honeybee/hbjson.h"
 #include "honeybee/project.h"
 #include "place.h"
+#include "project_shades.h"
 #include "rif.h"
 
 enum { PATH_SIZE = 4096, VIEW_SIDE = 800 };
@@ -255,7 +256,12 @@ int orl_project_fill(const struct orl_project_place *place, const json_t *scene,
         rc = json_object_set(doc, "grids", (json_t *)(uintptr_t)grids);
     if (rc == 0 && renders && !json_object_get(doc, "views"))
         rc = json_object_set_new(doc, "views", views_of(place->project));
-    return rc ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : 0;
+    if (rc)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (!kind || strcmp(kind, "annual") != 0)
+        return 0;
+    return orl_project_fill_shades(json_object_get(place->project, "states"),
+                                   json_object_get(scene, "states"), doc, err);
 }
 
 static void tell_names(const char *what, const json_t *list)

@@ -5,9 +5,9 @@
  *     "scene": {"project": PATH, "states": {"GROUP": "STATE"}, "sky": NAME, "files": [...]}
  *
  * and gets the project's files and behind them its own, and the project's grids and views where it
- * has none. For a model
- * its Radiance files are written (honeybee/hbjson.h). All of it is then found in a temporary
- * folder, beside links to what the document's own folder holds.
+ * has none; a year also what moves, as its shades (project_shades.h). For a model its Radiance
+ * files are written (honeybee/hbjson.h). All of it is then found in a temporary folder, beside
+ * links to what the document's own folder holds.
  */
 #ifndef ORL_CLIENT_PROJECT_H
 #define ORL_CLIENT_PROJECT_H
@@ -39,7 +39,8 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
                       struct orl_project_place *ret_place, struct orl_error *err);
 void orl_project_done(struct orl_project_place *place); /* all zero is fine */
 
-/* The project's files, grids and views into a job document. scene: as above, no longer doc's. */
+/* The project's files, grids, views and shades into a job document. scene: as above, no longer
+ * doc's. */
 int orl_project_fill(const struct orl_project_place *place, const json_t *scene, json_t *doc,
                      struct orl_error *err);
 

@@ -77,7 +77,7 @@ static int find_state_file(const struct orl_project_finding *f, const char *list
     return ORL_ERR_INVALID;
 }
 
-/* Which of the states; all of them are told. */
+/* Which of the states; all of them are told, with the files that add_group finds. */
 static int choose_state(const struct orl_project_finding *f, const char *list, const char *group,
                         const json_t *states, size_t *ret_chosen, json_t **ret_told)
 {
@@ -100,7 +100,8 @@ static int choose_state(const struct orl_project_finding *f, const char *list, c
         return ORL_ERR_INVALID;
     }
     *ret_chosen = chosen;
-    *ret_told = json_pack("{s:O, s:o}", "chosen", json_array_get(of, chosen), "of", of);
+    *ret_told =
+        json_pack("{s:O, s:o, s:[]}", "chosen", json_array_get(of, chosen), "of", of, "files");
     return *ret_told ? 0 : orl_project_no_memory(f);
 }
 
@@ -114,10 +115,13 @@ static int add_group(struct orl_project_finding *f, const char *list, const char
         return rc;
     if (json_object_set_new(f->states, group, told))
         return orl_project_no_memory(f);
-    for (size_t i = json_array_size(states); i-- > 0 && rc == 0;) {
+    for (size_t i = 0; i < json_array_size(states) && rc == 0; i++) {
         const json_t *state = json_array_get(states, i);
         const char *file = json_string_value(json_object_get(state, "default"));
         rc = find_state_file(f, list, file, group, &place);
+        if (rc == 0 &&
+            json_array_append_new(json_object_get(told, "files"), json_string(f->names[place])))
+            rc = orl_project_no_memory(f);
         if (rc == 0 && i == chosen)
             rc = orl_project_add_main(f, place);
         else if (rc == 0)

@@ -13,7 +13,8 @@
  *     {"files": ["model/aperture/aperture.mat", ...],
  *      "grids": [{"name": "room", "sensors": {"file": "model/grid/room.pts"}}],
  *      "views": [{"name": "eye", "file": "model/view/eye.vf"}],
- *      "states": {"south": {"chosen": "0_south", "of": ["0_south", "1_south"]}},
+ *      "states": {"south": {"chosen": "0_south", "of": ["0_south", "1_south"],
+ *                           "files": ["model/aperture_group/south..default..0.rad", ...]}},
  *      "skies": ["noon"],
  *      "left_out": [{"file": "model/scene/envelope.blk", "why": "..."}]}
  */

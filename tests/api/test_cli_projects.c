@@ -1,6 +1,7 @@
 /* `oriel run` of sensors in grids and of Honeybee's projects, by their names. */
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -185,6 +186,88 @@ static void test_states_let_in_more_or_less(void **state)
     json_decref(info);
 }
 
+/* ---- Years ----------------------------------------------------------------------------------- */
+
+/* A year of the model's, two days of weather, with those shades and the like; result.json. */
+static json_t *run_year(struct cli_desk *f, const char *more, const char *chosen)
+{
+    char job[900], here[256];
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(job, sizeof job,
+             "{\"kind\": \"annual\", \"weather\": \"place.epw\", \"samples\": 64, %s"
+             " \"scene\": {\"project\": \"%s/%s\", \"states\": {%s}}}",
+             more, here, model, chosen);
+    cli_write_file(f->folder, "job.json", job);
+    char *weather = cli_read_file("tests/fixtures", "weather.epw");
+    assert_non_null(weather);
+    cli_write_file(f->folder, "place.epw", weather);
+    free(weather);
+    const char *const args[] = {"annual", f->document, "-o", f->output, "--threads", "2", NULL};
+    cli_run(args, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    return load(f->output, "result.json");
+}
+
+/* Hours with light that the group is in its second state. */
+static double closed_hours(const json_t *result, const char *by)
+{
+    const json_t *groups = json_object_get(json_object_get(result, "shades"), "groups");
+    const json_t *south = json_array_get(groups, 0);
+    assert_string_equal(json_string_value(json_object_get(south, "name")), "south_glass");
+    assert_string_equal(json_string_value(json_object_get(south, "by")), by);
+    const json_t *second = json_array_get(json_object_get(south, "states"), 1);
+    assert_string_equal(json_string_value(json_object_get(second, "name")), "1_south_glass");
+    return json_number_value(json_object_get(second, "hours"));
+}
+
+/* All figures of both grids, but for those of direct light: they are of open shades. */
+static bool tell_the_same(const json_t *a, const json_t *b)
+{
+    for (size_t g = 0; g < 2; g++) {
+        const json_t *of_a =
+                         json_object_get(json_array_get(json_object_get(a, "grids"), g), "figures"),
+                     *of_b =
+                         json_object_get(json_array_get(json_object_get(b, "grids"), g), "figures"),
+                     *figure;
+        size_t i;
+        assert_true(json_array_size(of_a) > 8);
+        json_array_foreach(of_a, i, figure)
+        {
+            const char *name = json_string_value(json_object_get(figure, "name"));
+            if (!strstr(name, "ASE") && !strstr(name, "direct") &&
+                !json_equal(figure, json_array_get(of_b, i)))
+                return false;
+        }
+    }
+    return true;
+}
+
+static void test_states_are_the_shades_of_a_year(void **state)
+{
+    struct cli_desk *f = *state;
+    json_t *open = run_year(f, "", "");
+    assert_non_null(strstr(f->result.err, "group south_glass: in 0_south_glass all year"));
+    assert_true(closed_hours(open, "none") == 0);
+    json_t *closed = run_year(f,
+                              "\"shades\": [{\"name\": \"south_glass\", \"rules\":"
+                              " [{\"state\": \"1_south_glass\"}]}],",
+                              "");
+    assert_true(closed_hours(closed, "rules") > 0);
+    /* As if nothing else had been there: the same surfaces, the same paths. */
+    json_t *fixed = run_year(f, "", "\"south_glass\": \"1_south_glass\"");
+    assert_true(json_is_null(json_object_get(fixed, "shades")));
+    assert_true(tell_the_same(closed, fixed));
+    assert_false(tell_the_same(closed, open));
+    json_decref(open);
+    json_decref(closed);
+    json_decref(fixed);
+    json_t *drawn = run_year(f, "\"targets\": [\"sDA300/50 >= 55 %\"],", "");
+    assert_non_null(strstr(f->result.err, "group south_glass: closed to 1_south_glass by LM-83"));
+    closed_hours(drawn, "control");
+    json_decref(drawn);
+}
+
 static void test_what_is_no_project_is_refused(void **state)
 {
     struct cli_desk *f = *state;
@@ -204,6 +287,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_model_is_listed_and_written, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_let_in_more_or_less, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_states_are_the_shades_of_a_year, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_what_is_no_project_is_refused, set_up,
                                         cli_desk_tear_down),

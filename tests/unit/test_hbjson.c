@@ -323,7 +323,9 @@ static void test_a_folder_is_found_by_its_names(void **state)
                 "[{\"name\":\"g/desks\",\"sensors\":{\"file\":\"p/model/grid/g/desks.pts\"}}]");
     assert_list(json_object_get(project, "skies"), "[\"dusk\",\"noon\"]");
     assert_list(json_object_get(project, "states"),
-                "{\"south\":{\"chosen\":\"1_south\",\"of\":[\"0_south\",\"1_south\"]}}");
+                "{\"south\":{\"chosen\":\"1_south\",\"of\":[\"0_south\",\"1_south\"],\"files\":["
+                "\"p/model/aperture_group/south..default..0.rad\","
+                "\"p/model/aperture_group/south..default..1.rad\"]}}");
     const json_t *left = json_object_get(project, "left_out");
     assert_int_equal(json_array_size(left), 4);
     assert_list(json_array_get(left, 1),
