@@ -11,7 +11,7 @@ WERROR  ?= -Werror
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
 	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js
-PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind
+PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind slurm-wlm munge
 # Of the dashboard's tests: Node and npm where there are none (others than Debian's do).
 PACKAGES_BROWSER := chromium $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm)
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format

@@ -12,11 +12,14 @@
 #include "local.h"
 #include "problem.h"
 #include "report.h"
+#include "sharing.h"
 
 /* What the command line asks for beside the document. */
 struct output {
     const char *folder, *cache;
     struct orl_annual_formats formats;
+    uint32_t threads;
+    const struct orl_sharing_line *sharing; /* NULL: in one piece */
 };
 
 /* Whose result is told, and where it goes. */
@@ -163,7 +166,29 @@ static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_jo
     return rc;
 }
 
-static int run_document(const char *document, const struct output *output, uint32_t threads)
+/* In parts, where the command line asks for that. */
+static int run_year(struct orl_annual_job *job, const struct orl_job_file *file,
+                    const struct output *output, const struct orl_local_tell *teller,
+                    struct orl_error *err)
+{
+    struct orl_sharing sharing;
+    const struct orl_local_share share = {&sharing.pieces, &sharing.store};
+    int rc;
+
+    if (!output->sharing)
+        return orl_local_annual(job, file->folder, output->folder, output->cache, output->threads,
+                                NULL, teller, err);
+    rc = orl_sharing_open(&sharing, output->sharing, file->doc, file->folder, output->folder,
+                          output->threads, orl_local_interrupted(), err);
+    if (rc == 0)
+        rc = orl_local_annual(job, file->folder, output->folder, NULL, output->threads, &share,
+                              teller, err);
+    orl_sharing_tell(&sharing);
+    orl_sharing_done(&sharing, rc == 0);
+    return rc;
+}
+
+static int run_document(const char *document, const struct output *output)
 {
     struct orl_job_file file = {0};
     struct orl_annual_job job = {0};
@@ -185,8 +210,7 @@ static int run_document(const char *document, const struct output *output, uint3
     job.formats.matrices = job.formats.matrices || output->formats.matrices;
     job.formats.phases = job.formats.phases || output->formats.phases;
     if (rc == 0)
-        rc = orl_local_annual(&job, file.folder, output->folder, output->cache, threads, &teller,
-                              &err);
+        rc = run_year(&job, &file, output, &teller, &err);
     if (rc)
         tell_failure(output->folder, &err);
     orl_annual_job_done(&job);
@@ -198,6 +222,7 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_local_line line = {.writes = true};
     struct output output = {0};
+    struct orl_sharing_line sharing = {0};
     const struct orl_option options[] = {
         {.name = "output",
          .letter = 'o',
@@ -221,11 +246,16 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
              "for dctimestep: DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, WINDOW.d.mtx, GRID.cds.mtx",
          .flag = &output.formats.phases},
         ORL_OPTION_THREADS(&line.threads_text),
+        ORL_OPTIONS_SHARING(&sharing),
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 6, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 6 + ORL_SHARING_OPTIONS, &line, &code))
         return code;
     output.folder = line.output;
-    return run_document(line.operand, &output, line.threads);
+    output.threads = line.threads;
+    output.sharing = orl_sharing_asked(self, &sharing, &code) ? &sharing : NULL;
+    if (output.sharing && output.cache)
+        code = orl_usage_error(self, "--cache is for years in one piece");
+    return code ? code : run_document(line.operand, &output);
 }

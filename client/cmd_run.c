@@ -15,6 +15,7 @@
 #include "problem.h"
 #include "report.h"
 #include "result_json.h"
+#include "sharing.h"
 
 /* result.json for a run that went wrong: what is known, and why. */
 static json_t *failure_to_json(const struct orl_job *job, uint32_t threads,
@@ -73,23 +74,51 @@ static void print_skies(const json_t *results, const char *output)
 
 /* Renders; *ret_json is what result.json will hold. */
 static int render(const struct orl_job *job, const char *folder, const char *output,
-                  uint32_t threads, struct orl_result *ret_result, json_t **ret_json,
-                  struct orl_error *err)
+                  uint32_t threads, const struct orl_local_share *share,
+                  struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
 {
     int rc;
 
     if (job->n_skies > 0)
-        return orl_local_run_skies(job, folder, output, threads, ret_json, err);
-    rc = orl_local_run(job, folder, output, threads, ret_result, err);
+        return orl_local_run_skies(job, folder, output, threads, share, ret_json, err);
+    rc = orl_local_run(job, folder, output, threads, share, ret_result, err);
     if (rc == 0)
         *ret_json = orl_result_to_json(ret_result, "succeeded");
     return rc;
 }
 
-/* The whole of it, once the command line is understood. */
-static int run_document(const char *document, const struct orl_project_line *project,
-                        const char *output, uint32_t threads)
+/* The same in parts, where the command line asks for that. */
+static int render_shared(const struct orl_job_file *file, const struct orl_job *job,
+                         const struct orl_local_line *line,
+                         const struct orl_sharing_line *sharing_line, struct orl_result *ret_result,
+                         json_t **ret_json, struct orl_error *err)
 {
+    struct orl_sharing sharing;
+    const struct orl_local_share share = {&sharing.pieces, &sharing.store};
+    int rc;
+
+    if (!sharing_line)
+        return render(job, file->folder, line->output, line->threads, NULL, ret_result, ret_json,
+                      err);
+    if (job->goal.deadline_s > 0)
+        return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                             "a job for a deadline is not done in parts: what it finds depends on "
+                             "the machine; ask for an accuracy instead");
+    rc = orl_sharing_open(&sharing, sharing_line, file->doc, file->folder, line->output,
+                          line->threads, orl_local_interrupted(), err);
+    if (rc == 0)
+        rc = render(job, file->folder, line->output, line->threads, &share, ret_result, ret_json,
+                    err);
+    orl_sharing_tell(&sharing);
+    orl_sharing_done(&sharing, rc == 0);
+    return rc;
+}
+
+/* The whole of it, once the command line is understood. sharing: NULL: in one piece. */
+static int run_document(const struct orl_local_line *line, const struct orl_project_line *project,
+                        const struct orl_sharing_line *sharing)
+{
+    const char *document = line->operand, *output = line->output;
     struct orl_job_file file = {0};
     struct orl_job job = {0};
     struct orl_result result = {0};
@@ -107,9 +136,9 @@ static int run_document(const char *document, const struct orl_project_line *pro
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)
-        rc = render(&job, file.folder, output, threads, &result, &json, &err);
+        rc = render_shared(&file, &job, line, sharing, &result, &json, &err);
     if (rc)
-        json = failure_to_json(&job, threads, &err);
+        json = failure_to_json(&job, line->threads, &err);
     if (write_result(output, json, &second)) {
         orl_report_error(&second);
         rc = rc ? rc : second.code;
@@ -131,6 +160,7 @@ int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_local_line line = {.writes = true};
     struct orl_project_line project = {0};
+    struct orl_sharing_line sharing = {0};
     const struct orl_option options[] = {
         {.name = "output",
          .letter = 'o',
@@ -139,10 +169,12 @@ int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
          .value = &line.output},
         ORL_OPTIONS_PROJECT(&project),
         ORL_OPTION_THREADS(&line.threads_text),
+        ORL_OPTIONS_SHARING(&sharing),
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 4, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 4 + ORL_SHARING_OPTIONS, &line, &code))
         return code;
-    return run_document(line.operand, &project, line.output, line.threads);
+    const bool shared = orl_sharing_asked(self, &sharing, &code);
+    return code ? code : run_document(&line, &project, shared ? &sharing : NULL);
 }

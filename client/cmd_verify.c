@@ -92,7 +92,7 @@ static int run_again(struct verifying *v, const json_t *document, uint32_t threa
     int rc = orl_annual_job_from_json(document, ORL_JOB_LOCAL, &job, NULL, &err);
 
     if (rc == 0)
-        rc = orl_local_annual(&job, v->files, v->work, NULL, threads, &teller, &err);
+        rc = orl_local_annual(&job, v->files, v->work, NULL, threads, NULL, &teller, &err);
     orl_annual_job_done(&job);
     return rc ? cannot(&err) : 0;
 }

@@ -63,6 +63,7 @@ bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret
     }
 
 int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_part(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_project(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_plan(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv);

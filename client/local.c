@@ -186,14 +186,29 @@ static void local_stop(struct local *local, int code)
     free(local->warnings);
 }
 
+const atomic_bool *orl_local_interrupted(void)
+{
+    return &interrupted;
+}
+
+static void local_share(struct local *local, const struct orl_local_share *share)
+{
+    if (!share)
+        return;
+    local->env.pieces = share->pieces;
+    local->env.store = share->store;
+}
+
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
-                  uint32_t threads, struct orl_result *ret_result, struct orl_error *err)
+                  uint32_t threads, const struct orl_local_share *share,
+                  struct orl_result *ret_result, struct orl_error *err)
 {
     struct local local;
     int rc = local_start(&local, folder, output, threads, err);
 
     if (rc)
         return rc;
+    local_share(&local, share);
     rc = orl_run(job, &local.env, ret_result, err);
     local_stop(&local, rc);
     return rc;
@@ -236,7 +251,8 @@ static int on_sky_done(void *ctx, size_t index, const struct orl_result *result,
 }
 
 int orl_local_run_skies(const struct orl_job *job, const char *folder, const char *output,
-                        uint32_t threads, json_t **ret_results, struct orl_error *err)
+                        uint32_t threads, const struct orl_local_share *share, json_t **ret_results,
+                        struct orl_error *err)
 {
     struct skies skies = {.job = job, .results = orl_skies_result_new(job->seed, threads)};
     const struct orl_skies_env env = {.ctx = &skies, .begins = on_sky, .done = on_sky_done};
@@ -244,6 +260,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
                            : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 
     if (rc == 0) {
+        local_share(&skies.local, share);
         rc = orl_run_skies(job, &skies.local.env, &env, err);
         if (rc == 0)
             rc = orl_sequence_draw(job, output, skies.local.env.cancel, skies.results, err);
@@ -301,8 +318,8 @@ static int on_year_done(void *ctx, const struct orl_annual_result *result,
 }
 
 int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
-                     const char *cache, uint32_t threads, const struct orl_local_tell *tell,
-                     struct orl_error *err)
+                     const char *cache, uint32_t threads, const struct orl_local_share *share,
+                     const struct orl_local_tell *tell, struct orl_error *err)
 {
     struct year year = {.tell = tell};
     const struct orl_annual_job_env env = {.run = &year.local.env,
@@ -313,6 +330,7 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
 
     if (rc)
         return rc;
+    local_share(&year.local, share);
     if (cache) { /* without the folder the run warns, and goes on */
         snprintf(year.local.maps.folder, sizeof year.local.maps.folder, "%s", cache);
         orl_make_folder(cache, NULL);

@@ -6,6 +6,7 @@
 #define ORL_CLIENT_LOCAL_H
 
 #include <jansson.h>
+#include <stdatomic.h>
 #include <stdint.h>
 
 #include <oriel/bsdf_make.h>
@@ -40,14 +41,26 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
         .value = (target)                                                                          \
     }
 
-/* Renders, with progress on stderr; images go to output, maps and loaded BSDFs to output/maps. */
+/* Whom a run is shared with (oriel/pieces.h), and where its pieces and maps are. Borrowed. */
+struct orl_local_share {
+    const struct orl_pieces *pieces;
+    const struct orl_map_store *store;
+};
+
+/* What Ctrl-C and SIGTERM set. */
+const atomic_bool *orl_local_interrupted(void);
+
+/* Renders, with progress on stderr; images go to output, maps and loaded BSDFs to output/maps.
+ * share: NULL: with nobody; here and below. */
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
-                  uint32_t threads, struct orl_result *ret_result, struct orl_error *err);
+                  uint32_t threads, const struct orl_local_share *share,
+                  struct orl_result *ret_result, struct orl_error *err);
 
 /* The same of a job of several skies: <sky>.json, images and errors of each as soon as it is done.
  * *ret_results (skies_result_json.h) is the caller's. */
 int orl_local_run_skies(const struct orl_job *job, const char *folder, const char *output,
-                        uint32_t threads, json_t **ret_results, struct orl_error *err);
+                        uint32_t threads, const struct orl_local_share *share, json_t **ret_results,
+                        struct orl_error *err);
 
 /* Makes the plan, or those under each of its skies, and nothing else; quietly. tell: of
  * orl_plan_skies. */
@@ -73,7 +86,7 @@ struct orl_local_tell {
     void *ctx;
 };
 int orl_local_annual(struct orl_annual_job *job, const char *folder, const char *output,
-                     const char *cache, uint32_t threads, const struct orl_local_tell *tell,
-                     struct orl_error *err);
+                     const char *cache, uint32_t threads, const struct orl_local_share *share,
+                     const struct orl_local_tell *tell, struct orl_error *err);
 
 #endif

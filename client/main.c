@@ -7,7 +7,9 @@
 #include <curl/curl.h>
 
 static const struct orl_subcommand commands[] = {
-    {"run", "JOB.json|PROJECT -o DIR [--sky SKY] [--states GROUP=STATE,...] [--threads N]",
+    {"run",
+     "JOB.json|PROJECT -o DIR [--sky SKY] [--states GROUP=STATE,...] [--threads N]\n"
+     "  [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Render a job here, without a daemon",
      "JOB.json names its scene as {\"files\": [...]}, relative to the document. Images and\n"
      "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again. A "
@@ -30,7 +32,9 @@ static const struct orl_subcommand commands[] = {
      "model's\n"
      "Radiance files go to DIR, with job.json that names them.",
      orl_cmd_project},
-    {"annual", "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--phases]\n  [--threads N]",
+    {"annual",
+     "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--phases]\n"
+     "  [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Daylight over a year: metrics and verdicts with their intervals",
      "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
      "if\n"
@@ -51,6 +55,10 @@ static const struct orl_subcommand commands[] = {
      "0 when all bytes are the same, 1 when some are not, each file named, and 2 when the year\n"
      "cannot be repeated: an input is another by now, or absent.",
      orl_cmd_verify},
+    {"part", "FILE", "Do one part of a job that is done in parts",
+     "FILE is one that run or annual with --parts or --slurm has written; they start this\n"
+     "themselves, or have Slurm start it. What comes of it lies beside FILE.",
+     orl_cmd_part},
     {"study", "STUDY.json -o DIR [--threads N]",
      "Show what accuracy costs in time, by techniques and settings",
      "Runs every technique at every number of photons and samples that STUDY.json lists, with\n"

@@ -31,6 +31,8 @@ static void add_vector(struct orl_sha256 *hash, struct orl_vec3 v)
 static bool may_keep(const struct orl_year *year)
 {
     const size_t most = year->env->reuse_most;
+    if (year->env->run->pieces && year->env->run->store)
+        return true;
     return year->env->reuse && (most == 0 || year->request->n_sensors <= most);
 }
 
@@ -128,13 +130,47 @@ static void take_smaller(struct orl_keep *keep, struct orl_keeping *it)
     store->release(store->ctx, kind, info.key);
 }
 
+bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it)
+{
+    struct orl_map_info info;
+    bool hit = false;
+    if (keep->off)
+        return false;
+    name(keep, it);
+    if (keep->store->acquire(keep->store->ctx, kind, it->key, keep->year->env->run->cancel,
+                             it->path, &hit, &info, NULL) < 0)
+        return false;
+    if (hit)
+        keep->store->release(keep->store->ctx, kind, it->key);
+    else
+        keep->store->abandon(keep->store->ctx, kind, it->key);
+    return hit;
+}
+
+/* Of a run that is shared: what all blocks need others may make. */
+static int share(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
+{
+    const struct orl_pieces *pieces = keep->year->env->run->pieces;
+    struct orl_piece piece = {.work = 1};
+    bool here = false;
+    if (!pieces || keep->off || (it->what != ORL_YEARS_SUNS && it->what != ORL_YEARS_MAP) ||
+        orl_keep_has(keep, it))
+        return 0;
+    memcpy(piece.kind, kind, sizeof kind);
+    memcpy(piece.key, it->key, sizeof piece.key);
+    return pieces->divide(pieces->ctx, &piece, 1, &here, err);
+}
+
 int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
 {
     const struct orl_run_env *run = keep->year->env->run;
     struct orl_map_info info;
     struct orl_error why = {0};
     bool hit = true;
+    const int shared = share(keep, it, err);
     it->began_s = orl_year_now(keep->year);
+    if (shared < 0)
+        return shared;
     if (!keep->off)
         name(keep, it);
     for (int attempt = 0; attempt < 2 && !keep->off && hit && !it->data; attempt++) {

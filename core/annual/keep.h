@@ -53,6 +53,9 @@ int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error
 void orl_keep_put(struct orl_keep *keep, struct orl_keeping *it, const void *data, size_t size);
 void orl_keep_done(struct orl_keep *keep, struct orl_keeping *it);
 
+/* Whether the store has it, without reading it. */
+bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it);
+
 /* Of a run that ends well: warns of what went wrong. */
 void orl_keep_end(struct orl_keep *keep);
 

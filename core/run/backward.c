@@ -63,7 +63,8 @@ static int put_lamps(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
-static void compute_sensor(void *ctx, size_t index, uint32_t member)
+static void compute_sensor(void *ctx, size_t index, uint32_t member,
+                           struct orl_sensor_found *ret_found)
 {
     struct orl_run_state *state = ctx;
     const struct orl_sensor *sensor = &state->sensors[index];
@@ -80,6 +81,12 @@ static void compute_sensor(void *ctx, size_t index, uint32_t member)
     for (uint32_t group = 0; round && group < ORL_MAP_BATCHES; group++)
         round->groups[index * ORL_MAP_BATCHES + group] =
             ORL_EFFICACY_LM_PER_W * orl_luma(groups[group]);
+    *ret_found = (struct orl_sensor_found){e, 0};
+}
+
+static void take_sensor(void *ctx, size_t index, const struct orl_sensor_found *found)
+{
+    orl_run_book_sensor(ctx, index, &found->estimate);
 }
 
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
@@ -92,7 +99,7 @@ static int render_view(void *ctx, const struct orl_painting *painting, struct or
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_renderer renderer = {
-        .ctx = state, .sensor = compute_sensor, .view = render_view};
+        .ctx = state, .sensor = compute_sensor, .sensor_found = take_sensor, .view = render_view};
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = put_lamps(state, err);
     if (code == 0) {

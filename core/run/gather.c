@@ -21,21 +21,41 @@ struct work {
     struct orl_air *air; /* NULL: nothing sends light on into mid-air */
 };
 
-static void compute_sensor(void *ctx, size_t index, uint32_t member)
+static struct orl_place place_of(const struct work *work, size_t index,
+                                 struct orl_footing *ret_footing)
+{
+    const struct orl_sensor *sensor = &work->state->sensors[index];
+    const struct orl_vec3 center = work->state->world->geometry->center;
+    return orl_gather_place(&work->gather, orl_sub(sensor->position, center),
+                            orl_normalize(sensor->direction), ret_footing);
+}
+
+static void compute_sensor(void *ctx, size_t index, uint32_t member,
+                           struct orl_sensor_found *ret_found)
 {
     const struct work *work = ctx;
     struct orl_run_state *state = work->state;
-    const struct orl_sensor *sensor = &state->sensors[index];
     const uint32_t samples = orl_run_sensor_samples(state, index);
     struct orl_footing footing;
-    struct orl_place place =
-        orl_gather_place(&work->gather, orl_sub(sensor->position, state->world->geometry->center),
-                         orl_normalize(sensor->direction), &footing);
+    struct orl_place place = place_of(work, index, &footing);
     const struct orl_estimate e = orl_gather_sensor(&work->gather, &place, &footing, samples, index,
                                                     &state->searches[member]);
     if (work->air)
         orl_air_put(work->air, index, &place, &e);
     orl_run_book_sensor(state, index, &e);
+    *ret_found = (struct orl_sensor_found){e, place.in_air};
+}
+
+static void take_sensor(void *ctx, size_t index, const struct orl_sensor_found *found)
+{
+    const struct work *work = ctx;
+    struct orl_footing footing;
+    if (work->air) {
+        struct orl_place place = place_of(work, index, &footing);
+        place.in_air = found->in_air;
+        orl_air_put(work->air, index, &place, &found->estimate);
+    }
+    orl_run_book_sensor(work->state, index, &found->estimate);
 }
 
 /* As for a caustic map that is asked for, and had; a plan stores fewer photons where a map shows
@@ -159,8 +179,11 @@ static void lay_by(const struct orl_run_state *state, struct orl_gather *gather)
 int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
 {
     struct work work = {.state = state};
-    const struct orl_renderer renderer = {
-        .ctx = &work, .sensor = compute_sensor, .sensors = catch_in_air, .view = render_view};
+    const struct orl_renderer renderer = {.ctx = &work,
+                                          .sensor = compute_sensor,
+                                          .sensor_found = take_sensor,
+                                          .sensors = catch_in_air,
+                                          .view = render_view};
     int code = orl_run_is_dark(state) ? 0 : orl_run_maps(state, err);
     if (code < 0)
         return code;

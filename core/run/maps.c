@@ -4,6 +4,7 @@
 
 #include "photon/density/records.h"
 #include "run/map_keys.h"
+#include "run/pieces.h"
 
 /* One photon of so many emissions, and so many of these, are worth a word. */
 enum { FEW_PHOTONS = 16, MANY_EMISSIONS = 10000000 };
@@ -331,6 +332,74 @@ static int acquire_all(struct orl_run_state *state, struct map_work *work, struc
     return code;
 }
 
+/* Of a run that is shared: maps that are wanting others may make. */
+static int share_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
+{
+    const struct orl_map_store *store = store_of(state);
+    const struct orl_pieces *shared = state->env->pieces;
+    struct orl_piece pieces[ORL_MAP_KINDS];
+    bool here[ORL_MAP_KINDS] = {false};
+    size_t n = 0;
+    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+        if (!is_missing(&work[k]))
+            continue;
+        struct orl_piece *piece = &pieces[n++];
+        *piece = (struct orl_piece){.work = (double)work[k].target};
+        snprintf(piece->kind, sizeof piece->kind, "%s", orl_map_kind_name((enum orl_map_kind)k));
+        memcpy(piece->key, state->keys[k], sizeof piece->key);
+        store->abandon(store->ctx, piece->kind, piece->key);
+        state->held[k] = false;
+    }
+    if (n == 0)
+        return 0;
+    orl_run_release_maps(state);
+    memset(work, 0, ORL_MAP_KINDS * sizeof *work);
+    const int code = shared->divide(shared->ctx, pieces, n, here, err);
+    return code < 0 ? code : acquire_all(state, work, err);
+}
+
+/* What making maps has counted, kept by the keys of them all: whoever finds one counts it, too, as
+ * if it were its own. */
+static void keep_counts(const struct orl_run_state *state, const struct map_work *work,
+                        const struct orl_health *health)
+{
+    for (int k = 0; k < ORL_MAP_KINDS; k++)
+        if (is_missing(&work[k]))
+            orl_run_keep_counts(state, state->keys[k], health);
+}
+
+static void add_counts(struct orl_run_state *state, const struct map_work *work)
+{
+    for (int k = 0; k < ORL_MAP_KINDS; k++)
+        if (work[k].target > 0 && orl_run_add_counts(state, state->keys[k]))
+            return;
+}
+
+/* Of a run that is shared: its maps are found, or made here. */
+static int build_shared(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
+{
+    struct orl_health before, of_searches, health = state->result->health;
+    bool any = false;
+    int code = share_missing(state, work, err);
+    for (int k = 0; k < ORL_MAP_KINDS; k++)
+        any = any || is_missing(&work[k]);
+    if (code < 0)
+        return code;
+    orl_run_take_health(state, &before);
+    state->result->health = (struct orl_health){.rays = 0};
+    code = build_missing(state, work, err);
+    orl_run_take_health(state, &of_searches);
+    orl_health_add(&state->result->health, &of_searches);
+    if (code == 0 && any)
+        keep_counts(state, work, &state->result->health);
+    else if (code == 0)
+        add_counts(state, work);
+    orl_health_add(&health, &state->result->health);
+    state->result->health = health;
+    state->searches[0].health = before;
+    return code;
+}
+
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
@@ -340,7 +409,8 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     int code = acquire_all(state, work, err);
     if (code == 0)
-        code = build_missing(state, work, err);
+        code = orl_run_is_shared(state) ? build_shared(state, work, err)
+                                        : build_missing(state, work, err);
     for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++) {
         if (work[k].target == 0)
             continue;

@@ -8,6 +8,7 @@
 #include "base/random.h"
 #include "run/curve.h"
 #include "run/goals.h"
+#include "run/pieces.h"
 #include "run/sample_allocation.h"
 
 /* Its smallest rounds of sensors, and of photons for views, are so much smaller than others: they
@@ -217,7 +218,7 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
     const double started = orl_rounds_now(r);
     share_out(r);
     make_round(r, &job, &env, &result, &round);
-    if (r->count > 0 && env.store && !state->pilot)
+    if (r->count > 0 && env.store && !state->pilot && !orl_run_is_shared(state))
         keep_maps_apart(&env, &folder, &store);
     int code = orl_run_technique(&round, err);
     if (code == 0)

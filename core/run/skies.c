@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "run/grids.h"
+#include "run/pieces.h"
 #include "run/scene.h"
 #include "run/sky.h"
 #include "run/stages.h"
@@ -150,9 +151,79 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     return code;
 }
 
+/* ---- Skies as pieces ------------------------------------------------------------------------- */
+
+static int make_all_here(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                         struct orl_error *err)
+{
+    (void)ctx, (void)pieces, (void)err;
+    for (size_t i = 0; i < n; i++)
+        ret_here[i] = true;
+    return 0;
+}
+
+/* What is made under a sky lies in the store by pieces of its own: this only says that it is. */
+static int make_sky(void *ctx, size_t index, void **ret_data, size_t *ret_size,
+                    struct orl_error *err)
+{
+    static const uint32_t made = 1;
+    const int code = run_under(ctx, index, err);
+    *ret_data = malloc(sizeof made);
+    *ret_size = sizeof made;
+    if (!*ret_data)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    memcpy(*ret_data, &made, sizeof made);
+    return code;
+}
+
+static int take_sky(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
+                    struct orl_error *err)
+{
+    (void)ctx, (void)index, (void)data, (void)err;
+    *ret_taken = size == sizeof(uint32_t);
+    return 0;
+}
+
+static void name_sky(const struct passage *p, const char *job, size_t index,
+                     struct orl_piece *piece)
+{
+    struct orl_sha256 hash;
+    const uint64_t number = index;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, job, strlen(job) + 1);
+    orl_sha256_add(&hash, &number, sizeof number);
+    orl_piece_key_end(&hash, piece->key);
+    snprintf(piece->kind, sizeof piece->kind, "sky");
+    piece->work = p->shares[index];
+}
+
+/* Others make what is to be made under each sky; then all of it is found. */
+static int share_skies(struct passage *p, struct orl_pieces *here, struct orl_run_env *ret_env,
+                       struct orl_error *err)
+{
+    const struct orl_pieces *shared = p->env->pieces;
+    const struct orl_run_env *env = p->env;
+    struct orl_piece_work work = {
+        .n = p->job.n_skies, .ctx = p, .make = make_sky, .take = take_sky};
+    work.pieces = calloc(work.n + 1, sizeof *work.pieces);
+    if (!work.pieces)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
+    for (size_t i = 0; i < work.n; i++)
+        name_sky(p, shared->job, i, &work.pieces[i]);
+    *here = (struct orl_pieces){.job = shared->job, .divide = make_all_here};
+    *ret_env = *p->env;
+    ret_env->pieces = here;
+    p->env = ret_env;
+    const int code = orl_run_pieces(env, &work, err);
+    free(work.pieces);
+    return code;
+}
+
 int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
                   const struct orl_skies_env *skies, struct orl_error *err)
 {
+    struct orl_pieces here;
+    struct orl_run_env shared;
     struct passage p = {.job = *job, .env = env, .skies = skies, .started_s = env->now_s(env->ctx)};
     int code = orl_job_validate(job, err);
     if (code < 0)
@@ -165,6 +236,8 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
     code = read_sensors(&p, err);
     if (code == 0)
         code = look_ahead(&p, err);
+    if (code == 0 && env->pieces && env->store)
+        code = share_skies(&p, &here, &shared, err);
     for (size_t i = 0; i < job->n_skies && code == 0; i++) {
         if (!skies->kept || !skies->kept(skies->ctx, i))
             code = run_under(&p, i, err);

@@ -6,6 +6,7 @@
 
 #include <oriel/run.h>
 
+#include "base/estimate.h"
 #include "photon/flight/emit.h"
 #include "render/gather/gather.h"
 #include "render/image/paint.h"
@@ -142,11 +143,19 @@ void orl_run_forget_backward(struct orl_run_state *state);
 int orl_run_maps(struct orl_run_state *state, struct orl_error *err);
 void orl_run_release_maps(struct orl_run_state *state);
 
+/* What came of a sensor, for whoever puts the job together. */
+struct orl_sensor_found {
+    struct orl_estimate estimate;
+    uint64_t in_air; /* 1: caustics come to it otherwise than by density (render/gather/gather.h) */
+};
+
 /* A technique at work: what the render stage asks of it. */
 struct orl_renderer {
     void *ctx;
     /* Computes a sensor and books it; called by any member of the crew. */
-    void (*sensor)(void *ctx, size_t index, uint32_t member);
+    void (*sensor)(void *ctx, size_t index, uint32_t member, struct orl_sensor_found *ret_found);
+    /* Books one that others have computed. */
+    void (*sensor_found)(void *ctx, size_t index, const struct orl_sensor_found *found);
     /* After all sensors: what is done for all of them together; or NULL. */
     int (*sensors)(void *ctx, struct orl_error *err);
     int (*view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);

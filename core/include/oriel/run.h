@@ -22,6 +22,7 @@
 #include <oriel/glare.h>
 #include <oriel/health.h>
 #include <oriel/picture.h>
+#include <oriel/pieces.h>
 #include <oriel/plan.h>
 #include <oriel/sequence.h>
 #include <oriel/shelf.h>
@@ -317,6 +318,7 @@ struct orl_run_env {
     struct orl_crew *crew;             /* borrowed; the calling thread leads it */
     const struct orl_files *files;     /* borrowed */
     const struct orl_map_store *store; /* borrowed; NULL: maps go with the run */
+    const struct orl_pieces *pieces;   /* borrowed: the run is shared (pieces.h); NULL: it is not */
     struct orl_shelf *shelf;   /* borrowed: what one job works out for the next; may be NULL */
     const char *files_id;      /* of a job on a shelf: what its files are, whatever their names: by
                                   equal ones jobs share scenes. NULL: they do not */

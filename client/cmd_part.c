@@ -1,0 +1,223 @@
+/*
+ * oriel part FILE: some pieces of a job that is shared (sharing.h), into the shared folder that the
+ * file is in. FILE.done says that they are there, FILE.error why not; the ending takes .json's
+ * place.
+ */
+#include "command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "annual_json.h"
+#include "decode.h"
+#include "files.h"
+#include "local.h"
+#include "place.h"
+#include "problem.h"
+#include "report.h"
+#include "sharing.h"
+
+/* What is to be made, and whether it was begun. */
+struct part {
+    char folder[4096], stem[4200], scratch[4300];
+    char job[ORL_PIECE_KEY];
+    json_t *doc, *pieces;
+    uint32_t threads;
+    size_t begun;
+    bool over; /* it was asked for something else once all was begun: all is made */
+    struct orl_shared_store in_folder;
+};
+
+/* ---- The file -------------------------------------------------------------------------------- */
+
+static int read_part(struct part *part, const char *path, struct orl_error *err)
+{
+    const struct orl_files here = orl_files_from_folder(".");
+    const char *slash = strrchr(path, '/');
+    char job[ORL_PIECE_KEY];
+    struct orl_file text;
+    json_t *json = NULL;
+    uint64_t threads = 1;
+    int rc = here.open(here.ctx, path, &text, err);
+
+    if (rc)
+        return rc;
+    rc = orl_json_parse(path, text.data, text.size, &json, err);
+    here.close(here.ctx, &text);
+    snprintf(part->folder, sizeof part->folder, "%.*s", slash ? (int)(slash - path) : 1,
+             slash ? path : ".");
+    if (rc == 0)
+        rc = orl_sharing_verify(part->folder, part->job, &part->doc, err);
+    if (rc == 0)
+        rc = orl_json_whole(json_object_get(json, "threads"), "threads", 1, 1024, &threads, err);
+    part->threads = (uint32_t)threads;
+    part->pieces = json_incref(json_object_get(json, "pieces"));
+    snprintf(job, sizeof job, "%s",
+             json_string_value(json_object_get(json, "job"))
+                 ? json_string_value(json_object_get(json, "job"))
+                 : "");
+    json_decref(json);
+    if (rc == 0 && strcmp(job, part->job) != 0)
+        rc = orl_error_set(err, ORL_ERR_CORRUPT, "the part is of another job than its folder");
+    if (rc == 0 && json_array_size(part->pieces) == 0)
+        rc = orl_error_set(err, ORL_ERR_INVALID, "the part names no pieces");
+    if (rc && err->file[0] == '\0')
+        orl_error_at(err, path, 0, NULL);
+    return rc;
+}
+
+/* ---- The run --------------------------------------------------------------------------------- */
+
+static bool is_mine(const struct part *part, const struct orl_piece *piece)
+{
+    const json_t *own;
+    size_t i;
+
+    json_array_foreach(part->pieces, i, own)
+    {
+        const char *key = json_string_value(json_object_get(own, "key"));
+
+        if (key && strcmp(key, piece->key) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* What others need, and nothing else depends on for this part's sake. */
+static bool is_last(const struct orl_piece *piece)
+{
+    static const char *const last[] = {"sensors", "view", "sky", "rows"};
+
+    for (size_t i = 0; i < sizeof last / sizeof *last; i++)
+        if (strcmp(piece->kind, last[i]) == 0)
+            return true;
+    return false;
+}
+
+/* Own pieces; and maps that own ones need, should they be missing. */
+static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                  struct orl_error *err)
+{
+    struct part *part = ctx;
+    size_t mine = 0, last = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        ret_here[i] = is_mine(part, &pieces[i]);
+        mine += ret_here[i];
+        last += is_last(&pieces[i]);
+    }
+    part->begun += mine;
+    part->over = mine == 0 && part->begun >= json_array_size(part->pieces);
+    if (part->over || (mine == 0 && last > 0))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "the job asks for other pieces now");
+    for (size_t i = 0; i < n; i++)
+        ret_here[i] = ret_here[i] || !is_last(&pieces[i]);
+    return 0;
+}
+
+static int tell_nothing(void *ctx, const struct orl_annual_result *result,
+                        const struct orl_annual_report *report, json_t *document,
+                        struct orl_error *err)
+{
+    (void)ctx, (void)result, (void)report, (void)document, (void)err;
+    return 0;
+}
+
+static int run(const struct part *part, struct orl_task *task, const char *files,
+               const struct orl_local_share *share, struct orl_error *err)
+{
+    const struct orl_local_tell teller = {tell_nothing, NULL};
+    struct orl_result result = {0};
+    json_t *results = NULL;
+    int rc;
+
+    if (task->kind == ORL_TASK_ANNUAL)
+        return orl_local_annual(&task->of.annual, files, part->scratch, NULL, part->threads, share,
+                                &teller, err);
+    if (task->of.render.n_skies > 0) {
+        rc = orl_local_run_skies(&task->of.render, files, part->scratch, part->threads, share,
+                                 &results, err);
+        if (rc == 0)
+            json_decref(results);
+        return rc;
+    }
+    rc = orl_local_run(&task->of.render, files, part->scratch, part->threads, share, &result, err);
+    orl_result_done(&result);
+    return rc;
+}
+
+static int make_pieces(struct part *part, struct orl_error *err)
+{
+    const struct orl_pieces pieces = {part, part->job, divide};
+    struct orl_map_store store;
+    const struct orl_local_share share = {&pieces, &store};
+    struct orl_task task = {0};
+    char files[4200];
+    int rc = orl_task_from_json(part->doc, ORL_JOB_LOCAL, &task, NULL, err);
+
+    snprintf(files, sizeof files, "%s/files", part->folder);
+    snprintf(part->scratch, sizeof part->scratch, "%s.%ld", part->stem, (long)getpid());
+    snprintf(part->in_folder.folder, sizeof part->in_folder.folder, "%.4000s/store", part->folder);
+    orl_shared_store_init(&part->in_folder, &store);
+    if (rc == 0)
+        rc = orl_make_folder(part->scratch, err);
+    if (rc == 0)
+        rc = run(part, &task, files, &share, err);
+    orl_place_remove(part->scratch);
+    orl_shared_store_done(&part->in_folder);
+    orl_task_done(&task);
+    if (rc == ORL_ERR_CANCELLED && part->over)
+        return 0;
+    if (rc == 0 && part->begun < json_array_size(part->pieces))
+        rc = orl_error_set(err, ORL_ERR_INVALID,
+                           "the job has no such pieces: was it handed out by another version?");
+    return rc;
+}
+
+/* ---- The command ----------------------------------------------------------------------------- */
+
+static int leave(const struct part *part, const char *ending, const json_t *json)
+{
+    struct orl_error err = {0};
+    char path[4300];
+
+    snprintf(path, sizeof path, "%s.%s", part->stem, ending);
+    return orl_write_json(path, json, &err) ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+static int do_part(const char *path)
+{
+    struct part part = {.begun = 0};
+    struct orl_error err = {0};
+    json_t *json;
+    int rc, code;
+
+    snprintf(part.stem, sizeof part.stem, "%.*s", (int)(strlen(path) - strlen(".json")), path);
+    rc = read_part(&part, path, &err);
+    if (rc == 0)
+        rc = make_pieces(&part, &err);
+    json = rc ? orl_problem_from_error(&err, NULL) : json_object();
+    code = leave(&part, rc ? "error" : "done", json);
+    json_decref(json);
+    json_decref(part.doc);
+    json_decref(part.pieces);
+    if (rc)
+        orl_report_error(&err);
+    return rc ? ORL_EXIT_FAILED : code;
+}
+
+int orl_cmd_part(const struct orl_subcommand *self, int argc, char **argv)
+{
+    struct orl_local_line line = {.threads = 1};
+    const size_t ending = strlen(".json");
+    int code;
+
+    if (!orl_local_parse(self, argc, argv, NULL, 0, &line, &code))
+        return code;
+    if (strlen(line.operand) <= ending ||
+        strcmp(line.operand + strlen(line.operand) - ending, ".json") != 0)
+        return orl_usage_error(self, "a part's file ends in .json");
+    return do_part(line.operand);
+}

@@ -1,0 +1,144 @@
+#include "runner.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "files.h"
+
+extern char **environ;
+
+struct task {
+    uint32_t number;
+    pid_t pid; /* 0: it waits */
+};
+
+struct local {
+    const char *folder;
+    uint32_t threads, most;
+    char program[4096], wave[64];
+    struct task *tasks; /* waiting or running, in the order in which they came */
+    size_t n_tasks;
+};
+
+static int spawn(const struct local *local, struct task *task, struct orl_error *err)
+{
+    char file[4200], log[4200];
+    char *const argv[] = {(char *)"oriel", (char *)"part", file, NULL};
+    posix_spawn_file_actions_t actions;
+    int rc;
+
+    snprintf(file, sizeof file, "%s/%s-%u.json", local->folder, local->wave, task->number);
+    snprintf(log, sizeof log, "%s/%s-%u.log", local->folder, local->wave, task->number);
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log, O_WRONLY | O_CREAT | O_TRUNC,
+                                     0600);
+    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    rc = posix_spawn(&task->pid, local->program, &actions, NULL, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (rc == 0)
+        return 0;
+    task->pid = 0;
+    return orl_error_set(err, orl_err_of_errno(rc), "'%s' cannot be started: %s", local->program,
+                         strerror(rc));
+}
+
+/* Those that have ended go, and others take their place. */
+static int turn_over(struct local *local, struct orl_error *err)
+{
+    size_t kept = 0, running = 0;
+    int rc = 0;
+
+    for (size_t i = 0; i < local->n_tasks; i++) {
+        struct task task = local->tasks[i];
+
+        if (task.pid > 0 && waitpid(task.pid, NULL, WNOHANG) != 0)
+            continue;
+        running += task.pid > 0;
+        local->tasks[kept++] = task;
+    }
+    local->n_tasks = kept;
+    for (size_t i = 0; i < kept && running < local->most && rc == 0; i++)
+        if (local->tasks[i].pid == 0) {
+            rc = spawn(local, &local->tasks[i], err);
+            running++;
+        }
+    return rc;
+}
+
+static int local_start(void *ctx, const char *wave, const uint32_t *numbers, size_t n,
+                       struct orl_error *err)
+{
+    struct local *local = ctx;
+    struct task *grown = realloc(local->tasks, (local->n_tasks + n) * sizeof *grown);
+
+    if (!grown)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu parts", n);
+    local->tasks = grown;
+    snprintf(local->wave, sizeof local->wave, "%s", wave);
+    for (size_t i = 0; i < n; i++)
+        local->tasks[local->n_tasks++] = (struct task){numbers[i], 0};
+    return turn_over(local, err);
+}
+
+static int local_look(void *ctx, enum orl_part_state *ret_states, size_t n, struct orl_error *err)
+{
+    struct local *local = ctx;
+    const int rc = turn_over(local, err);
+
+    for (size_t i = 0; i < n; i++)
+        ret_states[i] = ORL_PART_GONE;
+    for (size_t i = 0; i < local->n_tasks; i++)
+        if (local->tasks[i].number < n)
+            ret_states[local->tasks[i].number] =
+                local->tasks[i].pid > 0 ? ORL_PART_RUNNING : ORL_PART_WAITING;
+    return rc;
+}
+
+static void local_cancel(void *ctx)
+{
+    struct local *local = ctx;
+
+    for (size_t i = 0; i < local->n_tasks; i++)
+        if (local->tasks[i].pid > 0)
+            kill(local->tasks[i].pid, SIGTERM);
+    for (size_t i = 0; i < local->n_tasks; i++)
+        if (local->tasks[i].pid > 0)
+            waitpid(local->tasks[i].pid, NULL, 0);
+    local->n_tasks = 0;
+}
+
+static void local_done(void *ctx)
+{
+    struct local *local = ctx;
+
+    local_cancel(local);
+    free(local->tasks);
+    free(local);
+}
+
+int orl_runner_local(const char *folder, uint32_t threads, uint32_t most,
+                     struct orl_runner *ret_runner, struct orl_error *err)
+{
+    struct local *local = calloc(1, sizeof *local);
+    ssize_t length;
+
+    if (!local)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    local->folder = folder;
+    local->threads = threads;
+    local->most = most;
+    length = readlink("/proc/self/exe", local->program, sizeof local->program - 1);
+    if (length < 0) {
+        free(local);
+        return orl_error_set(err, orl_err_of_errno(errno), "this program's own file is not known");
+    }
+    *ret_runner = (struct orl_runner){local, local_start, local_look, local_cancel, local_done};
+    return 0;
+}

@@ -1,0 +1,134 @@
+/* Jobs in parts, each a process of its own: the same results; and parts that are not what they
+ * should be. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "support/parted.h"
+
+static void assert_parts_make_no_difference(struct cli_desk *f, const char *document)
+{
+    static const char *const in_parts[] = {"--parts", "3", NULL}, *const in_one[] = {"--parts", "1",
+                                                                                     NULL};
+    parted_run(f, document, "whole", NULL);
+    parted_run(f, document, "parts", in_parts);
+    assert_non_null(strstr(f->result.err, "parts: "));
+    parted_assert_same(f, "whole", "parts");
+    parted_run(f, document, "one", in_one);
+    parted_assert_same(f, "whole", "one");
+    char path[160];
+    snprintf(path, sizeof path, "%s/parts/parts", f->folder);
+    assert_int_equal(access(path, F_OK), -1); /* nothing is left of them */
+}
+
+static void test_a_render(void **state)
+{
+    assert_parts_make_no_difference(*state, parted_render);
+}
+
+static void test_skies(void **state)
+{
+    assert_parts_make_no_difference(*state, parted_skies);
+}
+
+static void test_rounds(void **state)
+{
+    assert_parts_make_no_difference(*state, parted_goal);
+}
+
+static void test_a_year(void **state)
+{
+    assert_parts_make_no_difference(*state, parted_annual);
+}
+
+static void assert_part_refused(struct cli_desk *f, const char *part, const char *says)
+{
+    char path[200];
+    snprintf(path, sizeof path, "%s/wave1-0.json", f->output);
+    cli_write_file(f->output, "wave1-0.json", part);
+    const char *const args[] = {"part", path, NULL};
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    if (!strstr(f->result.err, says))
+        fail_msg("\"%s\" is not in: %s", says, f->result.err);
+    char *error = cli_read_file(f->output, "wave1-0.error");
+    assert_non_null(error);
+    assert_non_null(strstr(error, "\"detail\""));
+    free(error);
+    assert_null(cli_read_file(f->output, "wave1-0.done"));
+}
+
+/* A folder as `oriel run --parts` lays it out: the room, and its digest. */
+static void test_parts_that_do_not_fit(void **state)
+{
+    static const char piece[] = "{\"job\": \"%s\", \"threads\": 1, \"pieces\": [{\"kind\": "
+                                "\"view\", \"key\": \"00\"}]}";
+    struct cli_desk *f = *state;
+    char part[400], files[160];
+    assert_int_equal(mkdir(f->output, 0700), 0);
+    cli_write_file(f->output, "job.json", "{\"scene\": {\"files\": [\"room.rad\"]}}");
+    cli_write_file(f->output, "files.json",
+                   "{\"room.rad\": \"e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b8"
+                   "55\"}");
+    snprintf(part, sizeof part, piece, "00");
+    assert_part_refused(f, part, "room.rad");
+    snprintf(files, sizeof files, "%s/files", f->output);
+    assert_int_equal(mkdir(files, 0700), 0);
+    cli_write_file(files, "room.rad", "# not what the digest says\n");
+    assert_part_refused(f, part, "is not what it was");
+    cli_write_file(files, "room.rad", "");
+    assert_part_refused(f, part, "of another job");
+    assert_part_refused(f, "{\"job\": \"00\", \"threads\": 0}", "threads");
+    assert_part_refused(f, "{", "wave1-0.json");
+}
+
+static void assert_usage(struct cli_desk *f, const char *const *args, const char *says)
+{
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 2);
+    if (!strstr(f->result.err, says))
+        fail_msg("\"%s\" is not in: %s", says, f->result.err);
+}
+
+static void test_command_lines(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const none[] = {"run", f->document, "-o", f->output, "--parts", "0", NULL};
+    const char *const alone[] = {"run", f->document, "-o", f->output, "--sbatch", "-p x", NULL};
+    const char *const no_part[] = {"part", "wave", NULL};
+    assert_usage(f, none, "--parts takes a number");
+    assert_usage(f, alone, "--sbatch goes with --slurm");
+    assert_usage(f, no_part, "ends in .json");
+    cli_write_file(
+        f->folder, "late.json",
+        "{\"scene\": {\"files\": [\"room.rad\", \"sky.rad\"]}, \"accuracy\": {\"deadline_s\": 5},"
+        " \"sensors\": {\"file\": \"desks.pts\"}}");
+    char late[160];
+    snprintf(late, sizeof late, "%s/late.json", f->folder);
+    const char *const deadline[] = {"run", late, "-o", f->output, "--parts", "2", NULL};
+    cli_run(deadline, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_non_null(strstr(f->result.err, "deadline"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_a_render, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_skies, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_rounds, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_year, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_parts_that_do_not_fit, parted_set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_command_lines, parted_set_up, cli_desk_tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,30 @@
+/*
+ * Jobs done in one piece and in parts: a desk with a room's documents, and whether both ways give
+ * the same.
+ */
+#ifndef ORL_TESTS_SUPPORT_PARTED_H
+#define ORL_TESTS_SUPPORT_PARTED_H
+
+#include <jansson.h>
+
+#include "support/cli.h"
+
+/* Documents of the desk: kinds of jobs. */
+extern const char *const parted_render; /* two views, 300 sensors, photon maps */
+extern const char *const parted_skies;  /* five skies */
+extern const char *const parted_goal;   /* an accuracy, in rounds */
+extern const char *const parted_annual; /* 150 sensors, two days of weather */
+
+/* For cmocka. */
+int parted_set_up(void **state);
+
+/* Runs a document with those options besides (NULL: none; up to eight words), into a folder of the
+ * desk. Fails the test where the command fails. */
+void parted_run(struct cli_desk *desk, const char *document, const char *output,
+                const char *const *options);
+
+/* Whether the folders of two runs hold the same: all files but result.json and maps byte for byte,
+ * and of result.json what is no time, count or cost. Fails the test, and names it. */
+void parted_assert_same(const struct cli_desk *desk, const char *one, const char *other);
+
+#endif
