@@ -120,13 +120,12 @@ static char *list_numbers(const uint32_t *numbers, size_t n, uint32_t most)
 
 static int submit(struct slurm *slurm, const char *array, struct orl_error *err)
 {
-    char of_array[64 + 12], cpus[48], chdir_to[4200];
+    char cpus[48], chdir_to[4200];
     char *argv[MOST_WORDS + 16];
     char *output = NULL, *array_word = NULL;
     size_t n = 0;
     int rc;
 
-    (void)of_array;
     if (asprintf(&array_word, "--array=%s", array) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     snprintf(cpus, sizeof cpus, "--cpus-per-task=%u", slurm->threads);
@@ -250,7 +249,7 @@ static int slurm_look(void *ctx, enum orl_part_state *ret_states, size_t n, stru
     int rc = 0;
 
     if (now - slurm->asked_s >= asked_every_s) {
-        enum orl_part_state *states = malloc((n + 1) * sizeof *states);
+        enum orl_part_state *states = calloc(n + 1, sizeof *states);
 
         if (!states)
             return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -171,7 +171,8 @@ int orl_sharing_verify(const char *folder, char ret_job[ORL_PIECE_KEY], json_t *
 
         snprintf(path, sizeof path, "%.4000s/files/%.4000s", folder, name);
         rc = rc ? rc : orl_digest_file(path, found, err);
-        if (rc == 0 && strcmp(found, json_string_value(wanted) ? json_string_value(wanted) : ""))
+        const char *text = json_string_value(wanted);
+        if (rc == 0 && (!text || strcmp(found, text) != 0))
             rc = orl_error_set(err, ORL_ERR_CORRUPT, "'%.300s' is not what it was", path);
     }
     json_decref(digests);
@@ -270,7 +271,7 @@ static int start(struct orl_sharing *sharing, struct wave *wave, const uint32_t 
 
 static int start_all(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
 {
-    uint32_t *numbers = malloc(wave->n * sizeof *numbers);
+    uint32_t *numbers = malloc((wave->n + 1) * sizeof *numbers);
     int rc;
 
     if (!numbers)

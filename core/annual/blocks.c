@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "annual/light.h"
+#include "annual/shared_blocks.h"
 #include "annual/sunlight.h"
 #include "annual/trace.h"
 #include "scene/geometry/stand.h"
@@ -381,70 +382,11 @@ static void tell_done(const struct orl_year *y)
     y->env->done(y->env->ctx, &block);
 }
 
-/* ---- Blocks as pieces of a year that is shared ----------------------------------------------- */
-
-static void choose_block(struct orl_year *y, size_t index)
-{
-    const size_t n = y->request->n_sensors;
-    y->first = index * ORL_YEAR_BLOCK;
-    y->count = n - y->first < ORL_YEAR_BLOCK ? n - y->first : ORL_YEAR_BLOCK;
-}
-
-/* Whether the store has all of the block at hand; its key is that of its paths. */
-static bool is_made(struct orl_year *y, struct orl_piece *ret_piece)
-{
-    struct orl_keeping paths = {.what = ORL_YEARS_PATHS,
-                                .first = y->first,
-                                .count = y->count,
-                                .samples = y->result->samples},
-                       sun = {.what = ORL_YEARS_SUN, .first = y->first, .count = y->count};
-    const bool has_paths = orl_keep_has(&y->keep, &paths), has_sun = orl_keep_has(&y->keep, &sun);
-    *ret_piece = (struct orl_piece){.kind = "rows", .work = (double)y->count};
-    memcpy(ret_piece->key, paths.key, sizeof ret_piece->key);
-    return has_paths && has_sun;
-}
-
+/* What of a block others can make. */
 static int make_block(struct orl_year *y, struct orl_error *err)
 {
     const int code = find_paths(y, err);
     return code == 0 ? find_suns(y, err) : code;
-}
-
-/* Those that are wanting, and how many; of each its number. */
-static size_t list_wanting(struct orl_year *y, size_t n, struct orl_piece *pieces, size_t *places)
-{
-    size_t wanting = 0;
-    for (size_t i = 0; i < n; i++) {
-        choose_block(y, i);
-        places[wanting] = i;
-        wanting += !is_made(y, &pieces[wanting]);
-    }
-    return wanting;
-}
-
-/* Until the store has all blocks. What cannot be kept is made later, block by block. */
-static int share_blocks(struct orl_year *y, struct orl_error *err)
-{
-    const struct orl_pieces *shared = y->env->run->pieces;
-    const size_t n = (y->request->n_sensors + ORL_YEAR_BLOCK - 1) / ORL_YEAR_BLOCK;
-    struct orl_piece *pieces = calloc(n + 1, sizeof *pieces);
-    size_t *places = calloc(n + 1, sizeof *places);
-    bool *here = calloc(n + 1, sizeof *here);
-    int code = pieces && places && here ? 0 : orl_year_no_memory(err);
-    size_t wanting, before = n + 1;
-    while (code == 0 && (wanting = list_wanting(y, n, pieces, places)) > 0 && wanting < before) {
-        before = wanting;
-        memset(here, 0, n * sizeof *here);
-        code = shared->divide(shared->ctx, pieces, wanting, here, err);
-        for (size_t i = 0; i < wanting && code == 0; i++) {
-            choose_block(y, places[i]);
-            code = here[i] ? make_block(y, err) : 0;
-        }
-    }
-    free(pieces);
-    free(places);
-    free(here);
-    return code;
 }
 
 /* ---- All of them ----------------------------------------------------------------------------- */
@@ -457,7 +399,7 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
         code = y->env->begins(y->env->ctx, y->result, err);
     y->blocks_s = orl_year_now(y);
     if (code == 0 && y->env->run->pieces && y->keep.store && !orl_year_is_sun_only(y))
-        code = share_blocks(y, err);
+        code = orl_year_share_blocks(y, make_block, err);
     for (y->first = 0; y->first < n && code == 0; y->first += y->count) {
         y->count = n - y->first < ORL_YEAR_BLOCK ? n - y->first : ORL_YEAR_BLOCK;
         if (is_kept(y)) {

@@ -117,28 +117,35 @@ static void foresee_views(struct orl_rendering *rendering, double before)
     }
 }
 
-static int render_views(struct orl_rendering *rendering, struct orl_error *err)
+/* views: room for all of them. */
+static int render_left(struct orl_rendering *rendering, size_t *views, struct orl_error *err)
 {
-    struct orl_run_state *state = rendering->state;
-    const size_t n = state->job->n_views;
+    const struct orl_run_state *state = rendering->state;
     size_t left = 0;
     int code = 0;
+    foresee_views(rendering, rendering->share);
+    for (size_t i = 0; i < state->job->n_views; i++)
+        if (!is_kept(state, i))
+            views[left++] = i;
+    if (orl_run_is_shared(state))
+        return orl_share_views(rendering, views, left, err);
+    for (size_t i = 0; i < left && code == 0; i++)
+        code = render_view(rendering, views[i], err);
+    return code;
+}
+
+static int render_views(struct orl_rendering *rendering, struct orl_error *err)
+{
+    struct orl_result *result = rendering->state->result;
+    const size_t n = rendering->state->job->n_views;
     if (n == 0)
         return 0;
     size_t *views = calloc(n, sizeof *views);
-    state->result->views = calloc(n, sizeof *state->result->views);
+    result->views = calloc(n, sizeof *result->views);
     rendering->views = calloc(n, sizeof *rendering->views);
-    if (!state->result->views || !rendering->views || !views)
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    if (code == 0)
-        foresee_views(rendering, rendering->share);
-    for (size_t i = 0; i < n && code == 0; i++)
-        if (!is_kept(state, i))
-            views[left++] = i;
-    if (orl_run_is_shared(state) && code == 0)
-        code = orl_share_views(rendering, views, left, err);
-    for (size_t i = 0; i < left && !orl_run_is_shared(state) && code == 0; i++)
-        code = render_view(rendering, views[i], err);
+    const int code = result->views && rendering->views && views
+                         ? render_left(rendering, views, err)
+                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(rendering->views);
     free(views);
     return code;

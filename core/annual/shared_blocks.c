@@ -1,0 +1,78 @@
+#include "annual/shared_blocks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void choose_block(struct orl_year *y, size_t index)
+{
+    const size_t n = y->request->n_sensors;
+    y->first = index * ORL_YEAR_BLOCK;
+    y->count = n - y->first < ORL_YEAR_BLOCK ? n - y->first : ORL_YEAR_BLOCK;
+}
+
+/* Whether the store has all of the block at hand; its key is that of its paths. */
+static bool is_made(struct orl_year *y, struct orl_piece *ret_piece)
+{
+    struct orl_keeping paths = {.what = ORL_YEARS_PATHS,
+                                .first = y->first,
+                                .count = y->count,
+                                .samples = y->result->samples},
+                       sun = {.what = ORL_YEARS_SUN, .first = y->first, .count = y->count};
+    const bool has_paths = orl_keep_has(&y->keep, &paths), has_sun = orl_keep_has(&y->keep, &sun);
+    *ret_piece = (struct orl_piece){.kind = "rows", .work = (double)y->count};
+    memcpy(ret_piece->key, paths.key, sizeof ret_piece->key);
+    return has_paths && has_sun;
+}
+
+/* Those that are wanting, and how many; of each its number. */
+static size_t list_wanting(struct orl_year *y, size_t n, struct orl_piece *pieces, size_t *places)
+{
+    size_t wanting = 0;
+    for (size_t i = 0; i < n; i++) {
+        choose_block(y, i);
+        places[wanting] = i;
+        wanting += !is_made(y, &pieces[wanting]);
+    }
+    return wanting;
+}
+
+struct wanting {
+    struct orl_piece *pieces;
+    size_t *places;
+    bool *here;
+};
+
+/* Until the store has all blocks. What cannot be kept is made later, block by block. */
+static int share_wanting(struct orl_year *y, size_t n, const struct wanting *w,
+                         orl_year_make_block *make, struct orl_error *err)
+{
+    const struct orl_pieces *shared = y->env->run->pieces;
+    size_t wanting = list_wanting(y, n, w->pieces, w->places), before = n + 1;
+    int code = 0;
+    while (code == 0 && wanting > 0 && wanting < before) {
+        before = wanting;
+        memset(w->here, 0, n * sizeof *w->here);
+        code = shared->divide(shared->ctx, w->pieces, wanting, w->here, err);
+        for (size_t i = 0; i < wanting && code == 0; i++) {
+            choose_block(y, w->places[i]);
+            code = w->here[i] ? make(y, err) : 0;
+        }
+        if (code == 0)
+            wanting = list_wanting(y, n, w->pieces, w->places);
+    }
+    return code;
+}
+
+int orl_year_share_blocks(struct orl_year *y, orl_year_make_block *make, struct orl_error *err)
+{
+    const size_t n = (y->request->n_sensors + ORL_YEAR_BLOCK - 1) / ORL_YEAR_BLOCK;
+    const struct wanting w = {.pieces = calloc(n + 1, sizeof *w.pieces),
+                              .places = calloc(n + 1, sizeof *w.places),
+                              .here = calloc(n + 1, sizeof *w.here)};
+    const int code = w.pieces && w.places && w.here ? share_wanting(y, n, &w, make, err)
+                                                    : orl_year_no_memory(err);
+    free(w.pieces);
+    free(w.places);
+    free(w.here);
+    return code;
+}

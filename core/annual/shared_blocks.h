@@ -1,0 +1,16 @@
+/*
+ * Blocks of a year's sensors as pieces of a year that is shared (oriel/pieces.h): what takes time
+ * of each, paths and the sun straight to its sensors, lies in the store.
+ */
+#ifndef ORL_ANNUAL_SHARED_BLOCKS_H
+#define ORL_ANNUAL_SHARED_BLOCKS_H
+
+#include "annual/year.h"
+
+/* Makes the block at hand (first, count), and keeps it. */
+typedef int orl_year_make_block(struct orl_year *y, struct orl_error *err);
+
+/* Until the store has all blocks. What cannot be kept is made later, block by block. */
+int orl_year_share_blocks(struct orl_year *y, orl_year_make_block *make, struct orl_error *err);
+
+#endif
