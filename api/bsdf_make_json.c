@@ -190,3 +190,25 @@ json_t *orl_bsdf_made_to_json(const struct orl_bsdf_made *m)
         "reached", (int)m->reached, "paths", (json_int_t)m->paths, "lost", m->lost, "cell", "x",
         m->cell[0], m->cell[1], "y", m->cell[2], m->cell[3], "z", m->depth[0], m->depth[1]);
 }
+
+json_t *orl_bsdf_made_warnings(const struct orl_bsdf_made *made,
+                               const struct orl_bsdf_make_request *request)
+{
+    const double lost_unsaid = 1e-4;
+    json_t *list = json_array();
+    int rc = list ? 0 : -1;
+    if (!made->reached)
+        rc |= json_array_append_new(
+            list, json_sprintf("the accuracy was not reached within %u paths a direction: the "
+                               "largest standard error is %.2g %% of its value",
+                               request->paths_most, 100 * made->worst));
+    if (made->lost > lost_unsaid)
+        rc |= json_array_append_new(list, json_sprintf("%.2g %% of the light was given up inside "
+                                                       "the panel, and is missing",
+                                                       100 * made->lost));
+    if (rc) {
+        json_decref(list);
+        return NULL;
+    }
+    return list;
+}

@@ -41,5 +41,8 @@ int orl_bsdf_make_from_json(const json_t *doc, enum orl_job_origin origin,
 
 /* A new reference, the caller's; NULL when out of memory. */
 json_t *orl_bsdf_made_to_json(const struct orl_bsdf_made *made);
+/* Likewise, in sentences: what is not as it was asked for, or not as it should be. */
+json_t *orl_bsdf_made_warnings(const struct orl_bsdf_made *made,
+                               const struct orl_bsdf_make_request *request);
 
 #endif

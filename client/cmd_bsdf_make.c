@@ -37,8 +37,8 @@ static const struct {
      "paths of light an incident direction (16384; tensor_tree_3 32768, tensor_tree_4 4096)",
      false},
     {"accuracy", "SHARE",
-     "of Klems bases: 0.02 doubles the paths of a direction until no standard error is above "
-     "2 % of a value (of those from 1 % of the peak on)",
+     "0.02 doubles the paths of a direction until no standard error is above 2 % of a value (of "
+     "those from 1 % of the peak on)",
      false},
     {"seed", "N", "the same seed gives the same file (1)", false},
 };
@@ -54,9 +54,16 @@ static json_t *value_of(const char *text, bool is_text)
 
 static json_t *cell_of(const char *text)
 {
-    double v[4];
-    int end = 0;
-    if (sscanf(text, "%lf %lf %lf %lf %n", v, v + 1, v + 2, v + 3, &end) != 4 || text[end] != '\0')
+    double v[4] = {0};
+    const char *at = text;
+    for (int i = 0; i < 4; i++) {
+        char *end = NULL;
+        v[i] = strtod(at, &end);
+        if (end == at)
+            return json_string(text);
+        at = end;
+    }
+    if (at[strspn(at, " ")] != '\0')
         return json_string(text);
     return json_pack("{s:[f, f], s:[f, f]}", "x", v[0], v[1], "y", v[2], v[3]);
 }
@@ -150,6 +157,19 @@ static int write_text(const char *path, const struct orl_bsdf_made *made, struct
     return orl_new_file_commit(&file, err);
 }
 
+static void print_warnings(const struct orl_bsdf_made *made,
+                           const struct orl_bsdf_make_request *request)
+{
+    json_t *warnings = orl_bsdf_made_warnings(made, request);
+    const json_t *one;
+    size_t i;
+    json_array_foreach(warnings, i, one)
+    {
+        fprintf(stderr, "warning: %s\n", json_string_value(one));
+    }
+    json_decref(warnings);
+}
+
 static int write_report(const char *path, const struct orl_bsdf_made *made, struct orl_error *err)
 {
     json_t *json = orl_bsdf_made_to_json(made);
@@ -175,9 +195,8 @@ static int make(const struct line *line)
         rc = write_report(line->report, &made, &err);
     if (rc == 0)
         print_made(&made);
-    if (rc == 0 && !made.reached)
-        fprintf(stderr, "warning: the accuracy was not reached within %u paths a direction\n",
-                request.paths_most);
+    if (rc == 0)
+        print_warnings(&made, &request);
     orl_bsdf_made_done(&made);
     orl_bsdf_make_request_done(&request);
     orl_job_file_done(&file);

@@ -9,9 +9,9 @@
 #include "base/grow.h"
 #include "bsdf/write.h"
 
-/* Ratios of sums of squares that chance exceeds, of 15 degrees of freedom, in 1 of 10^4 cases
- * (chi-square); and in none of the many millions that a panel has. */
-static const double by_chance = 3, beyond_chance = 8;
+/* Ratios of sums of squares that chance exceeds in 1 of 10^4 cases (chi-square); and in none of the
+ * many millions that a panel has: of 15 degrees of freedom, and of the 3 of a cell out alone. */
+static const double by_chance[2] = {3, 7}, beyond_chance[2] = {8, 13};
 /* Of the light that comes: what a cell may send elsewhere unseen. All 4096 of 64 by 64 that are as
  * wrong as can be are 0.8 % of it. */
 static const double least_share = 2e-6;
@@ -43,25 +43,26 @@ static struct orl_gonio_node mean_of(const struct orl_gonio_node *children, unsi
                                    .variance = (float)(sum_of(variances, fan) / (fan * fan))};
 }
 
-/* Whether nodes are as good as their mean, which is given its doubt where they are not. */
-static bool are_one(const struct orl_gonio_forest *forest, const struct orl_gonio_node *children,
-                    unsigned level, struct orl_gonio_node *mean)
+bool orl_gonio_are_one(double cull, const struct orl_gonio_node *children, unsigned fan,
+                       unsigned level, struct orl_gonio_node *ret_mean)
 {
-    const unsigned fan = 1U << forest->rank;
+    const bool few = fan == 4;
     const double omega = ldexp(ORL_PI, -2 * (int)level), unseen = least_share / omega;
-    const double shade = forest->cull * (double)mean->value;
+    struct orl_gonio_node mean = mean_of(children, fan);
+    const double shade = cull * (double)mean.value;
     double off2[ORL_GONIO_FAN_MOST] = {0}, variances[ORL_GONIO_FAN_MOST] = {0}, doubt = 0;
     bool leaves = true;
     for (unsigned i = 0; i < fan; i++) {
-        const double off = (double)children[i].value - (double)mean->value;
+        const double off = (double)children[i].value - (double)mean.value;
         off2[i] = off * off;
         variances[i] = (double)children[i].variance;
         doubt = fmax(doubt, (double)children[i].doubt);
         leaves = leaves && !children[i].branch;
     }
     const double squares = sum_of(off2, fan), noise = sum_of(variances, fan);
-    mean->doubt = (float)fmin(1e30, fmax(doubt, noise > 0 ? squares / noise : 1e30));
-    if (squares <= by_chance * noise && doubt <= beyond_chance)
+    mean.doubt = (float)fmin(1e30, fmax(doubt, noise > 0 ? squares / noise : 1e30));
+    *ret_mean = mean;
+    if (squares <= by_chance[few] * noise && doubt <= beyond_chance[few])
         return true;
     return leaves && (squares <= fan * shade * shade || squares <= fan * unseen * unseen);
 }
@@ -70,8 +71,8 @@ bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node
                     unsigned level, struct orl_gonio_node *ret_node)
 {
     const unsigned fan = 1U << forest->rank;
-    struct orl_gonio_node node = mean_of(children, fan);
-    if (are_one(forest, children, level, &node)) {
+    struct orl_gonio_node node;
+    if (orl_gonio_are_one(forest->cull, children, fan, level, &node)) {
         node.doubt = 0;
         *ret_node = node;
         return true;

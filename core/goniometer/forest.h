@@ -40,6 +40,11 @@ struct orl_gonio_forest {
 
 void orl_gonio_forest_done(struct orl_gonio_forest *forest);
 
+/* Whether fan nodes, which lie level deep, are as good as their mean, which is filled in; its doubt
+ * says how far they are from that. */
+bool orl_gonio_are_one(double cull, const struct orl_gonio_node *children, unsigned fan,
+                       unsigned level, struct orl_gonio_node *ret_mean);
+
 /* One node over 2^rank others, which lie level deep: a branch, or a leaf. False: no memory. */
 bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node *children,
                     unsigned level, struct orl_gonio_node *ret_node);

@@ -5,14 +5,14 @@
 #include "goniometer/made.h"
 #include "goniometer/provenance.h"
 
-enum { AT_ONCE = 32 }; /* items between two words of progress */
+enum { AT_ONCE = 16 }; /* items between two words of progress */
 
 struct round {
     const struct orl_bsdf_make_request *request;
     const struct orl_bsdf_make_env *env;
     const struct orl_gonio_sample *sample;
     struct orl_gonio_sheet *sheet;
-    const struct orl_sobol *sobol;
+    struct orl_gonio_lamp lamp;
     uint32_t *wanted; /* paths in each batch, by item; 0: enough there are */
     uint32_t number;
     size_t first;
@@ -24,13 +24,14 @@ static void measure_item(void *arg, size_t index, uint32_t member)
     const size_t item = r->first + index;
     (void)member;
     if (r->wanted[item] > r->sheet->paths[item])
-        orl_gonio_sheet_measure(r->sheet, r->sample, r->sobol, r->request->seed, item,
-                                r->wanted[item]);
+        orl_gonio_sheet_measure(r->sheet, &r->lamp, item, r->wanted[item]);
 }
 
 static int measure(struct round *r)
 {
     const size_t items = r->sheet->items;
+    if (r->env->progress)
+        r->env->progress(r->env->ctx, r->number, 0);
     for (r->first = 0; r->first < items; r->first += AT_ONCE) {
         const size_t count = items - r->first < AT_ONCE ? items - r->first : AT_ONCE;
         const int code = orl_crew_try(r->env->crew, count, measure_item, r);
@@ -150,7 +151,13 @@ int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
     if (code < 0)
         return code;
     uint32_t *wanted = malloc(sheet.items * sizeof *wanted);
-    struct round round = {request, env, sample, &sheet, sobol, wanted, 1, 0};
+    struct round round = {.request = request,
+                          .env = env,
+                          .sample = sample,
+                          .sheet = &sheet,
+                          .lamp = {sample, sobol, request->seed, env->cancel},
+                          .wanted = wanted,
+                          .number = 1};
     code = wanted ? measure_all(&round, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0)
         code = orl_gonio_tell(&sheet, made, err);

@@ -32,6 +32,8 @@ int orl_bsdf_make(const struct orl_bsdf_make_request *request, const struct orl_
     struct orl_gonio_sample sample;
     struct orl_bsdf_made made = {0};
     int code = orl_bsdf_make_validate(request, err);
+    if (code == 0 && request->n_files == 0)
+        code = orl_error_set(err, ORL_ERR_INVALID, "no file of the panel is named");
     if (code == 0)
         code = orl_gonio_sample_load(request, env, &sample, err);
     if (code < 0)

@@ -123,37 +123,54 @@ static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t i
         &numbers, count, &shot);
 }
 
-/* Values and errors of the sums, which are emptied. */
-static void settle(struct orl_gonio_probe *p, struct orl_gonio_node *ret_nodes)
+void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to)
 {
-    const size_t cells = orl_gonio_probe_cells(p);
-    const double unit = (double)cells / ORL_PI / p->paths;
+    enum { AT_ONCE = 1024 };
+    for (size_t batch = 0; batch < ORL_GONIO_BATCHES; batch++)
+        for (uint32_t index = from; index < to; index++) {
+            if (index % AT_ONCE == 0 && orl_is_cancelled(probe->cancel))
+                return;
+            send(probe, a, batch, index);
+        }
+}
+
+/* ---- Telling --------------------------------------------------------------------------------- */
+
+void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
+                          struct orl_gonio_node *ret_nodes)
+{
+    const size_t cells = orl_gonio_probe_cells(probe);
+    const double unit = (double)cells / ORL_PI / paths;
     for (size_t i = 0; i < 2 * cells; i++) {
         double sum = 0, squares = 0;
         for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-            sum += p->sums[k * 2 * cells + i];
-        if (sum == 0) {
-            ret_nodes[i] = (struct orl_gonio_node){.value = 0};
+            sum += probe->sums[k * 2 * cells + i];
+        ret_nodes[i] = (struct orl_gonio_node){.value = 0};
+        if (sum == 0)
             continue;
-        }
         const double mean = sum / ORL_GONIO_BATCHES;
         for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
-            double *share = &p->sums[k * 2 * cells + i];
-            squares += (*share - mean) * (*share - mean);
-            p->totals[k][i >= cells] += *share / p->paths;
-            *share = 0;
+            const double off = probe->sums[k * 2 * cells + i] - mean;
+            squares += off * off;
         }
-        ret_nodes[i] = (struct orl_gonio_node){.value = (float)(mean * unit)};
+        ret_nodes[i].value = (float)(mean * unit);
         ret_nodes[i].variance =
             (float)(squares * unit * unit / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0)));
     }
 }
 
-void orl_gonio_probe_measure(struct orl_gonio_probe *probe, uint32_t a,
-                             struct orl_gonio_node *ret_nodes)
+void orl_gonio_probe_drop(struct orl_gonio_probe *probe)
 {
-    for (size_t batch = 0; batch < ORL_GONIO_BATCHES; batch++)
-        for (uint32_t index = 0; index < probe->paths; index++)
-            send(probe, a, batch, index);
-    settle(probe, ret_nodes);
+    memset(probe->sums, 0,
+           (size_t)2 * ORL_GONIO_BATCHES * orl_gonio_probe_cells(probe) * sizeof *probe->sums);
+}
+
+void orl_gonio_probe_settle(struct orl_gonio_probe *probe, uint32_t paths)
+{
+    const size_t cells = orl_gonio_probe_cells(probe);
+    for (size_t i = 0; i < 2 * cells; i++)
+        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+            if (probe->sums[k * 2 * cells + i] != 0)
+                probe->totals[k][i >= cells] += probe->sums[k * 2 * cells + i] / paths;
+    orl_gonio_probe_drop(probe);
 }

@@ -14,9 +14,9 @@ struct orl_gonio_probe {
     const struct orl_gonio_sample *sample;
     const struct orl_sobol *sobol;
     uint64_t seed;
-    unsigned rank, levels; /* 2^levels cells a side */
-    uint32_t paths;        /* in each batch */
-    bool front;            /* light comes from there */
+    unsigned rank, levels;     /* 2^levels cells a side */
+    bool front;                /* light comes from there */
+    const atomic_bool *cancel; /* may be NULL */
     /* What is counted; owned: */
     double *sums;                        /* [batch][transmitted][cell out], of one incident cell */
     double totals[ORL_GONIO_BATCHES][2]; /* of all incident cells: shares, summed */
@@ -31,9 +31,14 @@ static inline size_t orl_gonio_probe_cells(const struct orl_gonio_probe *probe)
 int orl_gonio_probe_init(struct orl_gonio_probe *probe, struct orl_error *err);
 void orl_gonio_probe_done(struct orl_gonio_probe *probe);
 
-/* Fills ret_nodes[transmitted * cells + cell out] with the leaves of incident cell a: of rank 4 one
- * of the square, of rank 3 a ring. */
-void orl_gonio_probe_measure(struct orl_gonio_probe *probe, uint32_t a,
-                             struct orl_gonio_node *ret_nodes);
+/* Sends paths from .. to of each batch into incident cell a: of rank 4 one of the square, of rank 3
+ * a ring. When it is cancelled, some of them. */
+void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to);
+/* After that many of each batch: fills ret_nodes[transmitted * cells + cell out] with leaves. */
+void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
+                          struct orl_gonio_node *ret_nodes);
+/* Adds the sums to the totals, or drops them; then another cell may come. */
+void orl_gonio_probe_settle(struct orl_gonio_probe *probe, uint32_t paths);
+void orl_gonio_probe_drop(struct orl_gonio_probe *probe);
 
 #endif

@@ -43,6 +43,8 @@ uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request)
 {
     if (request->paths)
         return request->paths;
+    if (request->accuracy > 0 && orl_bsdf_basis_is_tree(request->basis))
+        return 1024; /* that a share of 1 % of the light is missed by chance is one case in 10^4 */
     return request->basis == ORL_BSDF_TENSOR_TREE_4   ? 4096
            : request->basis == ORL_BSDF_TENSOR_TREE_3 ? 32768
                                                       : 16384;
@@ -57,9 +59,6 @@ static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error
         return fail(err, ORL_ERR_RANGE, "cull", "a cull is a share, from 0 to 1");
     if (r->color)
         return fail(err, ORL_ERR_UNSUPPORTED, "color", "colour is made in Klems bases alone");
-    if (r->accuracy > 0)
-        return fail(err, ORL_ERR_UNSUPPORTED, "accuracy",
-                    "an accuracy is for Klems bases; trees are told their paths");
     if (r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_ASYMMETRIC)
         return fail(err, ORL_ERR_UNSUPPORTED, "symmetry",
                     "a tensor tree of rank 3 is the same from all azimuths: it has no mirrors");
@@ -68,8 +67,6 @@ static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error
 
 int orl_bsdf_make_validate(const struct orl_bsdf_make_request *r, struct orl_error *err)
 {
-    if (r->n_files == 0)
-        return fail(err, ORL_ERR_INVALID, "scene", "no file of the panel is named");
     if (!orl_bsdf_basis_name(r->basis))
         return fail(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
     const uint32_t paths = orl_bsdf_make_paths(r);

@@ -43,9 +43,7 @@ static double *sums_of(const struct orl_gonio_sheet *sheet, size_t item, size_t 
 
 struct beam {
     struct orl_gonio_sheet *sheet;
-    const struct orl_gonio_sample *sample;
-    const struct orl_sobol *sobol;
-    uint64_t seed;
+    const struct orl_gonio_lamp *lamp;
     size_t item, batch;
     bool front; /* it comes from there */
     int in;
@@ -74,32 +72,36 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
 /* Over the directions of the cell and the places of the panel, evenly. */
 static void send(struct beam *b, uint32_t index)
 {
+    const struct orl_gonio_lamp *lamp = b->lamp;
     const uint64_t stream = b->item * ORL_GONIO_BATCHES + b->batch;
     struct orl_gonio_numbers numbers = {
-        .sobol = b->sobol,
+        .sobol = lamp->sobol,
         .index = index,
-        .seed = (uint32_t)orl_mix64(b->seed ^ orl_mix64(stream + 1)),
+        .seed = (uint32_t)orl_mix64(lamp->seed ^ orl_mix64(stream + 1)),
         .random =
-            orl_random_stream(b->seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
+            orl_random_stream(lamp->seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
     double u[4];
-    orl_sobol_point(b->sobol, index, numbers.seed, 4, u);
+    orl_sobol_point(lamp->sobol, index, numbers.seed, 4, u);
     struct orl_vec3 towards = orl_basis_direction(&b->sheet->basis, b->in, u[0], u[1]);
     if (b->front)
         towards.z = -towards.z;
     const struct orl_path path =
-        orl_path_from(orl_gonio_cell_place(&b->sample->cell, b->front, u + 2), towards);
-    orl_gonio_follow(b->sample, path, &numbers, count, b);
+        orl_path_from(orl_gonio_cell_place(&lamp->sample->cell, b->front, u + 2), towards);
+    orl_gonio_follow(lamp->sample, path, &numbers, count, b);
 }
 
-void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_sample *sample,
-                             const struct orl_sobol *sobol, uint64_t seed, size_t item,
-                             uint32_t paths)
+void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_lamp *lamp,
+                             size_t item, uint32_t paths)
 {
+    enum { AT_ONCE = 1024 };
     const size_t cells = (size_t)sheet->basis.n_cells;
-    struct beam beam = {sheet, sample, sobol, seed, item, 0, item >= cells, (int)(item % cells)};
+    struct beam beam = {sheet, lamp, item, 0, item >= cells, (int)(item % cells)};
     for (; beam.batch < ORL_GONIO_BATCHES; beam.batch++)
-        for (uint32_t i = sheet->paths[item]; i < paths; i++)
+        for (uint32_t i = sheet->paths[item]; i < paths; i++) {
+            if (i % AT_ONCE == 0 && orl_is_cancelled(lamp->cancel))
+                return;
             send(&beam, i);
+        }
     sheet->paths[item] = paths;
 }
 

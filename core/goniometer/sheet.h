@@ -26,10 +26,18 @@ int orl_gonio_sheet_init(struct orl_gonio_sheet *sheet, const char *basis, bool 
                          enum orl_bsdf_symmetry symmetry, struct orl_error *err);
 void orl_gonio_sheet_done(struct orl_gonio_sheet *sheet);
 
-/* Sends more paths in, until there are so many in each batch of the item. */
-void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_sample *sample,
-                             const struct orl_sobol *sobol, uint64_t seed, size_t item,
-                             uint32_t paths);
+/* What paths are sent by. */
+struct orl_gonio_lamp {
+    const struct orl_gonio_sample *sample;
+    const struct orl_sobol *sobol;
+    uint64_t seed;
+    const atomic_bool *cancel; /* may be NULL */
+};
+
+/* Sends more paths in, until there are so many in each batch of the item; when it is cancelled the
+ * sheet is of no more use. */
+void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_lamp *lamp,
+                             size_t item, uint32_t paths);
 
 /* The cell that mirrors make of a cell. */
 int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_symmetry mirrors);

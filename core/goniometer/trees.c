@@ -5,14 +5,25 @@
 
 #include "goniometer/probe.h"
 #include "goniometer/provenance.h"
+#include "goniometer/resolve.h"
 
-enum { SPLIT_LEVEL = 3, AT_ONCE = 32 };
+enum { SPLIT_LEVEL = 4, AT_ONCE = 16 };
+/* Of each incident cell, in each batch, to see how bright it gets. */
+enum { SURVEY_PATHS = 4 };
+/* Branches of all trees together: a quarter of a gigabyte, twice that while they are joined. */
+enum { MOST_BRANCHES = 1 << 20 };
+
+/* Of the peak: values whose error counts, and those that paths are sent for, since a few paths tell
+ * it a little too high. */
+static const double told_from = 0.01, heeded_from = 0.007;
 
 /* A part of the incident directions that one thread measures: a cell at some level. */
 struct block {
     struct orl_gonio_forest forest;
     struct orl_gonio_node *tops; /* [transmitted][cell out at that level]; owned */
     double totals[ORL_GONIO_BATCHES][2], lost;
+    double peaks[2]; /* reflected, transmitted: as few paths tell them */
+    uint64_t paths;
     int code;
 };
 
@@ -22,8 +33,11 @@ struct trees {
     const struct orl_sobol *sobol;
     unsigned rank, levels, split; /* split: the level of blocks */
     size_t n_blocks;              /* on one side */
-    uint32_t paths;
+    uint32_t paths, paths_most;   /* in each batch */
+    double from[2][2]; /* side, transmitted: values from which on errors count; with an accuracy */
+    const atomic_bool *cancel;
     struct block *blocks; /* of light from the back, then from the front */
+    size_t *todo, n_todo; /* their places; those that mirrors make of others are left out */
     size_t first;
     /* What they come to, by side: */
     struct orl_gonio_forest forests[2];
@@ -62,21 +76,62 @@ static bool join_level(const struct trees *t, struct orl_gonio_forest *forest, u
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
-/* The nodes of incident cell a at a level, from the finest cells up. */
-static bool grow(const struct trees *t, struct orl_gonio_probe *probe,
-                 struct orl_gonio_forest *forest, unsigned level, uint32_t a,
-                 struct orl_gonio_node *ret_nodes)
+/* What one thread measures by. */
+struct work {
+    const struct trees *t;
+    struct block *block;
+    struct orl_gonio_probe probe;
+    struct orl_gonio_node *nodes; /* of one incident cell, to be used up; with an accuracy */
+    size_t side;
+};
+
+static struct orl_gonio_seen look(const struct work *w, bool transmitted, double from)
 {
-    const unsigned in = parts_in(t);
-    if (level == t->levels) {
-        orl_gonio_probe_measure(probe, a, ret_nodes);
-        return true;
-    }
+    const size_t cells = orl_gonio_probe_cells(&w->probe);
+    return orl_gonio_resolve(w->nodes + transmitted * cells, w->t->levels, w->t->request->cull,
+                             from);
+}
+
+/* Whether the cell's values are known as well as was asked for. */
+static bool is_resolved(const struct work *w, const struct orl_gonio_node *nodes)
+{
+    const double accuracy = w->t->request->accuracy;
+    bool resolved = true;
+    memcpy(w->nodes, nodes, 2 * orl_gonio_probe_cells(&w->probe) * sizeof *nodes);
+    for (int k = 0; k < 2 && resolved; k++)
+        resolved = look(w, k, w->t->from[w->side][k]).worst <= accuracy;
+    return resolved;
+}
+
+/* One finest cell: with an accuracy its paths are doubled until they tell enough. */
+static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    const struct trees *t = w->t;
+    uint32_t sent = 0, paths = t->paths;
+    do {
+        if (orl_is_cancelled(t->cancel))
+            return false;
+        orl_gonio_probe_send(&w->probe, a, sent, paths);
+        orl_gonio_probe_tell(&w->probe, paths, ret_nodes);
+        sent = paths;
+        paths *= 2;
+    } while (t->request->accuracy > 0 && paths <= t->paths_most && !is_resolved(w, ret_nodes));
+    orl_gonio_probe_settle(&w->probe, sent);
+    w->block->paths += (uint64_t)sent * ORL_GONIO_BATCHES;
+    return true;
+}
+
+/* The nodes of incident cell a at a level, from the finest cells up. */
+static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = parts_in(w->t);
+    if (level == w->t->levels)
+        return measure_cell(w, a, ret_nodes);
     struct orl_gonio_node *parts = malloc(in * nodes_at(level + 1) * sizeof *parts);
     bool fine = parts != NULL;
     for (unsigned k = 0; k < in && fine; k++)
-        fine = grow(t, probe, forest, level + 1, in * a + k, parts + k * nodes_at(level + 1));
-    fine = fine && join_level(t, forest, level, parts, ret_nodes);
+        fine = grow(w, level + 1, in * a + k, parts + k * nodes_at(level + 1));
+    fine = fine && join_level(w->t, &w->block->forest, level, parts, ret_nodes);
     free(parts);
     return fine;
 }
@@ -98,47 +153,105 @@ static size_t original_of(const struct trees *t, size_t block, unsigned *ret_mir
     return a;
 }
 
+static int open_work(const struct trees *t, size_t place, struct work *w)
+{
+    *w = (struct work){.t = t, .block = &t->blocks[place], .side = place / t->n_blocks};
+    w->probe = (struct orl_gonio_probe){.sample = t->sample,
+                                        .sobol = t->sobol,
+                                        .seed = t->request->seed,
+                                        .rank = t->rank,
+                                        .levels = t->levels,
+                                        .front = w->side == 1,
+                                        .cancel = t->cancel};
+    w->nodes = malloc(2 * orl_gonio_probe_cells(&w->probe) * sizeof *w->nodes);
+    return w->nodes ? orl_gonio_probe_init(&w->probe, NULL) : ORL_ERR_NOMEM;
+}
+
+static void close_work(struct work *w)
+{
+    orl_gonio_probe_done(&w->probe);
+    free(w->nodes);
+}
+
+/* How bright cells out get, by a few paths into every incident cell of a block. */
+static void survey_block(void *arg, size_t index, uint32_t member)
+{
+    const struct trees *t = arg;
+    const size_t place = t->todo[t->first + index];
+    const unsigned below = (t->rank == 4 ? 2 : 1) * (t->levels - t->split);
+    const uint32_t first = (uint32_t)(place % t->n_blocks) << below;
+    struct work w;
+    (void)member;
+    w.block = &t->blocks[place];
+    w.block->code = open_work(t, place, &w);
+    for (uint32_t a = first; w.block->code == 0 && a < first + (1U << below); a++) {
+        orl_gonio_probe_send(&w.probe, a, 0, SURVEY_PATHS);
+        orl_gonio_probe_tell(&w.probe, SURVEY_PATHS, w.nodes);
+        orl_gonio_probe_drop(&w.probe);
+        for (int k = 0; k < 2; k++)
+            w.block->peaks[k] = fmax(w.block->peaks[k], look(&w, k, 0).peak);
+    }
+    close_work(&w);
+}
+
 static void measure_block(void *arg, size_t index, uint32_t member)
 {
     const struct trees *t = arg;
-    const size_t place = t->first + index, a = place % t->n_blocks;
+    const size_t place = t->todo[t->first + index];
     struct block *block = &t->blocks[place];
-    struct orl_gonio_probe probe = {.sample = t->sample,
-                                    .sobol = t->sobol,
-                                    .seed = t->request->seed,
-                                    .rank = t->rank,
-                                    .levels = t->levels,
-                                    .paths = t->paths,
-                                    .front = place >= t->n_blocks};
-    unsigned mirror;
+    struct work w;
     (void)member;
-    if (original_of(t, a, &mirror) != a)
-        return;
     block->forest = (struct orl_gonio_forest){.rank = t->rank, .cull = t->request->cull};
     block->tops = malloc(nodes_at(t->split) * sizeof *block->tops);
-    block->code = block->tops ? orl_gonio_probe_init(&probe, NULL) : ORL_ERR_NOMEM;
-    if (block->code == 0 && !grow(t, &probe, &block->forest, t->split, (uint32_t)a, block->tops))
+    block->code = open_work(t, place, &w);
+    if (block->code == 0 &&
+        (!block->tops || !grow(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
         block->code = ORL_ERR_NOMEM;
-    memcpy(block->totals, probe.totals, sizeof block->totals);
-    block->lost = probe.lost;
-    orl_gonio_probe_done(&probe);
+    memcpy(block->totals, w.probe.totals, sizeof block->totals);
+    block->lost = w.probe.lost;
+    close_work(&w);
+}
+
+/* By pieces; of the whole they go from one share to another. */
+static int for_blocks(struct trees *t, const struct orl_bsdf_make_env *env, orl_crew_body body,
+                      double share_from, double share_to)
+{
+    size_t branches = 0;
+    if (env->progress)
+        env->progress(env->ctx, 1, share_from);
+    for (t->first = 0; t->first < t->n_todo; t->first += AT_ONCE) {
+        const size_t count = t->n_todo - t->first < AT_ONCE ? t->n_todo - t->first : AT_ONCE;
+        const int code = orl_crew_try(env->crew, count, body, t);
+        if (code < 0 || orl_is_cancelled(env->cancel))
+            return ORL_ERR_CANCELLED;
+        for (size_t i = t->first; i < t->first + count; i++) {
+            const struct block *block = &t->blocks[t->todo[i]];
+            if (block->code < 0)
+                return block->code;
+            branches += block->forest.count;
+        }
+        if (branches > MOST_BRANCHES)
+            return ORL_ERR_LIMIT;
+        if (env->progress)
+            env->progress(env->ctx, 1,
+                          share_from + (share_to - share_from) * (double)(t->first + count) /
+                                           (double)t->n_todo);
+    }
+    return 0;
 }
 
 static int measure(struct trees *t, const struct orl_bsdf_make_env *env)
 {
-    const size_t items = 2 * t->n_blocks;
-    for (t->first = 0; t->first < items; t->first += AT_ONCE) {
-        const size_t count = items - t->first < AT_ONCE ? items - t->first : AT_ONCE;
-        const int code = orl_crew_try(env->crew, count, measure_block, t);
-        if (code < 0)
-            return code;
-        for (size_t i = 0; i < count; i++)
-            if (t->blocks[t->first + i].code < 0)
-                return t->blocks[t->first + i].code;
-        if (env->progress)
-            env->progress(env->ctx, 1, (double)(t->first + count) / (double)items);
-    }
-    return 0;
+    const double part = 0.05; /* that the survey is of the whole, more or less */
+    if (!(t->request->accuracy > 0))
+        return for_blocks(t, env, measure_block, 0, 1);
+    const int code = for_blocks(t, env, survey_block, 0, part);
+    for (size_t i = 0; i < t->n_todo; i++)
+        for (int k = 0; k < 2; k++) {
+            double *from = &t->from[t->todo[i] / t->n_blocks][k];
+            *from = fmax(*from, heeded_from * t->blocks[t->todo[i]].peaks[k]);
+        }
+    return code < 0 ? code : for_blocks(t, env, measure_block, part, 1);
 }
 
 /* ---- The whole ------------------------------------------------------------------------------- */
@@ -220,25 +333,21 @@ static struct orl_bsdf_share diffuse_of(const struct trees *t, size_t side, bool
 
 static void tell(const struct trees *t, struct orl_bsdf_made *made)
 {
-    size_t measured = 0;
     double lost = 0;
     for (size_t side = 0; side < 2; side++)
         for (size_t k = 0; k < 2; k++) {
             const struct orl_gonio_forest *forest = &t->forests[side];
             const struct orl_gonio_node root = t->roots[side][k];
-            const double from = 0.01 * orl_gonio_forest_peak(forest, root);
+            const double from = told_from * orl_gonio_forest_peak(forest, root);
             made->diffuse[side][k] = diffuse_of(t, side, k);
             made->worst = fmax(made->worst, orl_gonio_forest_worst(forest, root, from));
         }
-    for (size_t i = 0; i < 2 * t->n_blocks; i++) {
-        measured += t->blocks[i].tops != NULL;
-        lost += t->blocks[i].lost;
+    for (size_t i = 0; i < t->n_todo; i++) {
+        made->paths += t->blocks[t->todo[i]].paths;
+        lost += t->blocks[t->todo[i]].lost;
     }
-    const unsigned below = t->levels - t->split;
-    made->paths = (uint64_t)measured * t->paths * ORL_GONIO_BATCHES
-                  << (t->rank == 4 ? 2 * below : below);
     made->lost = lost / (double)made->paths;
-    made->reached = true;
+    made->reached = !(t->request->accuracy > 0) || made->worst <= t->request->accuracy;
 }
 
 static void write_part(void *ctx, enum orl_bsdf_part part, FILE *out)
@@ -257,14 +366,21 @@ static void done(struct trees *t)
         free(t->blocks[i].tops);
     }
     free(t->blocks);
+    free(t->todo);
     orl_gonio_forest_done(&t->forests[0]);
     orl_gonio_forest_done(&t->forests[1]);
 }
 
 static struct trees trees_of(const struct orl_bsdf_make_request *request,
+                             const struct orl_bsdf_make_env *env,
                              const struct orl_gonio_sample *sample, const struct orl_sobol *sobol)
 {
-    struct trees t = {.request = request, .sample = sample, .sobol = sobol, .levels = 1};
+    struct trees t = {.request = request,
+                      .sample = sample,
+                      .sobol = sobol,
+                      .levels = 1,
+                      .paths_most = request->paths_most / ORL_GONIO_BATCHES,
+                      .cancel = env->cancel};
     t.rank = request->basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
     while (1U << t.levels < request->resolution)
         t.levels++;
@@ -273,7 +389,26 @@ static struct trees trees_of(const struct orl_bsdf_make_request *request,
     t.n_blocks = t.rank == 3 ? (size_t)1 << (t.levels - 1) : (size_t)1 << 2 * t.split;
     t.paths = (orl_bsdf_make_paths(request) + ORL_GONIO_BATCHES - 1) / ORL_GONIO_BATCHES;
     t.blocks = calloc(2 * t.n_blocks, sizeof *t.blocks);
+    t.todo = calloc(2 * t.n_blocks, sizeof *t.todo);
+    for (size_t i = 0; t.todo && i < 2 * t.n_blocks; i++) {
+        unsigned mirror;
+        if (original_of(&t, i % t.n_blocks, &mirror) == i % t.n_blocks)
+            t.todo[t.n_todo++] = i;
+    }
     return t;
+}
+
+static int fail(int code, struct orl_error *err)
+{
+    if (code == ORL_ERR_LIMIT) {
+        orl_error_set(err, code, "the panel's trees have more than %d branches", MOST_BRANCHES);
+        orl_error_hint(err,
+                       "Ask for a lower resolution, a larger cull, or more paths: what is noise "
+                       "of single cells then is none of those joined");
+        return code;
+    }
+    return orl_error_set(
+        err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory for the panel's BSDF");
 }
 
 int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
@@ -281,10 +416,10 @@ int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
                          const struct orl_sobol *sobol, struct orl_bsdf_made *made,
                          struct orl_error *err)
 {
-    struct trees t = trees_of(request, sample, sobol);
+    struct trees t = trees_of(request, env, sample, sobol);
     struct orl_document document = {.structure =
                                         t.rank == 4 ? ORL_STRUCTURE_TREE4 : ORL_STRUCTURE_TREE3};
-    int code = t.blocks ? measure(&t, env) : ORL_ERR_NOMEM;
+    int code = t.blocks && t.todo ? measure(&t, env) : ORL_ERR_NOMEM;
     if (code == 0)
         code = join_all(&t);
     if (code == 0) {
@@ -294,9 +429,5 @@ int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
         code = orl_gonio_write(&document, write_part, &t, sample, request, made);
     }
     done(&t);
-    if (code < 0)
-        orl_error_set(err, code,
-                      code == ORL_ERR_CANCELLED ? "cancelled"
-                                                : "out of memory for the panel's BSDF");
-    return code;
+    return code < 0 ? fail(code, err) : 0;
 }

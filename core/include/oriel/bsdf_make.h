@@ -74,7 +74,8 @@ struct orl_bsdf_make_request {
      * Paths are doubled, for incident directions that need it, until the standard error of every
      * value of at least a hundredth of the largest of its part is at most this share of it; 0: not
      * asked for. Beyond paths_most for one direction it is given up: orl_bsdf_made.reached. Of
-     * matrices alone.
+     * trees a value that stands for several finest cells counts with the error of a quarter of it:
+     * of what the next subdivision would show (goniometer/resolve.h).
      */
     double accuracy;
     uint32_t paths_most;
@@ -85,7 +86,8 @@ struct orl_bsdf_make_request {
 void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request);
 void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
 
-/* Those of the request, or of its basis: 16384; of trees of rank 3 and 4 32768 and 4096. */
+/* Those of the request, or of its basis: 16384; of trees of rank 3 and 4 32768 and 4096, with an
+ * accuracy 1024. */
 uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request);
 
 /* What can be told of a request without its files: 0, ORL_ERR_INVALID, ORL_ERR_RANGE. */
