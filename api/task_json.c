@@ -28,6 +28,12 @@ static int decode_annual(const json_t *doc, enum orl_job_origin origin, struct o
     return orl_annual_job_from_json(doc, origin, &task->of.annual, ret_scene_id, err);
 }
 
+static int decode_bsdf_make(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
+                            char **ret_scene_id, struct orl_error *err)
+{
+    return orl_bsdf_make_from_json(doc, origin, &task->of.bsdf_make, ret_scene_id, err);
+}
+
 static int validate_render(const struct orl_task *task, struct orl_error *err)
 {
     return orl_job_validate(&task->of.render, err);
@@ -41,6 +47,11 @@ static int validate_study(const struct orl_task *task, struct orl_error *err)
 static int validate_annual(const struct orl_task *task, struct orl_error *err)
 {
     return orl_annual_job_validate(&task->of.annual, err);
+}
+
+static int validate_bsdf_make(const struct orl_task *task, struct orl_error *err)
+{
+    return orl_bsdf_make_validate(&task->of.bsdf_make, err);
 }
 
 static void done_render(struct orl_task *task)
@@ -58,6 +69,11 @@ static void done_annual(struct orl_task *task)
     orl_annual_job_done(&task->of.annual);
 }
 
+static void done_bsdf_make(struct orl_task *task)
+{
+    orl_bsdf_make_request_done(&task->of.bsdf_make);
+}
+
 static const struct {
     const char *name;
     int (*decode)(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
@@ -68,6 +84,7 @@ static const struct {
     [ORL_TASK_RENDER] = {"render", decode_render, validate_render, done_render},
     [ORL_TASK_STUDY] = {"study", decode_study, validate_study, done_study},
     [ORL_TASK_ANNUAL] = {"annual", decode_annual, validate_annual, done_annual},
+    [ORL_TASK_BSDF_MAKE] = {"bsdf_make", decode_bsdf_make, validate_bsdf_make, done_bsdf_make},
 };
 
 const char *orl_task_kind_name(enum orl_task_kind kind)
@@ -102,8 +119,10 @@ static int read_kind(const json_t *doc, enum orl_task_kind *ret_kind, struct orl
                        : ORL_TASK_KIND_COUNT;
     if (*ret_kind < ORL_TASK_KIND_COUNT)
         return 0;
-    return orl_json_fail(err, ORL_ERR_INVALID, "kind",
-                         "\"render\" (the default), \"study\" or \"annual\" is wanted here");
+    return orl_json_fail(
+        err, ORL_ERR_INVALID, "kind",
+        "\"render\" (the default), \"study\", \"annual\" or \"bsdf_make\" is wanted "
+        "here");
 }
 
 static int read_priority(const json_t *doc, int *ret_priority, struct orl_error *err)
@@ -156,24 +175,36 @@ const struct orl_job *orl_task_job(const struct orl_task *task)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
+/* Where a task has the names of its main files, and their number. */
+struct scene_place {
+    char ***files;
+    size_t *count;
+};
+
+static struct scene_place scene_of(struct orl_task *task)
+{
+    struct orl_job *job = task->kind == ORL_TASK_STUDY ? &task->of.study.job : &task->of.render;
+    struct orl_annual_request *year = &task->of.annual.request;
+    struct orl_bsdf_make_request *panel = &task->of.bsdf_make;
+    return task->kind == ORL_TASK_ANNUAL
+               ? (struct scene_place){&year->scene_files, &year->n_scene_files}
+           : task->kind == ORL_TASK_BSDF_MAKE
+               ? (struct scene_place){&panel->files, &panel->n_files}
+               : (struct scene_place){&job->scene_files, &job->n_scene_files};
+}
+
 char *const *orl_task_scene(const struct orl_task *task, size_t *ret_count)
 {
-    const struct orl_job *job = orl_task_job(task);
-    const struct orl_annual_request *year = &task->of.annual.request;
-    *ret_count = job ? job->n_scene_files : year->n_scene_files;
-    return job ? job->scene_files : year->scene_files;
+    const struct scene_place place = scene_of((struct orl_task *)(uintptr_t)task);
+    *ret_count = *place.count;
+    return *place.files;
 }
 
 void orl_task_set_scene(struct orl_task *task, char **files, size_t count)
 {
-    struct orl_job *job = task->kind == ORL_TASK_STUDY ? &task->of.study.job : &task->of.render;
-    if (task->kind == ORL_TASK_ANNUAL) {
-        task->of.annual.request.scene_files = files;
-        task->of.annual.request.n_scene_files = count;
-    } else {
-        job->scene_files = files;
-        job->n_scene_files = count;
-    }
+    const struct scene_place place = scene_of(task);
+    *place.files = files;
+    *place.count = count;
 }
 
 struct visiting {
@@ -265,5 +296,7 @@ int orl_task_files(const struct orl_task *task,
 {
     const struct visiting v = {visit, ctx, err};
     const struct orl_job *job = orl_task_job(task);
+    if (task->kind == ORL_TASK_BSDF_MAKE)
+        return 0;
     return job ? visit_job(&v, job) : visit_year(&v, &task->of.annual);
 }

@@ -1,7 +1,7 @@
 /*
  * A document of any kind (JSON) -> what it asks for: a render job (job_json.h), a study
- * (study_json.h) or a year (annual_json.h), told apart by its "kind"; without one it is a render
- * job.
+ * (study_json.h), a year (annual_json.h) or a panel's BSDF (bsdf_make_json.h), told apart by its
+ * "kind"; without one it is a render job.
  *
  * Of any kind, "priority": 0 to 9, larger goes first in the daemon's queue; 5 when left out; and
  * "name" and "tags" (labels_json.h).
@@ -16,11 +16,19 @@
 #include <oriel/study.h>
 
 #include "annual_json.h"
+#include "bsdf_make_json.h"
 #include "job_json.h"
 #include "labels_json.h"
 
-enum orl_task_kind { ORL_TASK_RENDER, ORL_TASK_STUDY, ORL_TASK_ANNUAL, ORL_TASK_KIND_COUNT };
-const char *orl_task_kind_name(enum orl_task_kind kind); /* "render", "study", "annual" */
+enum orl_task_kind {
+    ORL_TASK_RENDER,
+    ORL_TASK_STUDY,
+    ORL_TASK_ANNUAL,
+    ORL_TASK_BSDF_MAKE,
+    ORL_TASK_KIND_COUNT
+};
+/* "render", "study", "annual", "bsdf_make" */
+const char *orl_task_kind_name(enum orl_task_kind kind);
 /* ORL_TASK_KIND_COUNT when there is no such kind. */
 enum orl_task_kind orl_task_kind_from_name(const char *name);
 
@@ -34,6 +42,7 @@ struct orl_task {
         struct orl_job render;
         struct orl_study_request study;
         struct orl_annual_job annual;
+        struct orl_bsdf_make_request bsdf_make;
     } of;
 };
 /* NULL and all zeros are fine. */

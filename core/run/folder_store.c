@@ -97,7 +97,7 @@ static bool read_info(const struct orl_folder_store *state, const char *name,
         name[end] != '\0' || map_path(state, info.kind, key, "", path, NULL) < 0)
         return false;
     memcpy(info.key, key, sizeof key);
-    if (strcmp(info.kind, "annual") == 0) {
+    if (strcmp(info.kind, "annual") == 0 || strcmp(info.kind, "made") == 0) {
         *ret_info = info;
         return read_kept(path, ret_info);
     }

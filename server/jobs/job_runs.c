@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "jobs/job_bsdf.h"
 #include "jobs/job_giving.h"
 #include "jobs/job_list.h"
 #include "jobs/job_results.h"
@@ -231,13 +232,21 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
     orl_runs_start_next(jobs);
 }
 
+static void end_worker(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
+{
+    const bool has_results = outcome->code == 0 || (outcome->summary && is_given_up(job));
+    if (!has_results || !orl_giving_start(job, outcome, finish))
+        finish(job, outcome, NULL);
+}
+
 static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
 {
     struct orl_jobs_job *job = ctx;
     job->worker = NULL;
-    const bool has_results = outcome->code == 0 || (outcome->summary && is_given_up(job));
-    if (!has_results || !orl_giving_start(job, outcome, finish))
-        finish(job, outcome, NULL);
+    if (outcome->code == 0 && orl_job_bsdf_start(job, outcome, end_worker))
+        return;
+    orl_made_bsdf_free(outcome->bsdf);
+    end_worker(job, outcome);
 }
 
 static int start_job(struct orl_jobs_job *job, struct orl_error *err)

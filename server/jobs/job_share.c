@@ -17,8 +17,10 @@ void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA
     ret_identity[0] = '\0';
     if (orl_json_parse(NULL, text, size, &doc, NULL))
         return;
+    const char *kind = json_string_value(json_object_get(doc, "kind"));
     json_object_del(doc, "priority");
-    json_object_del(doc, "name");
+    if (!kind || strcmp(kind, "bsdf_make") != 0) /* it says what its BSDF is called */
+        json_object_del(doc, "name");
     json_object_del(doc, "tags");
     char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
     if (plain)

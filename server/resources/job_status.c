@@ -106,6 +106,11 @@ static int add_links(json_t *links, const char *id, const json_t *summary)
         rc |= json_array_append_new(files, orl_job_file_url(id, name));
     }
     rc |= json_object_set_new(links, "files", files);
+    const char *bsdf = json_string_value(json_object_get(json_object_get(summary, "bsdf"), "id"));
+    if (bsdf) {
+        snprintf(url, sizeof url, "/v1/bsdfs/%.64s", bsdf);
+        rc |= json_object_set_new(links, "bsdf", json_string(url));
+    }
     if (!has_result)
         return rc;
     snprintf(url, sizeof url, "/v1/jobs/%s/result", id);
@@ -140,11 +145,21 @@ static int add_annual(json_t *doc, const struct orl_job_progress *progress)
                     json_pack("{s:o}", "accuracy", orl_annual_refinement_to_json(&progress->year)));
 }
 
+static int add_bsdf(json_t *doc, const struct orl_job_progress *progress)
+{
+    json_t *maps = json_array();
+    int rc = maps ? add_stage(doc, progress) : -1;
+    for (size_t i = 0; i < progress->n_maps && rc == 0; i++)
+        rc = json_array_append_new(maps, orl_map_info_to_json(&progress->maps[i]));
+    return rc | json_object_set_new(doc, "maps", maps);
+}
+
 static int (*const add_kind[ORL_TASK_KIND_COUNT])(json_t *doc,
                                                   const struct orl_job_progress *progress) = {
     [ORL_TASK_RENDER] = add_render,
     [ORL_TASK_STUDY] = add_study,
     [ORL_TASK_ANNUAL] = add_annual,
+    [ORL_TASK_BSDF_MAKE] = add_bsdf,
 };
 
 static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *job)

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-enum { PARTS = 8 };
+enum { PARTS = 9 };
 
 struct part {
     const char *name; /* of many */
@@ -28,6 +28,7 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
     ret_parts[5] = (struct part){"pixels", needs->pixels, PIXEL * needs->pixels};
     ret_parts[6] = (struct part){"rows of weather", needs->year_rows, ROW * needs->year_rows};
     ret_parts[7] = (struct part){"hours of sensors", hours, needs->hour_bytes * hours};
+    ret_parts[8] = (struct part){"bytes of values", needs->bsdf_made_bytes, needs->bsdf_made_bytes};
 }
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs)

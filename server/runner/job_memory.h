@@ -21,9 +21,10 @@ struct orl_job_memory {
     uint64_t bsdf_bytes;          /* of its XML files */
     uint64_t photons;             /* of all maps */
     uint64_t sensors, file_sensors;
-    uint64_t pixels;     /* of the largest view */
-    uint64_t year_rows;  /* of the weather of a year; 0: it is none */
-    uint64_t hour_bytes; /* ... that each of its sensors takes for an hour with light */
+    uint64_t pixels;          /* of the largest view */
+    uint64_t year_rows;       /* of the weather of a year; 0: it is none */
+    uint64_t hour_bytes;      /* ... that each of its sensors takes for an hour with light */
+    uint64_t bsdf_made_bytes; /* of a panel's BSDF that is made: all of it at once, at most */
 };
 
 /* Hours with light of all sensors of a year together, at most. */

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "bsdf_make_json.h"
 #include "chart/study_chart.h"
 #include "decode.h"
 #include "encode.h"
@@ -294,6 +295,45 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
         rc = dump_summary(json_pack("{s:O, s:o, s:O}", "threads", json_object_get(doc, "threads"),
                                     "warnings", first_warnings(doc), "files", files),
                           ret_summary, err);
+    json_decref(files);
+    json_decref(doc);
+    return rc;
+}
+
+/* ---- BSDFs ----------------------------------------------------------------------------------- */
+
+static json_t *bsdf_document(const struct orl_bsdf_output *o)
+{
+    json_t *doc = orl_bsdf_made_to_json(o->made);
+    json_t *more = json_pack(
+        "{s:s, s:i, s:{s:f, s:f}, s:[o], s:{s:s, s:s, s:I}, s:o}", "state", "succeeded", "threads",
+        (int)o->threads, "timings_s", "making", o->kept->seconds, "total", o->total_s, "maps",
+        orl_map_info_to_json(o->kept), "bsdf", "id", o->id, "file", o->file, "bytes",
+        (json_int_t)o->made->xml_size, "warnings", orl_bsdf_made_warnings(o->made, o->request));
+    if (doc && more && json_object_update(doc, more) == 0) {
+        json_decref(more);
+        return doc;
+    }
+    json_decref(doc);
+    json_decref(more);
+    return NULL;
+}
+
+int orl_bsdf_output_write(const struct orl_bsdf_output *output, const char *folder,
+                          char **ret_summary, struct orl_error *err)
+{
+    json_t *doc = bsdf_document(output);
+    json_t *files = json_array();
+    int rc = write_document(doc, result_file, folder, files, err);
+    if (rc == 0)
+        rc = orl_job_output_list(output->file, folder, files, err);
+    if (rc == 0)
+        rc = dump_summary(
+            json_pack("{s:O, s:O, s:O, s:O, s:o, s:O}", "threads", json_object_get(doc, "threads"),
+                      "timings_s", json_object_get(doc, "timings_s"), "maps",
+                      json_object_get(doc, "maps"), "bsdf", json_object_get(doc, "bsdf"),
+                      "warnings", first_warnings(doc), "files", files),
+            ret_summary, err);
     json_decref(files);
     json_decref(doc);
     return rc;

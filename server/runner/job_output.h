@@ -4,6 +4,7 @@
 #ifndef ORL_SERVER_RUNNER_JOB_OUTPUT_H
 #define ORL_SERVER_RUNNER_JOB_OUTPUT_H
 
+#include <oriel/bsdf_make.h>
 #include <oriel/run.h>
 #include <oriel/study.h>
 
@@ -73,5 +74,20 @@ int orl_annual_output_write(const json_t *document, const json_t *names, const c
  * "files"}. */
 int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,
                            const char *folder, char **ret_summary, struct orl_error *err);
+
+/*
+ * The same of a panel's BSDF, whose file is there already: {"threads", "timings_s", "maps", "bsdf":
+ * {"id", "bytes"}, "warnings", "files"}. seconds: that the job took, and that making it did once.
+ */
+struct orl_bsdf_output {
+    const struct orl_bsdf_made *made;
+    const struct orl_bsdf_make_request *request;
+    const struct orl_map_info *kept;
+    const char *file, *id; /* its name below folder; its digest */
+    uint32_t threads;
+    double total_s;
+};
+int orl_bsdf_output_write(const struct orl_bsdf_output *output, const char *folder,
+                          char **ret_summary, struct orl_error *err);
 
 #endif

@@ -172,6 +172,57 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
     ret_needs->hour_bytes = KEPT_HOUR * (rounds + states - 1);
 }
 
+/* ---- BSDFs of panels ------------------------------------------------------------------------- */
+
+/* Of a value in its file, and of its standard error; of trees all values that there may be. */
+enum { VALUE = 12, ERROR = 24, TREES = 160 << 20 };
+enum { PARTS = 4, SUMS = 16 * 2 * 8, TREE_MEMORY = 640 << 20 };
+
+/* Pairs of directions in a part. */
+static uint64_t bsdf_pairs(enum orl_bsdf_basis basis)
+{
+    const uint64_t n = basis == ORL_BSDF_KLEMS_FULL ? 145 : basis == ORL_BSDF_KLEMS_HALF ? 77 : 41;
+    return n * n;
+}
+
+static uint64_t bsdf_result_bytes(const struct orl_task *task)
+{
+    const struct orl_bsdf_make_request *request = &task->of.bsdf_make;
+    const uint64_t channels = request->color ? 3 : 1;
+    return orl_bsdf_basis_is_tree(request->basis)
+               ? TREES
+               : DOCUMENT + PARTS * bsdf_pairs(request->basis) * (channels * VALUE + ERROR);
+}
+
+static uint64_t bsdf_sensor_bytes(const struct orl_task *task)
+{
+    (void)task;
+    return 0;
+}
+
+static void bsdf_needs(const struct orl_task *task, struct orl_job_memory *ret_needs)
+{
+    const struct orl_bsdf_make_request *request = &task->of.bsdf_make;
+    const uint64_t channels = request->color ? 3 : 1;
+    ret_needs->bsdf_made_bytes =
+        orl_bsdf_basis_is_tree(request->basis)
+            ? TREE_MEMORY
+            : 2 * bsdf_pairs(request->basis) * channels * SUMS + 2 * bsdf_result_bytes(task);
+}
+
+/* It has no light of its own. */
+static int bsdf_suits(uint64_t sources, struct orl_error *err)
+{
+    if (sources == 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "a sun or sky is no part of a panel, but the scene has %llu distant sources",
+                  (unsigned long long)sources);
+    orl_error_at(err, NULL, 0, "scene");
+    orl_error_hint(err, "Upload the panel alone");
+    return ORL_ERR_INVALID;
+}
+
 const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
     [ORL_TASK_RENDER] = {.result_bytes = render_result_bytes,
                          .sensor_bytes = render_sensor_bytes,
@@ -186,4 +237,8 @@ const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
                          .hour_bytes = annual_hour_bytes,
                          .needs = annual_needs,
                          .suits = annual_suits},
+    [ORL_TASK_BSDF_MAKE] = {.result_bytes = bsdf_result_bytes,
+                            .sensor_bytes = bsdf_sensor_bytes,
+                            .needs = bsdf_needs,
+                            .suits = bsdf_suits},
 };

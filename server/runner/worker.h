@@ -36,6 +36,15 @@ struct orl_worker;
 
 enum { ORL_WORKER_SKY = 80, ORL_WORKER_WARNINGS = 32 }; /* as in job_output.h */
 
+/* A BSDF that a job has made, for scenes to name by its id. Owned. */
+#define ORL_BSDF_MADE_FILE "bsdf.xml" /* of the results */
+struct orl_made_bsdf {
+    char id[ORL_SHA_HEX], name[256]; /* name: for messages */
+    uint64_t bytes;
+    char *summary; /* JSON text, as of one that is uploaded */
+};
+void orl_made_bsdf_free(struct orl_made_bsdf *bsdf); /* NULL is allowed */
+
 struct orl_worker_outcome {
     int code;             /* 0 or a negative orl_err */
     struct orl_error err; /* why, when code is not 0 */
@@ -43,6 +52,7 @@ struct orl_worker_outcome {
     /* JSON text, see job_output.h; owned by done, or NULL. A cancelled job of several skies has one
      * when some of them were done: their results are where they stay. */
     char *summary;
+    struct orl_made_bsdf *bsdf; /* owned by done, or NULL */
 };
 
 struct orl_worker_spec {

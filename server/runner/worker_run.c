@@ -60,6 +60,12 @@ static bool study_keeps(const struct orl_task *task)
     return false;
 }
 
+static bool bsdf_keeps(const struct orl_task *task)
+{
+    (void)task;
+    return false;
+}
+
 static bool annual_keeps(const struct orl_task *task)
 {
     (void)task;
@@ -74,6 +80,7 @@ static const struct {
     [ORL_TASK_RENDER] = {render_keeps, run_render},
     [ORL_TASK_STUDY] = {study_keeps, orl_worker_run_study},
     [ORL_TASK_ANNUAL] = {annual_keeps, orl_worker_run_annual},
+    [ORL_TASK_BSDF_MAKE] = {bsdf_keeps, orl_worker_run_bsdf},
 };
 
 static int make_folder(struct orl_worker *worker, const struct orl_task *task,

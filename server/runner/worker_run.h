@@ -59,11 +59,13 @@ int orl_worker_lead(struct orl_worker *worker, struct orl_error *err);
 /* ---- What kinds of jobs do, by worker_run.c's table --------------------------------------------
  */
 
-/* worker_study.c, worker_annual.c; of render jobs the two below. */
+/* worker_study.c, worker_annual.c, worker_bsdf.c; of render jobs the two below. */
 int orl_worker_run_study(struct orl_worker *worker, struct orl_task *task,
                          const struct orl_files *files, struct orl_error *err);
 int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
                           const struct orl_files *files, struct orl_error *err);
+int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_task *task,
+                        const struct orl_files *files, struct orl_error *err);
 
 /* ---- worker_render.c ---------------------------------------------------------------------------
  */

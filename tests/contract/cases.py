@@ -26,6 +26,7 @@ grey polygon north 0 0 12 0 4 0 3 4 0 3 4 3 0 4 3
 pane polygon window 0 0 12 3 0 0 0 0 0 0 0 3 3 0 3
 """
 SKY = "void glow sky_glow 0 0 4 10 10 10 0\nsky_glow source sky 0 0 4 0 0 1 180\n"
+PANEL = "void plastic p 0 0 5 .5 .5 .5 0 0\np polygon s 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n"
 SENSORS = [[1.5, 1, 0.8, 0, 0, 1], [1.5, 3, 0.8, 0, 0, 1]]
 VIEW = {"name": "north", "view": "-vtv -vp 1.5 .5 1.5 -vd 0 1 0", "width": 16, "height": 12}
 FIXTURES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../fixtures")
@@ -361,6 +362,24 @@ def years(daemon):
     daemon.wait(alone, ("running",), lambda job: job["stage"] == "render")
     daemon.ask("POST", alone + "/cancel", want=202)
     daemon.ask("POST", "/v1/jobs", dict(year, weather="s.txt"), want=400)
+
+
+def panels(daemon):
+    """A panel's BSDF, made, found again, and named by a scene."""
+    make = {"kind": "bsdf_make", "scene": daemon.upload(PANEL), "basis": "klems_quarter", "paths": 64}
+    for cached in (False, True):
+        path = daemon.submit(make)
+        events(daemon, path, 1)
+        job = daemon.wait(path)
+        assert job["state"] == "succeeded" and job["maps"][0]["cached"] == cached, job
+    results(daemon, path, job)
+    daemon.ask("GET", job["links"]["bsdf"], want=200)
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": "void BSDF k 6 0 k.xml 0 0 1 . 0 0\n"}],
+                                      "bsdfs": {"k.xml": job["bsdf"]["id"]}}, want=201)
+    alone = daemon.submit(dict(make, paths=16777216, accuracy=0.0001, paths_most=16777216))
+    daemon.wait(alone, ("running",), lambda job: job["stage"] == "render")
+    daemon.ask("POST", alone + "/cancel", want=202)
+    daemon.ask("DELETE", "/v1/maps/made/" + job["maps"][0]["key"], want=204)
 
 
 def events(daemon, path, wanted):

@@ -26,6 +26,7 @@ bool fuzz_sensors(const uint8_t *data, size_t size);
 bool fuzz_view_file(const uint8_t *data, size_t size);
 bool fuzz_weather(const uint8_t *data, size_t size);
 bool fuzz_annual(const uint8_t *data, size_t size);
+bool fuzz_bsdf_make(const uint8_t *data, size_t size);
 bool fuzz_occupancy(const uint8_t *data, size_t size);
 bool fuzz_schedule(const uint8_t *data, size_t size);
 bool fuzz_matrix(const uint8_t *data, size_t size);

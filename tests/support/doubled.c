@@ -12,6 +12,7 @@
 #include "annual/matrix_file.h"
 #include "annual_json.h"
 #include "bsdf_json.h"
+#include "bsdf_make_json.h"
 #include "decode.h"
 #include "function/function.h"
 #include "honeybee/hbjson.h"
@@ -155,6 +156,22 @@ static int read_year(const struct doubled_input *input, struct orl_error *err)
     return code;
 }
 
+static int read_panel(const struct doubled_input *input, struct orl_error *err)
+{
+    struct orl_bsdf_make_request request;
+    json_t *doc = NULL;
+    int code = orl_json_parse("make.json", input->data, input->size, &doc, err);
+    if (code < 0)
+        return code;
+    code = orl_bsdf_make_from_json(doc, ORL_JOB_LOCAL, &request, NULL, err);
+    json_decref(doc);
+    if (code < 0)
+        return code;
+    code = orl_bsdf_make_validate(&request, err);
+    orl_bsdf_make_request_done(&request);
+    return code;
+}
+
 static int read_occupancy(const struct doubled_input *input, struct orl_error *err)
 {
     static const struct orl_annual_steps minutes = {8760 * 60, 60};
@@ -268,15 +285,16 @@ void doubled_done(struct doubled_input *input)
 int doubled_read(const struct doubled_input *input, char text[256])
 {
     static int (*const readers[])(const struct doubled_input *, struct orl_error *) = {
-        [DOUBLED_SCENE] = read_scene,         [DOUBLED_WORLD] = read_scene,
-        [DOUBLED_BSDF] = read_bsdf,           [DOUBLED_SENSORS] = read_sensors,
-        [DOUBLED_WEATHER] = read_weather,     [DOUBLED_JOB] = read_job,
-        [DOUBLED_STUDY] = read_study,         [DOUBLED_ZIP] = read_zip,
-        [DOUBLED_VIEWS] = read_views,         [DOUBLED_YEAR] = read_year,
-        [DOUBLED_OCCUPANCY] = read_occupancy, [DOUBLED_FUNCTION] = read_function,
-        [DOUBLED_MODEL] = read_model,         [DOUBLED_SCHEDULE] = read_schedule,
-        [DOUBLED_MATRIX] = read_matrix,       [DOUBLED_OBJ] = read_mesh,
-        [DOUBLED_RULES] = read_mesh,          [DOUBLED_STL] = read_mesh,
+        [DOUBLED_SCENE] = read_scene,       [DOUBLED_WORLD] = read_scene,
+        [DOUBLED_BSDF] = read_bsdf,         [DOUBLED_SENSORS] = read_sensors,
+        [DOUBLED_WEATHER] = read_weather,   [DOUBLED_JOB] = read_job,
+        [DOUBLED_STUDY] = read_study,       [DOUBLED_ZIP] = read_zip,
+        [DOUBLED_VIEWS] = read_views,       [DOUBLED_YEAR] = read_year,
+        [DOUBLED_PANEL] = read_panel,       [DOUBLED_OCCUPANCY] = read_occupancy,
+        [DOUBLED_FUNCTION] = read_function, [DOUBLED_MODEL] = read_model,
+        [DOUBLED_SCHEDULE] = read_schedule, [DOUBLED_MATRIX] = read_matrix,
+        [DOUBLED_OBJ] = read_mesh,          [DOUBLED_RULES] = read_mesh,
+        [DOUBLED_STL] = read_mesh,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

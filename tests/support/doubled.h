@@ -19,6 +19,7 @@ enum doubled_kind {
     DOUBLED_JOB,
     DOUBLED_STUDY,
     DOUBLED_YEAR,      /* the document of one */
+    DOUBLED_PANEL,     /* a document that asks for its BSDF */
     DOUBLED_OCCUPANCY, /* of a year in minutes */
     DOUBLED_SCHEDULE,  /* of shades */
     DOUBLED_MATRIX,    /* of a year's light */

@@ -218,6 +218,14 @@ static void write_study(FILE *f, size_t n)
     fputs("]}", f);
 }
 
+static void write_panel_files(FILE *f, size_t n)
+{
+    fputs("{\"kind\": \"bsdf_make\", \"scene\": {\"files\": [", f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%s\"a%zu.rad\"", i > 0 ? ", " : "", i);
+    fputs("]}, \"cell\": {\"x\": [0, 1], \"y\": [0, 1]}}", f);
+}
+
 /* ---- Years ----------------------------------------------------------------------------------- */
 
 static void write_use(FILE *f, size_t n)
@@ -406,6 +414,7 @@ const struct doubled doubled_files[] = {
     KIND(job_hours, JOB, 14),
     KIND(members, JOB, 500),
     KIND(study, STUDY, 30),
+    KIND(panel_files, PANEL, 200),
     KIND(use, OCCUPANCY, 5000),
     KIND(use_times, OCCUPANCY, 5000),
     KIND(use_blanks, OCCUPANCY, 5000),

@@ -139,6 +139,13 @@ static void test_weather(void **state)
     repeat_trifles(fuzz_weather);
 }
 
+static void test_bsdf_make(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/bsdf_make", fuzz_bsdf_make);
+    repeat_trifles(fuzz_bsdf_make);
+}
+
 static void test_annual(void **state)
 {
     (void)state;
@@ -257,9 +264,9 @@ int main(void)
         cmocka_unit_test(test_range),     cmocka_unit_test(test_route),
         cmocka_unit_test(test_guard),     cmocka_unit_test(test_token),
         cmocka_unit_test(test_view_file), cmocka_unit_test(test_annual),
-        cmocka_unit_test(test_occupancy), cmocka_unit_test(test_hbjson),
-        cmocka_unit_test(test_schedule),  cmocka_unit_test(test_matrix),
-        cmocka_unit_test(test_rif),
+        cmocka_unit_test(test_bsdf_make), cmocka_unit_test(test_occupancy),
+        cmocka_unit_test(test_hbjson),    cmocka_unit_test(test_schedule),
+        cmocka_unit_test(test_matrix),    cmocka_unit_test(test_rif),
     };
     if (sodium_init() < 0)
         return 1;

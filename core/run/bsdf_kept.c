@@ -1,0 +1,193 @@
+#include <oriel/bsdf_kept.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/kept_file.h"
+
+/* ---- As bytes -------------------------------------------------------------------------------- */
+
+/* What lies in front of the arrays. */
+struct head {
+    uint64_t paths, n_directions, xml_size;
+    struct orl_bsdf_share diffuse[2][2];
+    double worst, lost, cell[4], depth[2];
+    uint32_t reached, has_errors;
+};
+
+enum { PARTS = 4, WORD = 4 };
+
+static struct head head_of(const struct orl_bsdf_made *m)
+{
+    struct head h = {.paths = m->paths,
+                     .n_directions = m->n_directions,
+                     .xml_size = m->xml_size,
+                     .worst = m->worst,
+                     .lost = m->lost,
+                     .reached = m->reached,
+                     .has_errors = m->errors[0][0] != NULL};
+    memcpy(h.diffuse, m->diffuse, sizeof h.diffuse);
+    memcpy(h.cell, m->cell, sizeof h.cell);
+    memcpy(h.depth, m->depth, sizeof h.depth);
+    return h;
+}
+
+static size_t directions_size(const struct head *h)
+{
+    return h->n_directions * sizeof(struct orl_bsdf_made_direction);
+}
+
+static size_t errors_size(const struct head *h)
+{
+    return h->has_errors ? h->n_directions * h->n_directions * sizeof(float) : 0;
+}
+
+/* In whole words, the text with at least one 0 at its end. */
+static size_t size_of(const struct head *h)
+{
+    return sizeof *h + directions_size(h) + PARTS * errors_size(h) +
+           (h->xml_size / WORD + 1) * WORD;
+}
+
+static char *pack(const struct orl_bsdf_made *m, size_t *ret_size)
+{
+    const struct head h = head_of(m);
+    char *data = calloc(1, size_of(&h)), *to = data;
+    if (!data)
+        return NULL;
+    memcpy(to, &h, sizeof h);
+    to += sizeof h;
+    if (h.n_directions > 0)
+        memcpy(to, m->directions, directions_size(&h));
+    to += directions_size(&h);
+    for (int i = 0; i < PARTS && h.has_errors; i++, to += errors_size(&h))
+        memcpy(to, m->errors[i / 2][i % 2], errors_size(&h));
+    memcpy(to, m->xml, h.xml_size);
+    *ret_size = size_of(&h);
+    return data;
+}
+
+static void *copy(const char **from, size_t size)
+{
+    void *to = malloc(size + 1);
+    if (to)
+        memcpy(to, *from, size);
+    *from += size;
+    return to;
+}
+
+/* False: it is of another shape, or there is no memory. */
+static bool unpack(const char *data, size_t size, struct orl_bsdf_made *ret_made)
+{
+    enum { MOST_DIRECTIONS = 4096 };
+    struct head h;
+    struct orl_bsdf_made m = {0};
+    if (size < sizeof h)
+        return false;
+    memcpy(&h, data, sizeof h);
+    if (h.n_directions > MOST_DIRECTIONS || h.xml_size > size || size != size_of(&h))
+        return false;
+    const char *from = data + sizeof h;
+    m = (struct orl_bsdf_made){.xml_size = h.xml_size,
+                               .n_directions = h.n_directions,
+                               .worst = h.worst,
+                               .reached = h.reached != 0,
+                               .paths = h.paths,
+                               .lost = h.lost};
+    memcpy(m.diffuse, h.diffuse, sizeof m.diffuse);
+    memcpy(m.cell, h.cell, sizeof m.cell);
+    memcpy(m.depth, h.depth, sizeof m.depth);
+    m.directions = copy(&from, directions_size(&h));
+    bool whole = m.directions != NULL;
+    for (int i = 0; i < PARTS && h.has_errors; i++) {
+        m.errors[i / 2][i % 2] = copy(&from, errors_size(&h));
+        whole = whole && m.errors[i / 2][i % 2];
+    }
+    m.xml = copy(&from, h.xml_size + 1);
+    if (whole && m.xml && m.xml[h.xml_size] == '\0') {
+        *ret_made = m;
+        return true;
+    }
+    orl_bsdf_made_done(&m);
+    return false;
+}
+
+/* ---- In the store ---------------------------------------------------------------------------- */
+
+static bool read_kept(const char *path, const char *key, struct orl_bsdf_made *ret_made)
+{
+    struct orl_kept_about about;
+    void *data = NULL;
+    size_t size = 0;
+    if (orl_kept_read(path, key, &about, &data, &size, NULL) < 0)
+        return false;
+    const bool found = unpack(data, size, ret_made);
+    free(data);
+    return found;
+}
+
+/* Whether it is there now; what fails leaves it to be made by whoever wants it next. */
+static bool put(const struct orl_map_store *store, const char *path,
+                const struct orl_bsdf_made *made, struct orl_map_info *info)
+{
+    struct orl_kept_about about = {.rays = made->paths};
+    size_t size = 0;
+    char *data = pack(made, &size);
+    memcpy(about.key, info->key, sizeof about.key);
+    const bool written = data && orl_kept_write(path, &about, data, size, NULL) == 0;
+    free(data);
+    info->emitted = made->paths;
+    info->stored = size / sizeof(float);
+    info->bytes = about.bytes;
+    return written && store->commit(store->ctx, info, NULL) == 0;
+}
+
+static int make_and_put(const struct orl_bsdf_make_request *request,
+                        const struct orl_bsdf_make_env *env, const struct orl_map_store *store,
+                        const char *path, double (*now_s)(void *ctx), struct orl_map_info *info,
+                        struct orl_bsdf_made *ret_made, struct orl_error *err)
+{
+    const double began_s = now_s(env->ctx);
+    const int code = orl_bsdf_make(request, env, ret_made, err);
+    info->seconds = now_s(env->ctx) - began_s;
+    if (code == 0 && path[0] && put(store, path, ret_made, info))
+        store->release(store->ctx, ORL_MADE_KIND, info->key);
+    else if (path[0])
+        store->abandon(store->ctx, ORL_MADE_KIND, info->key);
+    return code;
+}
+
+int orl_bsdf_make_kept(const struct orl_bsdf_make_request *request,
+                       const struct orl_bsdf_make_env *env, const struct orl_map_store *store,
+                       const char *key, double (*now_s)(void *ctx), struct orl_map_info *ret_info,
+                       struct orl_bsdf_made *ret_made, struct orl_error *err)
+{
+    struct orl_map_info info = {.kind = ORL_MADE_KIND};
+    char path[4096] = "";
+    bool hit = true;
+    memcpy(info.key, key, ORL_DIGEST_HEX);
+    for (int attempt = 0; attempt < 2 && hit; attempt++) {
+        struct orl_map_info found = info;
+        const int code =
+            store->acquire(store->ctx, ORL_MADE_KIND, key, (atomic_bool *)(uintptr_t)env->cancel,
+                           path, &hit, &found, NULL);
+        if (code == ORL_ERR_CANCELLED)
+            return orl_error_set(err, code, "cancelled");
+        if (code < 0) { /* it is made for this job alone */
+            path[0] = '\0';
+            break;
+        }
+        if (hit && read_kept(path, key, ret_made)) {
+            store->release(store->ctx, ORL_MADE_KIND, key);
+            *ret_info = found;
+            ret_info->cached = true;
+            return 0;
+        }
+        if (hit) {
+            store->abandon(store->ctx, ORL_MADE_KIND, key);
+            path[0] = '\0';
+        }
+    }
+    *ret_info = info;
+    return make_and_put(request, env, store, path, now_s, ret_info, ret_made, err);
+}
