@@ -45,7 +45,6 @@ CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c))
 API_SRC    := $(sort $(wildcard api/*.c api/*/*.c))
 SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))
-OFFICE_SRC := $(sort $(wildcard client/examples/office/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 # Programs of tests/bench; the rest there is shared.
 BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration annual \
@@ -68,19 +67,18 @@ CORE_OBJ   := $(call obj,$(CORE_SRC))
 API_OBJ    := $(call obj,$(API_SRC))
 SERVER_OBJ := $(call obj,$(SERVER_SRC))
 CLIENT_OBJ := $(call obj,$(CLIENT_SRC))
-OFFICE_OBJ := $(call obj,$(OFFICE_SRC))
 SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
 SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
 .PHONY: all help clean check demo torture lint format asan tsan bench bench-scale load dashboards check-perf table2 gallery \
 	calibration annual study tests deps-build deps-check deps-browser deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
-all: $(BUILD)/oriel $(BUILD)/orield $(BUILD)/oriel-lcp
+all: $(BUILD)/oriel $(BUILD)/orield
 
 help:
 	@sed -n 's/^## //p' $(firstword $(MAKEFILE_LIST))
 
-## make            build/oriel, build/orield and the example's panel generator build/oriel-lcp
+## make            build/oriel and build/orield
 ## make demo       install what is needed, then upload, render and show the paper's office
 ## make check      install what is needed, build what changed, run every test; ends with
 ##                 "N passed, N failed"
@@ -190,9 +188,6 @@ $(BUILD)/orield: $(SERVER_OBJ) $(BUILD)/liboriel.a
 $(BUILD)/oriel: $(CLIENT_OBJ) $(BUILD)/liboriel.a
 	$(call say,LD,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(CLIENT_LIBS) $(CORE_LIBS)
-$(BUILD)/oriel-lcp: $(OFFICE_OBJ)
-	$(call say,LD,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ -lm
 # What tests link beside the library: all of the daemon but its main, and their own shared code.
 $(BUILD)/libtests.a: $(SUPPORT_OBJ) $(SERVER_LIB_OBJ)
 	@rm -f $@; ar rcs $@ $^
@@ -284,7 +279,7 @@ siege: deps-check
 PACKAGES_IMAGE := buildah debootstrap crun
 deps-image: ; $(call install_packages,$(PACKAGES_IMAGE))
 image: deps-image deps-build
-	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel-lcp
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel
 	@tests/image $(BUILD) $(BUILD)/image
 
 STABILITY_BIN := $(filter $(BUILD)/tests/stability/%,$(TEST_BIN))
@@ -330,7 +325,7 @@ run-tests:
 run-threaded:
 	@tests/run $(BUILD) $(THREADED_BIN)
 
-LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC)
+LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
 lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 	@clang-format --dry-run --Werror $(ALL_C)
@@ -338,7 +333,7 @@ lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 	@$(MAKE) --no-print-directory -j$(JOBS) all
 	tests/check_circles $(BUILD)
 	@printf '%s\n' $(CORE_SRC) | xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_core)
-	@printf '%s\n' $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(OFFICE_SRC) | \
+	@printf '%s\n' $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) | \
 		xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_server) -iquote client
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/clang CC=clang tests
 	@echo "lint: clean"
@@ -390,12 +385,12 @@ glare: deps-check
 # In a copy of the office, where the panel's BSDF is made once.
 STUDY := $(BUILD)/study
 study: deps-demo
-	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel $(BUILD)/oriel-lcp
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel
 	@mkdir -p $(STUDY)/office
 	@cp client/examples/office/*.rad client/examples/office/*.json client/examples/office/sensors.txt \
 		$(STUDY)/office/
-	@test -s $(STUDY)/office/lcp.xml || { $(BUILD)/oriel-lcp --resolution 6 --seed 1 \
-		-o $(STUDY)/office/lcp.xml.part && mv $(STUDY)/office/lcp.xml.part $(STUDY)/office/lcp.xml; }
+	@test -s $(STUDY)/office/lcp.xml || $(BUILD)/oriel bsdf make client/examples/office/lcp/lcp.json \
+		-o $(STUDY)/office/lcp.xml
 	@$(BUILD)/oriel study $(STUDY)/office/study.json --output $(STUDY)
 
 demo: deps-demo

@@ -75,6 +75,8 @@ static void print_job(const json_t *job)
         orl_format_verdict(verdict, text, sizeof text);
         printf("%s\n", text);
     }
+    if (json_object_get(job, "bsdf"))
+        printf("bsdf     %s\n", orl_json_text(json_object_get(job, "bsdf"), "id"));
     fflush(stdout);
     orl_report_job_error(job);
 }

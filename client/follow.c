@@ -36,6 +36,12 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
     const double reused = orl_json_number(map, "reused", 0);
     char stored[32], bytes[32], before[32];
 
+    if (strcmp(orl_json_text(map, "kind"), "made") == 0) {
+        orl_format_amount(orl_json_number(map, "emitted", 0), "", stored, sizeof stored);
+        snprintf(ret_text, size, "BSDF: %s %.1f s (%s paths)",
+                 orl_json_true(map, "cached") ? "made before, in" : "made in", seconds, stored);
+        return;
+    }
     orl_format_amount(orl_json_number(map, "stored", 0), "", stored, sizeof stored);
     orl_format_amount(orl_json_number(map, "bytes", 0), "B", bytes, sizeof bytes);
     orl_format_amount(reused, "", before, sizeof before);
@@ -215,6 +221,9 @@ static int conclude(json_t *job, const char *id)
                 orl_json_text(accuracy, "why"));
     note_timings(job);
     note_verdicts(job);
+    if (json_object_get(job, "bsdf"))
+        fprintf(stderr, "BSDF %s, for scenes to name\n",
+                orl_json_text(json_object_get(job, "bsdf"), "id"));
     fprintf(stderr, "job %s: %s\n", id, state);
     return strcmp(state, "succeeded") == 0 ? ORL_EXIT_OK : ORL_EXIT_FAILED;
 }

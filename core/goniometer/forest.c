@@ -43,9 +43,22 @@ static struct orl_gonio_node mean_of(const struct orl_gonio_node *children, unsi
                                    .variance = (float)(sum_of(variances, fan) / (fan * fan))};
 }
 
+/* Most are. */
+static bool are_dark(const struct orl_gonio_node *children, unsigned fan)
+{
+    bool dark = true;
+    for (unsigned i = 0; i < fan; i++)
+        dark = dark && children[i].value == 0 && !children[i].branch;
+    return dark;
+}
+
 bool orl_gonio_are_one(double cull, const struct orl_gonio_node *children, unsigned fan,
                        unsigned level, struct orl_gonio_node *ret_mean)
 {
+    if (are_dark(children, fan)) {
+        *ret_mean = (struct orl_gonio_node){.value = 0};
+        return true;
+    }
     const bool few = fan == 4;
     const double omega = ldexp(ORL_PI, -2 * (int)level), unseen = least_share / omega;
     struct orl_gonio_node mean = mean_of(children, fan);

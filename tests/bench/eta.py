@@ -79,11 +79,12 @@ def prepare(build):
         shutil.copy(os.path.join(OFFICE, name), folder)
     with open(os.path.join(folder, "gloss.rad"), "w") as stream:
         stream.write(GLOSSY)
-    kept = os.path.join(build, "bench", "eta_panel.xml")
+    kept = os.path.join(build, "bench", "eta_panel_made.xml")
     if not os.path.exists(kept):
         os.makedirs(os.path.dirname(kept), exist_ok=True)
-        subprocess.run([os.path.join(build, "oriel-lcp"), "--resolution", "6", "--seed", "1", "-o",
-                        kept + ".part"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([os.path.join(build, "oriel"), "bsdf", "make",
+                        os.path.join(OFFICE, "lcp", "lcp.json"), "-o", kept + ".part"],
+                       check=True, stdout=subprocess.DEVNULL)
         os.replace(kept + ".part", kept)
     shutil.copy(kept, os.path.join(folder, "lcp.xml"))
     return folder

@@ -171,8 +171,10 @@ def render(build, folder, name, images):
     with open(os.path.join(folder, "scene.rad"), "w") as out:
         out.write(MATERIALS + scene)
     if name == "panel" and not os.path.exists(os.path.join(folder, "lcp.xml")):
-        subprocess.run([build + "/oriel-lcp", "--resolution", "5", "--seed", "1", "-o",
-                        folder + "/lcp.xml"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([build + "/oriel", "bsdf", "make", "client/examples/office/lcp/lcp.rad", "--cell",
+                        "-0.002 0.002 0 0.004", "--basis", "tensor_tree_4", "--resolution", "32",
+                        "--symmetry", "both", "--accuracy", "0.03", "-o", folder + "/lcp.xml"],
+                       check=True, stdout=subprocess.DEVNULL)
     kinds = [FISHEYE, FISHEYE, HEMISPHERE, FISHEYE, PERSPECTIVE, FISHEYE]
     views = [{"name": "v%d" % i, "view": "%s %s" % (kinds[i], eye), "width": SIDE, "height": SIDE,
               "formats": ["hdr"]} for i, eye in enumerate(EYES)]

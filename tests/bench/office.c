@@ -31,19 +31,23 @@ static void close_file(void *ctx, struct orl_file *file)
 
 void office_make_panel(int resolution, char ret_path[BENCH_PATH])
 {
-    char program[BENCH_PATH], part[BENCH_PATH], name[32], power[8];
-    snprintf(name, sizeof name, "lcp-%d.xml", resolution);
+    static const char source[] = "client/examples/office/lcp/lcp.rad";
+    char program[BENCH_PATH], part[BENCH_PATH], name[32], side[8];
+    snprintf(name, sizeof name, "panel-%d.xml", resolution);
     bench_kept(name, ret_path);
     if (access(ret_path, R_OK) == 0)
         return;
     fprintf(stderr, "  the BSDF of a panel of 2^%d is made, once\n", resolution);
-    snprintf(name, sizeof name, "lcp-%d.part", resolution);
+    snprintf(name, sizeof name, "panel-%d.part", resolution);
     bench_kept(name, part);
-    snprintf(power, sizeof power, "%d", resolution);
-    snprintf(program, sizeof program, "%s/oriel-lcp", bench_build());
-    const char *const argv[] = {program, "--resolution", power, "--seed", "1", "-o", part, NULL};
+    snprintf(side, sizeof side, "%d", 1 << resolution);
+    snprintf(program, sizeof program, "%s/oriel", bench_build());
+    const char *const argv[] = {
+        program,      "bsdf",          "make",         source, "--cell",     "-0.002 0.002 0 0.004",
+        "--basis",    "tensor_tree_4", "--resolution", side,   "--symmetry", "both",
+        "--accuracy", "0.03",          "-o",           part,   NULL};
     if (bench_spawn(argv, NULL, NULL, NULL, NULL) != 0 || rename(part, ret_path) != 0)
-        bench_fail("oriel-lcp did not run; is it built?", NULL);
+        bench_fail("oriel bsdf make did not run; is oriel built?", NULL);
 }
 
 void office_open(struct office *office, const char *of_panel)

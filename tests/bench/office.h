@@ -26,7 +26,7 @@ struct office {
     struct orl_scene *scene;  /* for office_rate; made when it is first asked for */
 };
 
-/* The BSDF of a panel of 2^resolution directions an axis, by build/oriel-lcp: made once, kept. */
+/* The BSDF of the office's panel, of 2^resolution directions an axis: made once, kept. */
 void office_make_panel(int resolution, char ret_path[BENCH_PATH]);
 
 /* In place: files refers to it. With the panel of that path; NULL: of 2^6. */

@@ -43,8 +43,9 @@ def make_office(build, folder):
     for name in os.listdir(office):
         if name.endswith(".rad") or name == "sensors.txt":
             shutil.copy(os.path.join(office, name), folder)
-    subprocess.run([os.path.join(build, "oriel-lcp"), "--resolution", "6", "--seed", "1", "-o",
-                    os.path.join(folder, "lcp.xml")], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([os.path.join(build, "oriel"), "bsdf", "make",
+                    os.path.join(office, "lcp", "lcp.json"), "-o", os.path.join(folder, "lcp.xml")],
+                   check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return ["materials.rad", "room.rad", "ground.rad", "sky.rad", "glazing.rad", "panel.rad"]
 
 
