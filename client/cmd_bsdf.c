@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include <oriel/bsdf.h>
-#include <oriel/files.h>
 
+#include "bsdf_file.h"
 #include "bsdf_json.h"
 #include "report.h"
 
@@ -58,19 +58,23 @@ static void print_check(const char *file, const struct orl_bsdf_check *c)
 
 static int examine_file(const char *path, struct orl_bsdf_check *ret_check, struct orl_error *err)
 {
-    struct orl_files files = orl_files_from_folder(".");
-    struct orl_file file;
     struct orl_bsdf *bsdf = NULL;
-    int rc = files.open(files.ctx, path, &file, err);
-    if (rc < 0)
-        return rc;
-    rc = orl_bsdf_load_xml(path, file.data, file.size, &bsdf, err);
-    files.close(files.ctx, &file);
+    const int rc = orl_bsdf_file_load(path, &bsdf, err);
     if (rc == 0)
         orl_bsdf_examine(bsdf, ret_check);
     orl_bsdf_unref(bsdf);
     return rc;
 }
+
+/* What has files of its own. */
+static const struct {
+    const char *name;
+    int (*run)(const struct orl_subcommand *self, int argc, char **argv);
+} verbs[] = {
+    {"make", orl_cmd_bsdf_make},
+    {"convert", orl_cmd_bsdf_convert},
+    {"compare", orl_cmd_bsdf_compare},
+};
 
 int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
 {
@@ -82,12 +86,14 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_bsdf_check check = {0};
     struct orl_error err = {0};
     int rc;
-    if (argc > 1 && strcmp(argv[1], "make") == 0)
-        return orl_cmd_bsdf_make(self, argc - 1, argv + 1);
+    for (size_t i = 0; argc > 1 && i < sizeof verbs / sizeof *verbs; i++)
+        if (strcmp(argv[1], verbs[i].name) == 0)
+            return verbs[i].run(self, argc - 1, argv + 1);
     if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))
         return rc;
     if (strcmp(operands.items[0], "check") != 0)
-        return orl_usage_error(self, "\"%s\" is neither check nor make", operands.items[0]);
+        return orl_usage_error(self, "\"%s\" is none of check, make, convert, compare",
+                               operands.items[0]);
     if (examine_file(operands.items[1], &check, &err) < 0)
         return orl_report_error(&err);
     if (as_json) {

@@ -147,16 +147,6 @@ static void print_made(const struct orl_bsdf_made *made)
         printf("given up inside the panel: %.2g of the light\n", made->lost);
 }
 
-static int write_text(const char *path, const struct orl_bsdf_made *made, struct orl_error *err)
-{
-    struct orl_new_file file;
-    const int rc = orl_new_file_open(&file, path, err);
-    if (rc)
-        return rc;
-    fwrite(made->xml, 1, made->xml_size, file.stream);
-    return orl_new_file_commit(&file, err);
-}
-
 static void print_warnings(const struct orl_bsdf_made *made,
                            const struct orl_bsdf_make_request *request)
 {
@@ -190,7 +180,7 @@ static int make(const struct line *line)
         rc = orl_local_make_bsdf(&request, file.folder[0] ? file.folder : ".", line->local.threads,
                                  &made, &err);
     if (rc == 0)
-        rc = write_text(line->local.output, &made, &err);
+        rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
     if (rc == 0 && line->report)
         rc = write_report(line->report, &made, &err);
     if (rc == 0)

@@ -127,3 +127,16 @@ int orl_write_json(const char *path, const json_t *json, struct orl_error *err)
     }
     return orl_new_file_commit(&file, err);
 }
+
+int orl_write_text(const char *path, const char *text, size_t size, struct orl_error *err)
+{
+    struct orl_new_file file;
+    const int rc = orl_new_file_open(&file, path, err);
+    if (rc)
+        return rc;
+    if (fwrite(text, 1, size, file.stream) != size) {
+        orl_new_file_abandon(&file);
+        return orl_error_set(err, ORL_ERR_IO, "cannot write '%s'", path);
+    }
+    return orl_new_file_commit(&file, err);
+}

@@ -35,6 +35,9 @@ int orl_make_folder(const char *path, struct orl_error *err);
 int orl_join_path(const char *folder, const char *name, char *ret_path, size_t size,
                   struct orl_error *err);
 
+/* Writes a text, by way of orl_new_file. */
+int orl_write_text(const char *path, const char *text, size_t size, struct orl_error *err);
+
 /* Writes a JSON document, indented, by way of orl_new_file. */
 int orl_write_json(const char *path, const json_t *json, struct orl_error *err);
 

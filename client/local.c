@@ -413,3 +413,36 @@ int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char 
     orl_crew_stop(env.crew);
     return rc;
 }
+
+int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
+                           const struct orl_bsdf_make_request *to, uint32_t threads,
+                           struct orl_bsdf_made *ret_made, struct orl_error *err)
+{
+    struct orl_progress_line progress;
+    const struct orl_bsdf_make_env env = {.crew = orl_crew_start(threads),
+                                          .cancel = &interrupted,
+                                          .progress = on_panel_progress,
+                                          .ctx = &progress};
+    int rc;
+
+    if (!env.crew)
+        return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
+    orl_progress_start(&progress);
+    rc = orl_bsdf_convert(bsdf, source, to, &env, ret_made, err);
+    orl_progress_end(&progress);
+    orl_crew_stop(env.crew);
+    return rc;
+}
+
+int orl_local_compare_bsdfs(const struct orl_bsdf *a, const struct orl_bsdf *b, uint32_t threads,
+                            struct orl_bsdf_comparison *ret_comparison, struct orl_error *err)
+{
+    struct orl_crew *crew = orl_crew_start(threads);
+    int rc;
+
+    if (!crew)
+        return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
+    rc = orl_bsdf_compare(a, b, crew, &interrupted, ret_comparison, err);
+    orl_crew_stop(crew);
+    return rc;
+}

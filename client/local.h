@@ -9,6 +9,7 @@
 #include <stdatomic.h>
 #include <stdint.h>
 
+#include <oriel/bsdf_convert.h>
 #include <oriel/bsdf_make.h>
 #include <oriel/error.h>
 #include <oriel/run.h>
@@ -76,6 +77,14 @@ int orl_local_study(const struct orl_study_request *request, const char *folder,
 /* Makes a panel's BSDF, with progress on stderr. */
 int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char *folder,
                         uint32_t threads, struct orl_bsdf_made *ret_made, struct orl_error *err);
+
+/* The same of one that is converted; its source is what the file says. */
+int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
+                           const struct orl_bsdf_make_request *to, uint32_t threads,
+                           struct orl_bsdf_made *ret_made, struct orl_error *err);
+/* What two of them differ by. */
+int orl_local_compare_bsdfs(const struct orl_bsdf *a, const struct orl_bsdf *b, uint32_t threads,
+                            struct orl_bsdf_comparison *ret_comparison, struct orl_error *err);
 
 /* Runs a year's job, with progress on stderr; all its files but result.json go to output. tell: of
  * annual_job.h, with ctx. cache: a folder, made if need be, where what the year is made of is kept

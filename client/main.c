@@ -124,13 +124,18 @@ static const struct orl_subcommand commands[] = {
      "Honeybee\n"
      "model, which it translates.",
      orl_cmd_upload},
-    {"bsdf", "check FILE [--json] | make PANEL.rad... -o FILE.xml [...]",
+    {"bsdf",
+     "check FILE [--json] | make PANEL.rad... -o FILE.xml [...]\n"
+     "  | convert FILE -o FILE.xml [...] | compare FILE FILE [--report FILE]",
      "Look a BSDF file over, or make one of geometry",
      "make measures a panel on a virtual goniophotometer: scene files of any geometry and "
      "materials\n"
      "in the xy plane, y up, z towards the inside, repeated without end; `oriel bsdf make --help`\n"
      "has its options. In place of files it takes a document (FILE.json, \"kind\": "
      "\"bsdf_make\").\n"
+     "convert brings one into another basis, resolution or cull, and prints what is lost, as "
+     "compare\n"
+     "does of two: in all, in cones of two degrees, and what goes elsewhere.\n"
      "check prints type and resolution, reflectance and transmittance by direction, and what is "
      "wrong "
      "or\n"

@@ -4,6 +4,7 @@
 
 #include "goniometer/made.h"
 #include "goniometer/provenance.h"
+#include "goniometer/reading.h"
 
 enum { AT_ONCE = 16 }; /* items between two words of progress */
 
@@ -23,7 +24,9 @@ static void measure_item(void *arg, size_t index, uint32_t member)
     const struct round *r = arg;
     const size_t item = r->first + index;
     (void)member;
-    if (r->wanted[item] > r->sheet->paths[item])
+    if (r->lamp.sample->file)
+        orl_gonio_read_item(r->sheet, r->lamp.sample->file, item);
+    else if (r->wanted[item] > r->sheet->paths[item])
         orl_gonio_sheet_measure(r->sheet, &r->lamp, item, r->wanted[item]);
 }
 

@@ -50,8 +50,8 @@ static uint32_t cell_of(const struct orl_gonio_probe *probe, double x, double y)
     return spread_bits(coordinate(s.x, side)) | spread_bits(coordinate(s.y, side)) << 1;
 }
 
-/* A direction that light of the cell travels in, z > 0; of rank 3 at any azimuth. */
-static struct orl_vec3 travel(const struct orl_gonio_probe *probe, uint32_t a, const double u[2])
+struct orl_vec3 orl_gonio_probe_travel(const struct orl_gonio_probe *probe, uint32_t a,
+                                       const double u[2])
 {
     const double side = 1U << probe->levels;
     if (probe->rank == 4) {
@@ -110,7 +110,7 @@ static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t i
     struct shot shot = {p, batch, 1, 0};
     double u[4];
     orl_sobol_point(p->sobol, index, numbers.seed, 4, u);
-    struct orl_vec3 towards = travel(p, a, u);
+    struct orl_vec3 towards = orl_gonio_probe_travel(p, a, u);
     const double r = hypot(towards.x, towards.y);
     if (p->rank == 3 && r > 0) {
         shot.cosine = towards.x / r;

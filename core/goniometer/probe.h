@@ -28,6 +28,11 @@ static inline size_t orl_gonio_probe_cells(const struct orl_gonio_probe *probe)
     return (size_t)1 << 2 * probe->levels;
 }
 
+/* A direction that light of incident cell a travels in, z > 0; of rank 3 at any azimuth, by u[1].
+ */
+struct orl_vec3 orl_gonio_probe_travel(const struct orl_gonio_probe *probe, uint32_t a,
+                                       const double u[2]);
+
 int orl_gonio_probe_init(struct orl_gonio_probe *probe, struct orl_error *err);
 void orl_gonio_probe_done(struct orl_gonio_probe *probe);
 

@@ -56,6 +56,14 @@ static void say_errors(const struct orl_bsdf_made *made, FILE *out)
             made->worst, made->lost);
 }
 
+static void say_converted(const struct orl_gonio_sample *sample,
+                          const struct orl_bsdf_make_request *r, FILE *out)
+{
+    fprintf(out, "Converted by Oriel " ORL_VERSION "\nFrom: %s", sample->source);
+    if (orl_bsdf_basis_is_tree(r->basis))
+        fprintf(out, "\nCells as one where within %g of their mean", r->cull);
+}
+
 static char *say_all(const struct orl_gonio_sample *sample,
                      const struct orl_bsdf_make_request *request, const struct orl_bsdf_made *made)
 {
@@ -64,10 +72,14 @@ static char *say_all(const struct orl_gonio_sample *sample,
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return NULL;
-    fputs("Made of geometry and materials by Oriel " ORL_VERSION "\n", out);
-    say_sources(sample, out);
-    say_settings(request, made, out);
-    say_errors(made, out);
+    if (sample->file) {
+        say_converted(sample, request, out);
+    } else {
+        fputs("Made of geometry and materials by Oriel " ORL_VERSION "\n", out);
+        say_sources(sample, out);
+        say_settings(request, made, out);
+        say_errors(made, out);
+    }
     const bool failed = ferror(out);
     if (fclose(out) == 0 && !failed)
         return text;
@@ -93,7 +105,7 @@ int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_pa
                     const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made)
 {
     char *comment = say_all(sample, request, made);
-    const struct orl_bsdf_labels labels = {.manufacturer = "simulated",
+    const struct orl_bsdf_labels labels = {.manufacturer = sample->file ? "converted" : "simulated",
                                            .width_m = made->cell[1] - made->cell[0],
                                            .height_m = made->cell[3] - made->cell[2],
                                            .comment = comment,

@@ -1,16 +1,19 @@
 /*
- * What lies on the goniophotometer's table: a panel read from scene texts, with its cell. Immutable
- * once loaded, shared by all threads.
+ * What lies on the goniophotometer's table: a panel read from scene texts, with its cell, or a
+ * BSDF's file (reading.h). Immutable once loaded, shared by all threads.
  */
 #ifndef ORL_GONIOMETER_SAMPLE_H
 #define ORL_GONIOMETER_SAMPLE_H
 
+#include <oriel/bsdf.h>
 #include <oriel/bsdf_make.h>
 
 #include "goniometer/cell.h"
 
 struct orl_gonio_sample {
-    struct orl_world *world; /* owned; it has no lights */
+    const struct orl_bsdf *file; /* borrowed; NULL: a panel. Else nothing but depth and source */
+    const char *source;          /* what that is, in words; borrowed */
+    struct orl_world *world;     /* owned; it has no lights */
     struct orl_gonio_cell cell;
     double sides[4], depth[2]; /* of the cell, without margins: the files' coordinates */
 };

@@ -31,8 +31,8 @@ void orl_gonio_sheet_done(struct orl_gonio_sheet *sheet)
     memset(sheet, 0, sizeof *sheet);
 }
 
-static double *sums_of(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
-                       bool transmitted)
+double *orl_gonio_sheet_sums(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
+                             bool transmitted)
 {
     const size_t cells = (size_t)sheet->basis.n_cells;
     return sheet->sums +
@@ -58,8 +58,8 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
         sheet->lost[b->item] += orl_rgb_is_finite(exit->weight) ? orl_luma(exit->weight) : 1;
         return;
     }
-    double *sum =
-        sums_of(sheet, b->item, b->batch, exit->front != b->front) + (size_t)cell * sheet->channels;
+    double *sum = orl_gonio_sheet_sums(sheet, b->item, b->batch, exit->front != b->front) +
+                  (size_t)cell * sheet->channels;
     if (sheet->channels == 1) {
         sum[0] += orl_luma(exit->weight);
         return;
@@ -133,7 +133,7 @@ static void batch_share(const struct orl_gonio_sheet *sheet, size_t item, size_t
         const enum orl_bsdf_symmetry m = (enum orl_bsdf_symmetry)mirrors;
         const int in = orl_gonio_mirrored(&sheet->basis, (int)(item % cells), m);
         const size_t other = item - item % cells + (size_t)in;
-        const double *sum = sums_of(sheet, other, batch, transmitted) +
+        const double *sum = orl_gonio_sheet_sums(sheet, other, batch, transmitted) +
                             (size_t)orl_gonio_mirrored(&sheet->basis, out, m) * sheet->channels;
         for (size_t c = 0; c < sheet->channels; c++)
             ret_share[c] += sum[c] / sheet->paths[other];

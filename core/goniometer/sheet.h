@@ -39,6 +39,10 @@ struct orl_gonio_lamp {
 void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_lamp *lamp,
                              size_t item, uint32_t paths);
 
+/* What is counted in a batch: weights, [cell out][channel]. */
+double *orl_gonio_sheet_sums(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
+                             bool transmitted);
+
 /* The cell that mirrors make of a cell. */
 int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_symmetry mirrors);
 

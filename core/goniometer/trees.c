@@ -5,6 +5,7 @@
 
 #include "goniometer/probe.h"
 #include "goniometer/provenance.h"
+#include "goniometer/reading.h"
 #include "goniometer/resolve.h"
 
 enum { SPLIT_LEVEL = 4, AT_ONCE = 16 };
@@ -108,6 +109,10 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_node *ret_
 {
     const struct trees *t = w->t;
     uint32_t sent = 0, paths = t->paths;
+    if (t->sample->file) {
+        orl_gonio_read_cell(&w->probe, t->sample->file, a, ret_nodes);
+        return !orl_is_cancelled(t->cancel);
+    }
     do {
         if (orl_is_cancelled(t->cancel))
             return false;
@@ -346,7 +351,7 @@ static void tell(const struct trees *t, struct orl_bsdf_made *made)
         made->paths += t->blocks[t->todo[i]].paths;
         lost += t->blocks[t->todo[i]].lost;
     }
-    made->lost = lost / (double)made->paths;
+    made->lost = made->paths > 0 ? lost / (double)made->paths : 0;
     made->reached = !(t->request->accuracy > 0) || made->worst <= t->request->accuracy;
 }
 

@@ -161,7 +161,7 @@ static void wrong_command_lines_exit_with_2(void **state)
     (void)state;
     cli_run(unknown, &result);
     assert_int_equal(result.exit_code, 2);
-    assert_says(result.err, "\"paint\" is neither check nor make");
+    assert_says(result.err, "\"paint\" is none of check, make, convert");
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 2);
     check("no/such/file.xml", NULL);

@@ -1,0 +1,184 @@
+/* oriel bsdf convert FILE.xml -o OTHER.xml; oriel bsdf compare A.xml B.xml */
+#include "command.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "bsdf_compare_json.h"
+#include "bsdf_file.h"
+#include "bsdf_make_json.h"
+#include "files.h"
+#include "local.h"
+#include "report.h"
+
+/* ---- What is lost ---------------------------------------------------------------------------- */
+
+static void print_place(const struct orl_bsdf_place *p)
+{
+    printf(" (%.0f, %.0f)", p->theta_deg, p->phi_deg);
+}
+
+static void print_comparison(const struct orl_bsdf_comparison *c)
+{
+    static const char *const sides[2] = {"outside", "inside"};
+    static const char *const parts[2] = {"reflected", "transmitted"};
+    printf("%-22s %24s %40s %22s\n", "per cent of the light", "in all", "in a cone of 2 degrees",
+           "elsewhere");
+    printf("%-22s %9s %14s %9s %30s %9s %12s\n", "", "rms", "worst (from)", "worst", "(from) (to)",
+           "mean", "worst");
+    for (int front = 0; front < 2; front++)
+        for (int t = 0; t < 2; t++) {
+            const struct orl_bsdf_difference *d = &c->of[front][t];
+            printf("%-9s %-12s %9.3f %+9.3f", sides[front], parts[t], 100 * d->albedo_rms,
+                   100 * d->albedo_worst);
+            print_place(&d->albedo_from);
+            printf(" %+9.3f", 100 * d->cone_worst);
+            print_place(&d->cone_from);
+            print_place(&d->cone_to);
+            printf(" %9.3f %9.3f\n", 100 * d->moved_mean, 100 * d->moved_worst);
+        }
+}
+
+static int write_comparison(const char *path, const struct orl_bsdf_comparison *c,
+                            struct orl_error *err)
+{
+    json_t *json = orl_bsdf_comparison_to_json(c);
+    const int rc =
+        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(json);
+    return rc;
+}
+
+int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **argv)
+{
+    struct orl_local_line line = {.most = 2};
+    const char *report = NULL;
+    const struct orl_option options[] = {
+        {.name = "report", .metavar = "FILE", .help = "write a JSON, too", .value = &report},
+        ORL_OPTION_THREADS(&line.threads_text),
+    };
+    struct orl_bsdf *bsdfs[2] = {NULL, NULL};
+    struct orl_bsdf_comparison comparison;
+    struct orl_error err = {0};
+    int code, rc = 0;
+    if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
+        return code;
+    if (line.all.count != 2)
+        return orl_usage_error(self, "compare takes two files");
+    for (int i = 0; i < 2 && rc == 0; i++)
+        rc = orl_bsdf_file_load(line.all.items[i], &bsdfs[i], &err);
+    if (rc == 0)
+        rc = orl_local_compare_bsdfs(bsdfs[0], bsdfs[1], line.threads, &comparison, &err);
+    if (rc == 0)
+        print_comparison(&comparison);
+    if (rc == 0 && report)
+        rc = write_comparison(report, &comparison, &err);
+    orl_bsdf_unref(bsdfs[0]);
+    orl_bsdf_unref(bsdfs[1]);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+/* ---- Converting ------------------------------------------------------------------------------ */
+
+enum { WORDS = 5 };
+
+struct line {
+    struct orl_local_line local;
+    const char *texts[WORDS], *report;
+    bool color;
+};
+
+static const struct {
+    const char *name, *metavar, *help;
+    bool is_text;
+} words[WORDS] = {
+    {"basis", "BASIS",
+     "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
+    {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
+    {"cull", "SHARE", "of tensor trees: cells within this share of their mean are one (0.05)",
+     false},
+    {"symmetry", "WHICH", "left_right, up_down or both: mirrors that it is to have", true},
+    {"name", "NAME", "of the material, in the XML (default: as it is)", true},
+};
+
+/* As a document that asks for a BSDF to be made says it. */
+static int request_of(const struct line *line, struct orl_bsdf_make_request *ret_request,
+                      struct orl_error *err)
+{
+    json_t *doc = json_pack("{s:s, s:{s:[s]}, s:b}", "kind", "bsdf_make", "scene", "files",
+                            line->local.operand, "color", (int)line->color);
+    int failed = !doc;
+    for (int i = 0; i < WORDS && !failed; i++)
+        if (line->texts[i]) {
+            json_t *value =
+                words[i].is_text ? NULL : json_loads(line->texts[i], JSON_DECODE_ANY, NULL);
+            failed = json_object_set_new(doc, words[i].name,
+                                         value ? value : json_string(line->texts[i]));
+        }
+    const int rc = failed ? orl_error_set(err, ORL_ERR_INVALID, "options take text in UTF-8")
+                          : orl_bsdf_make_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err);
+    json_decref(doc);
+    return rc;
+}
+
+static int convert(const struct line *line)
+{
+    struct orl_bsdf_make_request request = {0};
+    struct orl_bsdf_made made = {0};
+    struct orl_bsdf *before = NULL, *after = NULL;
+    struct orl_bsdf_comparison comparison;
+    struct orl_error err = {0};
+    char source[512];
+    int rc = request_of(line, &request, &err);
+    if (rc == 0)
+        rc = orl_bsdf_file_load(line->local.operand, &before, &err);
+    if (rc == 0)
+        rc = orl_bsdf_file_source(line->local.operand, source, &err);
+    if (rc == 0)
+        rc = orl_local_convert_bsdf(before, source, &request, line->local.threads, &made, &err);
+    if (rc == 0)
+        rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
+    if (rc == 0)
+        rc = orl_bsdf_load_xml(line->local.output, made.xml, made.xml_size, &after, &err);
+    if (rc == 0)
+        rc = orl_local_compare_bsdfs(before, after, line->local.threads, &comparison, &err);
+    if (rc == 0)
+        print_comparison(&comparison);
+    if (rc == 0 && line->report)
+        rc = write_comparison(line->report, &comparison, &err);
+    orl_bsdf_unref(before);
+    orl_bsdf_unref(after);
+    orl_bsdf_made_done(&made);
+    orl_bsdf_make_request_done(&request);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **argv)
+{
+    enum { OTHERS = 4 };
+    struct line line = {.local = {.most = 1}};
+    struct orl_option options[OTHERS + WORDS] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "FILE",
+         .help = "the XML to write",
+         .value = &line.local.output},
+        {.name = "color", .help = "X and Z beside Y, of Klems bases", .flag = &line.color},
+        {.name = "report",
+         .metavar = "FILE",
+         .help = "write a JSON with what is lost",
+         .value = &line.report},
+        ORL_OPTION_THREADS(&line.local.threads_text),
+    };
+    int code;
+    for (int i = 0; i < WORDS; i++)
+        options[OTHERS + i] = (struct orl_option){.name = words[i].name,
+                                                  .metavar = words[i].metavar,
+                                                  .help = words[i].help,
+                                                  .value = &line.texts[i]};
+    if (!orl_local_parse(self, argc, argv, options, OTHERS + WORDS, &line.local, &code))
+        return code;
+    if (!line.local.output)
+        return orl_usage_error(self, "-o FILE is missing");
+    return convert(&line);
+}

@@ -1,0 +1,162 @@
+/* What two BSDFs differ by: see oriel/bsdf_convert.h. */
+#include <oriel/bsdf_convert.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+#include <oriel/crew.h>
+#include <oriel/units.h>
+
+#include "bsdf/shirley.h"
+
+/* Cells a side of the square of directions out; cells that a cone's radius may span. */
+enum { SIDE = 192, CELLS = SIDE * SIDE, REACH = 4 };
+static const double cone_deg = 1;
+
+/* What one direction in tells of a part. */
+struct told {
+    struct orl_bsdf_place from, cone_to;
+    double albedo, cone, moved;
+};
+
+struct work {
+    const struct orl_bsdf *a, *b;
+    struct told of[2][ORL_BSDF_COMPARED][2]; /* [front][from][transmitted] */
+    atomic_int code;
+};
+
+/* Straight, and five rings of eight, on no border of any basis. */
+static struct orl_bsdf_place place_of(int i)
+{
+    if (i == 0)
+        return (struct orl_bsdf_place){1.2, 33};
+    const int ring = (i - 1) / 8, at = (i - 1) % 8;
+    return (struct orl_bsdf_place){10.7 + 15 * ring, 7.3 + 45 * at};
+}
+
+static struct orl_vec3 direction_of(struct orl_bsdf_place p, bool front)
+{
+    const double theta = p.theta_deg * ORL_DEG_TO_RAD, phi = p.phi_deg * ORL_DEG_TO_RAD;
+    return orl_v3(sin(theta) * cos(phi), sin(theta) * sin(phi), front ? cos(theta) : -cos(theta));
+}
+
+static struct orl_bsdf_place place_from(struct orl_vec3 d)
+{
+    const double phi = atan2(d.y, d.x) / ORL_DEG_TO_RAD;
+    return (struct orl_bsdf_place){acos(fmin(1, fabs(d.z))) / ORL_DEG_TO_RAD,
+                                   phi < 0 ? phi + 360 : phi};
+}
+
+static struct orl_vec3 cell_direction(int x, int y, bool front)
+{
+    struct orl_vec3 d = orl_square_to_hemisphere(
+        (struct orl_square){2 * (x + 0.5) / SIDE - 1, 2 * (y + 0.5) / SIDE - 1});
+    if (!front)
+        d.z = -d.z;
+    return d;
+}
+
+/* The sum over a cone about a cell, of what differs by cells. */
+static double in_cone(const float *off, const struct orl_vec3 *towards, int x, int y)
+{
+    const double least = cos(cone_deg * ORL_DEG_TO_RAD);
+    double sum = 0;
+    for (int j = y - REACH; j <= y + REACH; j++)
+        for (int i = x - REACH; i <= x + REACH; i++)
+            if (i >= 0 && j >= 0 && i < SIDE && j < SIDE && off[j * SIDE + i] != 0 &&
+                orl_dot(towards[y * SIDE + x], towards[j * SIDE + i]) >= least)
+                sum += (double)off[j * SIDE + i];
+    return sum;
+}
+
+/* The cone with the largest difference, and what is in other places. */
+static void find(const float *off, const struct orl_vec3 *towards, struct told *told)
+{
+    for (int k = 0; k < CELLS; k++) {
+        if (off[k] == 0)
+            continue;
+        const double cone = in_cone(off, towards, k % SIDE, k / SIDE);
+        told->moved += 0.5 * fabs((double)off[k]);
+        if (fabs(cone) > fabs(told->cone)) {
+            told->cone = cone;
+            told->cone_to = place_from(towards[k]);
+        }
+    }
+}
+
+static void compare_from(void *arg, size_t index, uint32_t member)
+{
+    struct work *w = arg;
+    const bool front = index >= ORL_BSDF_COMPARED;
+    const size_t i = index % ORL_BSDF_COMPARED;
+    const struct orl_bsdf_place from = place_of((int)i);
+    const struct orl_vec3 in = direction_of(from, front);
+    float *off = malloc(CELLS * sizeof *off);
+    struct orl_vec3 *towards = malloc(CELLS * sizeof *towards);
+    (void)member;
+    if (!off || !towards)
+        atomic_store(&w->code, ORL_ERR_NOMEM);
+    for (int t = 0; t < 2 && off && towards; t++) {
+        const enum orl_bsdf_side side = t ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT;
+        struct told *told = &w->of[front][i][t];
+        for (int k = 0; k < CELLS; k++) {
+            towards[k] = cell_direction(k % SIDE, k / SIDE, front != (t == 1));
+            off[k] = (float)((orl_luma(orl_bsdf_eval(w->b, in, towards[k])) -
+                              orl_luma(orl_bsdf_eval(w->a, in, towards[k]))) *
+                             ORL_PI / CELLS);
+        }
+        told->from = from;
+        told->albedo =
+            orl_luma(orl_bsdf_albedo(w->b, in, side)) - orl_luma(orl_bsdf_albedo(w->a, in, side));
+        find(off, towards, told);
+    }
+    free(off);
+    free(towards);
+}
+
+static void sum_up(const struct work *w, int front, int t, struct orl_bsdf_difference *ret)
+{
+    struct orl_bsdf_difference d = {.albedo_worst = 0};
+    for (int i = 0; i < ORL_BSDF_COMPARED; i++) {
+        const struct told *told = &w->of[front][i][t];
+        d.albedo_rms += told->albedo * told->albedo / ORL_BSDF_COMPARED;
+        d.moved_mean += told->moved / ORL_BSDF_COMPARED;
+        if (fabs(told->albedo) > fabs(d.albedo_worst)) {
+            d.albedo_worst = told->albedo;
+            d.albedo_from = told->from;
+        }
+        if (fabs(told->cone) > fabs(d.cone_worst)) {
+            d.cone_worst = told->cone;
+            d.cone_from = told->from;
+            d.cone_to = told->cone_to;
+        }
+        if (told->moved > d.moved_worst) {
+            d.moved_worst = told->moved;
+            d.moved_from = told->from;
+        }
+    }
+    d.albedo_rms = sqrt(d.albedo_rms);
+    *ret = d;
+}
+
+int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct orl_crew *crew,
+                     const atomic_bool *cancel, struct orl_bsdf_comparison *ret_comparison,
+                     struct orl_error *err)
+{
+    struct work *work = calloc(1, sizeof *work);
+    if (!work)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    work->a = a;
+    work->b = b;
+    orl_crew_heed(crew, cancel);
+    int code = orl_crew_try(crew, (size_t)2 * ORL_BSDF_COMPARED, compare_from, work);
+    orl_crew_heed(crew, NULL);
+    if (code == 0)
+        code = atomic_load(&work->code);
+    for (int part = 0; part < 4 && code == 0; part++)
+        sum_up(work, part / 2, part % 2, &ret_comparison->of[part / 2][part % 2]);
+    free(work);
+    return code < 0
+               ? orl_error_set(err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
+               : 0;
+}

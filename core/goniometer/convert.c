@@ -1,0 +1,42 @@
+/* The way from a BSDF to one in another basis: a file on the table in place of a panel. */
+#include <oriel/bsdf_convert.h>
+
+#include "goniometer/klems.h"
+#include "goniometer/trees.h"
+
+static int check(const struct orl_bsdf_make_request *to, struct orl_error *err)
+{
+    if (to->accuracy > 0 || to->paths > 0)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a BSDF that is converted takes no paths, and has no accuracy");
+    return orl_bsdf_make_validate(to, err);
+}
+
+int orl_bsdf_convert(const struct orl_bsdf *bsdf, const char *source,
+                     const struct orl_bsdf_make_request *to, const struct orl_bsdf_make_env *env,
+                     struct orl_bsdf_made *ret_made, struct orl_error *err)
+{
+    struct orl_bsdf_info info;
+    struct orl_bsdf_make_request request = *to;
+    struct orl_bsdf_made made = {0};
+    int code = check(to, err);
+    if (code < 0)
+        return code;
+    orl_bsdf_describe(bsdf, &info);
+    if (!request.name)
+        request.name = info.name;
+    const struct orl_gonio_sample sample = {
+        .file = bsdf, .source = source, .depth = {0, info.thickness_m}};
+    made.depth[1] = info.thickness_m;
+    orl_crew_heed(env->crew, env->cancel);
+    code = orl_bsdf_basis_is_tree(to->basis)
+               ? orl_gonio_make_trees(&request, env, &sample, NULL, &made, err)
+               : orl_gonio_make_klems(&request, env, &sample, NULL, &made, err);
+    orl_crew_heed(env->crew, NULL);
+    made.paths = 0;
+    if (code == 0)
+        *ret_made = made;
+    else
+        orl_bsdf_made_done(&made);
+    return code;
+}
