@@ -74,6 +74,7 @@ static const struct {
     {"make", orl_cmd_bsdf_make},
     {"convert", orl_cmd_bsdf_convert},
     {"compare", orl_cmd_bsdf_compare},
+    {"plot", orl_cmd_bsdf_plot},
 };
 
 int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
@@ -92,7 +93,7 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
     if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))
         return rc;
     if (strcmp(operands.items[0], "check") != 0)
-        return orl_usage_error(self, "\"%s\" is none of check, make, convert, compare",
+        return orl_usage_error(self, "\"%s\" is none of check, make, convert, compare, plot",
                                operands.items[0]);
     if (examine_file(operands.items[1], &check, &err) < 0)
         return orl_report_error(&err);

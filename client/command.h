@@ -84,6 +84,7 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_bsdf_plot(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_glare(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv);

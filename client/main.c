@@ -126,7 +126,8 @@ static const struct orl_subcommand commands[] = {
      orl_cmd_upload},
     {"bsdf",
      "check FILE [--json] | make PANEL.rad... -o FILE.xml [...]\n"
-     "  | convert FILE -o FILE.xml [...] | compare FILE FILE [--report FILE]",
+     "  | convert FILE -o FILE.xml [...] | compare FILE FILE [--report FILE]\n"
+     "  | plot FILE [FILE] -o PICTURE [...]",
      "Look a BSDF file over, or make one of geometry",
      "make measures a panel on a virtual goniophotometer: scene files of any geometry and "
      "materials\n"
@@ -136,6 +137,8 @@ static const struct orl_subcommand commands[] = {
      "convert brings one into another basis, resolution or cull, and prints what is lost, as "
      "compare\n"
      "does of two: in all, in cones of two degrees, and what goes elsewhere.\n"
+     "plot draws where light from a direction goes, of two files with their differences; "
+     "`oriel bsdf\nplot --help` has its options.\n"
      "check prints type and resolution, reflectance and transmittance by direction, and what is "
      "wrong "
      "or\n"

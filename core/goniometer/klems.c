@@ -17,16 +17,18 @@ struct round {
     uint32_t *wanted; /* paths in each batch, by item; 0: enough there are */
     uint32_t number;
     size_t first;
+    atomic_bool starved; /* a file could not be read for want of memory */
 };
 
 static void measure_item(void *arg, size_t index, uint32_t member)
 {
-    const struct round *r = arg;
+    struct round *r = arg;
     const size_t item = r->first + index;
     (void)member;
-    if (r->lamp.sample->file)
-        orl_gonio_read_item(r->sheet, r->lamp.sample->file, item);
-    else if (r->wanted[item] > r->sheet->paths[item])
+    if (r->lamp.sample->file) {
+        if (orl_gonio_read_item(r->sheet, r->lamp.sample->file, item) < 0)
+            atomic_store(&r->starved, true);
+    } else if (r->wanted[item] > r->sheet->paths[item])
         orl_gonio_sheet_measure(r->sheet, &r->lamp, item, r->wanted[item]);
 }
 
@@ -40,6 +42,8 @@ static int measure(struct round *r)
         const int code = orl_crew_try(r->env->crew, count, measure_item, r);
         if (code < 0 || orl_is_cancelled(r->env->cancel))
             return ORL_ERR_CANCELLED;
+        if (atomic_load(&r->starved))
+            return ORL_ERR_NOMEM;
         if (r->env->progress)
             r->env->progress(r->env->ctx, r->number, (double)(r->first + count) / (double)items);
     }
@@ -90,7 +94,9 @@ static int measure_all(struct round *r, struct orl_error *err)
         code = measure(r);
         r->number++;
     } while (code == 0 && r->request->accuracy > 0 && want_more(r));
-    return code < 0 ? orl_error_set(err, code, "cancelled") : 0;
+    return code < 0
+               ? orl_error_set(err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
+               : 0;
 }
 
 /* ---- The file -------------------------------------------------------------------------------- */

@@ -1,12 +1,13 @@
 #include "goniometer/reading.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "bsdf/shirley.h"
 
-/* Scales beyond that are of light that points between missed: they would not mend it. */
-static const double least_scale = 0.5, most_scale = 2;
+/* A scale beyond that is of light that points missed: it would not mend it. */
+static const double most_scale = 2;
 enum { TURNS = 24, RINGS = 4 }; /* about the axis, and within a ring; of rank 3 */
 
 /* Points along either side of a new cell that has so many of them in a hemisphere's width, for
@@ -36,7 +37,7 @@ static struct middle middle_of(uint32_t k, uint32_t n, uint32_t m)
 static double scale_for(double albedo, double found)
 {
     const double scale = found > 0 ? albedo / found : 1;
-    return scale >= least_scale && scale <= most_scale ? scale : 1;
+    return scale <= most_scale ? scale : 1;
 }
 
 /* ---- Trees ----------------------------------------------------------------------------------- */
@@ -134,39 +135,103 @@ void orl_gonio_read_cell(struct orl_gonio_probe *probe, const struct orl_bsdf *b
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
 
-/* The mean of f from a direction to a cell out. */
-static struct orl_rgb cell_mean(const struct orl_basis *basis, const struct orl_bsdf *bsdf,
-                                struct orl_vec3 in, bool front, int cell, uint32_t points)
+/* Into which cells out a piece of the square of directions falls, by shares. */
+enum { INTO = 4, PIECES = 4 };
+struct spread {
+    int cell[INTO];
+    double share[INTO];
+};
+
+/* What is asked for a file to be read by: directions into an incident cell, and pieces of the
+ * square for directions out where it is a tree, points in each cell out where it is a matrix. */
+struct reading {
+    struct orl_gonio_sheet *sheet;
+    const struct orl_bsdf *bsdf;
+    size_t item;
+    uint32_t points, side;  /* side: of the square's pieces; 0: a matrix */
+    struct spread *spreads; /* of each piece; owned */
+};
+
+static void fall(struct spread *s, int cell, double share)
 {
-    struct orl_rgb sum = orl_gray(0);
-    for (uint32_t k = 0; k < points * points; k++) {
-        const struct middle at = middle_of(k, points, points);
-        struct orl_vec3 out = orl_basis_direction(basis, cell, at.u, at.v);
+    int i = 0;
+    while (i < INTO - 1 && s->share[i] > 0 && s->cell[i] != cell)
+        i++;
+    s->cell[i] = cell;
+    s->share[i] += share;
+}
+
+static bool spread_square(struct reading *r)
+{
+    const size_t n = (size_t)r->side * r->side;
+    r->spreads = calloc(n, sizeof *r->spreads);
+    for (size_t i = 0; r->spreads && i < n; i++)
+        for (uint32_t k = 0; k < PIECES * PIECES; k++) {
+            const struct middle at = middle_of(k, PIECES, PIECES);
+            const struct middle of = middle_of((uint32_t)i, r->side, r->side);
+            const struct orl_vec3 d = orl_square_to_hemisphere((struct orl_square){
+                2 * (of.u + (at.u - 0.5) / r->side) - 1, 2 * (of.v + (at.v - 0.5) / r->side) - 1});
+            const int cell = orl_basis_cell(&r->sheet->basis, orl_polar_of(d), 0);
+            if (cell >= 0)
+                fall(&r->spreads[i], cell, 1.0 / (PIECES * PIECES));
+        }
+    return r->spreads != NULL;
+}
+
+/* What light from in sends into cells on one side, as shares of it: by pieces of the square. */
+static void add_pieces(const struct reading *r, struct orl_vec3 in, bool front, struct orl_rgb *of)
+{
+    const uint32_t n = r->side * r->side;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct middle at = middle_of(i, r->side, r->side);
+        struct orl_vec3 out =
+            orl_square_to_hemisphere((struct orl_square){2 * at.u - 1, 2 * at.v - 1});
         if (!front)
             out.z = -out.z;
-        sum = orl_rgb_add(sum, orl_bsdf_eval(bsdf, in, out));
+        const struct orl_rgb f = orl_bsdf_eval(r->bsdf, in, out);
+        for (int k = 0; k < INTO && r->spreads[i].share[k] > 0 && orl_rgb_max(f) > 0; k++)
+            of[r->spreads[i].cell[k]] = orl_rgb_add(
+                of[r->spreads[i].cell[k]], orl_rgb_scale(f, r->spreads[i].share[k] * ORL_PI / n));
     }
-    return orl_rgb_scale(sum, 1.0 / (points * points));
+}
+
+/* By points in cells. */
+static void add_points(const struct reading *r, struct orl_vec3 in, bool front, struct orl_rgb *of)
+{
+    const struct orl_basis *basis = &r->sheet->basis;
+    const uint32_t n = r->points * r->points;
+    for (int cell = 0; cell < basis->n_cells; cell++)
+        for (uint32_t k = 0; k < n; k++) {
+            const struct middle at = middle_of(k, r->points, r->points);
+            struct orl_vec3 out = orl_basis_direction(basis, cell, at.u, at.v);
+            if (!front)
+                out.z = -out.z;
+            of[cell] =
+                orl_rgb_add(of[cell], orl_rgb_scale(orl_bsdf_eval(r->bsdf, in, out),
+                                                    orl_basis_ring(basis, cell)->omega_sr / n));
+        }
 }
 
 /* Adds what a beam of so much light sends to all cells on one side. */
-static void add_side(struct orl_gonio_sheet *sheet, const struct orl_bsdf *bsdf, size_t item,
-                     struct orl_vec3 in, bool transmitted, uint32_t points, double share)
+static void add_side(const struct reading *r, struct orl_vec3 in, bool transmitted, double share)
 {
+    const struct orl_gonio_sheet *sheet = r->sheet;
     const size_t cells = (size_t)sheet->basis.n_cells;
-    double *sums = orl_gonio_sheet_sums(sheet, item, 0, transmitted);
-    const bool front = (item >= cells) != transmitted;
-    double found = 0;
+    double *sums = orl_gonio_sheet_sums(sheet, r->item, 0, transmitted);
+    const bool front = (r->item >= cells) != transmitted;
     struct orl_rgb of[ORL_BASIS_CELLS_MAX];
-    for (int c = 0; c < (int)cells; c++) {
-        of[c] = orl_rgb_scale(cell_mean(&sheet->basis, bsdf, in, front, c, points),
-                              share * orl_basis_ring(&sheet->basis, c)->omega_sr);
+    double found = 0;
+    memset(of, 0, cells * sizeof *of);
+    if (r->side > 0)
+        add_pieces(r, in, front, of);
+    else
+        add_points(r, in, front, of);
+    for (size_t c = 0; c < cells; c++)
         found += orl_luma(of[c]);
-    }
-    const double albedo =
-        share *
-        orl_luma(orl_bsdf_albedo(bsdf, in, transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT));
-    const double scale = scale_for(albedo, found);
+    const double scale =
+        share * scale_for(orl_luma(orl_bsdf_albedo(
+                              r->bsdf, in, transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT)),
+                          found);
     for (size_t c = 0; c < cells; c++) {
         double *sum = sums + c * sheet->channels;
         const struct orl_rgb f = orl_rgb_scale(of[c], scale);
@@ -178,12 +243,27 @@ static void add_side(struct orl_gonio_sheet *sheet, const struct orl_bsdf *bsdf,
     }
 }
 
-void orl_gonio_read_item(struct orl_gonio_sheet *sheet, const struct orl_bsdf *bsdf, size_t item)
+/* Pieces as many as a tree of rank 4 has cells; twice as many of rank 3, whose cells turn. */
+static uint32_t side_of(const struct orl_bsdf *bsdf)
 {
-    enum { IN_LEAST = 3, OUT_LEAST = 3, WIDTH = 8 };
+    struct orl_bsdf_info info;
+    orl_bsdf_describe(bsdf, &info);
+    return info.kind[0] != 'T'                     ? 0
+           : strcmp(info.kind, "TensorTree4") == 0 ? (uint32_t)info.resolution
+                                                   : 2 * (uint32_t)info.resolution;
+}
+
+int orl_gonio_read_item(struct orl_gonio_sheet *sheet, const struct orl_bsdf *bsdf, size_t item)
+{
+    enum { INS_OF_TREES = 6, POINTS = 3, LEAST_SIDE = 32 };
     const size_t cells = (size_t)sheet->basis.n_cells;
-    const uint32_t ins = points_for(bsdf, WIDTH, IN_LEAST),
-                   outs = points_for(bsdf, WIDTH, OUT_LEAST);
+    struct reading r = {
+        .sheet = sheet, .bsdf = bsdf, .item = item, .points = POINTS, .side = side_of(bsdf)};
+    if (r.side > 0 && r.side < LEAST_SIDE)
+        r.side = LEAST_SIDE;
+    const uint32_t ins = r.side > 0 ? INS_OF_TREES : POINTS;
+    if (r.side > 0 && !spread_square(&r))
+        return ORL_ERR_NOMEM;
     for (uint32_t k = 0; k < ins * ins; k++) {
         const struct middle at = middle_of(k, ins, ins);
         struct orl_vec3 towards =
@@ -191,11 +271,13 @@ void orl_gonio_read_item(struct orl_gonio_sheet *sheet, const struct orl_bsdf *b
         if (item >= cells)
             towards.z = -towards.z;
         for (int t = 0; t < 2; t++)
-            add_side(sheet, bsdf, item, orl_neg(towards), t, outs, 1.0 / (ins * ins));
+            add_side(&r, orl_neg(towards), t, 1.0 / (ins * ins));
     }
     for (int t = 0; t < 2; t++)
         for (size_t k = 1; k < ORL_GONIO_BATCHES; k++)
             memcpy(orl_gonio_sheet_sums(sheet, item, k, t), orl_gonio_sheet_sums(sheet, item, 0, t),
                    cells * sheet->channels * sizeof(double));
     sheet->paths[item] = 1;
+    free(r.spreads);
+    return 0;
 }

@@ -15,7 +15,7 @@
 void orl_gonio_read_cell(struct orl_gonio_probe *probe, const struct orl_bsdf *bsdf, uint32_t a,
                          struct orl_gonio_node *ret_nodes);
 
-/* Of an item of matrices: as if by one path of each batch. */
-void orl_gonio_read_item(struct orl_gonio_sheet *sheet, const struct orl_bsdf *bsdf, size_t item);
+/* Of an item of matrices: as if by one path of each batch. 0 or ORL_ERR_NOMEM. */
+int orl_gonio_read_item(struct orl_gonio_sheet *sheet, const struct orl_bsdf *bsdf, size_t item);
 
 #endif
