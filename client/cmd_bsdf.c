@@ -1,4 +1,4 @@
-/* oriel bsdf check FILE; make (cmd_bsdf_make.c) */
+/* oriel bsdf check FILE; fit (cmd_bsdf_fit.c); make (cmd_bsdf_make.c) */
 #include "command.h"
 
 #include <stdio.h>
@@ -71,9 +71,8 @@ static const struct {
     const char *name;
     int (*run)(const struct orl_subcommand *self, int argc, char **argv);
 } verbs[] = {
-    {"make", orl_cmd_bsdf_make},
-    {"convert", orl_cmd_bsdf_convert},
-    {"compare", orl_cmd_bsdf_compare},
+    {"fit", orl_cmd_bsdf_fit},         {"make", orl_cmd_bsdf_make},
+    {"convert", orl_cmd_bsdf_convert}, {"compare", orl_cmd_bsdf_compare},
     {"plot", orl_cmd_bsdf_plot},
 };
 
@@ -93,7 +92,7 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
     if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))
         return rc;
     if (strcmp(operands.items[0], "check") != 0)
-        return orl_usage_error(self, "\"%s\" is none of check, make, convert, compare, plot",
+        return orl_usage_error(self, "\"%s\" is none of check, fit, make, convert, compare, plot",
                                operands.items[0]);
     if (examine_file(operands.items[1], &check, &err) < 0)
         return orl_report_error(&err);

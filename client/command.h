@@ -81,6 +81,7 @@ int orl_cmd_maps(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv);
 /* Of which argv[0] is "make". */
+int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **argv);

@@ -446,3 +446,24 @@ int orl_local_compare_bsdfs(const struct orl_bsdf *a, const struct orl_bsdf *b, 
     orl_crew_stop(crew);
     return rc;
 }
+
+int orl_local_fit_bsdf(const struct orl_bsdf_fit_request *request, const char *folder,
+                       uint32_t threads, struct orl_bsdf_fitted *ret_fitted, struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    struct orl_progress_line progress;
+    const struct orl_bsdf_make_env env = {.files = &files,
+                                          .crew = orl_crew_start(threads),
+                                          .cancel = &interrupted,
+                                          .progress = on_panel_progress,
+                                          .ctx = &progress};
+    int rc;
+
+    if (!env.crew)
+        return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
+    orl_progress_start(&progress);
+    rc = orl_bsdf_fit(request, &env, ret_fitted, err);
+    orl_progress_end(&progress);
+    orl_crew_stop(env.crew);
+    return rc;
+}

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include <oriel/bsdf_convert.h>
+#include <oriel/bsdf_fit.h>
 #include <oriel/bsdf_make.h>
 #include <oriel/error.h>
 #include <oriel/run.h>
@@ -85,6 +86,9 @@ int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
 /* What two of them differ by. */
 int orl_local_compare_bsdfs(const struct orl_bsdf *a, const struct orl_bsdf *b, uint32_t threads,
                             struct orl_bsdf_comparison *ret_comparison, struct orl_error *err);
+/* The same of measurements. */
+int orl_local_fit_bsdf(const struct orl_bsdf_fit_request *request, const char *folder,
+                       uint32_t threads, struct orl_bsdf_fitted *ret_fitted, struct orl_error *err);
 
 /* Runs a year's job, with progress on stderr; all its files but result.json go to output. tell: of
  * annual_job.h, with ctx. cache: a folder, made if need be, where what the year is made of is kept

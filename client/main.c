@@ -125,10 +125,11 @@ static const struct orl_subcommand commands[] = {
      "model, which it translates.",
      orl_cmd_upload},
     {"bsdf",
-     "check FILE [--json] | make PANEL.rad... -o FILE.xml [...]\n"
+     "check FILE [--json] | fit DATA... -o FILE.xml [...]\n"
+     "  | make PANEL.rad... -o FILE.xml [...]\n"
      "  | convert FILE -o FILE.xml [...] | compare FILE FILE [--report FILE]\n"
      "  | plot FILE [FILE] -o PICTURE [...]",
-     "Look a BSDF file over, or make one of geometry",
+     "Look a BSDF file over, or make one of measurements or geometry",
      "make measures a panel on a virtual goniophotometer: scene files of any geometry and "
      "materials\n"
      "in the xy plane, y up, z towards the inside, repeated without end; `oriel bsdf make --help`\n"
@@ -139,6 +140,13 @@ static const struct orl_subcommand commands[] = {
      "does of two: in all, in cones of two degrees, and what goes elsewhere.\n"
      "plot draws where light from a direction goes, of two files with their differences; "
      "`oriel bsdf\nplot --help` has its options.\n"
+     "fit takes what a goniophotometer measured: pab-opto's text files, an incident direction "
+     "each, "
+     "or\n"
+     "CSV with columns theta_in, phi_in, theta_out, phi_out and bsdf or dsf (degrees, theta from "
+     "the\n"
+     "inside's normal); or a document (\"kind\": \"bsdf_fit\"). It says how well each direction is "
+     "told\nby the others; `oriel bsdf fit --help` has its options.\n"
      "check prints type and resolution, reflectance and transmittance by direction, and what is "
      "wrong "
      "or\n"

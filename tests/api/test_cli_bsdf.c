@@ -1,4 +1,5 @@
-/* `oriel bsdf check` and `oriel bsdf make` as a script meets them. */
+/* `oriel bsdf check`, `fit` and `make` as a script meets them. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -129,6 +130,64 @@ static void a_panel_becomes_a_file(void **state)
     cli_remove_folder(folder);
 }
 
+/* White paper of 60 %, as a goniophotometer would see it: three incident directions, 200 places. */
+static void write_paper(const char *folder)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    fputs("theta_in,phi_in,theta_out,phi_out,bsdf\n", out);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 200; i++)
+            fprintf(out, "%d,180,%.3f,%.3f,%.5f\n", 30 * k,
+                    acos(1 - 0.95 * (i + 0.5) / 200) * 180 / M_PI, fmod(137.508 * i, 360),
+                    0.6 / M_PI);
+    assert_int_equal(fclose(out), 0);
+    cli_write_file(folder, "paper.csv", text);
+    free(text);
+}
+
+/* Measurements by words of the line, and the same by a document. */
+static void measurements_become_a_file(void **state)
+{
+    char folder[64], data[128], xml[128], document[128], other[128];
+    double total = 0;
+    (void)state;
+    cli_make_folder(folder);
+    write_paper(folder);
+    cli_write_file(folder, "paper.json",
+                   "{\"kind\": \"bsdf_fit\", \"measurements\": {\"files\": [\"paper.csv\"]},"
+                   " \"name\": \"paper\", \"resolution\": 8}");
+    snprintf(data, sizeof data, "%s/paper.csv", folder);
+    snprintf(xml, sizeof xml, "%s/paper.xml", folder);
+    snprintf(document, sizeof document, "%s/paper.json", folder);
+    snprintf(other, sizeof other, "%s/other.xml", folder);
+    const char *const by_document[] = {"bsdf", "fit", document, "-o", xml, "--json", NULL};
+    cli_run(by_document, &result);
+    assert_int_equal(result.exit_code, 0);
+    json_t *json = json_loads(result.out, 0, NULL);
+    assert_int_equal(json_unpack(json, "{s:{s:{s:{s:f}}}}", "components", "reflection_front",
+                                 "diffuse", "value", &total),
+                     0);
+    assert_true(fabs(total - 0.6) < 0.003); /* values have five digits; sums are exact to 0.5 % */
+    json_decref(json);
+    check(xml, NULL);
+    assert_int_equal(result.exit_code, 0);
+    assert_says(result.out, "\"paper\"");
+    const char *const by_words[] = {"bsdf",         "fit", data,     "-o",    other,
+                                    "--resolution", "8",   "--name", "paper", NULL};
+    cli_run(by_words, &result);
+    assert_int_equal(result.exit_code, 0);
+    assert_says(result.out, "symmetry isotropic, basis tensor_tree_3");
+    char *first = cli_read_file(folder, "paper.xml"), *second = cli_read_file(folder, "other.xml");
+    /* All but the line that names the file, by another path. */
+    assert_string_equal(strstr(first, "600 rows"), strstr(second, "600 rows"));
+    free(first);
+    free(second);
+    cli_remove_folder(folder);
+}
+
 /* What is wrong with the making of a file is said by the member that it is about. */
 static void what_cannot_be_made_is_refused(void **state)
 {
@@ -145,6 +204,14 @@ static void what_cannot_be_made_is_refused(void **state)
         {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2"}, 1, "cell"},
         {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2 2"}, 1, "cell.y"},
         {{"bsdf", "make", "x.json", "-o", "x.xml", "--color"}, 2, "alone on its line"},
+        {{"bsdf", "fit", "x.txt"}, 2, "-o FILE is missing"},
+        {{"bsdf", "fit", "x.txt", "-o", "x.xml"}, 1, "cannot open"},
+        {{"bsdf", "fit", "x.txt", "-o", "x.xml", "--symmetry", "odd"}, 1, "symmetry"},
+        {{"bsdf", "fit", "x.txt", "-o", "x.xml", "--grazing", "50"}, 1, "grazing"},
+        {{"bsdf", "fit", "x.txt", "-o", "x.xml", "--basis", "klems_full", "--cull", "0"},
+         1,
+         "cull"},
+        {{"bsdf", "fit", "x.json", "-o", "x.xml", "--reversed"}, 2, "alone on its line"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -161,7 +228,7 @@ static void wrong_command_lines_exit_with_2(void **state)
     (void)state;
     cli_run(unknown, &result);
     assert_int_equal(result.exit_code, 2);
-    assert_says(result.err, "\"paint\" is none of check, make, convert");
+    assert_says(result.err, "\"paint\" is none of check, fit, make, convert");
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 2);
     check("no/such/file.xml", NULL);
@@ -176,6 +243,7 @@ int main(void)
         cmocka_unit_test(it_speaks_json),
         cmocka_unit_test(faults_end_with_1),
         cmocka_unit_test(a_panel_becomes_a_file),
+        cmocka_unit_test(measurements_become_a_file),
         cmocka_unit_test(what_cannot_be_made_is_refused),
         cmocka_unit_test(wrong_command_lines_exit_with_2),
     };

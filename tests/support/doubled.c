@@ -14,6 +14,7 @@
 #include "bsdf_json.h"
 #include "bsdf_make_json.h"
 #include "decode.h"
+#include "fit/rows.h"
 #include "function/function.h"
 #include "honeybee/hbjson.h"
 #include "job_json.h"
@@ -282,6 +283,15 @@ void doubled_done(struct doubled_input *input)
     free(input->copies);
 }
 
+static int read_measured(const struct doubled_input *input, struct orl_error *err)
+{
+    const struct orl_fit_reading reading = {0};
+    struct orl_fit_data data = {0};
+    const int code = orl_fit_read("data.txt", 0, input->data, input->size, &reading, &data, err);
+    orl_fit_data_done(&data);
+    return code;
+}
+
 int doubled_read(const struct doubled_input *input, char text[256])
 {
     static int (*const readers[])(const struct doubled_input *, struct orl_error *) = {
@@ -292,9 +302,9 @@ int doubled_read(const struct doubled_input *input, char text[256])
         [DOUBLED_VIEWS] = read_views,       [DOUBLED_YEAR] = read_year,
         [DOUBLED_PANEL] = read_panel,       [DOUBLED_OCCUPANCY] = read_occupancy,
         [DOUBLED_FUNCTION] = read_function, [DOUBLED_MODEL] = read_model,
-        [DOUBLED_SCHEDULE] = read_schedule, [DOUBLED_MATRIX] = read_matrix,
-        [DOUBLED_OBJ] = read_mesh,          [DOUBLED_RULES] = read_mesh,
-        [DOUBLED_STL] = read_mesh,
+        [DOUBLED_SCHEDULE] = read_schedule, [DOUBLED_MEASURED] = read_measured,
+        [DOUBLED_MATRIX] = read_matrix,     [DOUBLED_OBJ] = read_mesh,
+        [DOUBLED_RULES] = read_mesh,        [DOUBLED_STL] = read_mesh,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

@@ -22,6 +22,7 @@ enum doubled_kind {
     DOUBLED_PANEL,     /* a document that asks for its BSDF */
     DOUBLED_OCCUPANCY, /* of a year in minutes */
     DOUBLED_SCHEDULE,  /* of shades */
+    DOUBLED_MEASURED,  /* by goniophotometers */
     DOUBLED_MATRIX,    /* of a year's light */
     DOUBLED_FUNCTION,  /* definitions of x, and what it needs, compiled and evaluated */
     DOUBLED_ZIP,

@@ -383,6 +383,33 @@ static void write_zip_of_one(FILE *f, size_t n)
     free(archive);
 }
 
+/* ---- Measurements ---------------------------------------------------------------------------- */
+
+static void write_measured(FILE *f, size_t n)
+{
+    fputs("#format: theta phi DSF\n#incident_angle 30 180\n", f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%zu.5 %zu 0.1\n", i % 85, i % 360);
+}
+static void write_measured_header(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "#word%zu  of the instrument's own\n", i);
+    write_measured(f, 1);
+}
+static void write_measured_line(FILE *f, size_t n)
+{
+    write_measured(f, 1);
+    for (size_t i = 0; i < n; i++)
+        fputs("  \t", f);
+}
+static void write_measured_csv(FILE *f, size_t n)
+{
+    fputs("theta_in,phi_in,theta_out,phi_out,bsdf\n", f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%zu, 180, %zu.5, %zu, 0.1\n", i % 80, i % 85, i % 360);
+}
+
 /* ---- The table ------------------------------------------------------------------------------- */
 
 #define KIND(name, kind, n)                                                                        \
@@ -422,6 +449,10 @@ const struct doubled doubled_files[] = {
     KIND(use_number, OCCUPANCY, 5000),
     KIND(schedule, SCHEDULE, 3000),
     KIND(schedule_columns, SCHEDULE, 5000),
+    KIND(measured, MEASURED, 3000),
+    KIND(measured_header, MEASURED, 3000),
+    KIND(measured_line, MEASURED, 10000),
+    KIND(measured_csv, MEASURED, 3000),
     KIND(matrix, MATRIX, 2000),
     KIND(matrix_header, MATRIX, 3000),
     KIND(year_files, YEAR, 200),

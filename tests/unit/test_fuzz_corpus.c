@@ -170,6 +170,8 @@ static void test_schedule(void **state)
 static void test_matrix(void **state)
 {
     (void)state;
+    repeat_all("tests/fuzz/corpus/measured", fuzz_measured);
+    repeat_trifles(fuzz_measured);
     repeat_all("tests/fuzz/corpus/matrix", fuzz_matrix);
     repeat_trifles(fuzz_matrix);
 }

@@ -37,6 +37,8 @@
 #define ORL_LIMIT_DEADLINE_S 604800UL       /* longest deadline: a week */
 #define ORL_LIMIT_JOB_BYTES (64UL << 20)    /* one job document */
 #define ORL_LIMIT_JSON_MEMORY (1UL << 30)   /* that reading one JSON document may take, estimated */
+#define ORL_LIMIT_MEASURED_ROWS 4000000UL   /* of goniophotometers, all files of a BSDF */
+#define ORL_LIMIT_MEASURED_SCANS 512U       /* incident directions and sides out of these */
 #define ORL_LIMIT_STUDY_RUNS 2000U          /* runs of one study: settings times seeds */
 #define ORL_LIMIT_STUDY_LIST 64U            /* techniques, photons, samples or points of a study */
 

@@ -1,0 +1,173 @@
+#include "bsdf_fit_json.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "encode.h"
+#include "members.h"
+
+enum { NAME_MAX_BYTES = 120 };
+
+/* ---- What is asked for ----------------------------------------------------------------------- */
+
+struct draft {
+    enum orl_job_origin origin;
+    struct orl_bsdf_fit_request request;
+    char *scene_id;
+};
+
+/* As a job's scene, whose files are then the request's. */
+static int decode_files(const json_t *files, const char *path, void *into, struct orl_error *err)
+{
+    struct draft *draft = into;
+    struct orl_job job;
+    orl_job_init(&job);
+    const int rc = orl_job_scene_from_json(files, path, draft->origin, &job, &draft->scene_id, err);
+    draft->request.files = job.scene_files;
+    draft->request.n_files = job.n_scene_files;
+    job.scene_files = NULL;
+    job.n_scene_files = 0;
+    orl_job_done(&job);
+    return rc;
+}
+
+static int decode_members(const json_t *doc, struct draft *draft, struct orl_error *err)
+{
+    const char *bases[ORL_BSDF_BASES + 1] = {NULL};
+    const char *symmetries[ORL_BSDF_FIT_SYMMETRIES + 1] = {NULL};
+    struct orl_bsdf_fit_request *r = &draft->request;
+    for (int i = 0; i < ORL_BSDF_BASES; i++)
+        bases[i] = orl_bsdf_basis_name((enum orl_bsdf_basis)i);
+    for (int i = 0; i < ORL_BSDF_FIT_SYMMETRIES; i++)
+        symmetries[i] = orl_bsdf_fit_symmetry_name((enum orl_bsdf_fit_symmetry)i);
+    const struct orl_json_member members[] = {
+        {.name = "kind"},
+        {"measurements", .decode = decode_files, .into = draft, .required = true},
+        {"name", .text = &r->name, .longest = NAME_MAX_BYTES},
+        {"basis", .word = &r->basis, .words = bases},
+        {"symmetry", .word = &r->symmetry, .words = symmetries},
+        {"resolution", .whole_32 = &r->resolution, .from = 4, .to = 128},
+        {"cull", .real = &r->cull, .least = 0, .most = 1},
+        {"reversed", .flag = &r->reversed},
+        {"keep_outliers", .flag = &r->keep_outliers},
+        {"grazing", .real = &r->grazing_deg, .least = 0, .most = 45},
+        {.name = "priority"},
+        {.name = "tags"},
+        {0}};
+    return orl_json_members(doc, "", members, err);
+}
+
+static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
+{
+    const char *kind = json_string_value(json_object_get(doc, "kind"));
+    if (json_is_object(doc) && (!kind || strcmp(kind, "bsdf_fit") != 0))
+        return orl_json_fail(err, ORL_ERR_INVALID, "kind",
+                             "a BSDF of measurements says \"kind\": \"bsdf_fit\"");
+    const int rc = decode_members(doc, draft, err);
+    draft->request.has_basis = json_object_get(doc, "basis") != NULL;
+    if (rc == 0 && draft->request.has_basis && !orl_bsdf_basis_is_tree(draft->request.basis) &&
+        (json_object_get(doc, "resolution") || json_object_get(doc, "cull")))
+        return orl_json_fail(err, ORL_ERR_INVALID,
+                             json_object_get(doc, "resolution") ? "resolution" : "cull",
+                             "it is of tensor trees, and the basis is none");
+    return rc;
+}
+
+int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,
+                           struct orl_bsdf_fit_request *ret_request, char **ret_scene_id,
+                           struct orl_error *err)
+{
+    struct draft draft = {.origin = origin};
+    orl_bsdf_fit_request_init(&draft.request);
+    const int rc = decode(doc, &draft, err);
+    if (rc) {
+        orl_bsdf_fit_request_done(&draft.request);
+        free(draft.scene_id);
+        return rc;
+    }
+    *ret_request = draft.request;
+    if (ret_scene_id)
+        *ret_scene_id = draft.scene_id;
+    return 0;
+}
+
+/* ---- What was made ---------------------------------------------------------------------------
+ * json_pack's "o" fails on NULL, so that one check covers all parts. */
+
+static const char *const names[2][2] = {{"reflection_back", "transmission_back"},
+                                        {"reflection_front", "transmission_front"}};
+
+static json_t *number_or_null(double value, bool given)
+{
+    return given ? json_real(value) : json_null();
+}
+
+static json_t *component_to_json(const struct orl_bsdf_fitted *f, int front, int t)
+{
+    const bool left_out = f->misplaced[front][t] >= 0;
+    if (!f->has[front][t])
+        return json_null();
+    return json_pack("{s:{s:f, s:o}, s:o, s:f}", "diffuse", "value", f->diffuse[front][t].value,
+                     "error", number_or_null(f->diffuse[front][t].error, left_out), "misplaced",
+                     number_or_null(f->misplaced[front][t], left_out), "theta_most_deg",
+                     f->theta_most_deg[front][t]);
+}
+
+static json_t *left_out_to_json(const struct orl_bsdf_fitted_scan *s)
+{
+    return s->left_out
+               ? json_pack("{s:f, s:f}", "predicted", s->predicted, "misplaced", s->misplaced)
+               : json_null();
+}
+
+static json_t *scan_to_json(const struct orl_bsdf_fitted_scan *s)
+{
+    return json_pack(
+        "{s:s, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:{s:f, s:f}, s:{s:f, s:f, s:f}, s:o}",
+        "component", names[s->front][s->transmitted], "theta_deg", s->theta_deg, "phi_deg",
+        s->phi_deg, "rows", (json_int_t)s->rows, "outliers", (json_int_t)s->outliers, "knots",
+        (json_int_t)s->knots, "covered", s->covered, "noise", s->noise, "total", "value", s->total,
+        "standard_error", s->total_error, "peak", "value", s->peak, "theta_deg", s->peak_theta_deg,
+        "phi_deg", s->peak_phi_deg, "left_out", left_out_to_json(s));
+}
+
+static json_t *scans_to_json(const struct orl_bsdf_fitted *f)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; list && i < f->n_scans; i++)
+        if (json_array_append_new(list, scan_to_json(&f->scans[i]))) {
+            json_decref(list);
+            return NULL;
+        }
+    return list;
+}
+
+static json_t *outliers_to_json(const struct orl_bsdf_fit_request *request,
+                                const struct orl_bsdf_fitted *f)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; list && i < f->n_outliers && i < ORL_BSDF_FIT_OUTLIERS_TOLD; i++) {
+        const struct orl_bsdf_outlier *o = &f->outliers[i];
+        if (json_array_append_new(
+                list, json_pack("{s:s, s:I, s:f, s:f}", "file", request->files[o->file], "line",
+                                (json_int_t)o->line, "value", o->value, "around", o->around))) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
+json_t *orl_bsdf_fitted_to_json(const struct orl_bsdf_fit_request *request,
+                                const struct orl_bsdf_fitted *f)
+{
+    return json_pack("{s:s, s:s, s:s, s:I, s:{s:o, s:o, s:o, s:o}, s:o, s:{s:I, s:o}, s:b}", "kind",
+                     "bsdf_fit", "basis", orl_bsdf_basis_name(f->basis), "symmetry",
+                     orl_bsdf_fit_symmetry_name(f->symmetry), "rows", (json_int_t)f->rows,
+                     "components", names[1][1], component_to_json(f, 1, 1), names[0][1],
+                     component_to_json(f, 0, 1), names[1][0], component_to_json(f, 1, 0),
+                     names[0][0], component_to_json(f, 0, 0), "scans", scans_to_json(f), "outliers",
+                     "count", (json_int_t)f->n_outliers, "told", outliers_to_json(request, f),
+                     "color_left_out", (int)f->color_left_out);
+}

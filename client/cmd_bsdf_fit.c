@@ -1,0 +1,266 @@
+/* oriel bsdf fit FILE ... -o FILE.xml: a BSDF from what a goniophotometer measured. */
+#include "command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bsdf_fit_json.h"
+#include "files.h"
+#include "job_file.h"
+#include "local.h"
+#include "report.h"
+
+enum { WORDS = 6, FLAGS = 2 };
+
+/* The command line, and the document that it comes to. */
+struct line {
+    struct orl_local_line local;
+    const char *texts[WORDS]; /* of the members below; NULL: not given */
+    bool flags[FLAGS];
+    bool as_json;
+};
+
+/* Members of the document that an option gives as they are. */
+static const struct {
+    const char *name, *metavar, *help;
+    bool is_text;
+} words[WORDS] = {
+    {"basis", "BASIS",
+     "tensor_tree_3 (the default if isotropic), tensor_tree_4 (else), klems_full, klems_half or "
+     "klems_quarter",
+     true},
+    {"symmetry", "WHICH",
+     "isotropic, quadrilateral, left_right, up_down, half_turn or none (default: as the incident "
+     "azimuths say)",
+     true},
+    {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
+    {"cull", "SHARE", "of tensor trees: cells within this share of their mean are one (0.02)",
+     false},
+    {"name", "NAME", "of the material, in the XML (default: the data's, or the first file's)",
+     true},
+    {"grazing", "DEGREES", "leave out what was measured this close to the surface (0)", false},
+};
+static const struct {
+    const char *option, *member, *help;
+} flags[FLAGS] = {
+    {"reversed", "reversed", "theta is counted from the outside's normal"},
+    {"keep-outliers", "keep_outliers", "leave no row out for standing alone"},
+};
+
+/* ---- The document ---------------------------------------------------------------------------- */
+
+/* A number where it is one; else the text, which is then refused by its member's name. */
+static json_t *value_of(const char *text, bool is_text)
+{
+    json_t *value = is_text ? NULL : json_loads(text, JSON_DECODE_ANY, NULL);
+    return value ? value : json_string(text);
+}
+
+static json_t *document_of(const struct line *line)
+{
+    json_t *files = json_array();
+    json_t *doc = json_pack("{s:s, s:{s:o}}", "kind", "bsdf_fit", "measurements", "files", files);
+    int failed = !doc;
+    for (int i = 0; i < line->local.all.count && !failed; i++)
+        failed = json_array_append_new(files, json_string(line->local.all.items[i]));
+    for (int i = 0; i < WORDS && !failed; i++)
+        if (line->texts[i])
+            failed =
+                json_object_set_new(doc, words[i].name, value_of(line->texts[i], words[i].is_text));
+    for (int i = 0; i < FLAGS && !failed; i++)
+        if (line->flags[i])
+            failed = json_object_set_new(doc, flags[i].member, json_true());
+    if (!failed)
+        return doc;
+    json_decref(doc);
+    return NULL;
+}
+
+static bool names_document(const struct line *line)
+{
+    const char *first = line->local.operand;
+    const size_t length = strlen(first);
+    return length > 5 && strcmp(first + length - 5, ".json") == 0;
+}
+
+/* Whether anything on the line is for the document to say. */
+static bool says_more(const struct line *line)
+{
+    bool more = line->local.all.count > 1;
+    for (int i = 0; i < WORDS; i++)
+        more = more || line->texts[i];
+    for (int i = 0; i < FLAGS; i++)
+        more = more || line->flags[i];
+    return more;
+}
+
+/* By the line's words, or the document that it names. */
+static int request_of(const struct line *line, struct orl_job_file *file,
+                      struct orl_bsdf_fit_request *ret_request, struct orl_error *err)
+{
+    const char *first = line->local.operand;
+    json_t *doc;
+    int rc;
+    if (names_document(line)) {
+        rc = orl_job_file_read(first, file, err);
+        if (rc == 0)
+            rc = orl_bsdf_fit_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err);
+        if (rc)
+            orl_error_at(err, first, 0, NULL);
+        return rc;
+    }
+    doc = document_of(line);
+    rc = doc ? orl_bsdf_fit_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err)
+             : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(doc);
+    return rc;
+}
+
+/* ---- What was made --------------------------------------------------------------------------- */
+
+static void print_scans(const struct orl_bsdf_fitted *f)
+{
+    printf("%-8s %-12s %6s %6s %7s %5s %8s %8s %9s %7s %7s %10s %9s\n", "light", "", "theta", "phi",
+           "rows", "seen", "total", "+-", "left out", "peak at", "", "1/sr", "astray");
+    for (size_t i = 0; i < f->n_scans; i++) {
+        const struct orl_bsdf_fitted_scan *s = &f->scans[i];
+        printf("%-8s %-12s %6.1f %6.1f %7zu %4.0f%% %8.5f %8.1e ", s->front ? "inside" : "outside",
+               s->transmitted ? "transmitted" : "reflected", s->theta_deg, s->phi_deg, s->rows,
+               100 * s->covered, s->total, s->total_error);
+        if (s->left_out)
+            printf("%9.5f", s->predicted);
+        else
+            printf("%9s", "-");
+        printf(" %7.1f %7.1f %10.4g", s->peak_theta_deg, s->peak_phi_deg, s->peak);
+        if (s->left_out)
+            printf(" %8.2f%%", 100 * s->misplaced);
+        printf("\n");
+    }
+}
+
+static void print_outliers(const struct orl_bsdf_fit_request *request,
+                           const struct orl_bsdf_fitted *f)
+{
+    enum { TOLD = 8 };
+    if (f->n_outliers == 0)
+        return;
+    printf("\n%zu rows stand alone and are left out:\n", f->n_outliers);
+    for (size_t i = 0; i < f->n_outliers && i < TOLD; i++)
+        printf("  %s:%u: %.4g among %.4g\n", request->files[f->outliers[i].file],
+               f->outliers[i].line, f->outliers[i].value, f->outliers[i].around);
+    if (f->n_outliers > TOLD)
+        printf("  ...\n");
+}
+
+static void print_fitted(const struct orl_bsdf_fit_request *request,
+                         const struct orl_bsdf_fitted *f)
+{
+    printf("%zu rows, symmetry %s, basis %s\n\n", f->rows, orl_bsdf_fit_symmetry_name(f->symmetry),
+           orl_bsdf_basis_name(f->basis));
+    print_scans(f);
+    printf("\n%-21s %9s %9s %9s %s\n", "diffuse light", "total", "+-", "astray", "measured to");
+    for (int i = 0; i < 4; i++) {
+        const int front = i / 2, t = i % 2;
+        if (!f->has[front][t])
+            continue;
+        printf("%-8s %-12s %9.5f", front ? "inside" : "outside", t ? "transmitted" : "reflected",
+               f->diffuse[front][t].value);
+        if (f->misplaced[front][t] >= 0)
+            printf(" %9.1e %8.2f%%", f->diffuse[front][t].error, 100 * f->misplaced[front][t]);
+        else
+            printf(" %9s %9s", "-", "-");
+        printf(" theta %.4g\n", f->theta_most_deg[front][t]);
+    }
+    print_outliers(request, f);
+}
+
+static void warn(const struct orl_bsdf_fitted *f)
+{
+    for (int i = 0; i < 4; i++)
+        if (f->has[i / 2][i % 2] && f->misplaced[i / 2][i % 2] < 0)
+            fprintf(stderr,
+                    "warning: light from the %s, %s: too few incident directions to say how well "
+                    "others are told\n",
+                    i / 2 ? "inside" : "outside", i % 2 ? "transmitted" : "reflected");
+    if (f->color_left_out)
+        fprintf(stderr, "warning: of CIE-XYZ values only Y is kept\n");
+}
+
+static int write_text(const char *path, const struct orl_bsdf_fitted *fitted, struct orl_error *err)
+{
+    struct orl_new_file file;
+    const int rc = orl_new_file_open(&file, path, err);
+    if (rc)
+        return rc;
+    fwrite(fitted->xml, 1, fitted->xml_size, file.stream);
+    return orl_new_file_commit(&file, err);
+}
+
+static int print_json(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_fitted *f,
+                      struct orl_error *err)
+{
+    json_t *json = orl_bsdf_fitted_to_json(request, f);
+    if (!json)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    printf("\n");
+    json_decref(json);
+    return 0;
+}
+
+static int fit(const struct line *line)
+{
+    struct orl_job_file file = {0};
+    struct orl_bsdf_fit_request request = {0};
+    struct orl_bsdf_fitted fitted = {0};
+    struct orl_error err = {0};
+    int rc = request_of(line, &file, &request, &err);
+    if (rc == 0)
+        rc = orl_local_fit_bsdf(&request, file.folder[0] ? file.folder : ".", line->local.threads,
+                                &fitted, &err);
+    if (rc == 0)
+        rc = write_text(line->local.output, &fitted, &err);
+    if (rc == 0 && line->as_json)
+        rc = print_json(&request, &fitted, &err);
+    else if (rc == 0)
+        print_fitted(&request, &fitted);
+    if (rc == 0)
+        warn(&fitted);
+    orl_bsdf_fitted_done(&fitted);
+    orl_bsdf_fit_request_done(&request);
+    orl_job_file_done(&file);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
+{
+    enum { OTHERS = 3 };
+    struct line line = {.local = {.most = 512}};
+    struct orl_option options[OTHERS + WORDS + FLAGS] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "FILE",
+         .help = "the XML to write",
+         .value = &line.local.output},
+        {.name = "json", .help = "print what was found as JSON", .flag = &line.as_json},
+        ORL_OPTION_THREADS(&line.local.threads_text),
+    };
+    int code;
+    for (int i = 0; i < WORDS; i++)
+        options[OTHERS + i] = (struct orl_option){.name = words[i].name,
+                                                  .metavar = words[i].metavar,
+                                                  .help = words[i].help,
+                                                  .value = &line.texts[i]};
+    for (int i = 0; i < FLAGS; i++)
+        options[OTHERS + WORDS + i] = (struct orl_option){
+            .name = flags[i].option, .help = flags[i].help, .flag = &line.flags[i]};
+    if (!orl_local_parse(self, argc, argv, options, OTHERS + WORDS + FLAGS, &line.local, &code))
+        return code;
+    if (!line.local.output)
+        return orl_usage_error(self, "-o FILE is missing");
+    if (names_document(&line) && says_more(&line))
+        return orl_usage_error(self, "\"%s\" says itself what is fitted, alone on its line",
+                               line.local.operand);
+    return fit(&line);
+}

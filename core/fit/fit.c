@@ -1,0 +1,278 @@
+/* The way from a request to a BSDF: files, scans, shapes, models, XML. */
+#include <oriel/bsdf_fit.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/output.h"
+#include "fit/scans.h"
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+static int read_file(const struct orl_bsdf_fit_request *request, uint32_t index,
+                     const struct orl_bsdf_make_env *env, struct orl_fit_data *data,
+                     struct orl_error *err)
+{
+    const struct orl_fit_reading reading = {request->reversed, request->grazing_deg, env->cancel};
+    struct orl_file file;
+    int code = env->files->open(env->files->ctx, request->files[index], &file, err);
+    if (code < 0)
+        return code;
+    code = orl_fit_read(request->files[index], index, file.data, file.size, &reading, data, err);
+    env->files->close(env->files->ctx, &file);
+    return code;
+}
+
+/* ---- Shapes ---------------------------------------------------------------------------------- */
+
+struct shaping {
+    const struct orl_bsdf_fit_request *request;
+    const struct orl_bsdf_make_env *env;
+    struct orl_fit_data *data;
+    unsigned levels[2];                /* of lobes, the largest and the smallest */
+    struct orl_fit_shape *shapes;      /* by scan */
+    struct orl_bsdf_fitted_scan *told; /* by scan */
+    struct orl_bsdf_outlier *outliers; /* by scan, ORL_BSDF_FIT_OUTLIERS_TOLD each */
+    struct orl_error *errors;          /* by scan */
+    int *codes;
+};
+
+static void tell(const struct shaping *s, size_t i, const struct orl_fit_knots *knots)
+{
+    const struct orl_fit_scan *scan = &s->data->scans[i];
+    const struct orl_fit_shape *shape = &s->shapes[i];
+    const double phi = atan2(shape->peak.y, shape->peak.x) / ORL_DEG_TO_RAD;
+    s->told[i] = (struct orl_bsdf_fitted_scan){
+        .front = scan->front,
+        .transmitted = scan->transmitted,
+        .theta_deg = scan->theta_deg,
+        .phi_deg = scan->phi_deg,
+        .rows = scan->n_measured,
+        .outliers = knots->n_outliers,
+        .knots = knots->n,
+        .covered = knots->covered,
+        .noise = knots->noise,
+        .total = shape->total,
+        .total_error = shape->total_error,
+        .peak = shape->peak_value,
+        .peak_theta_deg =
+            atan2(hypot(shape->peak.x, shape->peak.y), shape->peak.z) / ORL_DEG_TO_RAD,
+        .peak_phi_deg = phi < 0 ? phi + 360 : phi};
+}
+
+static void shape_scan(void *arg, size_t index, uint32_t member)
+{
+    const struct shaping *s = arg;
+    const struct orl_fit_making making = {s->request->keep_outliers,
+                                          s->outliers + index * ORL_BSDF_FIT_OUTLIERS_TOLD,
+                                          ORL_BSDF_FIT_OUTLIERS_TOLD, s->env->cancel};
+    struct orl_fit_scan *scan = &s->data->scans[index];
+    struct orl_fit_knots knots;
+    (void)member;
+    s->codes[index] = orl_fit_knots_make(scan, &making, &knots, &s->errors[index]);
+    if (s->codes[index] < 0)
+        return;
+    s->codes[index] = orl_fit_shape_make(&knots, scan->in, s->levels, s->env->cancel,
+                                         &s->shapes[index], &s->errors[index]);
+    if (s->codes[index] == 0)
+        tell(s, index, &knots);
+    orl_fit_knots_done(&knots);
+    free(scan->rows);
+    scan->rows = NULL;
+}
+
+static void gather_outliers(const struct shaping *s, struct orl_bsdf_fitted *fitted)
+{
+    size_t told = 0;
+    for (size_t i = 0; i < s->data->n_scans; i++) {
+        const size_t n = s->told[i].outliers;
+        for (size_t k = 0; k < n && k < ORL_BSDF_FIT_OUTLIERS_TOLD; k++)
+            if (told < ORL_BSDF_FIT_OUTLIERS_TOLD)
+                fitted->outliers[told++] = s->outliers[i * ORL_BSDF_FIT_OUTLIERS_TOLD + k];
+        fitted->n_outliers += n;
+    }
+}
+
+static int shape_all(struct shaping *s, struct orl_bsdf_fitted *fitted, struct orl_error *err)
+{
+    const size_t n = s->data->n_scans;
+    s->shapes = calloc(n, sizeof *s->shapes);
+    s->told = calloc(n, sizeof *s->told);
+    s->outliers = calloc(n * ORL_BSDF_FIT_OUTLIERS_TOLD, sizeof *s->outliers);
+    s->errors = calloc(n, sizeof *s->errors);
+    s->codes = calloc(n, sizeof *s->codes);
+    if (!s->shapes || !s->told || !s->outliers || !s->errors || !s->codes)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
+    if (orl_crew_try(s->env->crew, n, shape_scan, s) < 0)
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+    for (size_t i = 0; i < n; i++)
+        if (s->codes[i] < 0) {
+            if (err) {
+                *err = s->errors[i];
+                if (err->line > 0)
+                    orl_error_at(err, s->request->files[s->data->scans[i].file], err->line, NULL);
+            }
+            return s->codes[i];
+        }
+    gather_outliers(s, fitted);
+    return 0;
+}
+
+static void shaping_done(struct shaping *s)
+{
+    for (size_t i = 0; s->shapes && i < s->data->n_scans; i++)
+        orl_fit_shape_done(&s->shapes[i]);
+    free(s->shapes);
+    free(s->told);
+    free(s->outliers);
+    free(s->errors);
+    free(s->codes);
+}
+
+/* ---- Models ---------------------------------------------------------------------------------- */
+
+/* What leaving out came to, of one component. */
+static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitted_scan *scans,
+                           size_t n, int front, int t)
+{
+    double squares = 0, misplaced = 0, most = 0;
+    size_t left = 0;
+    for (size_t i = 0; i < n; i++) {
+        most = fmax(most, scans[i].theta_deg);
+        if (!scans[i].left_out)
+            continue;
+        squares += (scans[i].predicted - scans[i].total) * (scans[i].predicted - scans[i].total);
+        misplaced += scans[i].misplaced;
+        left++;
+    }
+    f->has[front][t] = true;
+    f->theta_most_deg[front][t] = most;
+    f->diffuse[front][t].error = left > 0 ? sqrt(squares / (double)left) : 0;
+    f->misplaced[front][t] = left > 0 ? misplaced / (double)left : -1;
+}
+
+/* Scans of a component are side by side in fitted->scans, their shapes go over to the model. */
+static int make_model(struct shaping *s, int front, int t, struct orl_bsdf_fitted *fitted,
+                      struct orl_fit_model *model, bool *ret_any, struct orl_error *err)
+{
+    const size_t first = fitted->n_scans;
+    size_t n = 0;
+    struct orl_fit_shape *shapes = malloc(s->data->n_scans * sizeof *shapes);
+    if (!shapes || !s->told) {
+        free(shapes);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
+    }
+    for (size_t i = 0; i < s->data->n_scans; i++) {
+        if (s->data->scans[i].front != front || s->data->scans[i].transmitted != t)
+            continue;
+        fitted->scans[first + n] = s->told[i];
+        shapes[n++] = s->shapes[i];
+        s->shapes[i] = (struct orl_fit_shape){0};
+    }
+    *ret_any = n > 0;
+    if (n == 0) {
+        free(shapes);
+        return 0;
+    }
+    int code = orl_fit_model_make(shapes, n, fitted->symmetry, model, err);
+    if (code < 0)
+        return code;
+    code = orl_fit_leave_out(model, s->env, fitted->scans + first, err);
+    fitted->n_scans = first + n;
+    tell_component(fitted, fitted->scans + first, n, front, t);
+    return code;
+}
+
+static int write_out(struct shaping *s, struct orl_bsdf_fitted *fitted, struct orl_error *err)
+{
+    struct orl_fit_model models[2][2] = {{{0}}};
+    struct orl_fit_models given = {0};
+    int code = 0;
+    for (int i = 0; i < 4 && code == 0; i++) {
+        bool any = false;
+        code = make_model(s, i / 2, i % 2, fitted, &models[i / 2][i % 2], &any, err);
+        given.of[i / 2][i % 2] = any ? &models[i / 2][i % 2] : NULL;
+    }
+    if (code == 0)
+        code = orl_bsdf_basis_is_tree(fitted->basis)
+                   ? orl_fit_write_trees(s->request, s->env, &given, fitted, err)
+                   : orl_fit_write_klems(s->request, s->env, &given, fitted, err);
+    for (int i = 0; i < 4; i++)
+        orl_fit_model_done(&models[i / 2][i % 2]);
+    return code;
+}
+
+/* ---- The whole ------------------------------------------------------------------------------- */
+
+/* Lobes are as wide as cells out, of which a tree of rank 4 has very many; where there is reason
+ * to, a quarter as wide. */
+static void set_levels(const struct orl_bsdf_fit_request *request, enum orl_bsdf_basis basis,
+                       unsigned levels[2])
+{
+    unsigned level = 2;
+    while (orl_bsdf_basis_is_tree(basis) && 1U << level < request->resolution)
+        level++;
+    levels[0] = basis == ORL_BSDF_TENSOR_TREE_3 ? 7 : 6;
+    levels[1] = level + 2 < 8 ? 8 : level + 2;
+}
+
+static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_make_env *env,
+               struct orl_fit_data *data, struct orl_bsdf_fitted *fitted, struct orl_error *err)
+{
+    struct shaping shaping = {.request = request, .env = env, .data = data};
+    int code = 0;
+    for (uint32_t i = 0; i < request->n_files && code == 0; i++)
+        code = read_file(request, i, env, data, err);
+    if (code < 0)
+        return code;
+    fitted->rows = data->n_rows;
+    fitted->color_left_out = data->color_left_out;
+    snprintf(fitted->sample, sizeof fitted->sample, "%s", data->name);
+    code = orl_fit_sort_scans(data, request->symmetry, &fitted->symmetry, err);
+    if (code < 0)
+        return code;
+    const bool isotropic = fitted->symmetry == ORL_BSDF_FIT_ISOTROPIC;
+    fitted->basis = request->has_basis ? request->basis
+                    : isotropic        ? ORL_BSDF_TENSOR_TREE_3
+                                       : ORL_BSDF_TENSOR_TREE_4;
+    if (!isotropic && fitted->basis == ORL_BSDF_TENSOR_TREE_3)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a tensor tree of rank 3 is of isotropic samples, and incident "
+                             "directions here have several azimuths");
+    fitted->scans = calloc(data->n_scans, sizeof *fitted->scans);
+    set_levels(request, fitted->basis, shaping.levels);
+    code = fitted->scans ? shape_all(&shaping, fitted, err)
+                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
+    if (code == 0)
+        code = write_out(&shaping, fitted, err);
+    shaping_done(&shaping);
+    return code;
+}
+
+int orl_bsdf_fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_make_env *env,
+                 struct orl_bsdf_fitted *ret_fitted, struct orl_error *err)
+{
+    struct orl_bsdf_fitted fitted = {0};
+    struct orl_fit_data data = {0};
+    int code = orl_bsdf_fit_validate(request, err);
+    if (code < 0)
+        return code;
+    orl_crew_heed(env->crew, env->cancel);
+    code = fit(request, env, &data, &fitted, err);
+    orl_crew_heed(env->crew, NULL);
+    orl_fit_data_done(&data);
+    if (code == 0)
+        *ret_fitted = fitted;
+    else
+        orl_bsdf_fitted_done(&fitted);
+    return code;
+}
+
+void orl_bsdf_fitted_done(struct orl_bsdf_fitted *fitted)
+{
+    if (!fitted)
+        return;
+    free(fitted->xml);
+    free(fitted->scans);
+    memset(fitted, 0, sizeof *fitted);
+}

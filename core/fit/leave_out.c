@@ -1,0 +1,141 @@
+/* How well each incident direction is told by the others. */
+#include <stdlib.h>
+
+#include "fit/model.h"
+
+/* Two Gaussians of this width overlap by what is within 5 degrees, roughly. */
+static const double blur_rad = 2.5 * ORL_DEG_TO_RAD;
+enum { LEVELS = 6 };
+
+struct leaving {
+    const struct orl_fit_model *model;
+    const struct orl_bsdf_make_env *env;
+    const struct orl_fit_screen *screen;
+    struct orl_bsdf_fitted_scan *scans;
+    int *codes;
+};
+
+/* Within the border of the rest: not beyond the last of them. */
+static bool is_inside(const struct orl_fit_place *place)
+{
+    return orl_dot(place->at, place->in) > cos(0.1 * ORL_DEG_TO_RAD);
+}
+
+static double sum_of(const struct orl_fit_screen *screen, const double *values)
+{
+    double sum = 0;
+    for (size_t i = 0; i < screen->n_cells; i++)
+        sum += values[i] * screen->area;
+    return sum;
+}
+
+/* Draws the two lights; the share of the one that is not where the other is. */
+static double misplaced(const struct leaving *l, const struct orl_fit_light *told,
+                        const struct orl_fit_light *seen, struct orl_fit_brush brushes[2])
+{
+    double off = 0;
+    orl_fit_draw(l->screen, told, blur_rad, &brushes[0]);
+    orl_fit_draw(l->screen, seen, blur_rad, &brushes[1]);
+    const double a = sum_of(l->screen, brushes[0].value), b = sum_of(l->screen, brushes[1].value);
+    if (!(a > 0) || !(b > 0))
+        return 1;
+    for (size_t i = 0; i < l->screen->n_cells; i++)
+        off += fabs(brushes[0].value[i] / a - brushes[1].value[i] / b) * l->screen->area;
+    return 0.5 * off;
+}
+
+static int compare(const struct leaving *l, const struct orl_fit_mesh *rest,
+                   const struct orl_fit_place *place, const struct orl_fit_plans *plans,
+                   size_t which)
+{
+    const struct orl_fit_mesh *mesh = &l->model->mesh;
+    const struct orl_fit_plans none = {0};
+    struct orl_fit_light lights[2] = {{0}};
+    struct orl_fit_brush brushes[2] = {{0}};
+    struct orl_fit_place own = {.count = 1, .weight = {1}, .lean = {1}};
+    struct orl_bsdf_fitted_scan *scan = &l->scans[which];
+    const struct orl_fit_shape *shape = &l->model->shapes[which];
+    while (mesh->shapes[own.corner[0]] != shape)
+        own.corner[0]++;
+    own.in = own.at = shape->in;
+    for (int k = 0; k < ORL_FIT_KINDS; k++)
+        own.mass[k] = shape->parts[k].mass;
+    own.mass[ORL_FIT_KINDS] = ORL_PI * shape->floor;
+    const bool fine = orl_fit_brush_make(l->screen, &brushes[0]) &&
+                      orl_fit_brush_make(l->screen, &brushes[1]) &&
+                      orl_fit_blend(rest, plans, place, &lights[0]) &&
+                      orl_fit_blend(mesh, &none, &own, &lights[1]);
+    if (fine) {
+        scan->left_out = true;
+        scan->predicted = 0;
+        for (int k = 0; k < ORL_FIT_MASSES; k++)
+            scan->predicted += place->mass[k];
+        scan->misplaced = misplaced(l, &lights[0], &lights[1], brushes);
+    }
+    for (int i = 0; i < 2; i++) {
+        orl_fit_light_done(&lights[i]);
+        orl_fit_brush_done(&brushes[i]);
+    }
+    return fine ? 0 : ORL_ERR_NOMEM;
+}
+
+/* The mesh of all but one direction and its images. */
+static int make_rest(const struct orl_fit_model *m, size_t which, struct orl_fit_mesh *ret_rest)
+{
+    const struct orl_fit_shape **shapes = malloc(m->n * sizeof *shapes);
+    size_t n = 0;
+    if (!shapes)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < m->n; i++)
+        if (m->image_of[i] != which)
+            shapes[n++] = &m->shapes[i];
+    const int code =
+        n > 1 ? orl_fit_mesh_make(shapes, n, m->symmetry == ORL_BSDF_FIT_ISOTROPIC, ret_rest, NULL)
+              : ORL_ERR_INVALID;
+    free(shapes);
+    return code;
+}
+
+static void leave_out(void *arg, size_t index, uint32_t member)
+{
+    const struct leaving *l = arg;
+    struct orl_fit_mesh rest = {0};
+    struct orl_fit_plans plans = {0};
+    struct orl_fit_place place;
+    int code = make_rest(l->model, index, &rest);
+    (void)member;
+    if (code == 0) {
+        orl_fit_mesh_locate(&rest, l->model->shapes[index].in, &place);
+        if (!is_inside(&place))
+            code = ORL_ERR_INVALID;
+    }
+    if (code == 0)
+        code = orl_fit_plans_want(&plans, &place) ? 0 : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = orl_fit_plans_make(&plans, &rest, NULL, l->env->cancel, NULL);
+    if (code == 0)
+        code = compare(l, &rest, &place, &plans, index);
+    orl_fit_plans_done(&plans);
+    orl_fit_mesh_done(&rest);
+    l->codes[index] = code == ORL_ERR_INVALID ? 0 : code; /* it has none around it */
+}
+
+int orl_fit_leave_out(const struct orl_fit_model *model, const struct orl_bsdf_make_env *env,
+                      struct orl_bsdf_fitted_scan *scans, struct orl_error *err)
+{
+    struct orl_fit_screen screen;
+    int code = orl_fit_screen_make(LEVELS, &screen, err);
+    if (code < 0)
+        return code;
+    struct leaving leaving = {model, env, &screen, scans,
+                              calloc(model->n_own, sizeof *leaving.codes)};
+    code =
+        leaving.codes ? orl_crew_try(env->crew, model->n_own, leave_out, &leaving) : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < model->n_own && code == 0; i++)
+        code = leaving.codes[i];
+    free(leaving.codes);
+    orl_fit_screen_done(&screen);
+    return code == 0 ? 0
+                     : orl_error_set(err, code,
+                                     code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
+}

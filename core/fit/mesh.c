@@ -1,0 +1,291 @@
+#include "fit/mesh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void orl_fit_mesh_done(struct orl_fit_mesh *mesh)
+{
+    if (!mesh)
+        return;
+    free(mesh->shapes);
+    free(mesh->places);
+    free(mesh->slopes);
+    free(mesh->triangles);
+    memset(mesh, 0, sizeof *mesh);
+}
+
+/* Of a row only theta counts, and on which side of the normal it is: light comes from -x. */
+static void set_place(const struct orl_fit_mesh *mesh, struct orl_vec3 in, double ret_place[2])
+{
+    const double sine = hypot(in.x, in.y), theta = atan2(sine, in.z);
+    ret_place[0] = mesh->isotropic ? copysign(theta, -in.x) : sine > 0 ? theta * in.x / sine : 0;
+    ret_place[1] = mesh->isotropic || !(sine > 0) ? 0 : theta * in.y / sine;
+}
+
+static double mass_of(const struct orl_fit_shape *shape, int which)
+{
+    return which < ORL_FIT_KINDS ? shape->parts[which].mass : ORL_PI * shape->floor;
+}
+
+static double total_of(const struct orl_fit_shape *shape)
+{
+    double sum = 0;
+    for (int k = 0; k < ORL_FIT_MASSES; k++)
+        sum += mass_of(shape, k);
+    return sum;
+}
+
+/* ---- Slopes ---------------------------------------------------------------------------------- */
+
+/* Of the parabola through three of a row, at the middle one; at an end, the one through the first
+ * or last three, or of the line through two. */
+static void set_row_slopes(struct orl_fit_mesh *m)
+{
+    for (size_t i = 0; i < m->n && m->n > 1; i++) {
+        const size_t last = m->n - 1;
+        const size_t b = m->n == 2 ? 0 : i == 0 ? 1 : i == last ? last - 1 : i;
+        const size_t a = m->n == 2 ? 0 : b - 1, c = b + 1;
+        const double x0 = m->places[a][0], x1 = m->places[b][0], x2 = m->places[c][0];
+        const double y0 = total_of(m->shapes[a]), y1 = total_of(m->shapes[b]);
+        const double right = (total_of(m->shapes[c]) - y1) / (x2 - x1);
+        const double left = m->n == 2 ? right : (y1 - y0) / (x1 - x0);
+        const double bend = m->n == 2 ? 0 : (right - left) / (x2 - x0);
+        m->slopes[i][0] = left + bend * ((m->places[i][0] - x0) + (m->places[i][0] - x1));
+    }
+}
+
+/* By least squares over the corners that share a triangle with it. */
+static void set_plane_slope(struct orl_fit_mesh *m, uint32_t i)
+{
+    double xx = 0, xy = 0, yy = 0, right[2] = {0};
+    for (size_t t = 0; t < m->n_triangles; t++) {
+        const uint32_t *corner = m->triangles[t];
+        if (corner[0] != i && corner[1] != i && corner[2] != i)
+            continue;
+        for (int c = 0; c < ORL_FIT_CORNERS; c++) {
+            const double x = m->places[corner[c]][0] - m->places[i][0];
+            const double y = m->places[corner[c]][1] - m->places[i][1];
+            const double near = x * x + y * y, weight = near > 0 ? 1 / near : 0;
+            xx += weight * x * x;
+            xy += weight * x * y;
+            yy += weight * y * y;
+            const double up = total_of(m->shapes[corner[c]]) - total_of(m->shapes[i]);
+            right[0] += weight * x * up;
+            right[1] += weight * y * up;
+        }
+    }
+    const double determinant = xx * yy - xy * xy;
+    if (determinant > 1e-6 * xx * yy) {
+        m->slopes[i][0] = (right[0] * yy - right[1] * xy) / determinant;
+        m->slopes[i][1] = (right[1] * xx - right[0] * xy) / determinant;
+    }
+}
+
+/* ---- Making it ------------------------------------------------------------------------------- */
+
+static int compare_thetas(const void *a, const void *b)
+{
+    const struct orl_fit_shape *x = *(const struct orl_fit_shape *const *)a,
+                               *y = *(const struct orl_fit_shape *const *)b;
+    return (y->in.x > x->in.x) - (y->in.x < x->in.x);
+}
+
+static bool surrounds_normal(const struct orl_fit_mesh *m)
+{
+    struct orl_fit_place place;
+    orl_fit_mesh_locate(m, orl_v3(0, 0, 1), &place);
+    return place.at.z > cos(0.5 * ORL_DEG_TO_RAD);
+}
+
+int orl_fit_mesh_make(const struct orl_fit_shape *const *shapes, size_t n, bool isotropic,
+                      struct orl_fit_mesh *ret_mesh, struct orl_error *err)
+{
+    struct orl_fit_mesh m = {.isotropic = isotropic, .n = n};
+    m.shapes = malloc(n * sizeof *m.shapes);
+    m.places = calloc(n, sizeof *m.places);
+    m.slopes = calloc(n, sizeof *m.slopes);
+    bool fine = m.shapes && m.places && m.slopes;
+    if (fine) {
+        memcpy(m.shapes, shapes, n * sizeof *m.shapes);
+        if (isotropic)
+            qsort(m.shapes, n, sizeof *m.shapes, compare_thetas);
+        for (size_t i = 0; i < n; i++)
+            set_place(&m, m.shapes[i]->in, m.places[i]);
+        fine = isotropic || orl_fit_triangulate(&m);
+    }
+    if (!fine) {
+        orl_fit_mesh_done(&m);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for incident directions");
+    }
+    if (isotropic)
+        set_row_slopes(&m);
+    for (uint32_t i = 0; i < n && !isotropic; i++)
+        set_plane_slope(&m, i);
+    if (!isotropic && !surrounds_normal(&m)) {
+        orl_fit_mesh_done(&m);
+        orl_error_set(err, ORL_ERR_INVALID,
+                      "the incident directions leave out azimuths around the normal");
+        orl_error_hint(err, "a symmetry that the sample has would fill them in");
+        return ORL_ERR_INVALID;
+    }
+    *ret_mesh = m;
+    return 0;
+}
+
+/* ---- Looking up ------------------------------------------------------------------------------ */
+
+static void locate_in_row(const struct orl_fit_mesh *m, double x, struct orl_fit_place *place)
+{
+    size_t i = 0;
+    while (i + 2 < m->n && m->places[i + 1][0] < x)
+        i++;
+    place->count = m->n > 1 ? 2 : 1;
+    place->corner[0] = (uint32_t)i;
+    place->weight[0] = 1;
+    if (m->n < 2)
+        return;
+    const double t = (x - m->places[i][0]) / (m->places[i + 1][0] - m->places[i][0]);
+    place->corner[1] = (uint32_t)i + 1;
+    place->weight[1] = t < 0 ? 0 : t > 1 ? 1 : t;
+    place->weight[0] = 1 - place->weight[1];
+}
+
+static double turn(const double *a, const double *b, const double *c)
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+static bool is_within(const struct orl_fit_mesh *m, const uint32_t *t, const double *x,
+                      struct orl_fit_place *place)
+{
+    const double *a = m->places[t[0]], *b = m->places[t[1]], *c = m->places[t[2]];
+    const double all = turn(a, b, c);
+    const double weight[3] = {turn(x, b, c) / all, turn(a, x, c) / all, turn(a, b, x) / all};
+    for (int i = 0; i < 3; i++)
+        if (weight[i] < -1e-9)
+            return false;
+    place->count = 3;
+    for (int i = 0; i < 3; i++) {
+        place->corner[i] = t[i];
+        place->weight[i] = orl_larger(0, weight[i]);
+    }
+    return true;
+}
+
+/* The nearest place on a triangle's side, if it is nearer than what was found so far. */
+static void try_side(const struct orl_fit_mesh *m, uint32_t a, uint32_t b, const double *x,
+                     double *nearest, struct orl_fit_place *place)
+{
+    const double *p = m->places[a], *q = m->places[b];
+    const double dx = q[0] - p[0], dy = q[1] - p[1];
+    const double along = ((x[0] - p[0]) * dx + (x[1] - p[1]) * dy) / (dx * dx + dy * dy);
+    const double t = along < 0 ? 0 : along > 1 ? 1 : along;
+    const double off = hypot(p[0] + t * dx - x[0], p[1] + t * dy - x[1]);
+    if (!(off < *nearest))
+        return;
+    *nearest = off;
+    place->count = 2;
+    place->corner[0] = a;
+    place->corner[1] = b;
+    place->weight[0] = 1 - t;
+    place->weight[1] = t;
+}
+
+static void locate_in_plane(const struct orl_fit_mesh *m, const double *x,
+                            struct orl_fit_place *place)
+{
+    double nearest = INFINITY;
+    place->count = 1;
+    place->corner[0] = 0;
+    place->weight[0] = 1;
+    for (size_t i = 0; i < m->n_triangles; i++)
+        if (is_within(m, m->triangles[i], x, place))
+            return;
+    for (size_t i = 0; i < m->n_triangles; i++)
+        for (int k = 0; k < 3; k++)
+            try_side(m, m->triangles[i][k], m->triangles[i][(k + 1) % 3], x, &nearest, place);
+}
+
+/* The direction of a place in the plane. */
+static struct orl_vec3 direction_of(const struct orl_fit_mesh *m, const double *x)
+{
+    const double theta = hypot(x[0], x[1]), sine = theta > 0 ? sin(theta) / theta : 1;
+    return m->isotropic ? orl_v3(-sin(x[0]), 0, cos(x[0]))
+                        : orl_v3(sine * x[0], sine * x[1], cos(theta));
+}
+
+/* Weights by which the corners' directions add up to one along at, where that is sound. */
+static void lean(const struct orl_fit_mesh *m, struct orl_fit_place *p)
+{
+    const struct orl_vec3 a = m->shapes[p->corner[0]]->in, b = m->shapes[p->corner[1]]->in;
+    double raw[ORL_FIT_CORNERS] = {1, 0, 0}, sum = 0;
+    if (p->count == 2) {
+        const double ab = orl_dot(a, b), ax = orl_dot(a, p->at), bx = orl_dot(b, p->at);
+        raw[0] = ax - ab * bx;
+        raw[1] = bx - ab * ax;
+    } else if (p->count == 3) {
+        const struct orl_vec3 c = m->shapes[p->corner[2]]->in;
+        raw[0] = orl_dot(p->at, orl_cross(b, c));
+        raw[1] = orl_dot(p->at, orl_cross(c, a));
+        raw[2] = orl_dot(p->at, orl_cross(a, b));
+    }
+    for (unsigned i = 0; i < p->count; i++)
+        sum += raw[i];
+    bool sound = sum != 0;
+    for (unsigned i = 0; i < p->count; i++)
+        sound = sound && fabs(raw[i] / sum - p->weight[i]) < 0.25;
+    for (unsigned i = 0; i < p->count; i++)
+        p->lean[i] = sound ? raw[i] / sum : p->weight[i];
+}
+
+/* Half of what slopes add to the mean of the corners is what a parabola has (it is exact then), as
+ * long as it does not leave them far behind. */
+static double total_at(const struct orl_fit_mesh *m, const struct orl_fit_place *p, const double *x)
+{
+    double mean = 0, bend = 0, least = INFINITY, most = 0;
+    for (unsigned i = 0; i < p->count; i++) {
+        const uint32_t v = p->corner[i];
+        const double total = total_of(m->shapes[v]);
+        mean += p->weight[i] * total;
+        bend += 0.5 * p->weight[i] *
+                (m->slopes[v][0] * (x[0] - m->places[v][0]) +
+                 m->slopes[v][1] * (x[1] - m->places[v][1]));
+        least = fmin(least, total);
+        most = fmax(most, total);
+    }
+    const double room = 0.5 * (most - least);
+    return fmax(0, fmin(most + room, fmax(least - room, mean + bend)));
+}
+
+/* The corners' means, scaled to the total. */
+static void set_masses(const struct orl_fit_mesh *m, struct orl_fit_place *p, const double *x)
+{
+    const double total = total_at(m, p, x);
+    double sum = 0;
+    for (int k = 0; k < ORL_FIT_MASSES; k++) {
+        for (unsigned i = 0; i < p->count; i++)
+            p->mass[k] += p->weight[i] * mass_of(m->shapes[p->corner[i]], k);
+        sum += p->mass[k];
+    }
+    for (int k = 0; k < ORL_FIT_MASSES && sum > 0; k++)
+        p->mass[k] *= total / sum;
+}
+
+void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,
+                         struct orl_fit_place *ret_place)
+{
+    struct orl_fit_place *p = ret_place;
+    double x[2], within[2] = {0, 0};
+    *p = (struct orl_fit_place){.in = in};
+    set_place(mesh, in, x);
+    if (mesh->isotropic)
+        locate_in_row(mesh, x[0], p);
+    else
+        locate_in_plane(mesh, x, p);
+    for (unsigned i = 0; i < p->count; i++)
+        for (int axis = 0; axis < 2; axis++)
+            within[axis] += p->weight[i] * mesh->places[p->corner[i]][axis];
+    p->at = direction_of(mesh, within);
+    lean(mesh, p);
+    set_masses(mesh, p, within);
+}

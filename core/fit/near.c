@@ -1,0 +1,134 @@
+#include "fit/near.h"
+
+static float along(const struct orl_fit_knot *k, unsigned axis)
+{
+    return axis == 0 ? k->x : axis == 1 ? k->y : k->z;
+}
+
+static unsigned widest_axis(const struct orl_fit_knots *t, size_t begin, size_t end)
+{
+    float least[3] = {2, 2, 2}, most[3] = {-2, -2, -2};
+    unsigned widest = 0;
+    for (size_t i = begin; i < end; i++)
+        for (unsigned axis = 0; axis < 3; axis++) {
+            const float v = along(&t->knots[t->tree[i]], axis);
+            least[axis] = v < least[axis] ? v : least[axis];
+            most[axis] = v > most[axis] ? v : most[axis];
+        }
+    for (unsigned axis = 1; axis < 3; axis++)
+        if (most[axis] - least[axis] > most[widest] - least[widest])
+            widest = axis;
+    return widest;
+}
+
+/* Ties go by number, so that there are none. */
+static bool is_less(const struct orl_fit_knots *t, unsigned axis, uint32_t a, uint32_t b)
+{
+    const float x = along(&t->knots[a], axis), y = along(&t->knots[b], axis);
+    return x < y || (x == y && a < b);
+}
+
+/* The k-th in its place, those before it before (Hoare 1961). */
+static void select_kth(const struct orl_fit_knots *t, unsigned axis, size_t begin, size_t end,
+                       size_t k)
+{
+    while (end - begin > 1) {
+        const uint32_t pivot = t->tree[begin + (end - begin - 1) / 2];
+        size_t i = begin, j = end - 1;
+        for (;; i++, j--) {
+            while (is_less(t, axis, t->tree[i], pivot))
+                i++;
+            while (is_less(t, axis, pivot, t->tree[j]))
+                j--;
+            if (i >= j)
+                break;
+            const uint32_t other = t->tree[i];
+            t->tree[i] = t->tree[j];
+            t->tree[j] = other;
+        }
+        if (k <= j)
+            end = j + 1;
+        else
+            begin = j + 1;
+    }
+}
+
+/* As deep as the logarithm of how many there are. */
+static void build(const struct orl_fit_knots *t, size_t begin, size_t end)
+{
+    if (end - begin < 2)
+        return;
+    const size_t middle = begin + (end - begin) / 2;
+    const unsigned axis = widest_axis(t, begin, end);
+    select_kth(t, axis, begin, end, middle);
+    t->axes[middle] = (unsigned char)axis;
+    build(t, begin, middle);
+    build(t, middle + 1, end);
+}
+
+void orl_fit_near_build(struct orl_fit_knots *knots)
+{
+    for (size_t i = 0; i < knots->n; i++) {
+        knots->tree[i] = (uint32_t)i;
+        knots->axes[i] = 0;
+    }
+    build(knots, 0, knots->n);
+}
+
+struct search {
+    const struct orl_fit_knots *knots;
+    float place[3];
+    struct orl_fit_found *found;
+};
+
+static void offer(struct search *s, uint32_t knot)
+{
+    const struct orl_fit_knot *k = &s->knots->knots[knot];
+    const float x = k->x - s->place[0], y = k->y - s->place[1], z = k->z - s->place[2];
+    const float away2 = x * x + y * y + z * z;
+    struct orl_fit_found *f = s->found;
+    unsigned at = f->count;
+    if (at == ORL_FIT_NEIGHBOURS) {
+        if (!(away2 < f->away2[at - 1]))
+            return;
+        at--;
+    } else {
+        f->count++;
+    }
+    for (; at > 0 && f->away2[at - 1] > away2; at--) {
+        f->away2[at] = f->away2[at - 1];
+        f->knot[at] = f->knot[at - 1];
+    }
+    f->away2[at] = away2;
+    f->knot[at] = knot;
+}
+
+static void search(struct search *s, size_t begin, size_t end)
+{
+    while (end > begin) {
+        const size_t middle = begin + (end - begin) / 2;
+        const uint32_t knot = s->knots->tree[middle];
+        const unsigned axis = s->knots->axes[middle];
+        const float off = s->place[axis] - along(&s->knots->knots[knot], axis);
+        offer(s, knot);
+        if (off < 0)
+            search(s, begin, middle);
+        else
+            search(s, middle + 1, end);
+        if (s->found->count == ORL_FIT_NEIGHBOURS &&
+            off * off >= s->found->away2[ORL_FIT_NEIGHBOURS - 1])
+            return;
+        if (off < 0)
+            begin = middle + 1;
+        else
+            end = middle;
+    }
+}
+
+void orl_fit_near_find(const struct orl_fit_knots *knots, struct orl_vec3 place,
+                       struct orl_fit_found *ret_found)
+{
+    struct search s = {knots, {(float)place.x, (float)place.y, (float)place.z}, ret_found};
+    ret_found->count = 0;
+    search(&s, 0, knots->n);
+}

@@ -1,0 +1,131 @@
+/* Measurements as CSV: a line of columns' names, then rows. */
+#include "fit/rows.h"
+
+#include <string.h>
+
+enum { THETA_IN, PHI_IN, THETA_OUT, PHI_OUT, BSDF, DSF, UP, KINDS, COLUMNS_MAX = 16 };
+
+static const char *const names[KINDS] = {"theta_in", "phi_in", "theta_out", "phi_out",
+                                         "bsdf",     "dsf",    "up"};
+
+struct table {
+    char separator;
+    size_t n_columns;
+    int kinds[COLUMNS_MAX]; /* what a column is of */
+    bool has[KINDS];
+};
+
+static char separator_of(struct orl_fit_word line)
+{
+    static const char separators[] = {';', '\t', ','};
+    for (size_t i = 0; i < sizeof separators; i++)
+        if (memchr(line.text, separators[i], line.length))
+            return separators[i];
+    return ',';
+}
+
+/* Takes the next field, without blanks and quotes around it. */
+static bool take_field(struct orl_fit_word *line, char separator, struct orl_fit_word *ret_field)
+{
+    if (!line->text)
+        return false;
+    const char *end = memchr(line->text, separator, line->length);
+    struct orl_fit_word field = {line->text, end ? (size_t)(end - line->text) : line->length};
+    line->length -= end ? field.length + 1 : field.length;
+    line->text = end ? end + 1 : NULL;
+    while (field.length > 0 && strchr(" \t\"", field.text[0]) && field.text[0]) {
+        field.text++;
+        field.length--;
+    }
+    while (field.length > 0 && strchr(" \t\"", field.text[field.length - 1]) &&
+           field.text[field.length - 1])
+        field.length--;
+    *ret_field = field;
+    return true;
+}
+
+static int read_name(const struct orl_fit_lines *lines, struct orl_fit_word field,
+                     struct table *table, struct orl_error *err)
+{
+    for (int kind = 0; kind < KINDS; kind++) {
+        if (!orl_fit_word_is(field, names[kind]))
+            continue;
+        if (table->has[kind])
+            return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "the column %s comes twice",
+                                names[kind]);
+        table->has[kind] = true;
+        table->kinds[table->n_columns++] = kind;
+        return 0;
+    }
+    return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                        "\"%.*s\" is no column: they are theta_in, phi_in, theta_out, phi_out, "
+                        "bsdf or dsf, and up",
+                        (int)(field.length < 40 ? field.length : 40), field.text);
+}
+
+static int read_names(const struct orl_fit_lines *lines, struct orl_fit_word line,
+                      struct table *table, struct orl_error *err)
+{
+    struct orl_fit_word field;
+    table->separator = separator_of(line);
+    while (take_field(&line, table->separator, &field)) {
+        const int code = read_name(lines, field, table, err);
+        if (code < 0)
+            return code;
+    }
+    for (int kind = 0; kind <= PHI_OUT; kind++)
+        if (!table->has[kind])
+            return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no column %s", names[kind]);
+    if (table->has[BSDF] == table->has[DSF])
+        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                            "one column of bsdf or dsf is wanted, and one alone");
+    return 0;
+}
+
+static int read_row(const struct orl_fit_lines *lines, struct orl_fit_word line,
+                    const struct table *table, struct orl_fit_data *data, struct orl_error *err)
+{
+    double values[KINDS] = {[UP] = 90};
+    struct orl_fit_word field;
+    size_t column = 0;
+    for (; take_field(&line, table->separator, &field); column++) {
+        if (column >= table->n_columns)
+            continue;
+        const int kind = table->kinds[column];
+        const int code = orl_fit_number(lines, field, names[kind], &values[kind], err);
+        if (code < 0)
+            return code;
+    }
+    if (column != table->n_columns)
+        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                            "a row has %zu columns here, not fewer or more", table->n_columns);
+    const struct orl_fit_angles angles = {values[THETA_IN], values[PHI_IN], values[THETA_OUT],
+                                          values[PHI_OUT], values[UP]};
+    return orl_fit_add_row(lines, data, &angles, values[table->has[DSF] ? DSF : BSDF],
+                           table->has[DSF], err);
+}
+
+int orl_fit_read_csv(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err)
+{
+    struct table table = {0};
+    struct orl_fit_word line;
+    bool more, any = false;
+    int code;
+    while ((code = orl_fit_next_line(lines, &line, &more, err)) == 0 && more) {
+        struct orl_fit_word rest = line;
+        const struct orl_fit_word first = orl_fit_take_word(&rest);
+        if (first.length == 0 || first.text[0] == '#')
+            continue;
+        if (table.n_columns == 0) {
+            code = read_names(lines, line, &table, err);
+        } else {
+            code = read_row(lines, line, &table, data, err);
+            any = true;
+        }
+        if (code < 0)
+            return code;
+    }
+    if (code == 0 && !any)
+        code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
+    return code;
+}

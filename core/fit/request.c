@@ -1,0 +1,57 @@
+/* Requests: defaults, checks, clean-up. */
+#include <oriel/bsdf_fit.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *orl_bsdf_fit_symmetry_name(enum orl_bsdf_fit_symmetry symmetry)
+{
+    static const char *const names[ORL_BSDF_FIT_SYMMETRIES] = {
+        "auto", "isotropic", "quadrilateral", "left_right", "up_down", "half_turn", "none"};
+    return (size_t)symmetry < ORL_BSDF_FIT_SYMMETRIES ? names[symmetry] : NULL;
+}
+
+void orl_bsdf_fit_request_init(struct orl_bsdf_fit_request *request)
+{
+    memset(request, 0, sizeof *request);
+    request->resolution = 64;
+    request->cull = 0.02;
+}
+
+void orl_bsdf_fit_request_done(struct orl_bsdf_fit_request *request)
+{
+    if (!request)
+        return;
+    for (size_t i = 0; i < request->n_files; i++)
+        free(request->files[i]);
+    free(request->files);
+    free(request->name);
+    memset(request, 0, sizeof *request);
+}
+
+static int fail(struct orl_error *err, int code, const char *member, const char *message)
+{
+    orl_error_set(err, code, "%s", message);
+    orl_error_at(err, NULL, 0, member);
+    return code;
+}
+
+int orl_bsdf_fit_validate(const struct orl_bsdf_fit_request *r, struct orl_error *err)
+{
+    if (r->n_files == 0)
+        return fail(err, ORL_ERR_INVALID, "files", "no file of measurements is named");
+    if (r->has_basis && !orl_bsdf_basis_name(r->basis))
+        return fail(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
+    if (!orl_bsdf_fit_symmetry_name(r->symmetry))
+        return fail(err, ORL_ERR_INVALID, "symmetry", "the symmetry is none that there is");
+    if (r->resolution < 4 || r->resolution > 128 || (r->resolution & (r->resolution - 1)))
+        return fail(err, ORL_ERR_RANGE, "resolution", "a resolution is 4, 8, 16, 32, 64 or 128");
+    if (!(r->cull >= 0 && r->cull <= 1))
+        return fail(err, ORL_ERR_RANGE, "cull", "a cull is a share, from 0 to 1");
+    if (!(r->grazing_deg >= 0 && r->grazing_deg <= 45))
+        return fail(err, ORL_ERR_RANGE, "grazing", "grazing rows are those within 0 to 45 degrees");
+    if (r->has_basis && r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_FIT_AUTO &&
+        r->symmetry != ORL_BSDF_FIT_ISOTROPIC)
+        return fail(err, ORL_ERR_UNSUPPORTED, "basis",
+                    "a tensor tree of rank 3 is of isotropic samples");
+    return 0;
+}

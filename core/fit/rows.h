@@ -1,0 +1,104 @@
+/*
+ * What goniophotometers wrote, as scans: the rows of one incident direction and one side out.
+ *
+ * Directions here are on the hemisphere above the surface, whichever side they are on: x and y as
+ * in oriel/bsdf.h, z at least 0. Both point away from the sample; light that passes straight, or is
+ * mirrored, from in leaves by (-in.x, -in.y, in.z).
+ *
+ * Bounds: ORL_LIMIT_MEASURED_ROWS and _SCANS. Ownership: the caller's, orl_fit_data_done.
+ */
+#ifndef ORL_FIT_ROWS_H
+#define ORL_FIT_ROWS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/crew.h>
+#include <oriel/error.h>
+#include <oriel/files.h>
+#include <oriel/vec.h>
+
+struct orl_fit_row {
+    float x, y, z;
+    float value; /* 1/sr, a BSDF's; negative where noise is */
+    uint32_t file, line;
+};
+
+struct orl_fit_scan {
+    bool front, transmitted;
+    double theta_deg, phi_deg; /* of in: from its side's normal; phi from +x, 0 to 360 */
+    struct orl_vec3 in;
+    struct orl_fit_row *rows; /* owned */
+    size_t n_rows, room;
+    size_t n_measured; /* without mirror images; scans.h sets it, and the file that it began in */
+    uint32_t file;
+};
+
+enum { ORL_FIT_NAME_MAX = 128 };
+
+struct orl_fit_data {
+    struct orl_fit_scan *scans; /* owned; in the order in which they came */
+    size_t n_scans, room;
+    size_t n_rows;
+    char name[ORL_FIT_NAME_MAX]; /* the sample's; "" when no file has it */
+    bool color_left_out;
+    size_t last; /* the scan that the row before is of */
+};
+
+/* How rows are to be taken. */
+struct orl_fit_reading {
+    bool reversed;
+    double grazing_deg;
+    const atomic_bool *cancel; /* borrowed; may be NULL */
+};
+
+/* Adds a file's rows. An error names the file, its line and what was wanted. */
+int orl_fit_read(const char *name, uint32_t file, const char *text, size_t size,
+                 const struct orl_fit_reading *reading, struct orl_fit_data *data,
+                 struct orl_error *err);
+void orl_fit_data_done(struct orl_fit_data *data); /* zeroed is allowed */
+
+/* ---- For the readers of the two formats ------------------------------------------------------ */
+
+/* One file's text, line by line. */
+struct orl_fit_lines {
+    const char *name;
+    uint32_t file;
+    const char *at, *end;
+    uint32_t number; /* of the line last read, from 1 */
+    const struct orl_fit_reading *reading;
+};
+
+/* A part of a line. */
+struct orl_fit_word {
+    const char *text;
+    size_t length;
+};
+
+/* The next line without its end; *ret_more is false after the last. 0 or ORL_ERR_CANCELLED. */
+int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_fit_word *ret_line, bool *ret_more,
+                      struct orl_error *err);
+/* Takes the next word off a line's front, by white space; of length 0 when there is none. */
+struct orl_fit_word orl_fit_take_word(struct orl_fit_word *line);
+bool orl_fit_word_is(struct orl_fit_word word, const char *text); /* without regard to case */
+
+/* Fails at the line that was read last. */
+int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *err,
+                 const char *format, ...) __attribute__((format(printf, 4, 5)));
+/* A number, or an error that calls it by what. */
+int orl_fit_number(const struct orl_fit_lines *lines, struct orl_fit_word word, const char *what,
+                   double *ret_value, struct orl_error *err);
+
+/* Angles as filed, in degrees. up_deg: the azimuth that is up. */
+struct orl_fit_angles {
+    double theta_in, phi_in, theta_out, phi_out, up_deg;
+};
+int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data,
+                    const struct orl_fit_angles *angles, double value, bool is_dsf,
+                    struct orl_error *err);
+
+int orl_fit_read_pab(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err);
+int orl_fit_read_csv(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err);
+
+#endif

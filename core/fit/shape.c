@@ -1,0 +1,459 @@
+#include "fit/shape.h"
+
+#include <oriel/crew.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/grow.h"
+#include "base/kth.h"
+#include "fit/square.h"
+
+/* Cells that the broad part is told by, 4.5 degrees wide. */
+enum { BRIGHT_LEVELS = 2 };
+enum { BASE_LEVEL = 5, BASE_SIDE = 1 << BASE_LEVEL, BASE_CELLS = BASE_SIDE * BASE_SIDE };
+/* Of all light: what a leaf may hold unevenly. */
+static const double least_uneven = 1e-3;
+/* Of what is dark: what is no more above it is not bright. */
+static const double least_bright = 0.05;
+/* Of the broad part: what is no more above it is broad, too. */
+static const double least_narrow = 1.25;
+/* Of a lobe's Gaussian, in sides of its cell: even to 1 % where the square is most sheared. */
+static const double sigma_of_side = 0.7;
+/* Of a part's mass: what a cluster may hold. */
+static const double cluster_share = 1.0 / 160;
+static const double opening_rad = 8 * ORL_DEG_TO_RAD, smoothing_rad = 5 * ORL_DEG_TO_RAD;
+
+/* ---- Leaves ---------------------------------------------------------------------------------- */
+
+struct leaf {
+    uint32_t code, level;
+    float value, z;     /* means over the cell */
+    struct orl_vec3 at; /* the middle of its light */
+};
+
+struct tree {
+    const struct orl_fit_knots *knots;
+    const atomic_bool *cancel;
+    unsigned bright_level, finest; /* of bright leaves at the least, of all at the most */
+    double uneven;                 /* 1/sr times sr: what a leaf may hold unevenly */
+    double bright[BRIGHT_LEVELS]; /* 1/sr: from here on leaves are of the bright level, or one above
+                                     it */
+    struct leaf *leaves;
+    size_t n, room;
+    float low[BASE_CELLS], base[BASE_CELLS]; /* by cells in the order of codes; 1/sr */
+};
+
+static uint32_t even_bits(uint32_t v)
+{
+    v &= 0x55555555U;
+    v = (v | v >> 1) & 0x33333333U;
+    v = (v | v >> 2) & 0x0f0f0f0fU;
+    v = (v | v >> 4) & 0x00ff00ffU;
+    return (v | v >> 8) & 0x0000ffffU;
+}
+
+/* A place in a cell, u and v from 0 to 1. */
+static struct orl_vec3 within(uint32_t code, unsigned level, double u, double v)
+{
+    const uint32_t cell = code >> 2 * (ORL_FIT_SQUARE_LEVELS - level);
+    const double side = UINT32_C(1) << level;
+    return orl_fit_from_square((even_bits(cell) + u) / side, (even_bits(cell >> 1) + v) / side);
+}
+
+/* The first knot whose code is not below one. */
+static size_t first_knot(const struct orl_fit_knots *k, size_t begin, size_t end, uint64_t code)
+{
+    while (begin < end) {
+        const size_t middle = begin + (end - begin) / 2;
+        if (k->knots[middle].code < code)
+            begin = middle + 1;
+        else
+            end = middle;
+    }
+    return begin;
+}
+
+struct range {
+    size_t begin, end; /* of knots */
+};
+
+/* Leaves of two sizes side by side leave ripples: where it is bright all are small. */
+static bool is_uneven(const struct tree *t, const double values[4], double z, unsigned level,
+                      struct range knots)
+{
+    double least = INFINITY, most = 0;
+    for (int i = 0; i < 4; i++) {
+        least = fmin(least, values[i]);
+        most = fmax(most, values[i]);
+    }
+    for (size_t i = knots.begin; i < knots.end; i++) {
+        least = fmin(least, orl_larger(0, (double)t->knots->knots[i].value));
+        most = fmax(most, (double)t->knots->knots[i].value);
+    }
+    if (level < t->bright_level && most > t->bright[t->bright_level - 1 - level])
+        return true;
+    return (most - least) * orl_fit_cell_sr(level) * z > t->uneven;
+}
+
+static bool add_leaf(struct tree *t, struct leaf leaf)
+{
+    if (!orl_grow(&t->leaves, &t->room, t->n, sizeof *t->leaves))
+        return false;
+    t->leaves[t->n++] = leaf;
+    return true;
+}
+
+/* Four values of a cell, or one where no more than a knot tells of it: their mean by the light that
+ * they send out. */
+static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, bool once,
+                           double values[4])
+{
+    const int n = once ? 1 : 4;
+    struct orl_vec3 at = {0};
+    double sum = 0, z = 0;
+    for (int i = 0; i < n; i++) {
+        const struct orl_vec3 d =
+            once ? within(code, level, 0.5, 0.5)
+                 : within(code, level, 0.25 + 0.5 * (i & 1), 0.25 + 0.5 * ((double)(i >> 1)));
+        values[i] = orl_fit_knots_value(t->knots, d);
+        at = orl_madd(at, d, values[i] * d.z + 1e-12);
+        sum += values[i] * d.z;
+        z += d.z;
+    }
+    at = orl_normalize(at);
+    return (struct leaf){
+        .code = code, .level = level, .value = (float)(sum / z), .z = (float)(z / n), .at = at};
+}
+
+static bool grow(struct tree *t, uint32_t code, unsigned level, struct range knots)
+{
+    if (level >= BASE_LEVEL) {
+        const bool once = knots.end - knots.begin < 2 && level == t->bright_level;
+        double values[4];
+        const struct leaf leaf = look_at(t, code, level, once, values);
+        if (once || level >= t->finest || !is_uneven(t, values, (double)leaf.z, level, knots))
+            return add_leaf(t, leaf);
+    }
+    if (level == BASE_LEVEL - 1 && orl_is_cancelled(t->cancel))
+        return false;
+    const unsigned below = 2 * (ORL_FIT_SQUARE_LEVELS - level - 1);
+    bool fine = true;
+    for (uint32_t q = 0; q < 4 && fine; q++) {
+        const uint64_t from = (uint64_t)code + ((uint64_t)q << below);
+        const size_t begin = first_knot(t->knots, knots.begin, knots.end, from);
+        const size_t end = first_knot(t->knots, begin, knots.end, from + (UINT64_C(1) << below));
+        fine = grow(t, (uint32_t)from, level + 1, (struct range){begin, end});
+    }
+    return fine;
+}
+
+static uint32_t base_cell(uint32_t code)
+{
+    return code >> 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL);
+}
+
+/* ---- The broad part -------------------------------------------------------------------------- */
+
+/* The least, or most, within reach of every cell. */
+static void sweep(const struct orl_vec3 *places, const float *from, bool most, float *to)
+{
+    const double within_reach = cos(opening_rad);
+    for (size_t i = 0; i < BASE_CELLS; i++) {
+        to[i] = from[i];
+        for (size_t j = 0; j < BASE_CELLS; j++)
+            if (orl_dot(places[i], places[j]) >= within_reach &&
+                (most ? from[j] > to[i] : from[j] < to[i]))
+                to[i] = from[j];
+    }
+}
+
+static void smooth(const struct orl_vec3 *places, const float *from, float *to)
+{
+    const double within_reach = cos(smoothing_rad);
+    for (size_t i = 0; i < BASE_CELLS; i++) {
+        double sum = 0, count = 0;
+        for (size_t j = 0; j < BASE_CELLS; j++)
+            if (orl_dot(places[i], places[j]) >= within_reach) {
+                sum += (double)from[j];
+                count++;
+            }
+        to[i] = (float)(sum / count);
+    }
+}
+
+static void open_base(struct tree *t)
+{
+    struct orl_vec3 places[BASE_CELLS];
+    float eroded[BASE_CELLS], opened[BASE_CELLS];
+    for (size_t i = 0; i < BASE_CELLS; i++) {
+        t->low[i] = INFINITY;
+        places[i] =
+            within((uint32_t)i << 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL), BASE_LEVEL, 0.5, 0.5);
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        float *low = &t->low[base_cell(t->leaves[i].code)];
+        *low = t->leaves[i].value < *low ? t->leaves[i].value : *low;
+    }
+    sweep(places, t->low, false, eroded);
+    sweep(places, eroded, true, opened);
+    smooth(places, opened, t->base);
+}
+
+/* Of a leaf: the broad part, floor and all. */
+static double broad_value(const struct tree *t, const struct leaf *leaf)
+{
+    const double base = (double)t->base[base_cell(leaf->code)], value = (double)leaf->value;
+    return value <= least_narrow * base ? value : fmin(value, base);
+}
+
+static double lowest(const struct tree *t)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < t->n; i++)
+        least = fmin(least, broad_value(t, &t->leaves[i]));
+    return fmax(0, least);
+}
+
+/* ---- Lobes ----------------------------------------------------------------------------------- */
+
+static bool add_lobe(struct orl_fit_part *part, const struct leaf *leaf, double aim, double mass)
+{
+    if (!orl_grow(&part->lobes, &part->room, part->n_lobes, sizeof *part->lobes))
+        return false;
+    const uint32_t code = leaf->code, level = leaf->level;
+    const struct orl_vec3 d = leaf->at;
+    part->lobes[part->n_lobes++] =
+        (struct orl_fit_lobe){.x = (float)d.x,
+                              .y = (float)d.y,
+                              .z = (float)d.z,
+                              .mass = (float)mass,
+                              .sigma_rad = (float)(sigma_of_side * orl_fit_cell_rad(level)),
+                              .code = code,
+                              .level = level,
+                              .aim = (float)aim};
+    part->mass += mass;
+    return true;
+}
+
+static double light_of(const struct leaf *leaf, double value)
+{
+    return value * (double)leaf->z * orl_fit_cell_sr(leaf->level);
+}
+
+/* Both parts by leaves. */
+static bool add_lobes(const struct tree *t, struct orl_fit_shape *shape)
+{
+    const double least = 1e-9 * shape->total;
+    bool fine = true;
+    for (size_t i = 0; i < t->n && fine; i++) {
+        const struct leaf *leaf = &t->leaves[i];
+        const double broad = broad_value(t, leaf);
+        const double masses[ORL_FIT_KINDS] = {
+            [ORL_FIT_BROAD] = light_of(leaf, broad - shape->floor),
+            [ORL_FIT_NARROW] = light_of(leaf, (double)leaf->value - broad)};
+        for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)
+            if (masses[kind] > least)
+                fine = add_lobe(&shape->parts[kind], leaf, (double)leaf->value - shape->floor,
+                                masses[kind]);
+    }
+    return fine;
+}
+
+/* ---- Clusters -------------------------------------------------------------------------------- */
+
+static bool add_cluster(struct orl_fit_part *part, size_t begin, size_t end)
+{
+    struct orl_vec3 sum = {0};
+    double mass = 0, spread = 0;
+    if (!orl_grow(&part->clusters, &part->cluster_room, part->n_clusters, sizeof *part->clusters))
+        return false;
+    for (size_t i = begin; i < end; i++) {
+        struct orl_fit_lobe *lobe = &part->lobes[i];
+        const struct orl_vec3 d = orl_v3((double)lobe->x, (double)lobe->y, (double)lobe->z);
+        sum = orl_madd(sum, d, (double)lobe->mass);
+        mass += (double)lobe->mass;
+        lobe->cluster = (uint32_t)part->n_clusters;
+    }
+    const struct orl_vec3 middle = orl_normalize(sum);
+    for (size_t i = begin; i < end; i++) {
+        const struct orl_fit_lobe *lobe = &part->lobes[i];
+        const struct orl_vec3 d = orl_v3((double)lobe->x, (double)lobe->y, (double)lobe->z);
+        const struct orl_vec3 off = orl_sub(d, middle);
+        spread += (double)lobe->mass *
+                  (0.5 * orl_dot(off, off) + (double)lobe->sigma_rad * (double)lobe->sigma_rad);
+    }
+    part->clusters[part->n_clusters++] = (struct orl_fit_cluster){
+        (float)middle.x, (float)middle.y, (float)middle.z, (float)mass, (float)sqrt(spread / mass)};
+    return true;
+}
+
+/* Lobes of a cell at a level, which begin with its bits. */
+static bool cluster(struct orl_fit_part *part, size_t begin, size_t end, unsigned level,
+                    uint64_t code)
+{
+    double mass = 0;
+    if (begin == end)
+        return true;
+    for (size_t i = begin; i < end; i++)
+        mass += (double)part->lobes[i].mass;
+    if (end - begin == 1 || mass <= cluster_share * part->mass || level == ORL_FIT_SQUARE_LEVELS)
+        return add_cluster(part, begin, end);
+    const unsigned below = 2 * (ORL_FIT_SQUARE_LEVELS - level - 1);
+    bool fine = true;
+    for (uint64_t q = 0; q < 4 && fine; q++) {
+        size_t stop = begin;
+        while (stop < end && part->lobes[stop].code < code + ((q + 1) << below))
+            stop++;
+        fine = cluster(part, begin, stop, level + 1, code + (q << below));
+        begin = stop;
+    }
+    return fine;
+}
+
+/* ---- The whole ------------------------------------------------------------------------------- */
+
+static void find_peak(const struct orl_fit_knots *knots, struct orl_fit_shape *shape)
+{
+    size_t top = 0;
+    for (size_t i = 1; i < knots->n; i++)
+        if (knots->knots[i].value > knots->knots[top].value)
+            top = i;
+    const double half = 0.5 * (double)knots->knots[top].value;
+    struct orl_vec3 sum = {0};
+    for (unsigned j = 0; j < ORL_FIT_NEIGHBOURS; j++) {
+        const struct orl_fit_knot *k = &knots->knots[knots->near[top * ORL_FIT_NEIGHBOURS + j]];
+        const double weight = orl_larger(0, (double)k->value - half);
+        sum = orl_madd(sum, orl_v3((double)k->x, (double)k->y, (double)k->z), weight);
+    }
+    shape->peak = orl_normalize(sum);
+    shape->peak_value = (double)knots->knots[top].value;
+}
+
+static double error_of(const struct orl_fit_knots *k)
+{
+    double sum = 0;
+    for (size_t i = 0; i < k->n; i++) {
+        const double part = (double)k->knots[i].z * orl_fit_cell_sr(k->knots[i].level);
+        sum += part * part / k->knots[i].rows;
+    }
+    return k->noise * sqrt(sum);
+}
+
+static double estimate(const struct orl_fit_knots *k)
+{
+    double sum = 0;
+    for (size_t i = 0; i < k->n; i++)
+        sum += orl_larger(0, (double)k->knots[i].value) * (double)k->knots[i].z *
+               orl_fit_cell_sr(k->knots[i].level);
+    return sum;
+}
+
+/* What is bright, from the darkest twentieth and the brightest knot. */
+static bool set_bright(struct tree *t)
+{
+    static const double shares[BRIGHT_LEVELS] = {0.03, 0.003};
+    const size_t n = t->knots->n;
+    double *values = malloc(n * sizeof *values), most = 0;
+    if (!values)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        values[i] = orl_larger(0, (double)t->knots->knots[i].value);
+        most = fmax(most, values[i]);
+    }
+    const double dark = orl_find_kth(values, n, n / 20);
+    free(values);
+    for (int k = 0; k < BRIGHT_LEVELS; k++)
+        t->bright[k] =
+            dark + fmax(shares[k] * (most - dark), fmax(least_bright * dark, 4 * t->knots->noise));
+    return true;
+}
+
+static bool make(struct tree *t, struct orl_fit_shape *shape)
+{
+    t->uneven = least_uneven * estimate(t->knots);
+    if (!set_bright(t))
+        return false;
+    if (!grow(t, 0, 0, (struct range){0, t->knots->n}))
+        return false;
+    for (size_t i = 0; i < t->n; i++)
+        shape->total += light_of(&t->leaves[i], (double)t->leaves[i].value);
+    open_base(t);
+    shape->floor = lowest(t);
+    if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
+        return false;
+    bool fine = true;
+    for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)
+        fine = cluster(&shape->parts[kind], 0, shape->parts[kind].n_lobes, 0, 0);
+    return fine;
+}
+
+int orl_fit_shape_make(const struct orl_fit_knots *knots, struct orl_vec3 in,
+                       const unsigned levels[2], const atomic_bool *cancel,
+                       struct orl_fit_shape *ret_shape, struct orl_error *err)
+{
+    struct tree *tree = calloc(1, sizeof *tree);
+    struct orl_fit_shape shape = {.in = in};
+    int code = 0;
+    if (tree) {
+        tree->knots = knots;
+        tree->cancel = cancel;
+        tree->bright_level = levels[0];
+        tree->finest = levels[1];
+    }
+    if (!tree || !make(tree, &shape))
+        code = orl_is_cancelled(cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
+    if (tree)
+        free(tree->leaves);
+    free(tree);
+    if (code < 0) {
+        orl_fit_shape_done(&shape);
+        return orl_error_set(err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
+    }
+    find_peak(knots, &shape);
+    shape.total_error = error_of(knots);
+    *ret_shape = shape;
+    return 0;
+}
+
+void orl_fit_shape_done(struct orl_fit_shape *shape)
+{
+    if (!shape)
+        return;
+    for (int kind = 0; kind < ORL_FIT_KINDS; kind++) {
+        free(shape->parts[kind].lobes);
+        free(shape->parts[kind].clusters);
+    }
+    memset(shape, 0, sizeof *shape);
+}
+
+bool orl_fit_shape_mirror(const struct orl_fit_shape *shape, unsigned mirror,
+                          struct orl_fit_shape *ret_shape)
+{
+    const double sx = mirror & 1 ? -1 : 1, sy = mirror & 2 ? -1 : 1;
+    struct orl_fit_shape copy = *shape;
+    bool fine = true;
+    copy.in = orl_v3(sx * copy.in.x, sy * copy.in.y, copy.in.z);
+    copy.peak = orl_v3(sx * copy.peak.x, sy * copy.peak.y, copy.peak.z);
+    for (int kind = 0; kind < ORL_FIT_KINDS; kind++) {
+        struct orl_fit_part *part = &copy.parts[kind];
+        const struct orl_fit_part *of = &shape->parts[kind];
+        part->lobes = malloc((of->n_lobes + 1) * sizeof *part->lobes);
+        part->clusters = malloc((of->n_clusters + 1) * sizeof *part->clusters);
+        fine = fine && part->lobes && part->clusters;
+        for (size_t i = 0; i < of->n_lobes && fine; i++) {
+            part->lobes[i] = of->lobes[i];
+            part->lobes[i].x *= (float)sx;
+            part->lobes[i].y *= (float)sy;
+        }
+        for (size_t i = 0; i < of->n_clusters && fine; i++) {
+            part->clusters[i] = of->clusters[i];
+            part->clusters[i].x *= (float)sx;
+            part->clusters[i].y *= (float)sy;
+        }
+    }
+    if (!fine)
+        orl_fit_shape_done(&copy);
+    else
+        *ret_shape = copy;
+    return fine;
+}

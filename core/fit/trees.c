@@ -1,0 +1,365 @@
+/* Models as tensor trees: incident cells side by side in blocks, joined from the finest up. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "bsdf/write.h"
+#include "fit/output.h"
+#include "fit/square.h"
+#include "goniometer/forest.h"
+#include "goniometer/provenance.h"
+
+enum { SPLIT_LEVEL = 3 };
+
+/* A part of the incident directions that one thread sees to: a cell at some level. */
+struct block {
+    struct orl_gonio_forest forest;
+    struct orl_gonio_node *tops; /* [cell out at that level]; owned */
+    double total;                /* light sent out, summed over finest incident cells */
+    int code;
+};
+
+struct hand {
+    struct orl_fit_brush brush;
+    struct orl_fit_light light;
+    double *sums; /* by cell out */
+};
+
+struct growing {
+    const struct orl_bsdf_make_env *env;
+    struct orl_fit_model *model;
+    const struct orl_fit_screen *screen;
+    unsigned rank, levels, split; /* split: the level of blocks */
+    size_t n_blocks;
+    double cull;
+    struct block *blocks;
+    struct hand *hands; /* by member of the crew */
+    struct orl_gonio_forest forest;
+    struct orl_gonio_node root;
+};
+
+/* ---- Incident cells -------------------------------------------------------------------------- */
+
+static uint32_t even_bits(uint32_t v)
+{
+    uint32_t bits = 0;
+    for (unsigned i = 0; i < 16; i++)
+        bits |= (v >> 2 * i & 1) << i;
+    return bits;
+}
+
+/* Of rank 4 there are so many cells that the middle of one has to do. */
+static unsigned places_in(const struct growing *g)
+{
+    return g->rank == 3 ? ORL_FIT_CELL_PLACES : 1;
+}
+
+/* Where light of a finest incident cell comes from; cells are of where it travels. */
+static struct orl_vec3 incidence(const struct growing *g, uint32_t a, unsigned place)
+{
+    const double side = UINT32_C(1) << g->levels, n = ORL_FIT_CELL_PLACES;
+    if (g->rank == 3) {
+        const double outer = 1 - 2 * a / side, inner = 1 - 2 * (a + 1) / side;
+        const double u = (place + 0.5) / n, r2 = inner * inner * (1 - u) + outer * outer * u;
+        return orl_v3(-sqrt(r2), 0, sqrt(1 - r2));
+    }
+    const double x = (even_bits(a) + 0.5) / side, y = (even_bits(a >> 1) + 0.5) / side;
+    const struct orl_vec3 travel =
+        orl_square_to_hemisphere((struct orl_square){2 * x - 1, 2 * y - 1});
+    return orl_v3(-travel.x, -travel.y, travel.z);
+}
+
+/* A cell at some level under mirrors. */
+static uint32_t mirrored(uint32_t cell, unsigned level, unsigned mirror)
+{
+    for (unsigned l = 0; l < level; l++)
+        cell ^= mirror << 2 * l;
+    return cell;
+}
+
+/* Mirrors take a block from another one: the first of those that are alike. */
+static uint32_t original_of(const struct growing *g, uint32_t block, unsigned *ret_mirror)
+{
+    unsigned mirrors[3];
+    const size_t n = g->rank == 3 ? 0 : orl_fit_mirrors(g->model->symmetry, mirrors);
+    uint32_t first = block;
+    *ret_mirror = 0;
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t other = mirrored(block, g->split, mirrors[i]);
+        if (other < first) {
+            first = other;
+            *ret_mirror = mirrors[i];
+        }
+    }
+    return first;
+}
+
+/* ---- Values ---------------------------------------------------------------------------------- */
+
+/* Of an isotropic sample the two sides of the plane of incidence are alike. */
+static double value_of(const struct growing *g, const double *sums, uint32_t cell)
+{
+    const double value = sums[cell];
+    return g->rank == 3 ? 0.5 * (value + sums[mirrored(cell, g->levels, 2)]) : value;
+}
+
+static bool see(const struct growing *g, struct hand *hand, struct block *block, uint32_t a,
+                struct orl_gonio_node *ret_nodes)
+{
+    const size_t cells = g->screen->n_cells;
+    const unsigned places = places_in(g);
+    memset(hand->sums, 0, cells * sizeof *hand->sums);
+    for (unsigned i = 0; i < places; i++) {
+        struct orl_fit_place place;
+        orl_fit_mesh_locate(&g->model->mesh, incidence(g, a, i), &place);
+        if (!orl_fit_blend(&g->model->mesh, &g->model->plans, &place, &hand->light))
+            return false;
+        orl_fit_draw(g->screen, &hand->light, 0, &hand->brush);
+        for (size_t c = 0; c < cells; c++)
+            hand->sums[c] += hand->brush.value[c] / places;
+    }
+    for (size_t c = 0; c < cells; c++) {
+        const double value = value_of(g, hand->sums, (uint32_t)c);
+        ret_nodes[c] = (struct orl_gonio_node){.value = (float)value};
+        block->total += value * g->screen->area;
+    }
+    return true;
+}
+
+/* ---- Joining --------------------------------------------------------------------------------- */
+
+static size_t nodes_at(unsigned level)
+{
+    return (size_t)1 << 2 * level;
+}
+
+/* Parts of a cell in A: 4 of rank 4, 2 of rank 3. */
+static unsigned parts_in(const struct growing *g)
+{
+    return g->rank == 4 ? 4 : 2;
+}
+
+/* parts: nodes of all parts in A, a level deeper. */
+static bool join_level(const struct growing *g, struct orl_gonio_forest *forest, unsigned level,
+                       const struct orl_gonio_node *parts, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = parts_in(g);
+    for (size_t i = 0; i < nodes_at(level); i++) {
+        struct orl_gonio_node children[ORL_GONIO_FAN_MOST];
+        for (unsigned a = 0; a < in; a++)
+            for (unsigned b = 0; b < 4; b++)
+                children[a + b * in] = parts[a * nodes_at(level + 1) + 4 * i + b];
+        if (!orl_gonio_join(forest, children, level + 1, &ret_nodes[i]))
+            return false;
+    }
+    return true;
+}
+
+/* The nodes of incident cell a at a level, from the finest cells up. */
+static bool grow(const struct growing *g, struct hand *hand, struct block *block, unsigned level,
+                 uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = parts_in(g);
+    if (level == g->levels)
+        return !orl_is_cancelled(g->env->cancel) && see(g, hand, block, a, ret_nodes);
+    struct orl_gonio_node *parts = malloc(in * nodes_at(level + 1) * sizeof *parts);
+    bool fine = parts != NULL;
+    for (unsigned k = 0; k < in && fine; k++)
+        fine = grow(g, hand, block, level + 1, in * a + k, parts + k * nodes_at(level + 1));
+    fine = fine && join_level(g, &block->forest, level, parts, ret_nodes);
+    free(parts);
+    return fine;
+}
+
+static void grow_block(void *arg, size_t index, uint32_t member)
+{
+    const struct growing *g = arg;
+    struct block *block = &g->blocks[index];
+    unsigned mirror;
+    if (original_of(g, (uint32_t)index, &mirror) != index)
+        return;
+    block->forest = (struct orl_gonio_forest){.rank = g->rank, .cull = g->cull};
+    block->tops = malloc(nodes_at(g->split) * sizeof *block->tops);
+    if (!block->tops || !grow(g, &g->hands[member], block, g->split, (uint32_t)index, block->tops))
+        block->code = orl_is_cancelled(g->env->cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
+}
+
+/* The nodes of a block, in the whole's forest. Original or mirrored. */
+static bool plant(struct growing *g, uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    unsigned mirror;
+    const struct block *block = &g->blocks[original_of(g, a, &mirror)];
+    uint32_t shift;
+    if (!orl_gonio_forest_take(&g->forest, &block->forest, mirror * 5U, &shift))
+        return false;
+    for (uint32_t i = 0; i < nodes_at(g->split); i++)
+        ret_nodes[i] =
+            orl_gonio_shifted(block->tops[g->rank == 3 ? i : mirrored(i, g->split, mirror)], shift);
+    return true;
+}
+
+/* The nodes of incident cell a at a level above the blocks. Of rank 3 the upper half of A is of no
+ * direction: it is as the lower one. */
+static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = parts_in(g);
+    if (level == g->split)
+        return plant(g, a, ret_nodes);
+    const size_t count = nodes_at(level + 1);
+    struct orl_gonio_node *parts = malloc(in * count * sizeof *parts);
+    bool fine = parts != NULL;
+    for (unsigned k = 0; k < in && fine; k++) {
+        if (g->rank == 3 && level == 0 && k == 1)
+            memcpy(parts + count, parts, count * sizeof *parts);
+        else
+            fine = gather(g, level + 1, in * a + k, parts + k * count);
+    }
+    fine = fine && join_level(g, &g->forest, level, parts, ret_nodes);
+    free(parts);
+    return fine;
+}
+
+/* ---- One component --------------------------------------------------------------------------- */
+
+/* Light from a side evenly: cells of A weigh alike in rank 4, rings by their size in rank 3. */
+static double diffuse_of(const struct growing *g)
+{
+    double sum = 0;
+    unsigned mirror;
+    for (uint32_t a = 0; a < g->n_blocks; a++) {
+        const double n = (double)g->n_blocks;
+        const double weight =
+            g->rank == 4 ? ldexp(1, -2 * (int)g->levels) : (2 * (n - (double)a) - 1) / (n * n);
+        sum += weight * g->blocks[original_of(g, a, &mirror)].total;
+    }
+    return sum;
+}
+
+static int want_plans(struct growing *g, struct orl_error *err)
+{
+    const size_t cells = g->rank == 3 ? g->n_blocks : (size_t)1 << 2 * g->levels;
+    unsigned mirror;
+    for (uint32_t a = 0; a < cells; a++) {
+        const uint32_t block = a >> 2 * (g->levels - g->split);
+        if (original_of(g, block, &mirror) != block)
+            continue;
+        for (unsigned i = 0; i < places_in(g); i++) {
+            struct orl_fit_place place;
+            orl_fit_mesh_locate(&g->model->mesh, incidence(g, a, i), &place);
+            if (!orl_fit_plans_want(&g->model->plans, &place))
+                return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for transport plans");
+        }
+    }
+    return orl_fit_plans_make(&g->model->plans, &g->model->mesh, g->env->crew, g->env->cancel, err);
+}
+
+static bool take_hands(struct growing *g)
+{
+    const uint32_t members = orl_crew_size(g->env->crew);
+    bool fine = g->hands != NULL && g->blocks != NULL;
+    for (uint32_t i = 0; i < members && fine; i++) {
+        g->hands[i].sums = malloc(g->screen->n_cells * sizeof *g->hands[i].sums);
+        fine = g->hands[i].sums && orl_fit_brush_make(g->screen, &g->hands[i].brush);
+    }
+    return fine;
+}
+
+static void let_go(struct growing *g)
+{
+    for (uint32_t i = 0; g->hands && i < orl_crew_size(g->env->crew); i++) {
+        free(g->hands[i].sums);
+        orl_fit_brush_done(&g->hands[i].brush);
+        orl_fit_light_done(&g->hands[i].light);
+    }
+    free(g->hands);
+    for (size_t i = 0; g->blocks && i < g->n_blocks; i++) {
+        orl_gonio_forest_done(&g->blocks[i].forest);
+        free(g->blocks[i].tops);
+    }
+    free(g->blocks);
+    g->hands = NULL;
+    g->blocks = NULL;
+}
+
+static int grow_all(struct growing *g, struct orl_error *err)
+{
+    int code = want_plans(g, err);
+    if (code < 0)
+        return code;
+    g->blocks = calloc(g->n_blocks, sizeof *g->blocks);
+    g->hands = calloc(orl_crew_size(g->env->crew), sizeof *g->hands);
+    code = take_hands(g) ? orl_crew_try(g->env->crew, g->n_blocks, grow_block, g) : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < g->n_blocks && code == 0; i++)
+        code = g->blocks[i].code;
+    if (code == 0 && !gather(g, 0, 0, &g->root))
+        code = ORL_ERR_NOMEM;
+    return code == 0 ? 0
+                     : orl_error_set(err, code,
+                                     code == ORL_ERR_CANCELLED ? "cancelled"
+                                                               : "out of memory for tensor trees");
+}
+
+static struct growing growing_of(const struct orl_bsdf_fit_request *request,
+                                 const struct orl_bsdf_make_env *env, enum orl_bsdf_basis basis,
+                                 const struct orl_fit_screen *screen)
+{
+    struct growing g = {.env = env, .screen = screen, .levels = screen->levels};
+    g.cull = request->cull;
+    g.rank = basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
+    /* Of rank 3 every ring is a block, and half of A is none. */
+    g.split = g.rank == 3 ? g.levels : g.levels < SPLIT_LEVEL ? g.levels : SPLIT_LEVEL;
+    g.n_blocks = g.rank == 3 ? (size_t)1 << (g.levels - 1) : (size_t)1 << 2 * g.split;
+    return g;
+}
+
+/* ---- The file -------------------------------------------------------------------------------- */
+
+struct parts {
+    struct growing of[2][2];
+};
+
+static void write_part(void *ctx, enum orl_bsdf_part part, FILE *out)
+{
+    const struct parts *parts = ctx;
+    for (int front = 0; front < 2; front++)
+        for (int t = 0; t < 2; t++)
+            if (orl_gonio_part_of[front][t] == part)
+                orl_gonio_forest_write(&parts->of[front][t].forest, parts->of[front][t].root, out);
+}
+
+int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
+                        const struct orl_bsdf_make_env *env, struct orl_fit_models *models,
+                        struct orl_bsdf_fitted *fitted, struct orl_error *err)
+{
+    struct orl_fit_screen screen;
+    struct orl_document document = {.structure = fitted->basis == ORL_BSDF_TENSOR_TREE_4
+                                                     ? ORL_STRUCTURE_TREE4
+                                                     : ORL_STRUCTURE_TREE3};
+    struct parts parts = {0};
+    unsigned levels = 2;
+    while (1U << levels < request->resolution)
+        levels++;
+    int code = orl_fit_screen_make(levels, &screen, err);
+    if (code < 0)
+        return code;
+    for (int i = 0; i < 4 && code == 0; i++) {
+        struct orl_fit_model *model = models->of[i / 2][i % 2];
+        struct growing *g = &parts.of[i / 2][i % 2];
+        if (!model)
+            continue;
+        *g = growing_of(request, env, fitted->basis, &screen);
+        g->forest = (struct orl_gonio_forest){.rank = g->rank, .cull = g->cull};
+        g->model = model;
+        code = grow_all(g, err);
+        if (code == 0)
+            fitted->diffuse[i / 2][i % 2].value = diffuse_of(g);
+        let_go(g);
+        document.parts[orl_gonio_part_of[i / 2][i % 2]].present = true;
+    }
+    const struct orl_bsdf_labels labels = {.write_part = write_part, .ctx = &parts};
+    if (code == 0)
+        code = orl_fit_write_xml(&document, &labels, request, fitted, err);
+    for (int i = 0; i < 4; i++)
+        orl_gonio_forest_done(&parts.of[i / 2][i % 2].forest);
+    orl_fit_screen_done(&screen);
+    return code;
+}
