@@ -40,6 +40,7 @@ enum orl_material_kind {
     ORL_MATERIAL_SPOTLIGHT,  /* a light that shines within a cone: spot */
     ORL_MATERIAL_MIXTURE,    /* mixed, mix: of unlike materials (material/scatter.h) */
     ORL_MATERIAL_ILLUM,      /* a light that views see as what it stands for: seen_as */
+    ORL_MATERIAL_ANTIMATTER, /* what is not there within: cut, lining (geometry/antimatter.h) */
 };
 
 enum { ORL_SEEN_AS_ITSELF = -1, ORL_SEEN_AS_NOTHING = -2 };
@@ -80,9 +81,19 @@ struct orl_material {
     struct orl_pattern *angles;  /* glazing: six functions of the angle (material/glazing.c) */
     struct orl_pattern *mix;     /* mixture: the first's share (of pattern.h, a factor of 1) */
     const struct orl_material *mixed; /* mixture: two, in the arena; with no BSDFs among them */
-    int32_t sky;                      /* light, glow: index into skies that scales color, or -1 */
-    uint32_t part; /* whose windows and shades have it, from 1 (swap.h); 0: no one's */
+    const uint32_t *cut;              /* antimatter: materials of which it is free, in the arena */
+    size_t n_cut;
+    int32_t lining;   /* antimatter: the material of its inside where it cuts something, or -1 */
+    uint32_t copy_of; /* it is that material, but for a texture, or its part: its index and 1 */
+    int32_t sky;      /* light, glow: index into skies that scales color, or -1 */
+    uint32_t part;    /* whose windows and shades have it, from 1 (swap.h); 0: no one's */
 };
+
+/* Which material it is a copy of, or its own index. */
+static inline uint32_t orl_material_origin(const struct orl_material *material, uint32_t index)
+{
+    return material->copy_of > 0 ? material->copy_of - 1 : index;
+}
 
 enum orl_surface_kind {
     ORL_SURFACE_POLYGON,

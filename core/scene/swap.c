@@ -158,6 +158,7 @@ int orl_material_part(struct orl_description *d, uint32_t material, uint32_t par
     d->materials = grown;
     grown[d->n_materials] = grown[material];
     grown[d->n_materials].part = part;
+    grown[d->n_materials].copy_of = orl_material_origin(&grown[material], material) + 1;
     if (grown[material].bsdf)
         orl_bsdf_ref(grown[material].bsdf);
     *ret_index = (uint32_t)d->n_materials++;

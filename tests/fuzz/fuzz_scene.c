@@ -53,7 +53,7 @@ static void check_scatter(const struct orl_material *m)
 
 static void check_material(const struct orl_description *d, const struct orl_material *m)
 {
-    FUZZ_PROMISE(m->kind >= ORL_MATERIAL_VOID && m->kind <= ORL_MATERIAL_ILLUM);
+    FUZZ_PROMISE(m->kind >= ORL_MATERIAL_VOID && m->kind <= ORL_MATERIAL_ANTIMATTER);
     FUZZ_PROMISE(m->name != NULL);
     check_color(m->color);
     check_color(m->transmissivity);
@@ -84,6 +84,9 @@ static void check_material(const struct orl_description *d, const struct orl_mat
     FUZZ_PROMISE(m->seen_as >= ORL_SEEN_AS_NOTHING &&
                  (m->seen_as < 0 || ((size_t)m->seen_as < d->n_materials &&
                                      d->materials[m->seen_as].kind != ORL_MATERIAL_ILLUM)));
+    for (size_t i = 0; i < m->n_cut; i++)
+        FUZZ_PROMISE(m->cut[i] < d->n_materials);
+    FUZZ_PROMISE(m->copy_of <= d->n_materials);
     check_scatter(m);
     FUZZ_PROMISE((m->kind == ORL_MATERIAL_BSDF) == (m->bsdf != NULL));
     FUZZ_PROMISE(m->sky >= -1 && (m->sky < 0 || (size_t)m->sky < d->n_skies));

@@ -337,6 +337,16 @@ static void write_shares(FILE *f, size_t n)
                 i, i, i, i, i, i, i, i, i, i);
 }
 
+/* Volumes that each cut what the one before does, and a wall more. */
+static void write_antimatters(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f,
+                "void plastic w%zu 0 0 5 .5 .5 .5 0 0\nvoid antimatter a%zu 2 w%zu w%zu 0 0\n"
+                "!genbox w%zu b%zu 1 1 1 | xform -t 0 0 %zu\na%zu sphere s%zu 0 0 4 .5 .5 %zu .3\n",
+                i, i, i, i ? i - 1 : 0, i, i, i, i, i, i);
+}
+
 /* ---- The table ------------------------------------------------------------------------------- */
 
 #define SCENE(name, n)                                                                             \
@@ -393,6 +403,7 @@ const struct doubled doubled_scenes[] = {
     SCENE(daylit, 40),
     SCENE(patterns, 200),
     SCENE(shares, 100),
+    SCENE(antimatters, 30),
     SCENE(includes, 500),
     SCENE(pipes, 30),
     SCENE(strings, 3000),
@@ -413,6 +424,7 @@ const struct doubled doubled_scenes[] = {
     WORLD(spheres, 200),
     WORLD(patterns, 40),
     WORLD(shares, 20),
+    WORLD(antimatters, 15),
     WORLD(disc, 500),
     WORLD(star, 200),
     WORLD(comb, 100),

@@ -49,7 +49,7 @@ static const struct bad bad_scenes[] = {
     {"\n5 0 0\n", ORL_ERR_SYNTAX, 2, "0 0", "no type"},
     /* types and names */
     {"\nvoid plastik m 0 0 5 0 0 0 0 0", ORL_ERR_SYNTAX, 2, "plastik m", "no type"},
-    {"void antimatter t 1 void 0 0", ORL_ERR_UNSUPPORTED, 1, "antimatter t", "type antimatter"},
+    {"void mist t 0 0 0", ORL_ERR_UNSUPPORTED, 1, "mist t", "type mist"},
     {"void mesh t 1 x.rtm 0 0", ORL_ERR_NOT_FOUND, 1, "mesh t", "x.rtm"},
     {"void mixfunc t 4 a b .5 . 0 0", ORL_ERR_NOT_FOUND, 1, "mixfunc t", "which it mixes"},
     {"void mixtext t 4 a b helvet.fnt c.txt 0 9 0 0 0 1 0 0 0 -1 0", ORL_ERR_NOT_FOUND, 1,

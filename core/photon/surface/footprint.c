@@ -156,7 +156,8 @@ bool orl_footing_is_free(const struct orl_footing *footing, double radius)
      * and passes between them. */
     const double length = radius / cos(ORL_PI / FREE_RAYS);
     double heights[2];
-    if (orl_outline_clearance(footing->world, footing->facet, footing->point) < radius)
+    if (orl_geometry_is_cut(footing->world->geometry, footing->facet) ||
+        orl_outline_clearance(footing->world, footing->facet, footing->point) < radius)
         return false;
     heights_of(footing, radius, heights);
     for (int i = 0; i < FREE_RAYS; i++) {
@@ -171,7 +172,8 @@ bool orl_footing_is_free(const struct orl_footing *footing, double radius)
 
 double orl_footing_flat(const struct orl_footing *footing)
 {
-    return is_flat(footing->world, footing->facet)
+    return is_flat(footing->world, footing->facet) &&
+                   !orl_geometry_is_cut(footing->world->geometry, footing->facet)
                ? orl_outline_clearance(footing->world, footing->facet, footing->point)
                : 0;
 }
@@ -278,6 +280,41 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
     stop_at_edge(&before, crossed, &edge, spoke);
 }
 
+/* ---- Cuts ------------------------------------------------------------------------------------ */
+
+static bool is_there(const struct orl_footing *footing, const struct orl_frame *frame,
+                     const double direction[2], double length)
+{
+    const double gap = clearance_of(footing);
+    const struct orl_vec3 point = orl_madd(footing->point, in_plane(frame, direction), length);
+    struct orl_hit hit;
+    return orl_geometry_intersect(footing->world->geometry, orl_madd(point, frame->n, gap),
+                                  orl_neg(frame->n), 2 * gap, &hit);
+}
+
+/* Shortens a spoke to where antimatter has taken a flat surface away, which no outline tells. */
+static void stop_at_cuts(const struct orl_footing *footing, const struct orl_frame *frame,
+                         const double direction[2], struct spoke *spoke)
+{
+    enum { PROBES = 16, HALVINGS = 12 };
+    if (!is_flat(footing->world, footing->facet))
+        return;
+    for (int i = 1; i < PROBES; i++) {
+        double low = spoke->length * (i - 1) / PROBES, high = spoke->length * i / PROBES;
+        if (is_there(footing, frame, direction, high))
+            continue;
+        for (int k = 0; k < HALVINGS; k++) {
+            const double middle = 0.5 * (low + high);
+            if (is_there(footing, frame, direction, middle))
+                low = middle;
+            else
+                high = middle;
+        }
+        *spoke = (struct spoke){.length = high, .ended = true};
+        return;
+    }
+}
+
 /* ---- The star -------------------------------------------------------------------------------- */
 
 static void spread(const struct orl_footing *footing, const struct orl_frame *frame, double radius,
@@ -295,6 +332,8 @@ static void spread(const struct orl_footing *footing, const struct orl_frame *fr
         if (spokes[i].ended)
             *ret_clear = fmin(*ret_clear, cos(ORL_PI / SECTORS) * spokes[i].length);
         stop_at_edges(footing, frame, direction, &spokes[i]);
+        if (orl_geometry_is_cut(footing->world->geometry, footing->facet))
+            stop_at_cuts(footing, frame, direction, &spokes[i]);
     }
 }
 

@@ -77,6 +77,12 @@ static bool is_proxy(const struct orl_description *d, const struct orl_surface *
     return d->materials[s->material].thickness != 0;
 }
 
+/* Where antimatter begins nothing need be. */
+static bool is_hole(const struct orl_description *d, const struct orl_surface *s)
+{
+    return d->materials[s->material].kind == ORL_MATERIAL_ANTIMATTER;
+}
+
 /* ---- Polygons -------------------------------------------------------------------------------- */
 
 static int keep_opposed(struct orl_description *d, const struct orl_pairs *opposed)
@@ -171,6 +177,8 @@ static enum lot lot_of(const struct orl_description *d, const struct orl_surface
 {
     const int proxies = is_proxy(d, a) + is_proxy(d, b);
     *ret_order = 1;
+    if (is_hole(d, a) || is_hole(d, b))
+        return NOTHING;
     if (proxies == 1 || (proxies == 2 && orl_dot(a->normal, b->normal) < 0))
         return NOTHING;
     if (proxies == 2 || a->kind != ORL_SURFACE_POLYGON || b->kind != ORL_SURFACE_POLYGON)

@@ -2,11 +2,11 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <oriel/crew.h>
 #include <oriel/limits.h>
 
+#include "scene/geometry/antimatter.h"
 #include "scene/geometry/embree.h"
 #include "scene/geometry/quadric.h"
 #include "scene/geometry/triangulate.h"
@@ -234,6 +234,8 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
         code = add_rivals(g, description);
     if (code == 0)
         code = orl_embree_build(g, description->cancel, err);
+    if (code == 0)
+        code = orl_holes_build(g, description, err);
 done:
     orl_triangulation_done(&builder.triangulation);
     if (code == 0)
@@ -245,59 +247,4 @@ done:
     if (code == ORL_ERR_CANCELLED)
         orl_error_set(err, code, "cancelled while building the scene's geometry");
     return code;
-}
-
-int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
-                        struct orl_geometry **ret_geometry, struct orl_error *err)
-{
-    struct orl_geometry *g = malloc(sizeof *g);
-    int code = ORL_ERR_NOMEM;
-    if (!g)
-        return orl_error_set(err, code, "out of memory for the scene's geometry");
-    *g = *whole;
-    g->scene = NULL;
-    g->n_triangles = 0;
-    g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
-    g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
-    g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
-    g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
-    if (!g->facets || !g->rounds || !g->triangles || !g->rivals)
-        goto done;
-    if (g->n_rivals > 0)
-        memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
-    memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
-    for (size_t i = 0; i < g->n_facets; i++) {
-        struct orl_facet *f = &g->facets[i];
-        const size_t kept = keep[i] ? whole->facets[i].n_triangles : 0;
-        *f = whole->facets[i];
-        if (f->kind != ORL_SURFACE_POLYGON)
-            f->round = &g->rounds[g->n_facets - 1 - i];
-        f->area = keep[i] ? f->area : 0;
-        f->n_triangles = (uint32_t)kept;
-        f->first_triangle = (uint32_t)g->n_triangles;
-        memcpy(g->triangles + g->n_triangles, whole->triangles + whole->facets[i].first_triangle,
-               kept * sizeof *g->triangles);
-        g->n_triangles += kept;
-    }
-    code = orl_embree_build(g, NULL, err);
-done:
-    if (code == 0)
-        *ret_geometry = g;
-    else
-        orl_geometry_free(g);
-    if (code == ORL_ERR_NOMEM)
-        orl_error_set(err, code, "out of memory for the scene's geometry");
-    return code;
-}
-
-void orl_geometry_free(struct orl_geometry *geometry)
-{
-    if (!geometry)
-        return;
-    orl_embree_free(geometry);
-    free(geometry->facets);
-    free(geometry->rounds);
-    free(geometry->triangles);
-    free(geometry->rivals);
-    free(geometry);
 }

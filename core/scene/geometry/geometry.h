@@ -9,6 +9,8 @@
  * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction):
  * clear of the surface, and of what a BSDF with a thickness stands for.
  *
+ * Surfaces that antimatter cuts are met where they are left (antimatter.h).
+ *
  * Where two polygons of opposite fronts lie in one place, a hit is on the one whose front the ray
  * meets; in all other cases of two in one place, one has been cut away (coincident.h).
  *
@@ -47,6 +49,8 @@ struct orl_triangle {
     double area;
 };
 
+struct orl_holes;
+
 struct orl_geometry {
     struct orl_vec3 center;    /* subtracted from the files' coordinates */
     struct orl_vec3 low, high; /* bounds, moved coordinates */
@@ -59,8 +63,9 @@ struct orl_geometry {
     size_t n_triangles;
     uint32_t *rivals;
     size_t n_rivals;
-    bool curved; /* it has facets that are not polygons */
-    void *scene; /* Embree's */
+    bool curved;             /* it has facets that are not polygons */
+    struct orl_holes *holes; /* antimatter.h: facets that are not there everywhere; NULL: none */
+    void *scene;             /* Embree's */
 };
 
 /* What a ray has met, and where: all that a material is asked at. */
@@ -115,6 +120,9 @@ void orl_geometry_intersect_many(const struct orl_geometry *geometry, const stru
 /* Whether anything at all, glass included, lies within max_distance. */
 bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
                            struct orl_vec3 direction, double max_distance);
+
+/* Whether the facet may be missing in places, by antimatter. */
+bool orl_geometry_is_cut(const struct orl_geometry *geometry, uint32_t facet);
 
 /*
  * A copy in which only the facets to keep can be met; the others have their places in the arrays,

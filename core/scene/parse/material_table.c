@@ -48,6 +48,12 @@ static bool same_light(const struct orl_material *a, const struct orl_material *
            a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture;
 }
 
+static bool same_antimatter(const struct orl_material *a, const struct orl_material *b)
+{
+    return a->n_cut == b->n_cut && a->lining == b->lining &&
+           (a->n_cut == 0 || memcmp(a->cut, b->cut, a->n_cut * sizeof *a->cut) == 0);
+}
+
 /* Whether two materials of one name are the same: arrays read their materials again and again. */
 bool orl_material_same(const struct orl_material *a, const struct orl_material *b)
 {
@@ -55,7 +61,7 @@ bool orl_material_same(const struct orl_material *a, const struct orl_material *
         if (!orl_material_same(&a->mixed[i], &b->mixed[i]))
             return false;
     return a->kind == b->kind && a->mix == b->mix && same_reflector(a, b) && same_clear(a, b) &&
-           same_bsdf(a, b) && same_light(a, b);
+           same_bsdf(a, b) && same_light(a, b) && same_antimatter(a, b);
 }
 
 int orl_parser_add_material(struct orl_parser *parser, const char *name,

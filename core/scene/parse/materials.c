@@ -34,6 +34,7 @@ static const struct material_type material_types[] = {
     {"glow", ORL_MATERIAL_GLOW, orl_material_read_light},
     {"spotlight", ORL_MATERIAL_SPOTLIGHT, orl_material_read_spotlight},
     {"illum", ORL_MATERIAL_ILLUM, orl_material_read_illum},
+    {"antimatter", ORL_MATERIAL_ANTIMATTER, orl_material_read_antimatter},
 };
 
 static const struct material_type *find_type(const char *name)

@@ -16,7 +16,6 @@ struct unsupported {
 
 static const struct unsupported unsupported_types[] = {
     {"mist", "leave it out"},
-    {"antimatter", "leave it out, and cut the hole into the polygon"},
     {"prism1", "describe it as a BSDF"},
     {"prism2", "describe it as a BSDF"},
     {"plasfunc", "use plastic, or a BSDF"},

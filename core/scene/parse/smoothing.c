@@ -59,6 +59,7 @@ static int add_twin(struct orl_parser *parser, uint32_t material, uint32_t *ret_
     if (code < 0)
         return code;
     twin.texture = texture;
+    twin.copy_of = orl_material_origin(&twin, material) + 1;
     code = turn_mixed(parser, &twin);
     if (code < 0)
         return code;

@@ -1,0 +1,71 @@
+#include "scene/geometry/antimatter.h"
+
+#include "scene/geometry/meet.h"
+
+/* ---- Inside and outside -----------------------------------------------------------------------
+ */
+
+const struct orl_vec3 orl_hole_skew = {0.2672612419124244, 0.5345224838248488, 0.8017837257372732};
+
+int orl_hole_windings(const struct orl_geometry *shell, struct orl_vec3 point,
+                      struct orl_vec3 direction)
+{
+    const size_t most = 2 * shell->n_facets + 2 * shell->n_triangles;
+    struct orl_hit hit;
+    int out = 0;
+    for (size_t i = 0; i < most && orl_meet(shell, point, direction, INFINITY, &hit); i++) {
+        out += hit.front ? -1 : 1;
+        point = orl_hit_leave(shell, &hit, direction);
+    }
+    return out;
+}
+
+static bool is_inside(const struct orl_hole *hole, struct orl_vec3 point)
+{
+    const struct orl_geometry *const s = hole->shell;
+    return point.x > s->low.x && point.x < s->high.x && point.y > s->low.y && point.y < s->high.y &&
+           point.z > s->low.z && point.z < s->high.z &&
+           orl_hole_windings(s, point, orl_hole_skew) > 0;
+}
+
+static bool is_cut(const struct orl_holes *holes, const struct orl_geometry *geometry,
+                   uint32_t material, const struct orl_hit *hit, const struct orl_hole *but)
+{
+    const struct orl_vec3 above = orl_hit_leave(geometry, hit, hit->normal);
+    const struct orl_vec3 below = orl_hit_leave(geometry, hit, orl_neg(hit->normal));
+    for (size_t i = 0; i < holes->n; i++) {
+        const struct orl_hole *const hole = &holes->items[i];
+        if (hole != but && hole->cuts[material] &&
+            (is_inside(hole, above) || is_inside(hole, below)))
+            return true;
+    }
+    return false;
+}
+
+/* Of a volume's surface: whether it lies in what the volume cuts, and in no other's. */
+static bool is_lining(const struct orl_holes *holes, const struct orl_hole *hole,
+                      const struct orl_geometry *geometry, const struct orl_hit *hit)
+{
+    const struct orl_vec3 behind = orl_hit_leave(geometry, hit, hit->normal);
+    struct orl_hit next;
+    if (!orl_meet(hole->matter, behind, hit->normal, INFINITY, &next) || next.front)
+        return false;
+    return !is_cut(holes, geometry, geometry->facets[next.facet].material, hit, hole);
+}
+
+bool orl_holes_leave(const struct orl_geometry *geometry, const struct orl_hit *hit)
+{
+    const struct orl_holes *const holes = geometry->holes;
+    const int32_t own = holes->of_facet[hit->facet];
+    if (own == ORL_HOLE_UNTOUCHED)
+        return true;
+    if (own == ORL_HOLE_NONE)
+        return !is_cut(holes, geometry, geometry->facets[hit->facet].material, hit, NULL);
+    const struct orl_hole *const hole = &holes->items[own];
+    return hole->lined && !hit->front && is_lining(holes, hole, geometry, hit);
+}
+
+bool orl_geometry_is_cut(const struct orl_geometry *geometry, uint32_t facet)
+{
+    return geometry->holes && geometry->holes->of_facet[facet] != ORL_HOLE_UNTOUCHED;
+}

@@ -1,0 +1,181 @@
+/* Antimatter: the volumes of a scene, each alone, and what they cut. */
+#include "scene/geometry/antimatter.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <oriel/limits.h>
+
+#include "scene/geometry/quadric.h"
+
+static void include(struct orl_geometry *g, struct orl_vec3 p)
+{
+    g->low = orl_v3(fmin(g->low.x, p.x), fmin(g->low.y, p.y), fmin(g->low.z, p.z));
+    g->high = orl_v3(fmax(g->high.x, p.x), fmax(g->high.y, p.y), fmax(g->high.z, p.z));
+}
+
+/* Bounds of the facets that are left in it: those of the whole scene are the copy's. */
+static void bound(struct orl_geometry *g)
+{
+    g->low = orl_v3(INFINITY, INFINITY, INFINITY);
+    g->high = orl_neg(g->low);
+    for (size_t i = 0; i < g->n_triangles; i++) {
+        include(g, g->triangles[i].a);
+        include(g, g->triangles[i].b);
+        include(g, g->triangles[i].c);
+    }
+    for (size_t i = 0; i < g->n_facets; i++) {
+        struct orl_vec3 low, high;
+        if (g->facets[i].kind == ORL_SURFACE_POLYGON || !(g->facets[i].area > 0))
+            continue;
+        orl_quadric_bounds(&g->facets[i], &low, &high);
+        include(g, low);
+        include(g, high);
+    }
+}
+
+/* A facet that is left in it. */
+static const struct orl_surface *one_of(const struct orl_geometry *g,
+                                        const struct orl_description *d)
+{
+    for (size_t i = 0; i < g->n_facets; i++)
+        if (g->facets[i].area > 0)
+            return &d->surfaces[g->facets[i].surface];
+    return NULL;
+}
+
+/* From places all over its box both ways along a line say the same: inside, or not. */
+static int check_closed(const struct orl_hole *hole, const struct orl_description *d,
+                        struct orl_error *err)
+{
+    enum { PLACES = 256, MOST_UNLIKE = 2 };
+    const struct orl_geometry *const s = hole->shell;
+    int unlike = 0, inside = 0;
+    for (int i = 0; i < PLACES; i++) {
+        /* Roberts' sequence in three dimensions. */
+        const struct orl_vec3 u =
+            orl_v3(fmod(0.5 + 0.8191725133961645 * i, 1), fmod(0.5 + 0.6710436067037893 * i, 1),
+                   fmod(0.5 + 0.5497004779019703 * i, 1));
+        const struct orl_vec3 p =
+            orl_v3(s->low.x + u.x * (s->high.x - s->low.x), s->low.y + u.y * (s->high.y - s->low.y),
+                   s->low.z + u.z * (s->high.z - s->low.z));
+        const int on = orl_hole_windings(s, p, orl_hole_skew),
+                  back = orl_hole_windings(s, p, orl_neg(orl_hole_skew));
+        unlike += on != back || on < 0;
+        inside += on > 0;
+    }
+    if (unlike <= MOST_UNLIKE && inside > 0)
+        return 0;
+    const struct orl_surface *const surface = one_of(s, d);
+    const struct orl_material *const m = &d->materials[surface->material];
+    char name[ORL_ERROR_NAME_MAX];
+    snprintf(name, sizeof name, "antimatter %.200s", m->name);
+    orl_error_set(err, ORL_ERR_RANGE, "its surfaces enclose no volume%s",
+                  unlike > MOST_UNLIKE ? ", or their normals do not all look outwards" : "");
+    orl_error_at(err, surface->file, surface->line, name);
+    orl_error_hint(err, "what it cuts is what lies inside of it: close it, with normals outwards");
+    return ORL_ERR_RANGE;
+}
+
+static int build_hole(struct orl_geometry *g, const struct orl_description *d, uint32_t material,
+                      bool *keep, struct orl_hole *hole, struct orl_error *err)
+{
+    const struct orl_material *const m = &d->materials[material];
+    hole->lined = m->lining >= 0;
+    hole->cuts = calloc(d->n_materials + 1, sizeof *hole->cuts);
+    if (!hole->cuts)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < m->n_cut; i++)
+        hole->cuts[m->cut[i]] = true;
+    for (size_t i = 0; i < d->n_materials; i++)
+        hole->cuts[i] = hole->cuts[orl_material_origin(&d->materials[i], (uint32_t)i)];
+    for (size_t i = 0; i < g->n_facets; i++)
+        keep[i] = d->surfaces[g->facets[i].surface].material == material;
+    int code = orl_geometry_subset(g, keep, &hole->shell, err);
+    for (size_t i = 0; i < g->n_facets; i++)
+        keep[i] = hole->cuts[d->surfaces[g->facets[i].surface].material];
+    if (code == 0)
+        code = orl_geometry_subset(g, keep, &hole->matter, err);
+    if (code < 0)
+        return code;
+    bound(hole->shell);
+    return check_closed(hole, d, err);
+}
+
+/* Which antimatters have surfaces, in order of their definition. */
+static size_t list(const struct orl_geometry *g, const struct orl_description *d, uint8_t *used,
+                   uint32_t *ret_materials)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < g->n_facets; i++)
+        used[d->surfaces[g->facets[i].surface].material] = 1;
+    for (size_t i = 0; i < d->n_materials; i++)
+        if (used[i] && d->materials[i].kind == ORL_MATERIAL_ANTIMATTER)
+            ret_materials[n++] = (uint32_t)i;
+    return n;
+}
+
+static void mark(struct orl_geometry *g, const struct orl_description *d, struct orl_holes *holes,
+                 const uint32_t *materials)
+{
+    for (size_t i = 0; i < g->n_facets; i++) {
+        const uint32_t own = d->surfaces[g->facets[i].surface].material;
+        holes->of_facet[i] = ORL_HOLE_UNTOUCHED;
+        for (size_t k = 0; k < holes->n; k++) {
+            if (holes->items[k].cuts[own])
+                holes->of_facet[i] = ORL_HOLE_NONE;
+            if (materials[k] == own) {
+                holes->of_facet[i] = (int32_t)k;
+                if (holes->items[k].lined)
+                    g->facets[i].material = (uint32_t)d->materials[own].lining;
+                break;
+            }
+        }
+    }
+}
+
+int orl_holes_build(struct orl_geometry *geometry, const struct orl_description *description,
+                    struct orl_error *err)
+{
+    const size_t n_materials = description->n_materials;
+    uint8_t *const used = calloc(n_materials + 1, 1);
+    uint32_t *const materials = malloc((n_materials + 1) * sizeof *materials);
+    bool *const keep = malloc((geometry->n_facets + 1) * sizeof *keep);
+    struct orl_holes *holes = NULL;
+    int code = used && materials && keep ? 0 : ORL_ERR_NOMEM;
+    const size_t n = code == 0 ? list(geometry, description, used, materials) : 0;
+    if (n == 0)
+        goto done;
+    if (n > ORL_LIMIT_ANTIMATTERS ||
+        n * (geometry->n_facets + geometry->n_triangles) > ORL_LIMIT_CUT_FACETS) {
+        code = orl_error_set(err, ORL_ERR_LIMIT,
+                             "%zu antimatters in a scene of %zu surfaces; at most %u are allowed, "
+                             "and together %lu surfaces and triangles",
+                             n, geometry->n_facets, ORL_LIMIT_ANTIMATTERS, ORL_LIMIT_CUT_FACETS);
+        goto done;
+    }
+    holes = calloc(1, sizeof *holes);
+    code = ORL_ERR_NOMEM;
+    if (!holes)
+        goto done;
+    atomic_init(&holes->holders, 1);
+    holes->items = calloc(n, sizeof *holes->items);
+    holes->of_facet = malloc((geometry->n_facets + 1) * sizeof *holes->of_facet);
+    if (!holes->items || !holes->of_facet)
+        goto done;
+    code = 0;
+    for (holes->n = 0; holes->n < n && code == 0; holes->n++)
+        code = build_hole(geometry, description, materials[holes->n], keep, &holes->items[holes->n],
+                          err);
+    if (code < 0)
+        goto done;
+    mark(geometry, description, holes, materials);
+    geometry->holes = holes;
+    holes = NULL;
+done:
+    orl_holes_release(holes);
+    free(used);
+    free(materials);
+    free(keep);
+    return code;
+}

@@ -1,0 +1,85 @@
+/* Geometries that are parts of another; and the end of all. */
+#include "scene/geometry/antimatter.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/geometry/embree.h"
+
+int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
+                        struct orl_geometry **ret_geometry, struct orl_error *err)
+{
+    struct orl_geometry *g = malloc(sizeof *g);
+    int code = ORL_ERR_NOMEM;
+    if (!g)
+        return orl_error_set(err, code, "out of memory for the scene's geometry");
+    *g = *whole;
+    orl_holes_hold(g->holes);
+    g->scene = NULL;
+    g->n_triangles = 0;
+    g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
+    g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
+    g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
+    g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
+    if (!g->facets || !g->rounds || !g->triangles || !g->rivals)
+        goto done;
+    if (g->n_rivals > 0)
+        memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
+    memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
+    for (size_t i = 0; i < g->n_facets; i++) {
+        struct orl_facet *f = &g->facets[i];
+        const size_t kept = keep[i] ? whole->facets[i].n_triangles : 0;
+        *f = whole->facets[i];
+        if (f->kind != ORL_SURFACE_POLYGON)
+            f->round = &g->rounds[g->n_facets - 1 - i];
+        f->area = keep[i] ? f->area : 0;
+        f->n_triangles = (uint32_t)kept;
+        f->first_triangle = (uint32_t)g->n_triangles;
+        memcpy(g->triangles + g->n_triangles, whole->triangles + whole->facets[i].first_triangle,
+               kept * sizeof *g->triangles);
+        g->n_triangles += kept;
+    }
+    code = orl_embree_build(g, NULL, err);
+done:
+    if (code == 0)
+        *ret_geometry = g;
+    else
+        orl_geometry_free(g);
+    if (code == ORL_ERR_NOMEM)
+        orl_error_set(err, code, "out of memory for the scene's geometry");
+    return code;
+}
+
+void orl_geometry_free(struct orl_geometry *geometry)
+{
+    if (!geometry)
+        return;
+    orl_embree_free(geometry);
+    orl_holes_release(geometry->holes);
+    free(geometry->facets);
+    free(geometry->rounds);
+    free(geometry->triangles);
+    free(geometry->rivals);
+    free(geometry);
+}
+
+struct orl_holes *orl_holes_hold(struct orl_holes *holes)
+{
+    if (holes)
+        atomic_fetch_add_explicit(&holes->holders, 1, memory_order_relaxed);
+    return holes;
+}
+
+void orl_holes_release(struct orl_holes *holes)
+{
+    if (!holes || atomic_fetch_sub_explicit(&holes->holders, 1, memory_order_acq_rel) > 1)
+        return;
+    for (size_t i = 0; i < holes->n; i++) {
+        orl_geometry_free(holes->items[i].shell);
+        orl_geometry_free(holes->items[i].matter);
+        free(holes->items[i].cuts);
+    }
+    free(holes->items);
+    free(holes->of_facet);
+    free(holes);
+}

@@ -1,0 +1,89 @@
+#include "scene/geometry/meet.h"
+
+#include "scene/geometry/quadric.h"
+
+/* Whether a point of its plane lies on the facet, its rim included: on which triangle. */
+static bool holds(const struct orl_geometry *geometry, const struct orl_facet *facet,
+                  struct orl_vec3 point, uint32_t *ret_triangle)
+{
+    const double slack = -facet->offset;
+    for (uint32_t i = 0; i < facet->n_triangles; i++) {
+        const struct orl_triangle *t = &geometry->triangles[facet->first_triangle + i];
+        *ret_triangle = facet->first_triangle + i;
+        const struct orl_vec3 corners[4] = {t->a, t->b, t->c, t->a};
+        bool inside = true;
+        for (int k = 0; k < 3 && inside; k++) {
+            const struct orl_vec3 side = orl_sub(corners[k + 1], corners[k]);
+            const struct orl_vec3 across = orl_cross(facet->normal, side);
+            inside = orl_dot(orl_sub(point, corners[k]), across) >= slack * orl_length(side);
+        }
+        if (inside)
+            return true;
+    }
+    return false;
+}
+
+/* A hit on a back is on the front of a rival that lies there. */
+static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hit)
+{
+    const struct orl_facet *facet = &geometry->facets[hit->facet];
+    for (uint32_t i = 0; i < facet->n_rivals; i++) {
+        const uint32_t rival = geometry->rivals[facet->first_rival + i];
+        uint32_t triangle;
+        if (!holds(geometry, &geometry->facets[rival], hit->point, &triangle))
+            continue;
+        hit->facet = rival;
+        hit->triangle = triangle;
+        hit->normal = geometry->facets[rival].normal;
+        hit->front = true;
+        return;
+    }
+}
+
+/* The plane that a hit lies in: not a bent polygon's mean one, which may be on the far side of the
+ * triangle that Embree met. Not a unit normal. */
+static struct orl_vec3 plane_of(const struct orl_facet *facet, const struct orl_triangle *t)
+{
+    return facet->bent ? orl_cross(orl_sub(t->b, t->a), orl_sub(t->c, t->a)) : facet->normal;
+}
+
+void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                     struct orl_vec3 direction, const struct orl_embree_hit *e,
+                     struct orl_hit *ret_hit)
+{
+    const uint32_t index = e->curved ? e->index : geometry->triangles[e->index].facet;
+    const struct orl_facet *facet = &geometry->facets[index];
+    double t = e->distance;
+    struct orl_vec3 normal = facet->normal;
+    if (e->curved) {
+        /* The same root again, in double. At a graze there may be none: then Embree's must do. */
+        if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
+            normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
+    } else {
+        const struct orl_triangle *triangle = &geometry->triangles[e->index];
+        const struct orl_vec3 plane = plane_of(facet, triangle);
+        const double slope = orl_dot(direction, plane);
+        const double exact = orl_dot(orl_sub(triangle->a, origin), plane) / slope;
+        if (fabs(exact - t) <= 1e-3 * t + facet->offset)
+            t = exact;
+    }
+    ret_hit->distance = t;
+    ret_hit->point = orl_madd(origin, direction, t);
+    ret_hit->normal = normal;
+    ret_hit->facet = index;
+    ret_hit->triangle = e->curved ? 0 : e->index;
+    ret_hit->instance = 0;
+    ret_hit->front = orl_dot(direction, normal) < 0;
+    if (!ret_hit->front && facet->n_rivals > 0)
+        choose_front(geometry, ret_hit);
+}
+
+bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
+              struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit)
+{
+    struct orl_embree_hit e;
+    if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))
+        return false;
+    orl_meet_settle(geometry, origin, direction, &e, ret_hit);
+    return true;
+}

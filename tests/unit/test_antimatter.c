@@ -1,0 +1,204 @@
+/*
+ * Antimatter: rays against closed forms of holes, linings and what stays; light through a hole
+ * against the same hole cut by hand; what is refused.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "support/scene_text.h"
+
+/* A wall from x = 0 to .2, 4 wide and 3 high; a round hole of radius 1 through it, about (2, 1.5).
+ */
+#define WALL                                                                                       \
+    "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid plastic o 0 0 5 .2 .2 .2 0 0\n"                       \
+    "!genbox w wall .2 4 3\n"
+#define ROUND(kind)                                                                                \
+    "void antimatter a 2 " kind " w 0 0\n"                                                         \
+    "a cylinder c 0 0 7 -.1 2 1.5 .3 2 1.5 1\n"                                                    \
+    "a ring d 0 0 8 -.1 2 1.5 -1 0 0 0 1\na ring e 0 0 8 .3 2 1.5 1 0 0 0 1\n"
+
+enum { RAYS = 10000 };
+
+static double uniform(struct orl_random *random, double low, double high)
+{
+    return low + (high - low) * orl_random_uniform(random);
+}
+
+/* Where a ray from x = -1 that goes on by (1, v, w) is stopped: at the wall's outer face, or by the
+ * hole's lining; false: it goes through. */
+static bool expected_hit(double y, double z, double v, double w, double *ret_x)
+{
+    /* |p + t d| = 1 of the hole's cross-section, t counted from the face. */
+    const double py = y + v - 2, pz = z + w - 1.5;
+    const double a = v * v + w * w, b = py * v + pz * w, c = py * py + pz * pz - 1;
+    *ret_x = c > 0 ? 0 : (-b + sqrt(b * b - a * c)) / a;
+    return *ret_x < 0.2;
+}
+
+static void test_lined(void **state)
+{
+    struct orl_geometry *g = scene_geometry(WALL ROUND("w"));
+    struct orl_random random = orl_random_stream(5, ORL_PURPOSE_PILOT, 0);
+    size_t lining = 0, through = 0;
+    (void)state;
+    for (int i = 0; i < RAYS; i++) {
+        const double y = uniform(&random, .5, 3.5), z = uniform(&random, .2, 2.8);
+        const double v = uniform(&random, -1, 1), w = uniform(&random, -1, 1);
+        const struct orl_vec3 origin = orl_sub(orl_v3(-1, y, z), g->center);
+        const struct orl_vec3 direction = orl_normalize(orl_v3(1, v, w));
+        const struct orl_ray ray = {origin, direction};
+        struct orl_hit hit, again;
+        double x;
+        bool found;
+        /* What misses the wall, or its edges by a hair, says nothing. */
+        const bool expected = expected_hit(y, z, v, w, &x);
+        if (y + v < 0 || y + v > 4 || z + w < 0 || z + w > 3 || fabs(x - .2) < 1e-4 ||
+            fabs(hypot(y + v - 2, z + w - 1.5) - 1) < 1e-4)
+            continue;
+        assert_int_equal(expected, orl_geometry_intersect(g, origin, direction, INFINITY, &hit));
+        assert_int_equal(expected, orl_geometry_occluded(g, origin, direction, INFINITY));
+        orl_geometry_intersect_many(g, &ray, 1, false, &again, &found);
+        assert_int_equal(expected, found);
+        if (expected) {
+            assert_true(fabs(hit.point.x + g->center.x - x) < 1e-5);
+            assert_true(fabs(hit.distance - (x + 1) / direction.x) < 1e-5);
+            assert_int_equal(hit.front, !(x > 0));
+        }
+        lining += expected && x > 0;
+        through += !expected;
+    }
+    assert_true(through > 500);
+    assert_true(lining > 100);
+    orl_geometry_free(g);
+}
+
+/* Nothing of the volume is seen where it has no lining: rays go on to what stays, if anything. */
+static void test_unlined(void **state)
+{
+    struct orl_geometry *g = scene_geometry(WALL ROUND("void"));
+    struct orl_hit hit;
+    (void)state;
+    /* Straight through; and slanting, into the wall by the hole's side, out by the back face. */
+    assert_false(orl_geometry_occluded(g, orl_sub(orl_v3(-1, 2, 1.5), g->center), orl_v3(1, 0, 0),
+                                       INFINITY));
+    const struct orl_vec3 slanting = orl_normalize(orl_v3(.2, .3, 0));
+    assert_true(orl_geometry_intersect(g, orl_sub(orl_v3(-.01, 2.9, 1.5), g->center), slanting,
+                                       INFINITY, &hit));
+    assert_true(fabs(hit.point.x + g->center.x - .2) < 1e-5 && !hit.front);
+    orl_geometry_free(g);
+}
+
+/* Other materials stay; a volume that ends where the wall does cuts both of its faces. */
+static void test_what_stays(void **state)
+{
+    struct orl_geometry *g =
+        scene_geometry(WALL "o polygon p 0 0 12 .1 0 0 .1 4 0 .1 4 3 .1 0 3\n"
+                            "void antimatter a 1 w 0 0\n!genbox a hole .2 1 1 | xform -t 0 1 1\n");
+    struct orl_hit hit;
+    (void)state;
+    for (int side = 0; side < 2; side++) {
+        const struct orl_vec3 from = orl_sub(orl_v3(side ? 1 : -1, 1.5, 1.5), g->center);
+        assert_true(orl_geometry_intersect(g, from, orl_v3(side ? -1 : 1, 0, 0), INFINITY, &hit));
+        assert_true(fabs(hit.point.x + g->center.x - .1) < 1e-5);
+    }
+    orl_geometry_free(g);
+}
+
+/* Two volumes that overlap are one hole: the one's lining is not there within the other. */
+static void test_overlapping(void **state)
+{
+    struct orl_geometry *g = scene_geometry(
+        WALL "void antimatter a 1 w 0 0\n!genbox a one .4 1 1 | xform -t -.1 1 1\n"
+             "void antimatter b 1 w 0 0\n!genbox b two .4 1 1 | xform -t -.1 1.5 1\n");
+    struct orl_hit hit;
+    (void)state;
+    const struct orl_vec3 from = orl_sub(orl_v3(.1, 1.2, 1.5), g->center);
+    assert_true(orl_geometry_intersect(g, from, orl_v3(0, 1, 0), INFINITY, &hit));
+    assert_true(fabs(hit.point.y + g->center.y - 2.5) < 1e-5);
+    orl_geometry_free(g);
+}
+
+#define ROOM                                                                                       \
+    "void plastic b 0 0 5 .3 .3 .3 0 0\nvoid glow g 0 0 4 1 1 1 0\n"                               \
+    "g source sky 0 0 4 0 0 1 360\n"                                                               \
+    "b polygon f 0 0 12 .2 0 0 4 0 0 4 4 0 .2 4 0\nb polygon c 0 0 12 .2 0 3 .2 4 3 4 4 3 4 0 3\n" \
+    "b polygon s 0 0 12 .2 0 0 .2 0 3 4 0 3 4 0 0\nb polygon n 0 0 12 .2 4 0 4 4 0 4 4 3 .2 4 3\n" \
+    "b polygon e 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0\n"
+#define CUT ROOM WALL "void antimatter a 1 w 0 0\n!genbox a hole .4 2 1 | xform -t -.1 1 1\n"
+#define BY_HAND                                                                                    \
+    ROOM "void plastic w 0 0 5 .5 .5 .5 0 0\n"                                                     \
+         "w polygon in 0 0 30 .2 0 0 .2 4 0 .2 4 3 .2 0 3 .2 0 0 "                                 \
+         ".2 1 1 .2 1 2 .2 3 2 .2 3 1 .2 1 1\n"                                                    \
+         "w polygon out 0 0 30 0 0 0 0 0 3 0 4 3 0 4 0 0 0 0 0 1 1 0 3 1 0 3 2 0 1 2 0 1 1\n"      \
+         "w polygon l1 0 0 12 0 1 1 .2 1 1 .2 3 1 0 3 1\n"                                         \
+         "w polygon l2 0 0 12 0 1 2 0 3 2 .2 3 2 .2 1 2\n"                                         \
+         "w polygon l3 0 0 12 0 1 1 0 1 2 .2 1 2 .2 1 1\n"                                         \
+         "w polygon l4 0 0 12 0 3 1 .2 3 1 .2 3 2 0 3 2\n"
+
+/*
+ * An even sky by way of a hole into a dark box: the same by antimatter as by polygons cut by hand,
+ * lining and all. Backward each sensor has a standard error of about 0.5 % (4 096 samples of a sky
+ * of which a tenth is seen); by maps of 20 000 photons about 1 %.
+ */
+static void test_light(void **state)
+{
+    static const struct orl_sensor sensors[] = {
+        {{1, 2, .8}, {0, 0, 1}}, {{3, 1, .8}, {0, 0, 1}}, {{1, 2, 1.5}, {-1, 0, 0}}};
+    (void)state;
+    for (int gather = 0; gather < 2; gather++) {
+        double lx[2][3];
+        for (int i = 0; i < 2; i++) {
+            const struct scene_run run = {.scene = i ? BY_HAND : CUT,
+                                          .sensors = sensors,
+                                          .n_sensors = 3,
+                                          .technique = gather ? ORL_TECHNIQUE_GATHER
+                                                              : ORL_TECHNIQUE_BACKWARD,
+                                          .samples = 4096};
+            scene_run_lx(&run, lx[i]);
+        }
+        for (int k = 0; k < 3; k++) {
+            assert_true(lx[1][k] > 1);
+            if (!(fabs(lx[0][k] / lx[1][k] - 1) < (gather ? 0.06 : 0.03)))
+                fail_msg("sensor %d: %g lx by antimatter, %g by hand", k, lx[0][k], lx[1][k]);
+        }
+    }
+}
+
+static void test_refused(void **state)
+{
+    static const struct {
+        const char *text, *says;
+    } cases[] = {
+        {WALL "void antimatter a 1 w 0 0\na polygon p 0 0 9 -1 0 0 1 0 0 1 1 0\n", "no volume"},
+        {WALL "void antimatter a 1 w 0 0\n!genbox a h .4 1 1 -i | xform -t -.1 1 1\n", "no volume"},
+        {WALL "void antimatter a 1 nobody 0 0\na sphere s 0 0 4 0 2 1 .3\n", "not defined"},
+        {WALL "void glass p 0 0 3 1 1 1\nvoid antimatter a 2 w p 0 0\na sphere s 0 0 4 0 2 1 .3\n",
+         "antimatter cuts"},
+        {WALL "void antimatter a 1 w 0 1 .5\na sphere s 0 0 4 0 2 1 .3\n", "antimatter"},
+    };
+    static const struct orl_sensor sensor = {{1, 2, .8}, {0, 0, 1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct scene_run run = {.scene = cases[i].text, .sensors = &sensor, .n_sensors = 1};
+        struct orl_error err = {0};
+        assert_int_not_equal(scene_run_fails(&run, &err), 0);
+        if (!strstr(err.message, cases[i].says) && !strstr(err.primitive, cases[i].says))
+            fail_msg("case %zu: %s (%s)", i, err.message, err.primitive);
+    }
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lined),      cmocka_unit_test(test_unlined),
+        cmocka_unit_test(test_what_stays), cmocka_unit_test(test_overlapping),
+        cmocka_unit_test(test_light),      cmocka_unit_test(test_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
