@@ -34,7 +34,7 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
             return refuse(world, (uint32_t)i, err,
                           "sunlight by BSDFs that are no windows of a closed building");
         panels = panels || m->kind == ORL_MATERIAL_BSDF;
-        if (m->kind == ORL_MATERIAL_DIELECTRIC)
+        if (orl_material_bends(m))
             return refuse(world, (uint32_t)i, err, "refracted sunlight");
         if (!(orl_material_mirrored_most(m, true, 0.5) > strong))
             continue;

@@ -44,6 +44,9 @@ enum orl_ray_input {
     ORL_RAY_DXA, /* towards the light that a prism is asked for */
     ORL_RAY_DYA,
     ORL_RAY_DZA,
+    ORL_RAY_LIGHT_X, /* towards the light that a lobe is asked for: the reader's own */
+    ORL_RAY_LIGHT_Y,
+    ORL_RAY_LIGHT_Z,
     ORL_RAY_DATA, /* what a data file or a picture holds there: up to three, for the reader's own */
     ORL_RAY_DATA_2,
     ORL_RAY_DATA_3,

@@ -6,6 +6,7 @@
 #include "light/proxies.h"
 #include "scene/geometry/coincident.h"
 #include "scene/material/bounds.h"
+#include "scene/material/own_settle.h"
 #include "scene/material/pattern.h"
 
 /*
@@ -49,6 +50,8 @@ int orl_scene_new(struct orl_description *description, struct orl_scene **ret_sc
         code = orl_geometry_new(&scene->description, &scene->geometry, err);
     if (code == 0 && scene->description.n_patterns > 0)
         code = orl_patterns_settle(&scene->description, scene->geometry, err);
+    if (code == 0)
+        code = orl_own_settle(&scene->description, scene->geometry, err);
     if (code == 0)
         code = orl_proxies_part(scene, err);
     if (code == 0)

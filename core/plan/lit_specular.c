@@ -24,18 +24,18 @@ static bool is_kind(const struct orl_facet *facet, const struct orl_material *m,
 {
     const bool flat =
         !m->texture && (facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING);
-    const bool dielectric = m->kind == ORL_MATERIAL_DIELECTRIC;
+    const bool bends = orl_material_bends(m);
     if (kind == ORL_LIT_LOBE)
         return orl_material_has_lobes(m);
     if (kind == ORL_LIT_CURVED)
-        return dielectric || (!flat && orl_material_is_mirror(m));
-    return flat && !dielectric && orl_material_is_mirror(m);
+        return bends || (!flat && orl_material_is_mirror(m));
+    return flat && !bends && orl_material_is_mirror(m);
 }
 
 /* What that side sends on, other than straight, of light at 60 degrees. */
 static double sent_on(const struct orl_material *m, bool front, enum orl_lit_kind kind)
 {
-    if (kind == ORL_LIT_CURVED && m->kind == ORL_MATERIAL_DIELECTRIC)
+    if (kind == ORL_LIT_CURVED && orl_material_bends(m))
         return 1;
     return kind == ORL_LIT_LOBE || m->kind == ORL_MATERIAL_BSDF
                ? orl_material_lobes_most(m, front, 0.5)
@@ -54,8 +54,9 @@ static bool counts(const struct look *look, uint32_t facet, bool front, struct o
         return !orl_world_is_outside(world, point);
     if (front != world->ports[port].outside_is_front)
         return true;
-    return kind == ORL_LIT_LOBE &&
-           orl_material_transmits_lobes(&world->materials[world->geometry->facets[facet].material]);
+    const struct orl_material *const m = &world->materials[world->geometry->facets[facet].material];
+    return (kind == ORL_LIT_LOBE && orl_material_transmits_lobes(m)) ||
+           (kind == ORL_LIT_CURVED && orl_material_bends(m));
 }
 
 static bool is_lit(const struct look *look, uint32_t facet, bool front, enum orl_lit_kind kind)

@@ -57,7 +57,7 @@ static bool is_window(const struct orl_material *material)
     if (material->kind == ORL_MATERIAL_MIXTURE)
         return orl_material_is_window(material);
     return material->kind == ORL_MATERIAL_GLASS || material->kind == ORL_MATERIAL_GLAZING ||
-           material->kind == ORL_MATERIAL_DIELECTRIC || material->kind == ORL_MATERIAL_BSDF ||
+           orl_material_bends(material) || material->kind == ORL_MATERIAL_BSDF ||
            material->kind == ORL_MATERIAL_ILLUM;
 }
 

@@ -33,6 +33,7 @@ enum orl_material_kind {
     ORL_MATERIAL_GLASS,      /* transmissivity, ior */
     ORL_MATERIAL_GLAZING,    /* angles, front/back/through, transmitted (BRTDfunc) */
     ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface anything */
+    ORL_MATERIAL_PRISM,      /* ways (prism1, prism2) */
     ORL_MATERIAL_MIRROR,     /* color, on the front; black behind */
     ORL_MATERIAL_BSDF,       /* bsdf, up, thickness, peak, front/back/through diffuse additions */
     ORL_MATERIAL_LIGHT,      /* radiance; a source to be sampled directly */
@@ -79,6 +80,8 @@ struct orl_material {
                                     or NULL */
     struct orl_pattern *texture; /* turns the normal (material/texture.h); or NULL */
     struct orl_pattern *angles;  /* glazing: six functions of the angle (material/glazing.c) */
+    struct orl_pattern *ways;    /* prism: where it sends to (material/own.h) */
+    struct orl_pattern *lobes;   /* lobed: values by the directions (material/own.h) */
     struct orl_pattern *mix;     /* mixture: the first's share (of pattern.h, a factor of 1) */
     const struct orl_material *mixed; /* mixture: two, in the arena; with no BSDFs among them */
     const uint32_t *cut;              /* antimatter: materials of which it is free, in the arena */

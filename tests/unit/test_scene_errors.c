@@ -137,7 +137,7 @@ static const struct bad bad_scenes[] = {
     {"void brightfunc f 2 Px*Ts . 0 0", ORL_ERR_UNSUPPORTED, 1, "brightfunc f", "Ts"},
     {"void brightfunc f 2 A2*Px . 0 1 7", ORL_ERR_RANGE, 1, "brightfunc f", "argument 2"},
     {"void brightfunc f 2 sin(Px . 0 0", ORL_ERR_SYNTAX, 1, "brightfunc f", "')'"},
-    {"void colorfunc f 3 1 1 . 0 0", ORL_ERR_SYNTAX, 1, "colorfunc f", "three expressions"},
+    {"void colorfunc f 3 1 1 . 0 0", ORL_ERR_SYNTAX, 1, "colorfunc f", "3 expressions"},
     {"void brightfunc f 3 Px . -q 0 0", ORL_ERR_SYNTAX, 1, "brightfunc f", "-q"},
     {"void brightfunc f 2 Px . 0 0\nf dielectric g 0 0 5 1 1 1 1.5 0", ORL_ERR_UNSUPPORTED, 2,
      "dielectric g", "not simulated on dielectrics"},
@@ -294,15 +294,13 @@ static void test_missing_main_file(void **state)
  * not told as an error of its own. */
 static void test_refusals_together(void **state)
 {
-    static const char text[] = "void plasfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+    static const char text[] = "void WGMDfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
                                "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-                               "void plasdata cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
+                               "void mist cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
                                "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
-                               "void plasdata paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
+                               "void mist paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
                                "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
-                               "void prism1 film 5 a b c d e 0 0\n"
-                               "film polygon q 0 0 9 0 0 0 1 0 0 0 1 0\n"
-                               "void alias other film\nother sphere s 0 0 4 0 0 0 1\n"
+                               "void alias other rough\nother sphere s 0 0 4 0 0 0 1\n"
                                "!gencatenary rough w 0 0 0 1 9\n"
                                "dressed ring r 0 0 8 0 0 0 0 0 1 0 1\n";
     struct orl_error err = {0};
@@ -310,12 +308,11 @@ static void test_refusals_together(void **state)
     assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
     assert_string_equal(err.file, "a.rad");
     assert_int_equal(err.line, 1);
-    assert_string_equal(err.primitive, "plasfunc bumps");
+    assert_string_equal(err.primitive, "WGMDfunc bumps");
     assert_string_equal(err.message,
-                        "not simulated: 1 x plasfunc (first at a.rad:1), 1 x prism1 (first at "
-                        "a.rad:10), 1 x !gencatenary (first at a.rad:14), 1 x plasdata (first at "
-                        "a.rad:6)");
-    assert_non_null(strstr(err.hint, "plasfunc: use plastic"));
+                        "not simulated: 1 x WGMDfunc (first at a.rad:1), 1 x !gencatenary (first "
+                        "at a.rad:12), 1 x mist (first at a.rad:6)");
+    assert_non_null(strstr(err.hint, "WGMDfunc: describe it as a BSDF"));
 }
 
 /* Of one kind: as one alone is told, and how many. */
@@ -338,9 +335,9 @@ static void test_unused(void **state)
 {
     static const char text[] =
         "void plastic bad 0 0 5 -.0013 .1 .1 0 0\n"
-        "void transdata paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void WGMDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
         "paint alias other paint\n"
-        "void plasfunc bumps 4 dx dy dz bumps.cal 0 0\n"
+        "void WGMDfunc bumps 4 dx dy dz bumps.cal 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void BSDF blind 6 0 gone.xml 0 0 1 . 0 0\n"
         "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere s 0 0 4 0 0 0 1\n";
@@ -380,10 +377,10 @@ static void test_windows_paths(void **state)
 static void test_refusals_unused(void **state)
 {
     static const char library[] =
-        "void plasfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+        "void WGMDfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void alias coarse rough\n"
-        "void transdata pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void WGMDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
         "void brightfunc dirt 2 Px*T . 0 0\n"
         "dirt glow lamp 0 0 4 1 1 1 0\n"
         "void illum window 1 pane 0 3 1 1 1\n" RED;

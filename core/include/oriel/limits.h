@@ -12,6 +12,7 @@
 #define ORL_LIMIT_NAME_BYTES                                                                       \
     (256UL << 20) /* of all surfaces' names, prefixes by xform -n included */
 #define ORL_LIMIT_POLYGON_VERTICES 20000U   /* corners of one polygon */
+#define ORL_LIMIT_OWN_FUNCTIONS 64U         /* materials by functions of both directions */
 #define ORL_LIMIT_ANTIMATTERS 64U           /* materials of volumes that cut surfaces */
 #define ORL_LIMIT_CUT_FACETS (1UL << 23)    /* all surfaces, once for each of them */
 #define ORL_LIMIT_CUT 256U                  /* materials that one of them cuts */

@@ -43,9 +43,9 @@ static bool may_send_on(const struct orl_world *world)
         const struct orl_facet *f = &g->facets[i];
         const struct orl_material *m = &world->materials[f->material];
         const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
-        if (!(f->area > 0) || (!mirrors && !lobes && m->kind != ORL_MATERIAL_DIELECTRIC))
+        if (!(f->area > 0) || (!mirrors && !lobes && !orl_material_bends(m)))
             continue;
-        if (lamps || !is_flat(f) || m->texture || m->kind == ORL_MATERIAL_DIELECTRIC ||
+        if (lamps || !is_flat(f) || m->texture || orl_material_bends(m) ||
             (lobes && !orl_material_transmits_lobes(m)))
             return true;
         plane = plane ? plane : f;

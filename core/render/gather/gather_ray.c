@@ -214,7 +214,7 @@ static void leaks(struct orl_eye_path *p)
 static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
                         struct orl_vec3 eye)
 {
-    if (!orl_material_is_window(m) || m->kind == ORL_MATERIAL_DIELECTRIC ||
+    if (!orl_material_is_window(m) || orl_material_bends(m) ||
         (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(orl_transmissivity_at(m, hit)) > clear_glass))
         return false;
     const double through = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_TRANSMITTED));

@@ -212,15 +212,17 @@ static void split(struct look *look, const struct branch *at, const struct orl_h
                   const struct orl_material *m)
 {
     const struct orl_vec3 eye = orl_path_back(&at->path);
-    struct orl_scatter on = {.direction = at->path.direction,
-                             .weight = orl_material_straight(m, hit, eye),
-                             .transmitted = true};
+    struct orl_scatter bent[ORL_PRISM_WAYS];
+    const struct orl_scatter on = {.direction = at->path.direction,
+                                   .weight = orl_material_straight(m, hit, eye),
+                                   .transmitted = true};
     struct orl_scatter back = {.direction = orl_mirrored_at(m, hit, eye),
                                .weight = orl_material_mirrored(m, hit, eye),
                                .clarity = m->media[hit->front ? 1 : 0].transmissivity};
     follow(look, at, hit, &back);
-    orl_material_refract(m, hit, eye, ORL_TRANSPORT_EYE, &on);
     follow(look, at, hit, &on);
+    for (int i = orl_material_bent_ways(m, hit, eye, ORL_TRANSPORT_EYE, bent) - 1; i >= 0; i--)
+        follow(look, at, hit, &bent[i]);
 }
 
 /* What a view sees there: an illum is something else to it. NULL: nothing at all. */
@@ -259,8 +261,7 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
 {
     const struct orl_scatter on = {
         .direction = at->path.direction, .weight = orl_gray(1), .transmitted = true};
-    if (m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING ||
-        m->kind == ORL_MATERIAL_DIELECTRIC)
+    if (m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING || orl_material_bends(m))
         follow(look, at, hit, &on);
     else if (orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);

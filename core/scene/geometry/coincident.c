@@ -31,6 +31,7 @@ static int class_of(const struct orl_material *m)
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_GLAZING:
     case ORL_MATERIAL_DIELECTRIC:
+    case ORL_MATERIAL_PRISM:
         return 1;
     case ORL_MATERIAL_MIXTURE:
         return class_of(&m->mixed[0]) < 2 || class_of(&m->mixed[1]) < 2 ? 1 : 2;

@@ -67,6 +67,14 @@ double orl_dielectric_reflectance(const struct orl_material *material, const str
                                   struct orl_vec3 from);
 struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3]);
 
+/* prism.c: what eyes' rays, or light, are sent on to; how many. */
+int orl_prism_ways(const struct orl_material *material, const struct orl_hit *hit,
+                   struct orl_vec3 from, enum orl_transport transport,
+                   struct orl_scatter ret_scatters[ORL_PRISM_WAYS]);
+struct orl_rgb orl_prism_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                struct orl_vec3 light, enum orl_lobes lobes);
+struct orl_scatter orl_prism_sample(const struct orl_draw *draw, const double u[3]);
+
 /* mirror.c */
 struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
                                       const struct orl_hit *hit, struct orl_vec3 from);

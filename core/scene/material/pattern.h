@@ -39,6 +39,7 @@
 #include "scene/geometry/geometry.h"
 #include "scene/grid/grid.h"
 #include "scene/material/observer.h"
+#include "scene/material/own.h"
 
 enum { ORL_PATTERN_STEPS = 64 }; /* functions of one pattern, with all that it depends on */
 
@@ -72,7 +73,11 @@ struct orl_pattern {
     const struct orl_band
         *bands; /* of a spectrum, the arena's: values is asked for each; or NULL */
     uint32_t n_bands;
-    bool angles; /* of glazing: its function's values are shares by the angle */
+    enum orl_own_kind own; /* no pattern, but a material's own functions */
+    uint32_t n_own;        /* how many */
+    bool sided;            /* of lobes: the front is the surface's, not the eye's side (BRTDfunc) */
+    bool narrow;           /* of lobes: draws do not see all of them (lobed.h) */
+    double sent[2]; /* of lobes: what they come to, reflected and transmitted, on the whole */
     bool mixture;
     struct orl_mixed mixed[2];
     uint32_t steps;         /* evaluations of functions that it takes, at most */

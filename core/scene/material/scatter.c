@@ -70,6 +70,7 @@ bool orl_material_is_window(const struct orl_material *material)
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_BSDF:
     case ORL_MATERIAL_DIELECTRIC:
+    case ORL_MATERIAL_PRISM:
         return true;
     case ORL_MATERIAL_TRANS:
         return orl_trans_transmits(material);
@@ -153,6 +154,15 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
                : orl_gray(0);
 }
 
+int orl_material_bent_ways(const struct orl_material *material, const struct orl_hit *hit,
+                           struct orl_vec3 from, enum orl_transport transport,
+                           struct orl_scatter ret_scatters[ORL_PRISM_WAYS])
+{
+    if (material->kind == ORL_MATERIAL_PRISM)
+        return orl_prism_ways(material, hit, from, transport, ret_scatters);
+    return orl_material_refract(material, hit, from, transport, ret_scatters) ? 1 : 0;
+}
+
 /* What gets through, in whatever way, but for BSDFs. */
 static struct orl_rgb transmitted(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 light)
@@ -175,6 +185,8 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
         return orl_panel_albedo(material, hit, light, lobes);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_albedo(material, hit, light, lobes);
+    if (material->kind == ORL_MATERIAL_PRISM)
+        return orl_prism_albedo(material, hit, light, lobes);
     if (is_mixture(material))
         return mixed(material, hit, &(struct question){ALBEDO, light, light, lobes});
     if (lobes & ORL_LOBE_DIFFUSE)
@@ -252,6 +264,8 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
         return orl_panel_sample(draw, u);
     case ORL_MATERIAL_DIELECTRIC:
         return orl_dielectric_sample(draw, u);
+    case ORL_MATERIAL_PRISM:
+        return orl_prism_sample(draw, u);
     case ORL_MATERIAL_MIRROR:
         return orl_mirror_sample(draw);
     case ORL_MATERIAL_MIXTURE:

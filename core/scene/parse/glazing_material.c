@@ -75,7 +75,7 @@ int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope 
     for (int i = 0; i < 3 && code == 0; i++)
         code = orl_material_share(parser, scope, evenly[i], true, "diffuse share", err);
     if (code == 0)
-        code = orl_parser_mixture(parser, scope, NULL, &material->angles, err);
+        code = orl_parser_own(parser, scope, ORL_OWN_ANGLES, &material->angles, err);
     for (int i = 0; i < 2 * ANGLES && code == 0; i++) {
         const double cosine = (i / 2 + 0.5) / ANGLES;
         code = look(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);

@@ -41,6 +41,10 @@ int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
 int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_material *material, struct orl_error *err);
 
+/* own_material.c */
+int orl_material_read_prism(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err);
+
 /* antimatter_material.c */
 int orl_material_read_antimatter(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *material, struct orl_error *err);

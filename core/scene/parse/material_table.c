@@ -25,7 +25,8 @@ static bool same_reflector(const struct orl_material *a, const struct orl_materi
            a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
            same_vec3(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
            a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
-           a->transmitted == b->transmitted && a->transmitted_specular == b->transmitted_specular;
+           a->ways == b->ways && a->lobes == b->lobes && a->transmitted == b->transmitted &&
+           a->transmitted_specular == b->transmitted_specular;
 }
 
 static bool same_clear(const struct orl_material *a, const struct orl_material *b)

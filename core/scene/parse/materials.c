@@ -27,6 +27,8 @@ static const struct material_type material_types[] = {
     {"BRTDfunc", ORL_MATERIAL_GLAZING, orl_material_read_glazing},
     {"dielectric", ORL_MATERIAL_DIELECTRIC, orl_material_read_dielectric},
     {"interface", ORL_MATERIAL_DIELECTRIC, orl_material_read_interface},
+    {"prism1", ORL_MATERIAL_PRISM, orl_material_read_prism},
+    {"prism2", ORL_MATERIAL_PRISM, orl_material_read_prism},
     {"mirror", ORL_MATERIAL_MIRROR, orl_material_read_mirror},
     {"BSDF", ORL_MATERIAL_BSDF, orl_material_read_bsdf},
     {"aBSDF", ORL_MATERIAL_BSDF, orl_material_read_bsdf},
@@ -158,14 +160,14 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
 {
     if (material->pattern &&
         !orl_material_is_patterned(material->kind, material->pattern->directed)) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        orl_material_is_patterned(material->kind, false)
-                            ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot) are "
-                              "simulated on what shines only: '%.200s' is one"
-                            : "patterns are not simulated on dielectrics, BSDFs, BRTDfunc and "
-                              "mixtures of unlike "
-                              "materials: '%.200s' is one",
-                        parser->primitive.modifier);
+        orl_parser_fail(
+            parser, scope, err, ORL_ERR_UNSUPPORTED,
+            orl_material_is_patterned(material->kind, false)
+                ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot) are "
+                  "simulated on what shines only: '%.200s' is one"
+                : "patterns are not simulated on dielectrics, BSDFs, BRTDfunc, "
+                  "prisms, antimatter and mixtures of unlike materials: '%.200s' is one",
+            parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;
     }
@@ -177,10 +179,12 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
         return ORL_ERR_UNSUPPORTED;
     }
     if (material->texture &&
-        (material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_GLAZING)) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "textures are not simulated on BSDFs and BRTDfunc: '%.200s' is one",
-                        parser->primitive.modifier);
+        (material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_GLAZING ||
+         material->kind == ORL_MATERIAL_PRISM || material->kind == ORL_MATERIAL_ANTIMATTER)) {
+        orl_parser_fail(
+            parser, scope, err, ORL_ERR_UNSUPPORTED,
+            "textures are not simulated on BSDFs, BRTDfunc, prisms and antimatter: '%.200s' is one",
+            parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;
     }

@@ -16,8 +16,6 @@ struct unsupported {
 
 static const struct unsupported unsupported_types[] = {
     {"mist", "leave it out"},
-    {"prism1", "describe it as a BSDF"},
-    {"prism2", "describe it as a BSDF"},
     {"plasfunc", "use plastic, or a BSDF"},
     {"metfunc", "use metal, or a BSDF"},
     {"transfunc", "describe it as a BSDF"},

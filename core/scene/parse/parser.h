@@ -10,6 +10,7 @@
 #include "function/function.h"
 #include "scene/description.h"
 #include "scene/generate/xform.h"
+#include "scene/material/own.h"
 #include "scene/parse/deferred.h"
 #include "scene/parse/primitive.h"
 #include "scene/parse/refusals.h"
@@ -97,11 +98,15 @@ int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *patte
 
 /* patterns.c: a mixture of two materials that differ in colour and pattern alone: the pattern that
  * has what they are together, as a factor of 1. Of others (mixed NULL): that of the first's share.
- * Of a BRTDfunc (NULL): its functions of the angle. */
+ */
 bool orl_parser_is_mixture(const char *type);
 int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_material *mixed, struct orl_pattern **ret_pattern,
                        struct orl_error *err);
+
+/* patterns.c: what a material's own functions say. */
+int orl_parser_own(struct orl_parser *parser, const struct orl_scope *scope, enum orl_own_kind own,
+                   struct orl_pattern **ret_pattern, struct orl_error *err);
 
 /* skies.c: a brightfunc of a sky's file. */
 bool orl_parser_is_sky(const struct orl_primitive *primitive);

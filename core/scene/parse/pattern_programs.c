@@ -12,6 +12,8 @@
 #include "base/grow.h"
 #include "function/ray_names.h"
 
+enum { MOST_EXPRESSIONS = 8 }; /* of any type: prism2 */
+
 /* ---- Function files ---------------------------------------------------------------------------
  */
 
@@ -79,6 +81,15 @@ static void fix_inputs(const struct orl_pattern *pattern, double ret_fixed[ORL_R
     }
 }
 
+/* Of materials' own functions: what is oriented as if the front was met, the colour, the light. */
+static bool is_own_input(enum orl_own_kind own, int i)
+{
+    if (own == ORL_OWN_LOBES)
+        return (i >= ORL_RAY_NXP && i <= ORL_RAY_CBP) ||
+               (i >= ORL_RAY_LIGHT_X && i <= ORL_RAY_LIGHT_Z);
+    return own == ORL_OWN_ANGLES && i == ORL_RAY_RDOTP;
+}
+
 /* Patterns of the place, the normal and the direction are simulated; of what else there is none. */
 static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_pattern *pattern, const struct orl_function *function,
@@ -88,8 +99,7 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
     for (int i = 0; i < ORL_RAY_INPUTS; i++) {
         const bool directed = i == ORL_RAY_RDOT || (i >= ORL_RAY_DX && i <= ORL_RAY_DZ);
         const bool meshed = i == ORL_RAY_LU || i == ORL_RAY_LV;
-        /* What is oriented as if the front was met; whoever takes it sees to that. */
-        const bool oriented = i == ORL_RAY_RDOTP && pattern->angles;
+        const bool oriented = is_own_input(pattern->own, i);
         const bool placed = oriented || meshed || (i >= ORL_RAY_NX && i <= ORL_RAY_PZ);
         const bool data = i >= ORL_RAY_DATA && i <= ORL_RAY_DATA_3 && function == pattern->values;
         if (inputs >> i & 1)
@@ -208,7 +218,7 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     const struct orl_primitive *const primitive = &parser->primitive;
     const size_t first = pattern->n_grids > 0 ? strings->file + 1 : strings->functions;
     const size_t n = strings->n;
-    const char *expressions[ORL_PATTERN_ANGLES]; /* the most that there are */
+    const char *expressions[MOST_EXPRESSIONS];
     int context = ORL_FUNCTION_GLOBAL;
     place_pattern(pattern, to_world);
     /* Of a picture the first coordinate is to the right, which is the grid's second axis. */
@@ -218,7 +228,7 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     int code = load(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
     if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
         code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
-    if (code == 0 && strings->angles)
+    if (code == 0 && pattern->own == ORL_OWN_ANGLES)
         code = check_angles(parser, scope, pattern, err);
     if (code == 0 && strings->spectral)
         code = compile_spectral(parser, scope, pattern, context,

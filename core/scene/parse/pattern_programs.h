@@ -14,7 +14,6 @@ struct orl_pattern_strings {
     size_t functions; /* the first of its functions, or, without grids, its expressions */
     size_t file;      /* the function file; of grids the coordinates follow */
     size_t n;         /* expressions or coordinates */
-    bool angles;      /* of the angle alone (material/glazing.c) */
     bool spectral;    /* its function is one of the wavelength: orl_pattern.bands */
 };
 

@@ -24,7 +24,8 @@ struct pattern_type {
     bool texture;
     bool spectral;
     bool text;
-    bool angles; /* a material's own: six functions of the angle, and three zeros */
+    enum orl_own_kind own; /* a material's own functions */
+    size_t n_between;      /* strings between these and the function file that are others */
 };
 
 static const struct pattern_type pattern_types[] = {
@@ -43,28 +44,29 @@ static const struct pattern_type pattern_types[] = {
     {.name = "brighttext", .text = true},
     {.name = "colortext", .text = true},
     {.name = "mixtext", .text = true, .n_materials = 2},
-    {.name = "BRTDfunc", .n_functions = ORL_PATTERN_ANGLES, .angles = true},
+    {.name = "BRTDfunc", .n_functions = ORL_PATTERN_ANGLES, .own = ORL_OWN_ANGLES, .n_between = 3},
+    {.name = "prism1", .n_functions = 4, .own = ORL_OWN_WAYS},
+    {.name = "prism2", .n_functions = 8, .own = ORL_OWN_WAYS},
     {.name = "texfunc", .n_functions = 3, .texture = true},
     {.name = "texdata", .n_functions = 3, .n_files = 3, .texture = true},
 };
 
-static const struct pattern_type *find_type(const char *name)
+static const struct pattern_type *find_type(const char *name, enum orl_own_kind own)
 {
     for (size_t i = 0; i < sizeof pattern_types / sizeof *pattern_types; i++)
-        if (strcmp(pattern_types[i].name, name) == 0)
+        if (pattern_types[i].own == own && strcmp(pattern_types[i].name, name) == 0)
             return pattern_types + i;
     return NULL;
 }
 
 bool orl_parser_is_pattern(const char *type)
 {
-    const struct pattern_type *const found = find_type(type);
-    return found && !found->angles;
+    return find_type(type, ORL_OWN_NOTHING) != NULL;
 }
 
 bool orl_parser_is_mixture(const char *type)
 {
-    const struct pattern_type *const found = find_type(type);
+    const struct pattern_type *const found = find_type(type, ORL_OWN_NOTHING);
     return found && found->n_materials > 0;
 }
 
@@ -120,7 +122,7 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
         memcpy(at, orl_primitive_string(primitive, i), length);
         at += length;
     }
-    *at = (unsigned char)((unsigned)type->angles << 6 | (unsigned)type->text << 5 |
+    *at = (unsigned char)((unsigned)type->own << 6 | (unsigned)type->text << 5 |
                           (unsigned)type->spectral << 4 | (unsigned)pattern->texture << 3 |
                           (unsigned)pattern->n_grids << 1 | (unsigned)pattern->three);
     return 0;
@@ -191,6 +193,14 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
+/* Where a material has functions of that kind. */
+static struct orl_pattern **own_of(struct orl_material *material, enum orl_own_kind own)
+{
+    return own == ORL_OWN_ANGLES ? &material->angles
+           : own == ORL_OWN_WAYS ? &material->ways
+                                 : &material->lobes;
+}
+
 /* One that was defined before and is the same, or NULL. */
 static const struct orl_symbol *find_same(const struct orl_parser *parser,
                                           const struct pattern_type *type,
@@ -199,8 +209,8 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
     const bool share = type->n_materials > 0 && !pattern->mixture;
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
-    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->angles)
-        other = parser->out->materials[old->index].angles;
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->own != ORL_OWN_NOTHING)
+        other = *own_of(&parser->out->materials[old->index], type->own);
     if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
         other = parser->out->materials[old->index].mix;
     if (old && old->kind == ORL_SYMBOL_PATTERN && type->n_materials == 0 && !of_material)
@@ -268,8 +278,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
                         const struct pattern_type *type, struct orl_pattern *pattern,
                         bool of_material, const struct orl_symbol **ret_same, struct orl_error *err)
 {
-    const size_t file =
-        type->n_materials + type->n_functions + type->n_files + (type->angles ? 3 : 0);
+    const size_t file = type->n_materials + type->n_functions + type->n_files + type->n_between;
     struct orl_xform to_world = orl_xform_identity;
     size_t axes = 0;
     if (type->text)
@@ -295,7 +304,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0 || *ret_same)
         return code;
     const struct orl_pattern_strings strings = {
-        type->n_materials, file, axes > 0 ? axes : type->n_functions, type->angles, type->spectral};
+        type->n_materials, file, axes > 0 ? axes : type->n_functions, type->spectral};
     code = is_fixed(type) ? orl_spectrum_read(parser, scope, pattern, err)
                           : orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
     if (code == 0 && type->spectral && !is_fixed(type))
@@ -317,10 +326,10 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
     }
     if (parser->primitive.n_strings < least) {
         orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                        "%s takes %s%s%s and a function file ('.': none), and perhaps a "
-                        "transform; here are %zu string arguments",
+                        "%s takes %s%zu expression%s%s and a function file ('.': none), and "
+                        "perhaps a transform; here are %zu string arguments",
                         type->name, type->n_materials > 0 ? "two materials, " : "",
-                        type->n_functions == 3 ? "three expressions" : "an expression",
+                        type->n_functions, type->n_functions == 1 ? "" : "s",
                         type->n_files > 0 ? ", what to interpolate" : "",
                         parser->primitive.n_strings);
         return NULL;
@@ -332,7 +341,8 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
         pattern->three = type->n_functions == 3 || strcmp(type->name, "colortext") == 0;
     if (pattern) {
         pattern->texture = type->texture;
-        pattern->angles = type->angles;
+        pattern->own = type->own;
+        pattern->n_own = (uint32_t)type->n_functions;
     }
     return pattern;
 }
@@ -341,7 +351,7 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_pattern *color, const struct orl_pattern *texture,
                        bool of_material, struct orl_error *err)
 {
-    const struct pattern_type *const type = find_type(parser->primitive.type);
+    const struct pattern_type *const type = find_type(parser->primitive.type, ORL_OWN_NOTHING);
     const struct orl_symbol *same = NULL;
     struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
     if (!pattern)
@@ -357,11 +367,11 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }
 
-int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
-                       const struct orl_material *mixed, struct orl_pattern **ret_pattern,
-                       struct orl_error *err)
+/* A pattern without a name of its own: a mixture's, or of a material's own functions. */
+static int read_unnamed(struct orl_parser *parser, const struct orl_scope *scope,
+                        const struct pattern_type *type, const struct orl_material *mixed,
+                        struct orl_pattern **ret_pattern, struct orl_error *err)
 {
-    const struct pattern_type *const type = find_type(parser->primitive.type);
     const struct orl_symbol *same = NULL;
     struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
     if (!pattern)
@@ -374,10 +384,27 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
         orl_pattern_free(pattern);
     else
         code = orl_parser_keep_pattern(parser, pattern);
-    if (code == 0)
-        *ret_pattern = !same          ? pattern
-                       : type->angles ? parser->out->materials[same->index].angles
-                       : mixed        ? parser->out->materials[same->index].pattern
-                                      : parser->out->materials[same->index].mix;
+    if (code == 0) {
+        struct orl_material *const old = same ? &parser->out->materials[same->index] : NULL;
+        *ret_pattern = !old                           ? pattern
+                       : type->own != ORL_OWN_NOTHING ? *own_of(old, type->own)
+                       : mixed                        ? old->pattern
+                                                      : old->mix;
+    }
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
+}
+
+int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
+                       const struct orl_material *mixed, struct orl_pattern **ret_pattern,
+                       struct orl_error *err)
+{
+    return read_unnamed(parser, scope, find_type(parser->primitive.type, ORL_OWN_NOTHING), mixed,
+                        ret_pattern, err);
+}
+
+int orl_parser_own(struct orl_parser *parser, const struct orl_scope *scope, enum orl_own_kind own,
+                   struct orl_pattern **ret_pattern, struct orl_error *err)
+{
+    return read_unnamed(parser, scope, find_type(parser->primitive.type, own), NULL, ret_pattern,
+                        err);
 }

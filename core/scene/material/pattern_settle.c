@@ -1,0 +1,224 @@
+/* Patterns over the surfaces that have them, before anything is rendered: means and bounds. */
+#include "scene/material/pattern_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <oriel/units.h>
+
+#include "scene/material/hemisphere.h"
+
+enum { PLACES = 1024, FEWEST = 64, ALL_PLACES = 1 << 22 };
+
+/* ---- Mean and most ----------------------------------------------------------------------------
+ */
+
+/* The facets of one pattern, and where among them an even sequence of places has come to. */
+struct spread {
+    const struct orl_geometry *geometry;
+    const uint32_t *facets;
+    size_t n;
+    double area;
+};
+
+/* Facets by patterns: those of pattern i are from first[i] on. NULL without memory. */
+static uint32_t *sort_facets(const struct orl_description *d, const struct orl_geometry *g,
+                             size_t *first)
+{
+    uint32_t *sorted = NULL;
+    for (int pass = 0; pass < 2 && (pass == 0 || sorted); pass++) {
+        for (size_t i = 0; i < g->n_facets; i++) {
+            struct orl_pattern *all[ORL_MATERIAL_PATTERNS];
+            const size_t n = orl_patterns_of(&d->materials[g->facets[i].material], all);
+            for (size_t k = 0; k < n; k++)
+                if (pass == 0)
+                    first[all[k]->index + 2]++;
+                else
+                    sorted[first[all[k]->index + 1]++] = (uint32_t)i;
+        }
+        for (size_t i = 0; pass == 0 && i < d->n_patterns; i++)
+            first[i + 2] += first[i + 1];
+        if (pass == 0)
+            sorted = calloc(first[d->n_patterns + 1] + 1, sizeof *sorted);
+    }
+    return sorted;
+}
+
+static int too_long(const struct orl_pattern *pattern, struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_LIMIT,
+                  "its function takes more than %d operations, or calls itself too deeply",
+                  ORL_FUNCTION_OPERATIONS);
+    orl_error_at(err, pattern->file, pattern->line, pattern->name);
+    orl_error_hint(err, "bound its recursion");
+    return ORL_ERR_LIMIT;
+}
+
+static struct orl_rgb larger(struct orl_rgb a, struct orl_rgb b)
+{
+    return (struct orl_rgb){fmax(a.r, b.r), fmax(a.g, b.g), fmax(a.b, b.b)};
+}
+
+/* n places of even area, within a facet by a sequence of low discrepancy (Roberts'). */
+static int evaluate(struct orl_pattern *pattern, const struct spread *spread, size_t n,
+                    size_t *ret_without, struct orl_error *err)
+{
+    const struct orl_geometry *const g = spread->geometry;
+    struct orl_rgb sum = orl_gray(0), most = orl_gray(0);
+    size_t at = 0;
+    double passed = 0;
+    for (size_t k = 0; k < n; k++) {
+        const double wanted = ((double)k + 0.5) / (double)n * spread->area;
+        const double x = 0.7548776662466927 * (double)k, y = 0.5698402909980532 * (double)k;
+        const double u[2] = {x - floor(x), y - floor(y)};
+        struct orl_hit hit = {.front = true};
+        struct orl_rgb value;
+        while (at + 1 < spread->n && passed + g->facets[spread->facets[at]].area < wanted)
+            passed += g->facets[spread->facets[at++]].area;
+        hit.facet = spread->facets[at];
+        orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
+        const double round = 0.8191725133961645 * ((double)k + 1),
+                     down = 0.6710436067037893 * ((double)k + 1);
+        const struct orl_vec3 towards =
+            orl_hemisphere_about(hit.normal, down - floor(down), round - floor(round));
+        const enum orl_pattern_worth worth = orl_pattern_factor(pattern, &hit, towards, &value);
+        if (worth == ORL_WORTH_TOO_LONG)
+            return too_long(pattern, err);
+        *ret_without += worth == ORL_WORTH_NONE;
+        sum = orl_rgb_add(sum, value);
+        most = larger(most, value);
+    }
+    pattern->mean = orl_rgb_scale(sum, 1 / (double)n);
+    pattern->most = most;
+    return 0;
+}
+
+/* The first few patterns that have no value everywhere; the others are not told of. */
+static void warn(struct orl_description *description, const struct orl_pattern *pattern,
+                 size_t without, size_t n)
+{
+    enum { TOLD = 8 };
+    char text[512];
+    if (without == 0 || ++description->n_undefined > TOLD)
+        return;
+    snprintf(text, sizeof text,
+             "%.200s:%d: the function of %.100s has no value at %zu of %zu places on what it lies "
+             "on: colours are left as they are there",
+             pattern->file, pattern->line, pattern->name, without, n);
+    orl_description_warn(description, text);
+}
+
+/* ---- Distant light ----------------------------------------------------------------------------
+ */
+
+enum { DIRECTIONS = 1 << 16, FEW = DIRECTIONS / 1000 };
+
+static int brighter(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x < y) - (x > y);
+}
+
+/* Warns when most of the light comes from few directions. */
+static void weigh(struct orl_description *description, const struct orl_distant *distant,
+                  const struct orl_pattern *pattern, double *lumas, size_t n)
+{
+    const double most_share = 0.25;
+    double all = 0, few = 0;
+    char text[1024];
+    qsort(lumas, n, sizeof *lumas, brighter);
+    for (size_t i = 0; i < n; i++) {
+        all += lumas[i];
+        few += i < FEW ? lumas[i] : 0;
+    }
+    if (n / 10 < FEW || !(few > most_share * all))
+        return;
+    snprintf(text, sizeof text,
+             "%.200s:%d: %.100s has %.0f %% of the light of source %.100s in a thousandth of all "
+             "directions, which rays find by chance: give that light as a source of its own",
+             pattern->file, pattern->line, pattern->name, 100 * few / all, distant->name);
+    orl_description_warn(description, text);
+}
+
+/* A pattern over the directions of a source, of equal solid angles. */
+static int settle_distant(struct orl_description *description, const struct orl_distant *distant,
+                          struct orl_pattern *pattern, bool alone, struct orl_error *err)
+{
+    const double least = cos(0.5 * distant->angle_deg * ORL_DEG_TO_RAD);
+    double *const lumas = malloc(sizeof *lumas * DIRECTIONS);
+    struct orl_rgb sum = orl_gray(0), most = sum;
+    size_t n = 0, without = 0;
+    enum orl_pattern_worth worth = lumas ? ORL_WORTH_VALUE : ORL_WORTH_TOO_LONG;
+    for (int i = 0; i < DIRECTIONS && worth != ORL_WORTH_TOO_LONG; i++) {
+        /* A spiral: each direction stands for as much. */
+        const double z = 1 - (2 * i + 1.0) / DIRECTIONS, s = sqrt(1 - z * z);
+        const double phi = 2 * ORL_PI * fmod(i * 0.6180339887498949, 1);
+        const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
+        struct orl_rgb value;
+        if (orl_dot(d, distant->direction) < least)
+            continue;
+        const struct orl_hit hit = orl_pattern_hit_of_sky(d);
+        worth = orl_pattern_factor(pattern, &hit, hit.normal, &value);
+        without += worth == ORL_WORTH_NONE;
+        lumas[n++] = orl_luma(value);
+        sum = orl_rgb_add(sum, value);
+        most = larger(most, value);
+    }
+    if (worth != ORL_WORTH_TOO_LONG) {
+        weigh(description, distant, pattern, lumas, n);
+        warn(description, pattern, without, n);
+    }
+    if (alone && n > 0) {
+        pattern->mean = orl_rgb_scale(sum, 1 / (double)n);
+        pattern->most = most;
+    }
+    const int code = !lumas                        ? ORL_ERR_NOMEM
+                     : worth == ORL_WORTH_TOO_LONG ? too_long(pattern, err)
+                                                   : 0;
+    free(lumas);
+    return code;
+}
+
+static int settle_distants(struct orl_description *description, const size_t *first,
+                           struct orl_error *err)
+{
+    int code = 0;
+    for (size_t i = 0; i < description->n_distants && code == 0; i++) {
+        const struct orl_distant *const distant = &description->distants[i];
+        struct orl_pattern *const p = description->materials[distant->material].pattern;
+        if (p)
+            code = settle_distant(description, distant, p, first[p->index + 1] == first[p->index],
+                                  err);
+    }
+    return code;
+}
+
+int orl_patterns_settle(struct orl_description *description, const struct orl_geometry *geometry,
+                        struct orl_error *err)
+{
+    const size_t n = description->n_patterns;
+    const size_t places = n > ALL_PLACES / PLACES ? FEWEST + ALL_PLACES / n : PLACES;
+    size_t *const first = calloc(n + 3, sizeof *first);
+    uint32_t *const sorted = first ? sort_facets(description, geometry, first) : NULL;
+    int code = sorted ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; code == 0 && i < n; i++) {
+        struct orl_pattern *const pattern = description->patterns[i];
+        struct spread spread = {geometry, sorted + first[i], first[i + 1] - first[i], 0};
+        for (size_t k = 0; k < spread.n; k++)
+            spread.area += geometry->facets[spread.facets[k]].area;
+        pattern->center = geometry->center;
+        pattern->facets = geometry->facets;
+        pattern->surfaces = description->surfaces;
+        pattern->mean = pattern->most = orl_gray(1);
+        size_t without = 0;
+        if (spread.area > 0)
+            code = evaluate(pattern, &spread, places, &without, err);
+        warn(description, pattern, without, places);
+    }
+    if (code == 0)
+        code = settle_distants(description, first, err);
+    free(first);
+    free(sorted);
+    return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory for patterns") : code;
+}

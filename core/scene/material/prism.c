@@ -1,0 +1,221 @@
+/*
+ * Prisms (prism1, prism2): what meets them goes on in one direction, or two, with a share each, by
+ * functions of the direction; nothing else. An eye's ray asks the functions as Radiance does: of
+ * radiance from where it goes on to, the share comes back along it.
+ *
+ * Light takes the same ways backwards: which, the functions say of a ray that travels as the light
+ * does, and their word for an eye that looks back along that way is what counts. The functions must
+ * so be their own inverse, as those of a real prism are; that is looked at over all surfaces before
+ * anything is rendered (settle), and refused where it is not so. Flux is radiance times the
+ * projected solid angle, which a prism may stretch: light's shares are multiplied by the ratio, by
+ * differences of the directions.
+ */
+#include "scene/material/prism.h"
+
+#include "scene/material/hemisphere.h"
+#include "scene/material/kinds.h"
+
+/* Directions nearer than this are one way and its inverse: rounding of functions, and more. */
+static const double same_way = 1 - 1e-7;
+static const double step = 1e-4; /* of differences, radians */
+
+/* A way on, and the share that goes it. */
+struct way {
+    double share;
+    struct orl_vec3 towards;
+    bool transmitted;
+};
+
+static bool is_through(const struct orl_hit *hit, struct orl_vec3 ray, struct orl_vec3 towards)
+{
+    return orl_dot(ray, hit->normal) * orl_dot(towards, hit->normal) > 0;
+}
+
+/* What an eye that looks back gets of light that travels along ray, and left towards there. */
+static double seen_share(const struct orl_material *m, const struct orl_hit *hit,
+                         struct orl_vec3 ray, struct orl_vec3 towards)
+{
+    struct orl_own_way back[ORL_PRISM_WAYS];
+    const int n = orl_own_ways(m->ways, hit, orl_neg(towards), back);
+    double share = 0;
+    for (int i = 0; i < n; i++)
+        if (back[i].share > 0 && orl_dot(back[i].towards, orl_neg(ray)) > same_way)
+            share += back[i].share;
+    return share;
+}
+
+/* ---- Eyes -------------------------------------------------------------------------------------
+ */
+
+/* Of an eye's ray that travels so, those that light takes too; how many. */
+static int ways_of_eye(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
+                       struct way ret_ways[ORL_PRISM_WAYS])
+{
+    struct orl_own_way ways[ORL_PRISM_WAYS];
+    const int all = orl_own_ways(m->ways, hit, ray, ways);
+    int n = 0;
+    for (int i = 0; i < all; i++)
+        if (ways[i].share > 0 && seen_share(m, hit, ray, ways[i].towards) > 0)
+            ret_ways[n++] =
+                (struct way){ways[i].share, ways[i].towards, is_through(hit, ray, ways[i].towards)};
+    return n;
+}
+
+/* ---- Light ------------------------------------------------------------------------------------
+ */
+
+/* Where the function of that number sends a ray to; false: nowhere. */
+static bool sent_by(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
+                    int number, struct orl_vec3 *ret_towards)
+{
+    struct orl_own_way ways[ORL_PRISM_WAYS];
+    const int n = orl_own_ways(m->ways, hit, ray, ways);
+    for (int i = 0; i < n; i++)
+        if (ways[i].number == number && ways[i].share > 0) {
+            *ret_towards = ways[i].towards;
+            return true;
+        }
+    return false;
+}
+
+/* How much a small solid angle about ray is stretched: its image's over its own; 0 at an end. */
+static double stretch(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
+                      int number)
+{
+    const struct orl_frame frame = orl_frame_about(ray);
+    struct orl_vec3 slopes[2];
+    for (int axis = 0; axis < 2; axis++) {
+        const struct orl_vec3 across = axis ? frame.v : frame.u;
+        struct orl_vec3 ends[2];
+        for (int k = 0; k < 2; k++) {
+            const struct orl_vec3 near = orl_normalize(orl_madd(ray, across, k ? step : -step));
+            if (!sent_by(m, hit, near, number, &ends[k]))
+                return 0;
+        }
+        slopes[axis] = orl_scale(orl_sub(ends[1], ends[0]), 0.5 / step);
+    }
+    return orl_length(orl_cross(slopes[0], slopes[1]));
+}
+
+/* Of light that travels along ray: shares of flux. */
+static int ways_of_light(const struct orl_material *m, const struct orl_hit *hit,
+                         struct orl_vec3 ray, struct way ret_ways[ORL_PRISM_WAYS])
+{
+    struct orl_own_way ways[ORL_PRISM_WAYS];
+    const int all = orl_own_ways(m->ways, hit, ray, ways);
+    const double arriving = fabs(orl_dot(ray, hit->normal));
+    int n = 0;
+    for (int i = 0; i < all && arriving > 0; i++) {
+        if (!(ways[i].share > 0))
+            continue;
+        const double seen = seen_share(m, hit, ray, ways[i].towards);
+        const double leaving = fabs(orl_dot(ways[i].towards, hit->normal));
+        const double share =
+            seen > 0 ? seen * stretch(m, hit, ray, ways[i].number) * leaving / arriving : 0;
+        if (share > 0 && isfinite(share))
+            ret_ways[n++] =
+                (struct way){share, ways[i].towards, is_through(hit, ray, ways[i].towards)};
+    }
+    return n;
+}
+
+/* ---- Draws ------------------------------------------------------------------------------------
+ */
+
+static int ways_at(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 from,
+                   enum orl_transport transport, enum orl_lobes lobes,
+                   struct way ret_ways[ORL_PRISM_WAYS])
+{
+    const struct orl_vec3 ray = orl_neg(from);
+    const int all = transport == ORL_TRANSPORT_EYE ? ways_of_eye(m, hit, ray, ret_ways)
+                                                   : ways_of_light(m, hit, ray, ret_ways);
+    int n = 0;
+    for (int i = 0; i < all; i++)
+        if (lobes & (ret_ways[i].transmitted ? ORL_LOBE_TRANSMITTED : ORL_LOBE_REFLECTED))
+            ret_ways[n++] = ret_ways[i];
+    return n;
+}
+
+static struct orl_scatter scatter_of(const struct way *way, double weight)
+{
+    return (struct orl_scatter){.event = ORL_EVENT_REFRACTED,
+                                .transmitted = way->transmitted,
+                                .direction = way->towards,
+                                .weight = orl_gray(weight),
+                                .clarity = orl_gray(1)};
+}
+
+int orl_prism_ways(const struct orl_material *material, const struct orl_hit *hit,
+                   struct orl_vec3 from, enum orl_transport transport,
+                   struct orl_scatter ret_scatters[ORL_PRISM_WAYS])
+{
+    struct way ways[ORL_PRISM_WAYS];
+    const int n = ways_at(material, hit, from, transport, ORL_LOBE_ALL, ways);
+    for (int i = 0; i < n; i++)
+        ret_scatters[i] = scatter_of(&ways[i], ways[i].share);
+    return n;
+}
+
+struct orl_rgb orl_prism_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                struct orl_vec3 light, enum orl_lobes lobes)
+{
+    struct way ways[ORL_PRISM_WAYS];
+    double sum = 0;
+    /* Of a surface as a whole nothing is known but this. */
+    if (orl_hit_is_anywhere(hit))
+        return orl_gray(lobes & ORL_LOBE_TRANSMITTED ? 1 : 0);
+    const int n = ways_at(material, hit, light, ORL_TRANSPORT_LIGHT, lobes, ways);
+    for (int i = 0; i < n; i++)
+        sum += ways[i].share;
+    return orl_gray(sum);
+}
+
+struct orl_scatter orl_prism_sample(const struct orl_draw *draw, const double u[3])
+{
+    struct way ways[ORL_PRISM_WAYS];
+    double sum = 0, passed = 0;
+    const int n =
+        ways_at(draw->material, draw->hit, draw->from, draw->transport, draw->lobes, ways);
+    for (int i = 0; i < n; i++)
+        sum += ways[i].share;
+    if (!(sum > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    for (int i = 0; i + 1 < n; i++) {
+        passed += ways[i].share;
+        if (u[2] * sum < passed)
+            return scatter_of(&ways[i], sum);
+    }
+    return scatter_of(&ways[n - 1], sum);
+}
+
+/* ---- Looked at before anything is rendered ----------------------------------------------------
+ */
+
+void orl_prism_look(const struct orl_material *material, const struct orl_hit *hit,
+                    struct orl_prism_findings *findings)
+{
+    enum { DIRECTIONS = 512 };
+    for (int i = 0; i < DIRECTIONS; i++) {
+        const double u = fmod(0.5 + 0.7548776662466927 * i, 1);
+        const double v = fmod(0.5 + 0.5698402909980532 * i, 1);
+        const struct orl_vec3 side = i & 1 ? hit->normal : orl_neg(hit->normal);
+        const struct orl_vec3 ray = orl_hemisphere_about(side, u, v);
+        struct orl_own_way ways[ORL_PRISM_WAYS];
+        const int n = orl_own_ways(material->ways, hit, ray, ways);
+        double eye = 0, light = 0;
+        struct way flux[ORL_PRISM_WAYS];
+        for (int k = 0; k < n; k++) {
+            if (!(ways[k].share > 0))
+                continue;
+            eye += ways[k].share;
+            findings->all += ways[k].share;
+            if (!(seen_share(material, hit, ray, ways[k].towards) > 0))
+                findings->one_way += ways[k].share;
+        }
+        const int n_flux = ways_of_light(material, hit, ray, flux);
+        for (int k = 0; k < n_flux; k++)
+            light += flux[k].share;
+        findings->most_seen = fmax(findings->most_seen, eye);
+        findings->most_sent = fmax(findings->most_sent, light);
+    }
+}
