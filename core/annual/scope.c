@@ -34,6 +34,8 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
             return refuse(world, (uint32_t)i, err,
                           "sunlight by BSDFs that are no windows of a closed building");
         panels = panels || m->kind == ORL_MATERIAL_BSDF;
+        if (m->kind == ORL_MATERIAL_LOBED && orl_material_transmits_lobes(m))
+            return refuse(world, (uint32_t)i, err, "what functions or data let through");
         if (orl_material_bends(m))
             return refuse(world, (uint32_t)i, err, "refracted sunlight");
         if (!(orl_material_mirrored_most(m, true, 0.5) > strong))
@@ -95,6 +97,8 @@ static bool is_colourless(const struct orl_material *m)
         return !m->angles->coloured && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
     case ORL_MATERIAL_MIXTURE:
         return is_colourless(&m->mixed[0]) && is_colourless(&m->mixed[1]);
+    case ORL_MATERIAL_LOBED:
+        return is_gray(m->color) && !(m->pattern && m->pattern->coloured);
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_MIRROR:

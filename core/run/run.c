@@ -8,6 +8,7 @@
 #include "run/grids.h"
 #include "run/rounds.h"
 #include "run/scene.h"
+#include "scene/material/pattern.h"
 
 static int load_sensors(struct orl_run_state *state, struct orl_error *err)
 {
@@ -22,6 +23,27 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
                                       &state->n_sensors, err);
     state->sensors_owned = code == 0;
     return code;
+}
+
+/* An accuracy is not promised where draws miss parts of what they are to find. */
+static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
+{
+    const struct orl_goal *const goal = &state->job->goal;
+    const struct orl_world *const world = state->world;
+    if (!(goal->relative_error > 0 || goal->dgp_error > 0))
+        return 0;
+    for (size_t i = 0; i < world->geometry->n_facets; i++) {
+        const struct orl_material *const m = &world->materials[world->geometry->facets[i].material];
+        if (!m->lobes || !m->lobes->narrow)
+            continue;
+        orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                      "its lobes are narrower than draws are made for: no accuracy can be promised "
+                      "where it is met");
+        orl_error_at(err, m->lobes->file, m->lobes->line, m->lobes->name);
+        orl_error_hint(err, "describe it as a BSDF, or ask for photons and samples instead");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    return 0;
 }
 
 /* What a job and its plan have in common: everything before photons. */
@@ -43,6 +65,8 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
         return code;
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
+    if (code == 0)
+        code = admit_goal(state, err);
     return code == 0 && orl_crew_cancelled(state->env->crew)
                ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while planning")
                : code;

@@ -33,6 +33,7 @@ enum orl_material_kind {
     ORL_MATERIAL_GLASS,      /* transmissivity, ior */
     ORL_MATERIAL_GLAZING,    /* angles, front/back/through, transmitted (BRTDfunc) */
     ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface anything */
+    ORL_MATERIAL_LOBED,      /* as trans, and tinted, lobes (plasfunc and the like) */
     ORL_MATERIAL_PRISM,      /* ways (prism1, prism2) */
     ORL_MATERIAL_MIRROR,     /* color, on the front; black behind */
     ORL_MATERIAL_BSDF,       /* bsdf, up, thickness, peak, front/back/through diffuse additions */
@@ -58,6 +59,7 @@ struct orl_material {
     double specular;       /* reflectors: share of color, or of white for plastic and trans */
     double roughness[2];   /* reflectors: rms slope along grain and across; equal: isotropic */
     struct orl_vec3 grain; /* plastic2 and the like: as written, not projected */
+    bool tinted;           /* lobed: what is reflected by lobes has the colour (metfunc) */
     struct orl_rgb gloss;  /* ashik2: specular reflectance at the normal */
     double power[2];       /* ashik2: of its lobe, along the grain and across */
     double transmitted; /* glazing: the most that goes straight through; trans: share of what is not

@@ -122,7 +122,8 @@ static void test_both_ways(void **state)
         double sums[2] = {0, 0};
         for (int transport = 0; transport < 2; transport++)
             for (int i = 0; i < SIDE * SIDE; i++) {
-                const double r2 = (i / SIDE + .5) / SIDE, phi = 2 * ORL_PI * (i % SIDE + .5) / SIDE;
+                const int row = i / SIDE, column = i % SIDE;
+                const double r2 = (row + .5) / SIDE, phi = 2 * ORL_PI * (column + .5) / SIDE;
                 const double r = sqrt(r2), z = sqrt(1 - r2);
                 /* Light in front when side is 0, and so the eye behind. */
                 const bool front = (side == 0) == (transport == ORL_TRANSPORT_LIGHT);

@@ -334,8 +334,9 @@ static void write_shares(FILE *f, size_t n)
                 "s%zu ashik2 a%zu 4 1 0 0 . 0 8 .5 .5 .5 .1 .1 .1 9 9\n"
                 "void BRTDfunc g%zu 10 .1 .1 .1 .8 .8 .8 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
                 "void mixfunc x%zu 4 a%zu g%zu Px . 0 0\nx%zu sphere b%zu 0 0 4 %zu 0 0 .4\n"
-                "void prism1 p%zu 5 .5 Dx Dy Dz . 0 0\n",
-                i, i, i, i, i, i, i, i, i, i, i);
+                "void prism1 p%zu 5 .5 Dx Dy Dz . 0 0\n"
+                "void plasfunc f%zu 2 floor . 0 4 .5 .5 .5 0\n",
+                i, i, i, i, i, i, i, i, i, i, i, i);
 }
 
 /* Volumes that each cut what the one before does, and a wall more. */

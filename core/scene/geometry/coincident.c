@@ -33,6 +33,8 @@ static int class_of(const struct orl_material *m)
     case ORL_MATERIAL_DIELECTRIC:
     case ORL_MATERIAL_PRISM:
         return 1;
+    case ORL_MATERIAL_LOBED:
+        return m->transmitted > 0 ? 1 : 2;
     case ORL_MATERIAL_MIXTURE:
         return class_of(&m->mixed[0]) < 2 || class_of(&m->mixed[1]) < 2 ? 1 : 2;
     case ORL_MATERIAL_BSDF:
@@ -64,7 +66,8 @@ static bool is_two_sided(const struct orl_material *m)
         return is_two_sided(&m->mixed[0]) && is_two_sided(&m->mixed[1]);
     return m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL ||
            m->kind == ORL_MATERIAL_TRANS || m->kind == ORL_MATERIAL_GLASS ||
-           m->kind == ORL_MATERIAL_ASHIKHMIN || m->kind == ORL_MATERIAL_VOID;
+           m->kind == ORL_MATERIAL_ASHIKHMIN || m->kind == ORL_MATERIAL_LOBED ||
+           m->kind == ORL_MATERIAL_VOID;
 }
 
 static bool are_alike(const struct orl_description *d, const struct orl_surface *a,

@@ -75,6 +75,17 @@ struct orl_rgb orl_prism_albedo(const struct orl_material *material, const struc
                                 struct orl_vec3 light, enum orl_lobes lobes);
 struct orl_scatter orl_prism_sample(const struct orl_draw *draw, const double u[3]);
 
+/* lobed.c: lobes by functions of both directions. */
+struct orl_rgb orl_lobed_diffuse(const struct orl_material *material, const struct orl_hit *hit);
+bool orl_lobed_transmits(const struct orl_material *material);
+bool orl_lobed_has_lobes(const struct orl_material *material);
+struct orl_rgb orl_lobed_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                struct orl_vec3 light, enum orl_lobes lobes);
+struct orl_rgb orl_lobed_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 light, struct orl_vec3 eye);
+struct orl_scatter orl_lobed_sample(const struct orl_draw *draw, const double u[3]);
+double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
+
 /* mirror.c */
 struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
                                       const struct orl_hit *hit, struct orl_vec3 from);

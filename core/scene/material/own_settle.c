@@ -7,13 +7,17 @@
 #include <oriel/crew.h>
 #include <oriel/limits.h>
 
+#include "function/ray_names.h"
+#include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 #include "scene/material/prism.h"
 
-enum { PLACES = 2 };
+enum { PLACES = 2, MOST_KNOWN = 2 };
 
 /* Shares of light that rounding, and approximations at grazing, may exceed 1 by. */
 static const double slack = 0.01;
+/* Of a lobe: by so much few cells may be off many. */
+static const double narrow = 0.05;
 /* Of a prism's ways: so much may lead not back, and is left out; and what is not worth telling. */
 static const double most_one_way = 0.05, least_one_way = 1e-3;
 
@@ -28,7 +32,7 @@ static void warn(struct orl_description *d, const struct orl_pattern *pattern, c
                  double percent)
 {
     char text[512];
-    snprintf(text, sizeof text, "%.200s:%d: %.100s %.150s: %.3g %%", pattern->file, pattern->line,
+    snprintf(text, sizeof text, "%.200s:%d: %.100s %.200s: %.3g %%", pattern->file, pattern->line,
              pattern->name, what, percent);
     orl_description_warn(d, text);
 }
@@ -58,6 +62,55 @@ static int judge_prism(struct orl_description *d, const struct orl_material *m,
     return 0;
 }
 
+static int judge_lobes(struct orl_description *d, const struct orl_material *m,
+                       const struct orl_lobed_findings *f, struct orl_error *err)
+{
+    const double unlike = f->all > 0 ? f->unlike / f->all : 0;
+    for (int i = 0; i < 2; i++)
+        m->lobes->sent[i] = f->sent[i] / (double)f->places;
+    m->lobes->narrow = unlike > narrow;
+    if (f->most_steep > 1 + slack) {
+        orl_error_set(err, ORL_ERR_RANGE,
+                      "it returns up to %.3g of the light that meets it, more than all",
+                      f->most_steep);
+        return refuse(m->lobes, err);
+    }
+    if (f->most > 1 + slack)
+        warn(d, m->lobes, "returns more than all of the light at grazing, the most", 100 * f->most);
+    if (m->lobes->narrow)
+        warn(d, m->lobes,
+             "has lobes narrower than draws are made for: results are noisy, and no accuracy can "
+             "be asked for; of its light",
+             100 * unlike);
+    return 0;
+}
+
+/* Tables for the first few normals of flat surfaces, where the place does not matter. */
+static int know(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
+{
+    const uint64_t place = (uint64_t)7 << ORL_RAY_PX | (uint64_t)3 << ORL_RAY_LU;
+    struct orl_pattern *const lobes = m->lobes;
+    const struct orl_facet *const f = &g->facets[facet];
+    const uint64_t inputs = orl_function_inputs(lobes->function) |
+                            (lobes->values ? orl_function_inputs(lobes->values) : 0);
+    const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+    if (!flat || inputs & place || (m->pattern && inputs >> ORL_RAY_CRP & 7) ||
+        lobes->n_known == MOST_KNOWN)
+        return 0;
+    for (uint32_t i = 0; i < lobes->n_known; i++)
+        if (orl_dot(lobes->known[i].normal, f->normal) > 1 - 1e-12)
+            return 0;
+    if (!lobes->known)
+        lobes->known = calloc(MOST_KNOWN, sizeof *lobes->known);
+    float *const values = lobes->known ? calloc(ORL_LOBED_KNOWN, sizeof *values) : NULL;
+    if (!values)
+        return ORL_ERR_NOMEM;
+    const struct orl_hit hit = orl_hit_anywhere(f->normal, true);
+    orl_lobed_know(m, &hit, values);
+    lobes->known[lobes->n_known++] = (struct orl_known_lobes){f->normal, values};
+    return 0;
+}
+
 /* Facets of a material that are looked at. */
 struct sample {
     size_t all, met, n;
@@ -68,6 +121,7 @@ static int look(struct orl_description *d, const struct orl_geometry *g,
                 const struct orl_material *m, const struct sample *sample, struct orl_error *err)
 {
     struct orl_prism_findings prism = {0};
+    struct orl_lobed_findings lobed = {0};
     for (size_t i = 0; i < PLACES; i++) {
         /* One flat surface may have functions of the place, too. */
         const double u[2] = {fmod(0.5 + 0.7548776662466927 * (double)i, 1),
@@ -75,14 +129,21 @@ static int look(struct orl_description *d, const struct orl_geometry *g,
         struct orl_hit hit = {.facet = sample->facets[i % sample->n], .front = true};
         hit.triangle = g->facets[hit.facet].first_triangle;
         orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
-        orl_prism_look(m, &hit, &prism);
+        if (m->kind == ORL_MATERIAL_PRISM)
+            orl_prism_look(m, &hit, &prism);
+        else
+            orl_lobed_look(m, &hit, &lobed);
     }
-    return judge_prism(d, m, &prism, err);
+    int code = m->kind == ORL_MATERIAL_PRISM ? judge_prism(d, m, &prism, err)
+                                             : judge_lobes(d, m, &lobed, err);
+    for (size_t i = 0; i < sample->n && code == 0 && m->kind == ORL_MATERIAL_LOBED; i++)
+        code = know(g, m, sample->facets[i]);
+    return code;
 }
 
 static bool has_own(const struct orl_material *m)
 {
-    return m->kind == ORL_MATERIAL_PRISM;
+    return m->kind == ORL_MATERIAL_PRISM || m->kind == ORL_MATERIAL_LOBED;
 }
 
 static void choose(const struct orl_description *d, const struct orl_geometry *g,

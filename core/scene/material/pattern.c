@@ -13,6 +13,9 @@ void orl_pattern_free(struct orl_pattern *pattern)
         return;
     orl_function_free(pattern->function);
     orl_function_free(pattern->values);
+    for (uint32_t i = 0; i < pattern->n_known; i++)
+        free(pattern->known[i].values);
+    free(pattern->known);
     free(pattern);
 }
 

@@ -51,6 +51,12 @@ struct orl_mixed {
 
 struct orl_lettering;
 
+/* What draws of lobes are by, on flat surfaces of that normal. */
+struct orl_known_lobes {
+    struct orl_vec3 normal;
+    float *values;
+};
+
 struct orl_pattern {
     const char *name; /* as errors have it: "brightfunc dirt" */
     const char *file; /* where it is defined */
@@ -76,7 +82,9 @@ struct orl_pattern {
     enum orl_own_kind own; /* no pattern, but a material's own functions */
     uint32_t n_own;        /* how many */
     bool sided;            /* of lobes: the front is the surface's, not the eye's side (BRTDfunc) */
-    bool narrow;           /* of lobes: draws do not see all of them (lobed.h) */
+    struct orl_known_lobes *known; /* owned; of lobes: tables by normals (lobed.h) */
+    uint32_t n_known;
+    bool narrow;    /* of lobes: draws do not see all of them (lobed.h) */
     double sent[2]; /* of lobes: what they come to, reflected and transmitted, on the whole */
     bool mixture;
     struct orl_mixed mixed[2];

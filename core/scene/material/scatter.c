@@ -74,6 +74,8 @@ bool orl_material_is_window(const struct orl_material *material)
         return true;
     case ORL_MATERIAL_TRANS:
         return orl_trans_transmits(material);
+    case ORL_MATERIAL_LOBED:
+        return orl_lobed_transmits(material);
     case ORL_MATERIAL_GLAZING:
         return orl_glazing_is_window(material);
     case ORL_MATERIAL_MIXTURE:
@@ -89,6 +91,8 @@ struct orl_rgb orl_material_diffuse(const struct orl_material *material, const s
         return orl_reflector_diffuse(material, hit);
     if (is_mixture(material))
         return mixed(material, hit, &(struct question){.part = DIFFUSE});
+    if (material->kind == ORL_MATERIAL_LOBED)
+        return orl_lobed_diffuse(material, hit);
     return material->kind == ORL_MATERIAL_ASHIKHMIN ? orl_ashikhmin_diffuse(material, hit)
                                                     : orl_gray(0);
 }
@@ -102,6 +106,8 @@ bool orl_material_has_lobes(const struct orl_material *material)
         return orl_reflector_has_lobes(material);
     case ORL_MATERIAL_ASHIKHMIN:
         return orl_rgb_max(material->gloss) > 0;
+    case ORL_MATERIAL_LOBED:
+        return orl_lobed_has_lobes(material);
     case ORL_MATERIAL_GLAZING:
         return orl_glazing_has_lobes(material);
     case ORL_MATERIAL_MIXTURE:
@@ -115,6 +121,8 @@ bool orl_material_transmits_lobes(const struct orl_material *material)
 {
     if (is_mixture(material))
         return either(material, orl_material_transmits_lobes);
+    if (material->kind == ORL_MATERIAL_LOBED)
+        return orl_lobed_transmits(material);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_transmits_lobes(material);
     return is_reflector(material) ? orl_reflector_transmits_lobes(material)
@@ -185,6 +193,8 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
         return orl_panel_albedo(material, hit, light, lobes);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_albedo(material, hit, light, lobes);
+    if (material->kind == ORL_MATERIAL_LOBED)
+        return orl_lobed_albedo(material, hit, light, lobes);
     if (material->kind == ORL_MATERIAL_PRISM)
         return orl_prism_albedo(material, hit, light, lobes);
     if (is_mixture(material))
@@ -264,6 +274,8 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
         return orl_panel_sample(draw, u);
     case ORL_MATERIAL_DIELECTRIC:
         return orl_dielectric_sample(draw, u);
+    case ORL_MATERIAL_LOBED:
+        return orl_lobed_sample(draw, u);
     case ORL_MATERIAL_PRISM:
         return orl_prism_sample(draw, u);
     case ORL_MATERIAL_MIRROR:
@@ -333,6 +345,8 @@ double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit
         return orl_reflector_pdf(&draw, towards);
     if (material->kind == ORL_MATERIAL_ASHIKHMIN)
         return orl_ashikhmin_pdf(&draw, towards);
+    if (material->kind == ORL_MATERIAL_LOBED)
+        return orl_lobed_pdf(&draw, towards);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_pdf(&draw, towards);
     if (is_mixture(material))
@@ -350,6 +364,8 @@ struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
         return orl_reflector_lobes(material, hit, light, eye);
     if (material->kind == ORL_MATERIAL_ASHIKHMIN)
         return orl_ashikhmin_lobes(material, hit, light, eye);
+    if (material->kind == ORL_MATERIAL_LOBED)
+        return orl_lobed_lobes(material, hit, light, eye);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_lobes(material, hit, light, eye);
     return is_mixture(material)

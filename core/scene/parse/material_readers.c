@@ -58,6 +58,7 @@ bool orl_material_is_patterned(enum orl_material_kind kind, bool directed)
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_ASHIKHMIN:
+    case ORL_MATERIAL_LOBED:
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_MIRROR:
         return !directed;
@@ -149,8 +150,8 @@ static void bound_clear(struct orl_parser *parser, const struct orl_scope *scope
 
 /* Specularity 1 is a mirror to metal; plastic and trans, whose highlight is white, keep the rest.
  */
-static int check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
-                           struct orl_material *m, struct orl_error *err)
+int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *m, struct orl_error *err)
 {
     bound_reflector(parser, scope, m);
     int code = orl_material_share(parser, scope, m->color, true, "reflectance", err);
@@ -182,7 +183,7 @@ int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scop
     material->roughness[0] = material->roughness[1] = r[4];
     material->transmitted = trans ? r[5] : 0;
     material->transmitted_specular = trans ? r[6] : 0;
-    return check_reflector(parser, scope, material, err);
+    return orl_material_check_reflector(parser, scope, material, err);
 }
 
 /* The direction of the grain: three numbers, '.', and a transform. */
@@ -229,7 +230,7 @@ int orl_material_read_grained(struct orl_parser *parser, const struct orl_scope 
     material->roughness[1] = r[5];
     material->transmitted = trans ? r[6] : 0;
     material->transmitted_specular = trans ? r[7] : 0;
-    code = check_reflector(parser, scope, material, err);
+    code = orl_material_check_reflector(parser, scope, material, err);
     if (code == 0 && !(r[4] >= 1e-6 && r[5] >= 1e-6)) {
         code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its roughness is too small: %g along the grain, %g across", r[4],

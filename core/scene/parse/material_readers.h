@@ -45,6 +45,9 @@ int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope 
 int orl_material_read_prism(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err);
 
+int orl_material_read_lobed(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err);
+
 /* antimatter_material.c */
 int orl_material_read_antimatter(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *material, struct orl_error *err);
@@ -64,6 +67,10 @@ struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i);
 /* Fails unless the channels are from 0 up to below 1 (or to 1 itself, if closed). */
 int orl_material_share(struct orl_parser *parser, const struct orl_scope *scope, struct orl_rgb c,
                        bool closed, const char *what, struct orl_error *err);
+
+/* Colour, specularity, transmission and roughness; what is a hair above 1 is bounded. */
+int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *material, struct orl_error *err);
 
 /* A string argument that must be a number: expressions of function files are not evaluated. */
 int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,

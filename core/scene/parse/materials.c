@@ -27,6 +27,12 @@ static const struct material_type material_types[] = {
     {"BRTDfunc", ORL_MATERIAL_GLAZING, orl_material_read_glazing},
     {"dielectric", ORL_MATERIAL_DIELECTRIC, orl_material_read_dielectric},
     {"interface", ORL_MATERIAL_DIELECTRIC, orl_material_read_interface},
+    {"plasfunc", ORL_MATERIAL_LOBED, orl_material_read_lobed},
+    {"metfunc", ORL_MATERIAL_LOBED, orl_material_read_lobed},
+    {"transfunc", ORL_MATERIAL_LOBED, orl_material_read_lobed},
+    {"plasdata", ORL_MATERIAL_LOBED, orl_material_read_lobed},
+    {"metdata", ORL_MATERIAL_LOBED, orl_material_read_lobed},
+    {"transdata", ORL_MATERIAL_LOBED, orl_material_read_lobed},
     {"prism1", ORL_MATERIAL_PRISM, orl_material_read_prism},
     {"prism2", ORL_MATERIAL_PRISM, orl_material_read_prism},
     {"mirror", ORL_MATERIAL_MIRROR, orl_material_read_mirror},
@@ -180,11 +186,12 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
     }
     if (material->texture &&
         (material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_GLAZING ||
-         material->kind == ORL_MATERIAL_PRISM || material->kind == ORL_MATERIAL_ANTIMATTER)) {
-        orl_parser_fail(
-            parser, scope, err, ORL_ERR_UNSUPPORTED,
-            "textures are not simulated on BSDFs, BRTDfunc, prisms and antimatter: '%.200s' is one",
-            parser->primitive.modifier);
+         material->kind == ORL_MATERIAL_PRISM || material->kind == ORL_MATERIAL_LOBED ||
+         material->kind == ORL_MATERIAL_ANTIMATTER)) {
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        "textures are not simulated on BSDFs, BRTDfunc, prisms, antimatter and "
+                        "lobes by functions or data: '%.200s' is one",
+                        parser->primitive.modifier);
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;
     }

@@ -42,6 +42,7 @@ static bool is_mixable(enum orl_material_kind kind)
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_ASHIKHMIN:
+    case ORL_MATERIAL_LOBED:
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_GLAZING:
     case ORL_MATERIAL_MIRROR:
@@ -62,8 +63,8 @@ static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope
 {
     const char *what = NULL;
     if (!is_mixable(two[0].kind) || !is_mixable(two[1].kind))
-        what = "mixtures of unlike materials are simulated of plastic, metal, trans, ashik2, "
-               "glass, BRTDfunc, mirror and void";
+        what = "mixtures of unlike materials are simulated of plastic, metal, trans, "
+               "those by functions, ashik2, glass, BRTDfunc, mirror and void";
     else if (two[0].texture != two[1].texture)
         what = "mixtures of unlike materials are simulated where both have one texture, or none";
     else if (count_leaves(&two[0]) + count_leaves(&two[1]) > ORL_MIXED_MOST)

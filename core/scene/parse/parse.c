@@ -16,13 +16,7 @@ struct unsupported {
 
 static const struct unsupported unsupported_types[] = {
     {"mist", "leave it out"},
-    {"plasfunc", "use plastic, or a BSDF"},
-    {"metfunc", "use metal, or a BSDF"},
-    {"transfunc", "describe it as a BSDF"},
     {"WGMDfunc", "describe it as a BSDF"},
-    {"plasdata", "use plastic, or a BSDF"},
-    {"metdata", "use metal, or a BSDF"},
-    {"transdata", "describe it as a BSDF"},
     {"specpict", "give the material's colour as RGB"},
 };
 

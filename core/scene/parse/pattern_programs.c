@@ -211,6 +211,61 @@ static int compile_spectral(struct orl_parser *parser, const struct orl_scope *s
     return code;
 }
 
+/* A call of that function, or variable, with the first of these that it takes; free() it. */
+static char *call_text(const struct orl_parser *parser, int context, const char *name,
+                       const char *const *arguments, size_t n)
+{
+    const uint32_t takes = orl_functions_arity(parser->functions, context, name);
+    const size_t length = strlen(name), most = takes < n ? takes : n;
+    size_t room = length + 3;
+    for (size_t i = 0; i < most; i++)
+        room += strlen(arguments[i]) + 1;
+    char *const text = malloc(room);
+    if (!text)
+        return NULL;
+    size_t at = (size_t)snprintf(text, room, "%s", name);
+    for (size_t i = 0; i < most; i++)
+        at += (size_t)snprintf(text + at, room - at, "%c%s", i ? ',' : '(', arguments[i]);
+    snprintf(text + at, room - at, "%s", most > 0 ? ")" : "");
+    return text;
+}
+
+/*
+ * Functions of the light's direction and of the solid angle that it fills, which is as good as none
+ * here; of data the coordinates are such, and the function takes what the data hold before them.
+ */
+static int compile_lobes(struct orl_parser *parser, const struct orl_scope *scope,
+                         struct orl_pattern *pattern, int context,
+                         const struct orl_pattern_strings *strings, struct orl_error *err)
+{
+    const char *const *const light = orl_function_ray_names + ORL_RAY_LIGHT_X;
+    const char *const arguments[] = {orl_function_ray_names[ORL_RAY_DATA], light[0], light[1],
+                                     light[2], "0"};
+    const bool data = pattern->n_grids > 0;
+    const size_t first = data ? strings->file + 1 : strings->functions;
+    char *texts[MOST_EXPRESSIONS + 1] = {NULL};
+    int code = 0;
+    for (size_t i = 0; i < strings->n; i++)
+        texts[i] = call_text(parser, context, orl_primitive_string(&parser->primitive, first + i),
+                             arguments + 1, 4);
+    if (data)
+        texts[strings->n] =
+            call_text(parser, context, orl_primitive_string(&parser->primitive, strings->functions),
+                      arguments, 5);
+    for (size_t i = 0; i < strings->n + data; i++)
+        if (!texts[i])
+            code = ORL_ERR_NOMEM;
+    if (code == 0)
+        code = compile(parser, scope, pattern, context, (const char *const *)texts, strings->n,
+                       &pattern->function, err);
+    if (code == 0 && data)
+        code = compile(parser, scope, pattern, context, (const char *const *)texts + strings->n, 1,
+                       &pattern->values, err);
+    for (size_t i = 0; i < strings->n + data; i++)
+        free(texts[i]);
+    return code;
+}
+
 int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_pattern *pattern, const struct orl_xform *to_world,
                         const struct orl_pattern_strings *strings, struct orl_error *err)
@@ -226,14 +281,16 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     for (size_t i = 0; i < n; i++)
         expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
     int code = load(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
-    if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
+    if (code == 0 && pattern->own == ORL_OWN_LOBES)
+        code = compile_lobes(parser, scope, pattern, context, strings, err);
+    else if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
         code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
     if (code == 0 && pattern->own == ORL_OWN_ANGLES)
         code = check_angles(parser, scope, pattern, err);
     if (code == 0 && strings->spectral)
         code = compile_spectral(parser, scope, pattern, context,
                                 orl_primitive_string(primitive, strings->functions), err);
-    else if (code == 0 && pattern->n_grids > 0)
+    else if (code == 0 && pattern->n_grids > 0 && pattern->own != ORL_OWN_LOBES)
         code = compile_values(parser, scope, pattern, context, strings->functions, err);
     if (code == 0 || code == ORL_ERR_NOMEM)
         return code;

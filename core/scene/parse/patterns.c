@@ -47,6 +47,12 @@ static const struct pattern_type pattern_types[] = {
     {.name = "BRTDfunc", .n_functions = ORL_PATTERN_ANGLES, .own = ORL_OWN_ANGLES, .n_between = 3},
     {.name = "prism1", .n_functions = 4, .own = ORL_OWN_WAYS},
     {.name = "prism2", .n_functions = 8, .own = ORL_OWN_WAYS},
+    {.name = "plasfunc", .n_functions = 1, .own = ORL_OWN_LOBES},
+    {.name = "metfunc", .n_functions = 1, .own = ORL_OWN_LOBES},
+    {.name = "transfunc", .n_functions = 1, .own = ORL_OWN_LOBES},
+    {.name = "plasdata", .n_functions = 1, .n_files = 1, .own = ORL_OWN_LOBES},
+    {.name = "metdata", .n_functions = 1, .n_files = 1, .own = ORL_OWN_LOBES},
+    {.name = "transdata", .n_functions = 1, .n_files = 1, .own = ORL_OWN_LOBES},
     {.name = "texfunc", .n_functions = 3, .texture = true},
     {.name = "texdata", .n_functions = 3, .n_files = 3, .texture = true},
 };

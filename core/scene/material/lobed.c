@@ -1,0 +1,386 @@
+/*
+ * Lobes by functions or data (plasfunc, metfunc, transfunc, plasdata, metdata, transdata): shares
+ * of the light as plastic, metal and trans have them, of which what is not spread evenly goes by a
+ * function of both directions, 1/sr, times the share. What it comes to is as the function says:
+ * nothing is normalised, and it need not be reciprocal.
+ *
+ * Draws are by the function itself, looked at in the middle of each of SIDE x SIDE cells of even
+ * projected solid angle, and evenly within a cell; a share is drawn by the cosine alone, so that
+ * what lies between the middles is found too. On flat surfaces, of functions that do not depend on
+ * the place, that is done before anything is rendered, from the middles of as many directions
+ * (orl_lobed_know); elsewhere for each draw, by fewer cells. Whether that many see all of a lobe is
+ * looked at, too.
+ */
+#include "scene/material/lobed.h"
+
+#include <string.h>
+
+#include "scene/material/hemisphere.h"
+#include "scene/material/kinds.h"
+
+enum { SIDE = ORL_LOBED_SIDE, CELLS = SIDE * SIDE, FEW = 8, FINE = 4 * SIDE };
+
+/* Drawn by the cosine alone; and the least share of a lobe's light that its chance is for. */
+static const double evenly = 0.15, least = 0.05;
+
+/* What all values of one side are times, and what is added to them. */
+struct scale {
+    struct orl_rgb times, plus;
+};
+
+static struct scale scale_of(const struct orl_material *m, const struct orl_hit *hit, bool through)
+{
+    const double rest = 1 - m->specular;
+    if (!through)
+        return (struct scale){m->tinted ? orl_rgb_scale(orl_color_at(m, hit), m->specular)
+                                        : orl_gray(m->specular),
+                              orl_gray(0)};
+    if (!(m->transmitted > 0))
+        return (struct scale){orl_gray(0), orl_gray(0)};
+    const struct orl_rgb let = orl_rgb_scale(orl_color_at(m, hit), rest * m->transmitted);
+    return (struct scale){orl_rgb_scale(let, m->transmitted_specular),
+                          orl_rgb_scale(let, (1 - m->transmitted_specular) / ORL_PI)};
+}
+
+static bool is_nothing(const struct scale *scale)
+{
+    return !(orl_rgb_max(scale->times) + orl_rgb_max(scale->plus) > 0);
+}
+
+struct orl_rgb orl_lobed_diffuse(const struct orl_material *material, const struct orl_hit *hit)
+{
+    return orl_rgb_scale(orl_color_at(material, hit),
+                         (1 - material->specular) * (1 - material->transmitted));
+}
+
+bool orl_lobed_transmits(const struct orl_material *material)
+{
+    return material->transmitted > 0 && material->specular < 1 && orl_rgb_max(material->color) > 0;
+}
+
+bool orl_lobed_has_lobes(const struct orl_material *material)
+{
+    return material->specular > 0 || orl_lobed_transmits(material);
+}
+
+/* ---- Values -----------------------------------------------------------------------------------
+ */
+
+static void values_of(const struct orl_material *m, const struct orl_hit *hit,
+                      const struct scale *scale, const struct orl_lobe_pair *pairs, size_t n,
+                      struct orl_rgb *ret_f)
+{
+    if (orl_rgb_max(scale->times) > 0)
+        orl_own_lobes(m->lobes, hit, orl_color_at(m, hit), pairs, n, ret_f);
+    for (size_t i = 0; i < n; i++)
+        ret_f[i] = orl_rgb_max(scale->times) > 0
+                       ? orl_rgb_add(orl_rgb_mul(scale->times, ret_f[i]), scale->plus)
+                       : scale->plus;
+}
+
+struct orl_rgb orl_lobed_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 light, struct orl_vec3 eye)
+{
+    const double cosines = orl_dot(light, hit->normal) * orl_dot(eye, hit->normal);
+    struct orl_rgb f = orl_gray(0);
+    if (cosines == 0)
+        return f;
+    const struct scale scale = scale_of(material, hit, cosines < 0);
+    const struct orl_lobe_pair pair = {light, eye};
+    values_of(material, hit, &scale, &pair, 1, &f);
+    return f;
+}
+
+/* ---- Tables -----------------------------------------------------------------------------------
+ */
+
+/* A side, looked at from a direction: luminances of cells, and what all come to. */
+struct table {
+    struct orl_vec3 axis;
+    int side; /* cells each way */
+    double value[CELLS];
+    double mean;           /* of the values */
+    struct orl_rgb albedo; /* by the middles of cells */
+    double share;          /* that draws are shared out by; 0: nothing goes there */
+};
+
+/* The function at the middles of side x side cells about an axis. */
+static void look_around(const struct orl_material *m, const struct orl_hit *hit,
+                        struct orl_vec3 from, enum orl_transport transport, struct orl_vec3 axis,
+                        int side, struct orl_rgb *ret_values)
+{
+    const struct orl_frame frame = orl_frame_about(axis);
+    const struct orl_rgb color = orl_color_at(m, hit);
+    for (int first = 0; first < side * side; first += ORL_LOBES_ABREAST) {
+        struct orl_lobe_pair pairs[ORL_LOBES_ABREAST];
+        for (int i = 0; i < ORL_LOBES_ABREAST; i++) {
+            const int row = (first + i) / side, column = (first + i) % side;
+            const struct orl_vec3 d = orl_to_world(
+                &frame, orl_hemisphere_point((column + 0.5) / side, (row + 0.5) / side));
+            pairs[i] = transport == ORL_TRANSPORT_EYE ? (struct orl_lobe_pair){d, from}
+                                                      : (struct orl_lobe_pair){from, d};
+        }
+        orl_own_lobes(m->lobes, hit, color, pairs, ORL_LOBES_ABREAST, ret_values + first);
+    }
+}
+
+/* Which cell of a square a direction above the axis is in. */
+static int cell_of(const struct orl_frame *frame, struct orl_vec3 direction, int side)
+{
+    const struct orl_vec3 local = orl_to_local(frame, direction);
+    const struct orl_square s = orl_disk_to_square(local.x, local.y);
+    const int column = (int)orl_smaller(orl_larger((0.5 * s.x + 0.5) * side, 0), side - 1);
+    const int row = (int)orl_smaller(orl_larger((0.5 * s.y + 0.5) * side, 0), side - 1);
+    return row * side + column;
+}
+
+/* What was looked at before from about there; NULL: nothing. */
+static const float *find_known(const struct orl_draw *draw, bool through)
+{
+    const struct orl_pattern *const lobes = draw->material->lobes;
+    const struct orl_vec3 normal = draw->hit->normal;
+    for (uint32_t i = 0; i < lobes->n_known; i++) {
+        if (!(orl_dot(lobes->known[i].normal, normal) > 1 - 1e-12))
+            continue;
+        const bool front = orl_dot(draw->from, normal) >= 0;
+        const struct orl_frame frame = orl_frame_about(front ? normal : orl_neg(normal));
+        return lobes->known[i].values +
+               orl_lobed_place(draw->transport, front, cell_of(&frame, draw->from, SIDE), through);
+    }
+    return NULL;
+}
+
+static void tabulate(const struct orl_draw *draw, bool through, struct table *t)
+{
+    const struct scale scale = scale_of(draw->material, draw->hit, through);
+    const struct orl_vec3 normal = draw->hit->normal;
+    const bool front = orl_dot(draw->from, normal) >= 0;
+    t->share = t->mean = 0;
+    t->albedo = orl_gray(0);
+    if (is_nothing(&scale))
+        return;
+    const float *const known = find_known(draw, through);
+    struct orl_rgb values[CELLS] = {{0}};
+    t->axis = front != through ? normal : orl_neg(normal);
+    t->side = known ? SIDE : FEW;
+    const int n = t->side * t->side;
+    if (!known)
+        look_around(draw->material, draw->hit, draw->from, draw->transport, t->axis, t->side,
+                    values);
+    for (int i = 0; i < n; i++) {
+        const struct orl_rgb f = orl_rgb_add(
+            orl_rgb_mul(scale.times, known ? orl_gray((double)known[i]) : values[i]), scale.plus);
+        t->value[i] = orl_luma(f);
+        t->mean += t->value[i] / n;
+        t->albedo = orl_rgb_add(t->albedo, orl_rgb_scale(f, ORL_PI / n));
+    }
+    t->share = orl_larger(ORL_PI * t->mean,
+                          least * (orl_luma(scale.times) + ORL_PI * orl_luma(scale.plus)));
+}
+
+/* Of the unit square: how much more often than evenly. */
+static double density_of(const struct table *t, int cell)
+{
+    return t->mean > 0 ? evenly + (1 - evenly) * t->value[cell] / t->mean : 1;
+}
+
+static double density_towards(const struct table *t, struct orl_vec3 towards)
+{
+    const struct orl_frame frame = orl_frame_about(t->axis);
+    return density_of(t, cell_of(&frame, towards, t->side));
+}
+
+/* One of n cells by their densities; u becomes what is left of it. */
+static int pick(const double *densities, int n, double *u)
+{
+    double sum = 0, left;
+    int i = 0;
+    for (int k = 0; k < n; k++)
+        sum += densities[k];
+    left = *u * sum;
+    for (; i + 1 < n && left >= densities[i]; i++)
+        left -= densities[i];
+    *u = orl_smaller(left / densities[i], 1 - 0x1p-53);
+    return i;
+}
+
+static struct orl_vec3 draw_from(const struct table *t, const double u[2])
+{
+    const struct orl_frame frame = orl_frame_about(t->axis);
+    /* Said so that what follows is seen to be filled. */
+    const int side = t->side == SIDE ? SIDE : FEW;
+    double rows[SIDE] = {1}, cells[SIDE] = {1}, x = u[0], y = u[1];
+    for (int row = 0; row < side; row++) {
+        rows[row] = 0;
+        for (int column = 0; column < side; column++)
+            rows[row] += density_of(t, row * side + column);
+    }
+    const int row = pick(rows, side, &y);
+    for (int column = 0; column < side; column++)
+        cells[column] = density_of(t, row * side + column);
+    const int column = pick(cells, side, &x);
+    return orl_to_world(&frame, orl_hemisphere_point((column + x) / side, (row + y) / side));
+}
+
+/* ---- Draws ------------------------------------------------------------------------------------
+ */
+
+struct parts {
+    struct table sides[2]; /* reflected, transmitted */
+    struct orl_rgb diffuse;
+    double diffuse_share, sum;
+};
+
+static void divide(const struct orl_draw *draw, struct parts *p)
+{
+    memset(p, 0, sizeof *p);
+    p->diffuse =
+        draw->lobes & ORL_LOBE_DIFFUSE ? orl_lobed_diffuse(draw->material, draw->hit) : orl_gray(0);
+    p->diffuse_share = orl_luma(p->diffuse);
+    if (draw->lobes & ORL_LOBE_REFLECTED)
+        tabulate(draw, false, &p->sides[0]);
+    if (draw->lobes & ORL_LOBE_TRANSMITTED)
+        tabulate(draw, true, &p->sides[1]);
+    p->sum = p->diffuse_share + p->sides[0].share + p->sides[1].share;
+}
+
+struct orl_rgb orl_lobed_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                struct orl_vec3 light, enum orl_lobes lobes)
+{
+    const struct orl_draw draw = {material, hit, light, ORL_TRANSPORT_LIGHT, lobes};
+    if (!orl_hit_is_anywhere(hit)) {
+        struct parts p;
+        divide(&draw, &p);
+        struct orl_rgb sum = p.diffuse;
+        for (int i = 0; i < 2; i++)
+            if (p.sides[i].share > 0)
+                sum = orl_rgb_add(sum, p.sides[i].albedo);
+        return sum;
+    }
+    struct orl_rgb sum = lobes & ORL_LOBE_DIFFUSE ? orl_lobed_diffuse(material, hit) : orl_gray(0);
+    for (int i = 0; i < 2; i++) {
+        const struct scale scale = scale_of(material, hit, i == 1);
+        if (lobes & (i == 0 ? ORL_LOBE_REFLECTED : ORL_LOBE_TRANSMITTED))
+            sum = orl_rgb_add(sum, orl_rgb_add(orl_rgb_scale(scale.times, material->lobes->sent[i]),
+                                               orl_rgb_scale(scale.plus, ORL_PI)));
+    }
+    return sum;
+}
+
+struct orl_scatter orl_lobed_sample(const struct orl_draw *draw, const double u[3])
+{
+    const struct orl_vec3 normal = draw->hit->normal;
+    struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
+    struct parts p;
+    divide(draw, &p);
+    if (!(p.sum > 0))
+        return s;
+    const double chosen = u[2] * p.sum;
+    if (chosen < p.diffuse_share) {
+        s.event = ORL_EVENT_DIFFUSE;
+        s.direction = orl_hemisphere_about(
+            orl_dot(draw->from, normal) >= 0 ? normal : orl_neg(normal), u[0], u[1]);
+        s.weight = orl_rgb_scale(p.diffuse, p.sum / p.diffuse_share);
+        return s;
+    }
+    const bool through = p.sides[1].share > 0 &&
+                         (!(p.sides[0].share > 0) || chosen >= p.diffuse_share + p.sides[0].share);
+    const struct table *const t = &p.sides[through];
+    s.direction = draw_from(t, u);
+    s.transmitted = through;
+    const struct orl_rgb f =
+        draw->transport == ORL_TRANSPORT_EYE
+            ? orl_lobed_lobes(draw->material, draw->hit, s.direction, draw->from)
+            : orl_lobed_lobes(draw->material, draw->hit, draw->from, s.direction);
+    s.weight = orl_rgb_scale(f, ORL_PI / density_towards(t, s.direction) * p.sum / t->share);
+    if (orl_rgb_max(s.weight) > 0)
+        s.event = ORL_EVENT_GLOSSY;
+    return s;
+}
+
+double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    const double cosine = orl_dot(towards, draw->hit->normal);
+    const bool through = cosine * orl_dot(draw->from, draw->hit->normal) < 0;
+    struct parts p;
+    divide(draw, &p);
+    if (!(p.sum > 0))
+        return 0;
+    double sum = through ? 0 : p.diffuse_share;
+    if (p.sides[through].share > 0)
+        sum += p.sides[through].share * density_towards(&p.sides[through], towards);
+    return sum / p.sum * fabs(cosine) / ORL_PI;
+}
+
+/* ---- Looked at before anything is rendered ----------------------------------------------------
+ */
+
+/* What the function alone comes to on a side, by cells of side x side middles. */
+static double integral(const struct orl_material *m, const struct orl_hit *hit,
+                       struct orl_vec3 light, bool through, int side)
+{
+    struct orl_rgb values[FINE * FINE];
+    const bool front = orl_dot(light, hit->normal) >= 0;
+    double sum = 0;
+    look_around(m, hit, light, ORL_TRANSPORT_LIGHT,
+                front != through ? hit->normal : orl_neg(hit->normal), side, values);
+    for (int i = 0; i < side * side; i++)
+        sum += orl_rgb_max(values[i]);
+    return sum * ORL_PI / (side * side);
+}
+
+void orl_lobed_know(const struct orl_material *material, const struct orl_hit *hit, float *ret)
+{
+    struct orl_rgb values[CELLS] = {{0, 0, 0}};
+    for (int k = 0; k < 2 * 2 * CELLS; k++) {
+        const enum orl_transport transport =
+            k < 2 * CELLS ? ORL_TRANSPORT_LIGHT : ORL_TRANSPORT_EYE;
+        const bool front = k / CELLS % 2 == 1;
+        const int cell = k % CELLS, row = cell / SIDE, column = cell % SIDE;
+        const struct orl_vec3 axis = front ? hit->normal : orl_neg(hit->normal);
+        const struct orl_frame frame = orl_frame_about(axis);
+        const struct orl_vec3 from =
+            orl_to_world(&frame, orl_hemisphere_point((column + 0.5) / SIDE, (row + 0.5) / SIDE));
+        for (int through = 0; through < (orl_lobed_transmits(material) ? 2 : 1); through++) {
+            float *const at = ret + orl_lobed_place(transport, front, cell, through);
+            look_around(material, hit, from, transport, through ? orl_neg(axis) : axis, SIDE,
+                        values);
+            for (int i = 0; i < CELLS; i++)
+                at[i] = (float)orl_luma(values[i]);
+        }
+    }
+}
+
+void orl_lobed_look(const struct orl_material *material, const struct orl_hit *hit,
+                    struct orl_lobed_findings *findings)
+{
+    enum { COSINES = 4, AZIMUTHS = 2 };
+    const struct orl_frame frame = orl_frame_about(hit->normal);
+    for (int i = 0; i < COSINES * AZIMUTHS * 2; i++) {
+        const double cosine = (i % COSINES + 0.5) / COSINES, sine = sqrt(1 - cosine * cosine);
+        const double phi = 2 * ORL_PI * (i / COSINES % AZIMUTHS + 0.3) / AZIMUTHS;
+        const struct orl_vec3 light =
+            orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi),
+                                        i < COSINES * AZIMUTHS ? cosine : -cosine));
+        double all = orl_rgb_max(orl_lobed_diffuse(material, hit));
+        for (int way = 0; way < 2; way++) {
+            const struct scale scale = scale_of(material, hit, way == 1);
+            all += ORL_PI * orl_rgb_max(scale.plus);
+            if (!(orl_rgb_max(scale.times) > 0))
+                continue;
+            const double fine = integral(material, hit, light, way == 1, FINE);
+            const double coarse = integral(material, hit, light, way == 1, SIDE);
+            findings->sent[way] += fine / (COSINES * AZIMUTHS * 2);
+            findings->unlike += fabs(fine - coarse) * orl_rgb_max(scale.times);
+            findings->all += fine * orl_rgb_max(scale.times);
+            all += fine * orl_rgb_max(scale.times);
+        }
+        if (all > findings->most) {
+            findings->most = all;
+            findings->cosine = cosine;
+        }
+        if (cosine > 0.4)
+            findings->most_steep = fmax(findings->most_steep, all);
+    }
+    findings->places++;
+}
