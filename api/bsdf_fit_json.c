@@ -124,12 +124,13 @@ static json_t *left_out_to_json(const struct orl_bsdf_fitted_scan *s)
 static json_t *scan_to_json(const struct orl_bsdf_fitted_scan *s)
 {
     return json_pack(
-        "{s:s, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:{s:f, s:f}, s:{s:f, s:f, s:f}, s:o}",
+        "{s:s, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:f, s:{s:f, s:f}, s:{s:f, s:f, s:f}, s:o}",
         "component", names[s->front][s->transmitted], "theta_deg", s->theta_deg, "phi_deg",
         s->phi_deg, "rows", (json_int_t)s->rows, "outliers", (json_int_t)s->outliers, "knots",
-        (json_int_t)s->knots, "covered", s->covered, "noise", s->noise, "total", "value", s->total,
-        "standard_error", s->total_error, "peak", "value", s->peak, "theta_deg", s->peak_theta_deg,
-        "phi_deg", s->peak_phi_deg, "left_out", left_out_to_json(s));
+        (json_int_t)s->knots, "covered", s->covered, "hidden_deg", s->hidden_deg, "noise", s->noise,
+        "total", "value", s->total, "standard_error", s->total_error, "peak", "value", s->peak,
+        "theta_deg", s->peak_theta_deg, "phi_deg", s->peak_phi_deg, "left_out",
+        left_out_to_json(s));
 }
 
 static json_t *scans_to_json(const struct orl_bsdf_fitted *f)

@@ -14,8 +14,8 @@
  * What was made: {"kind", "basis", "symmetry", "rows", "components": {"transmission_front":
  * {"diffuse":
  * {"value", "error"}, "misplaced", "theta_most_deg"} or null, ...}, "scans": [{"component",
- * "theta_deg", "phi_deg", "rows", "outliers", "knots", "covered", "noise", "total": {"value",
- * "standard_error"}, "peak": {"value", "theta_deg", "phi_deg"}, "left_out": {"predicted",
+ * "theta_deg", "phi_deg", "rows", "outliers", "knots", "covered", "hidden_deg", "noise", "total":
+ * {"value", "standard_error"}, "peak": {"value", "theta_deg", "phi_deg"}, "left_out": {"predicted",
  * "misplaced"} or null}], "outliers": {"count", "told": [{"file", "line", "value", "around"}]},
  * "color_left_out"}. Front is the surface's, where z > 0, the inside: not what the XML calls Front.
  *

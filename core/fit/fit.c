@@ -9,6 +9,12 @@
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
+static void tell_progress(const struct orl_bsdf_make_env *env, double fraction)
+{
+    if (env->progress)
+        env->progress(env->ctx, 1, fraction);
+}
+
 static int read_file(const struct orl_bsdf_fit_request *request, uint32_t index,
                      const struct orl_bsdf_make_env *env, struct orl_fit_data *data,
                      struct orl_error *err)
@@ -51,6 +57,7 @@ static void tell(const struct shaping *s, size_t i, const struct orl_fit_knots *
         .outliers = knots->n_outliers,
         .knots = knots->n,
         .covered = knots->covered,
+        .hidden_deg = knots->hidden_rad / ORL_DEG_TO_RAD,
         .noise = knots->noise,
         .total = shape->total,
         .total_error = shape->total_error,
@@ -193,6 +200,7 @@ static int write_out(struct shaping *s, struct orl_bsdf_fitted *fitted, struct o
         code = make_model(s, i / 2, i % 2, fitted, &models[i / 2][i % 2], &any, err);
         given.of[i / 2][i % 2] = any ? &models[i / 2][i % 2] : NULL;
     }
+    tell_progress(s->env, orl_fit_begun);
     if (code == 0)
         code = orl_bsdf_basis_is_tree(fitted->basis)
                    ? orl_fit_write_trees(s->request, s->env, &given, fitted, err)
@@ -223,6 +231,7 @@ static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf
     int code = 0;
     for (uint32_t i = 0; i < request->n_files && code == 0; i++)
         code = read_file(request, i, env, data, err);
+    tell_progress(env, 0.1);
     if (code < 0)
         return code;
     fitted->rows = data->n_rows;
@@ -243,6 +252,7 @@ static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf
     set_levels(request, fitted->basis, shaping.levels);
     code = fitted->scans ? shape_all(&shaping, fitted, err)
                          : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
+    tell_progress(env, 0.25);
     if (code == 0)
         code = write_out(&shaping, fitted, err);
     shaping_done(&shaping);

@@ -355,6 +355,16 @@ static double covered_share(const struct orl_fit_knots *k)
     return seen / all;
 }
 
+/* A gap is wider than the rows around it are apart, and than a degree. */
+static double hidden_around(const struct orl_fit_knots *k, struct orl_vec3 in)
+{
+    struct orl_fit_found found;
+    orl_fit_near_find(k, orl_v3(-in.x, -in.y, in.z), &found);
+    const double away = sqrt((double)found.away2[0]);
+    const double side = orl_fit_cell_rad(k->knots[found.knot[0]].level);
+    return away > 1.5 * side && away > ORL_DEG_TO_RAD ? away : 0;
+}
+
 static int fail_few(const struct orl_fit_scan *scan, struct orl_error *err)
 {
     orl_error_set(
@@ -386,6 +396,7 @@ static int make(struct orl_fit_scan *scan, uint64_t *keys, const struct orl_fit_
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
     knots->n_rows = scan->n_rows;
     knots->covered = covered_share(knots);
+    knots->hidden_rad = hidden_around(knots, scan->in);
     return knots->covered < 0.25 ? fail_few(scan, err) : 0;
 }
 

@@ -40,7 +40,9 @@ struct orl_fit_knots {
     uint32_t *tree;      /* knots as a search tree */
     unsigned char *axes; /* what halves a stretch of the tree, by its middle */
     size_t n, n_outliers, n_rows;
-    double noise;   /* 1/sr: of a row where it is dark */
+    double noise; /* 1/sr: of a row where it is dark */
+    double
+        hidden_rad; /* how far the nearest knot is from the straight direction, if in a gap; or 0 */
     double covered; /* share of the hemisphere, by cosine, within a knot's reach */
 };
 

@@ -8,7 +8,7 @@
 #include "goniometer/forest.h"
 #include "goniometer/provenance.h"
 
-enum { SPLIT_LEVEL = 3 };
+enum { SPLIT_LEVEL = 3, AT_ONCE = 8 };
 
 /* A part of the incident directions that one thread sees to: a cell at some level. */
 struct block {
@@ -31,6 +31,8 @@ struct growing {
     unsigned rank, levels, split; /* split: the level of blocks */
     size_t n_blocks;
     double cull;
+    double begun, share; /* of all work: where this component begins, and its part */
+    size_t first;        /* of the blocks that are at work */
     struct block *blocks;
     struct hand *hands; /* by member of the crew */
     struct orl_gonio_forest forest;
@@ -173,13 +175,14 @@ static bool grow(const struct growing *g, struct hand *hand, struct block *block
 static void grow_block(void *arg, size_t index, uint32_t member)
 {
     const struct growing *g = arg;
-    struct block *block = &g->blocks[index];
+    const uint32_t a = (uint32_t)(g->first + index);
+    struct block *block = &g->blocks[a];
     unsigned mirror;
-    if (original_of(g, (uint32_t)index, &mirror) != index)
+    if (original_of(g, a, &mirror) != a)
         return;
     block->forest = (struct orl_gonio_forest){.rank = g->rank, .cull = g->cull};
     block->tops = malloc(nodes_at(g->split) * sizeof *block->tops);
-    if (!block->tops || !grow(g, &g->hands[member], block, g->split, (uint32_t)index, block->tops))
+    if (!block->tops || !grow(g, &g->hands[member], block, g->split, a, block->tops))
         block->code = orl_is_cancelled(g->env->cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
 
@@ -280,6 +283,22 @@ static void let_go(struct growing *g)
     g->blocks = NULL;
 }
 
+static int grow_blocks(struct growing *g)
+{
+    int code = 0;
+    for (g->first = 0; g->first < g->n_blocks && code == 0; g->first += AT_ONCE) {
+        const size_t left = g->n_blocks - g->first, count = left < AT_ONCE ? left : AT_ONCE;
+        code = orl_crew_try(g->env->crew, count, grow_block, g);
+        for (size_t i = g->first; i < g->first + count && code == 0; i++)
+            code = g->blocks[i].code;
+        if (g->env->progress && code == 0)
+            g->env->progress(g->env->ctx, 1,
+                             g->begun +
+                                 g->share * (double)(g->first + count) / (double)g->n_blocks);
+    }
+    return code;
+}
+
 static int grow_all(struct growing *g, struct orl_error *err)
 {
     int code = want_plans(g, err);
@@ -287,9 +306,7 @@ static int grow_all(struct growing *g, struct orl_error *err)
         return code;
     g->blocks = calloc(g->n_blocks, sizeof *g->blocks);
     g->hands = calloc(orl_crew_size(g->env->crew), sizeof *g->hands);
-    code = take_hands(g) ? orl_crew_try(g->env->crew, g->n_blocks, grow_block, g) : ORL_ERR_NOMEM;
-    for (size_t i = 0; i < g->n_blocks && code == 0; i++)
-        code = g->blocks[i].code;
+    code = take_hands(g) ? grow_blocks(g) : ORL_ERR_NOMEM;
     if (code == 0 && !gather(g, 0, 0, &g->root))
         code = ORL_ERR_NOMEM;
     return code == 0 ? 0
@@ -336,6 +353,9 @@ int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
                                                      : ORL_STRUCTURE_TREE3};
     struct parts parts = {0};
     unsigned levels = 2;
+    int n_models = 0, done = 0;
+    for (int i = 0; i < 4; i++)
+        n_models += models->of[i / 2][i % 2] != NULL;
     while (1U << levels < request->resolution)
         levels++;
     int code = orl_fit_screen_make(levels, &screen, err);
@@ -349,6 +369,8 @@ int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
         *g = growing_of(request, env, fitted->basis, &screen);
         g->forest = (struct orl_gonio_forest){.rank = g->rank, .cull = g->cull};
         g->model = model;
+        g->share = (1 - orl_fit_begun) / n_models;
+        g->begun = orl_fit_begun + done++ * g->share;
         code = grow_all(g, err);
         if (code == 0)
             fitted->diffuse[i / 2][i % 2].value = diffuse_of(g);

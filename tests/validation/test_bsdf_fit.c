@@ -256,6 +256,21 @@ static void crossing(void **state)
     check(SCATTERER_CROSSING, 0.06);
 }
 
+/* Of light along the normal what is mirrored goes where the lamp stands. */
+static void a_hidden_peak_is_told(void **state)
+{
+    struct bench bench = {0};
+    (void)state;
+    measure(&bench, SCATTERER_PEAK, 0, 180);
+    measure(&bench, SCATTERER_PEAK, 20, 180);
+    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, 8, 1);
+    assert_int_equal(fitted.n_scans, 2);
+    assert_true(fitted.scans[0].hidden_deg > 3.9 && fitted.scans[0].hidden_deg < 4.2);
+    assert_true(fitted.scans[1].hidden_deg == 0);
+    orl_bsdf_fitted_done(&fitted);
+    clear(&bench);
+}
+
 static void threads_do_not_matter(void **state)
 {
     struct bench bench = {0};
@@ -289,9 +304,13 @@ static void threads_do_not_matter(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lambert),  cmocka_unit_test(ward),
-        cmocka_unit_test(slab),     cmocka_unit_test(peak),
-        cmocka_unit_test(crossing), cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(lambert),
+        cmocka_unit_test(ward),
+        cmocka_unit_test(slab),
+        cmocka_unit_test(peak),
+        cmocka_unit_test(crossing),
+        cmocka_unit_test(a_hidden_peak_is_told),
+        cmocka_unit_test(threads_do_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

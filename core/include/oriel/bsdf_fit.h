@@ -85,10 +85,13 @@ struct orl_bsdf_fitted_scan {
     bool front, transmitted; /* light from the front; leaves on the other side */
     double theta_deg, phi_deg;
     size_t rows, outliers, knots;
-    double covered;     /* share of the directions out, by their cosine, that rows lie near */
-    double noise;       /* of one row where it is dark: standard deviation, 1/sr */
-    double total;       /* reflected or transmitted share of the light */
-    double total_error; /* standard error of it, by the noise of rows */
+    double covered; /* share of the directions out, by their cosine, that rows lie near */
+    double
+        hidden_deg; /* how far the nearest row is from where straight or mirrored light goes, where
+                       that is a gap in what was measured, which a peak may be lost in; else 0 */
+    double noise;   /* of one row where it is dark: standard deviation, 1/sr */
+    double total;   /* reflected or transmitted share of the light */
+    double total_error;                        /* standard error of it, by the noise of rows */
     double peak, peak_theta_deg, peak_phi_deg; /* the largest value, 1/sr, and where it is */
     bool left_out;                             /* whether it was predicted from the others; then: */
     double predicted;                          /* the total */
