@@ -212,16 +212,18 @@ static int write_out(struct shaping *s, struct orl_bsdf_fitted *fitted, struct o
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-/* Lobes are as wide as cells out, of which a tree of rank 4 has very many; where there is reason
- * to, a quarter as wide. */
+/* Where it is bright lobes are as wide as cells out, of which a tree of rank 4 has very many; in a
+ * peak, for the cells on whose border it stands, a small part of that. */
 static void set_levels(const struct orl_bsdf_fit_request *request, enum orl_bsdf_basis basis,
                        unsigned levels[2])
 {
+    const bool many = basis != ORL_BSDF_TENSOR_TREE_3;
     unsigned level = 2;
     while (orl_bsdf_basis_is_tree(basis) && 1U << level < request->resolution)
         level++;
-    levels[0] = basis == ORL_BSDF_TENSOR_TREE_3 ? 7 : 6;
-    levels[1] = level + 2 < 8 ? 8 : level + 2;
+    level += many ? 3 : 5;
+    levels[0] = many ? 6 : 7;
+    levels[1] = level < 9 ? 9 : level;
 }
 
 static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_make_env *env,

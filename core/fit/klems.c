@@ -36,8 +36,9 @@ static struct orl_vec3 part_of(size_t cell, int part)
         x |= (uint32_t)(cell >> 2 * i & 1) << i;
         y |= (uint32_t)(cell >> (2 * i + 1) & 1) << i;
     }
+    const int row = part / PARTS;
     const double u = (x + (part % PARTS + 0.5) / PARTS) / side;
-    const double v = (y + ((double)(part / PARTS) + 0.5) / PARTS) / side;
+    const double v = (y + (row + 0.5) / PARTS) / side;
     return orl_square_to_hemisphere((struct orl_square){2 * u - 1, 2 * v - 1});
 }
 
@@ -78,9 +79,9 @@ static struct share *share_out(const struct orl_basis *basis, size_t cells, size
 static struct orl_vec3 incidence(const struct orl_basis *basis, int cell, int place)
 {
     const double n = ORL_FIT_CELL_PLACES;
+    const int row = place / ORL_FIT_CELL_PLACES;
     const struct orl_vec3 travel =
-        orl_basis_direction(basis, cell, (place % ORL_FIT_CELL_PLACES + 0.5) / n,
-                            ((double)(place / ORL_FIT_CELL_PLACES) + 0.5) / n);
+        orl_basis_direction(basis, cell, (place % ORL_FIT_CELL_PLACES + 0.5) / n, (row + 0.5) / n);
     return orl_v3(-travel.x, -travel.y, travel.z);
 }
 
@@ -219,11 +220,10 @@ int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
     const struct orl_bsdf_labels labels = {0};
     struct orl_fit_screen screen;
     struct orl_basis basis;
-    int code = orl_basis_standard(name_of(fitted->basis), &basis);
-    if (code == 0)
-        code = orl_fit_screen_make(LEVELS, &screen, err);
+    int code = orl_fit_screen_make(LEVELS, &screen, err);
     if (code < 0)
         return code;
+    orl_basis_standard(name_of(fitted->basis), &basis);
     size_t n_shares;
     struct share *shares = share_out(&basis, screen.n_cells, &n_shares);
     if (!shares)

@@ -343,8 +343,8 @@ static double covered_share(const struct orl_fit_knots *k)
     double seen = 0, all = 0;
     struct orl_fit_found found;
     for (int i = 0; i < SIDE * SIDE; i++) {
-        const struct orl_vec3 d =
-            orl_fit_from_square((i % SIDE + 0.5) / SIDE, ((double)(i / SIDE) + 0.5) / SIDE);
+        const int row = i / SIDE;
+        const struct orl_vec3 d = orl_fit_from_square((i % SIDE + 0.5) / SIDE, (row + 0.5) / SIDE);
         orl_fit_near_find(k, d, &found);
         const unsigned level = k->knots[found.knot[0]].level;
         const double far = orl_fit_cell_rad(LEVEL) + fmin(0.1, orl_fit_cell_rad(level));

@@ -82,7 +82,7 @@ static int compare(const struct leaving *l, const struct orl_fit_mesh *rest,
 /* The mesh of all but one direction and its images. */
 static int make_rest(const struct orl_fit_model *m, size_t which, struct orl_fit_mesh *ret_rest)
 {
-    const struct orl_fit_shape **shapes = malloc(m->n * sizeof *shapes);
+    const struct orl_fit_shape **shapes = malloc(m->n * sizeof(void *));
     size_t n = 0;
     if (!shapes)
         return ORL_ERR_NOMEM;

@@ -101,14 +101,14 @@ int orl_fit_mesh_make(const struct orl_fit_shape *const *shapes, size_t n, bool 
                       struct orl_fit_mesh *ret_mesh, struct orl_error *err)
 {
     struct orl_fit_mesh m = {.isotropic = isotropic, .n = n};
-    m.shapes = malloc(n * sizeof *m.shapes);
+    m.shapes = malloc(n * sizeof(void *));
     m.places = calloc(n, sizeof *m.places);
     m.slopes = calloc(n, sizeof *m.slopes);
     bool fine = m.shapes && m.places && m.slopes;
     if (fine) {
-        memcpy(m.shapes, shapes, n * sizeof *m.shapes);
+        memcpy(m.shapes, shapes, n * sizeof(void *));
         if (isotropic)
-            qsort(m.shapes, n, sizeof *m.shapes, compare_thetas);
+            qsort(m.shapes, n, sizeof(void *), compare_thetas);
         for (size_t i = 0; i < n; i++)
             set_place(&m, m.shapes[i]->in, m.places[i]);
         fine = isotropic || orl_fit_triangulate(&m);

@@ -104,7 +104,7 @@ int orl_fit_model_make(struct orl_fit_shape *shapes, size_t n, enum orl_bsdf_fit
     const struct orl_fit_shape **all = NULL;
     int code = add_images(&m) ? 0 : ORL_ERR_NOMEM;
     if (code == 0) {
-        all = malloc(m.n * sizeof *all);
+        all = malloc(m.n * sizeof(void *));
         code = all ? 0 : ORL_ERR_NOMEM;
     }
     if (code < 0)
