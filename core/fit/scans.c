@@ -197,7 +197,8 @@ static bool merge(struct orl_fit_data *data)
             data->scans[kept++] = *s;
             continue;
         }
-        struct orl_fit_row *rows = realloc(last->rows, (last->n_rows + s->n_rows) * sizeof *rows);
+        struct orl_fit_row *rows =
+            realloc(last->rows, (last->n_rows + s->n_rows + 1) * sizeof *rows);
         if (!rows) {
             memmove(data->scans + kept, data->scans + i, (data->n_scans - i) * sizeof *data->scans);
             data->n_scans -= i - kept;

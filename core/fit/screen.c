@@ -174,7 +174,8 @@ static void draw_points(const struct orl_fit_screen *s, const struct orl_fit_ray
     size_t cells[POINTS];
     double weights[POINTS], sum = 0;
     for (int i = 0; i < side * side; i++) {
-        const double u = step * (i % side - reach), v = step * ((double)(i / side) - reach);
+        const int row = i / side;
+        const double u = step * (i % side - reach), v = step * (row - reach);
         const double q = 1 - (u * u + v * v) / (end_of_sigma2 * sigma * sigma), p = q > 0 ? q : 0;
         struct orl_vec3 at = orl_normalize(orl_to_world(&frame, orl_v3(u, v, 1)));
         at.z = fabs(at.z);
