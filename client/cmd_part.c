@@ -60,7 +60,9 @@ static int read_part(struct part *part, const char *path, struct orl_error *err)
                  : "");
     json_decref(json);
     if (rc == 0 && strcmp(job, part->job) != 0)
-        rc = orl_error_set(err, ORL_ERR_CORRUPT, "the part is of another job than its folder");
+        rc = orl_error_set(
+            err, ORL_ERR_CORRUPT,
+            "the part is of another job than its folder, or of another version of oriel");
     if (rc == 0 && json_array_size(part->pieces) == 0)
         rc = orl_error_set(err, ORL_ERR_INVALID, "the part names no pieces");
     if (rc && err->file[0] == '\0')

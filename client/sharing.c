@@ -1,5 +1,6 @@
 #include "sharing.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,6 +11,7 @@
 #include <unistd.h>
 
 #include <oriel/sha256.h>
+#include <oriel/version.h>
 
 #include "command.h"
 #include "decode.h"
@@ -104,16 +106,61 @@ static int lay_out(const struct orl_sharing *sharing, const json_t *doc, const c
     return rc;
 }
 
-/* What an earlier run has left, and nothing else. */
-static void remove_old(const char *folder)
+/* Whether a run has made it, rather than someone else. */
+static bool is_ours(const char *folder)
 {
-    char store[4200], files[4200];
+    char store[8400], files[8400];
     struct stat st;
 
     snprintf(store, sizeof store, "%s/store", folder);
     snprintf(files, sizeof files, "%s/files.json", folder);
-    if (stat(store, &st) == 0 && stat(files, &st) == 0)
-        orl_place_remove(folder);
+    return stat(store, &st) == 0 && stat(files, &st) == 0;
+}
+
+/* What an earlier run has left steps aside; *ret_job: what it was of, "" for nothing. */
+static void set_aside(const char *folder, const char *aside, char ret_job[ORL_PIECE_KEY])
+{
+    json_t *doc = NULL;
+
+    ret_job[0] = '\0';
+    if (is_ours(aside))
+        orl_place_remove(aside);
+    if (!is_ours(folder))
+        return;
+    if (orl_sharing_verify(folder, ret_job, &doc, NULL))
+        ret_job[0] = '\0';
+    json_decref(doc);
+    if (rename(folder, aside) != 0)
+        ret_job[0] = '\0';
+}
+
+static size_t count_files(const char *folder)
+{
+    DIR *entries = opendir(folder);
+    size_t n = 0;
+
+    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;)
+        n += entry->d_name[0] != '.';
+    if (entries)
+        closedir(entries);
+    return n;
+}
+
+/* Pieces of the same job, by the same program, serve again. */
+static void take_earlier(struct orl_sharing *sharing)
+{
+    char from[8400], to[8400];
+    const bool same = strcmp(sharing->earlier_job, sharing->job) == 0;
+
+    snprintf(from, sizeof from, "%s/store", sharing->aside);
+    snprintf(to, sizeof to, "%s/store", sharing->folder);
+    if (same && rmdir(to) == 0 && rename(from, to) != 0)
+        mkdir(to, 0700);
+    sharing->earlier = same ? count_files(to) : 0;
+    if (same)
+        mkdir(from, 0700); /* by which it is known to be ours */
+    if (is_ours(sharing->aside))
+        orl_place_remove(sharing->aside);
 }
 
 static int make_folder(struct orl_sharing *sharing, const char *output, struct orl_error *err)
@@ -123,7 +170,8 @@ static int make_folder(struct orl_sharing *sharing, const char *output, struct o
 
     if (rc)
         return rc;
-    remove_old(relative);
+    snprintf(sharing->aside, sizeof sharing->aside, "%.4000s.old", relative);
+    set_aside(relative, sharing->aside, sharing->earlier_job);
     if (mkdir(relative, 0700) != 0 || !realpath(relative, sharing->folder))
         return orl_error_set(err, orl_err_of_errno(errno), "cannot make '%s': %s", relative,
                              strerror(errno));
@@ -162,6 +210,7 @@ int orl_sharing_verify(const char *folder, char ret_job[ORL_PIECE_KEY], json_t *
 
     *ret_doc = NULL;
     orl_sha256_init(&hash);
+    orl_sha256_add(&hash, ORL_VERSION, sizeof ORL_VERSION);
     rc = read_json(folder, "job.json", ret_doc, &hash, err);
     if (rc == 0)
         rc = read_json(folder, "files.json", &digests, &hash, err);
@@ -190,7 +239,7 @@ int orl_sharing_verify(const char *folder, char ret_job[ORL_PIECE_KEY], json_t *
 
 /* Parts of a wave, and how they stand. */
 struct wave {
-    char name[32];
+    char name[64];
     size_t n;
     enum orl_part_state *states;
     bool *done;
@@ -232,7 +281,7 @@ static int write_parts(const struct orl_sharing *sharing, const char *wave,
     for (size_t i = 0; i < n && rc == 0; i++) {
         const uint32_t mine = part_of(before, pieces[i].work, all, most);
         const double next = before + pieces[i].work;
-        char name[80];
+        char name[120];
 
         before = next;
         if (i + 1 < n && part_of(next, pieces[i + 1].work, all, most) == mine)
@@ -359,7 +408,9 @@ static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret
     int rc;
 
     (void)ret_here;
-    snprintf(wave.name, sizeof wave.name, "wave%u", ++sharing->wave);
+    /* Tasks of an earlier run may still leave their files here. */
+    snprintf(wave.name, sizeof wave.name, "%lx.%lx-wave%u", (long)sharing->began, (long)getpid(),
+             ++sharing->wave);
     rc = write_parts(sharing, wave.name, pieces, n, &wave.n, err);
     wave.states = calloc(wave.n + 1, sizeof *wave.states);
     wave.done = calloc(wave.n + 1, sizeof *wave.done);
@@ -403,7 +454,7 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_line 
     json_t *read = NULL;
     int rc;
 
-    *sharing = (struct orl_sharing){.cancel = cancel};
+    *sharing = (struct orl_sharing){.cancel = cancel, .began = time(NULL)};
     rc = make_folder(sharing, output, err);
     if (rc == 0)
         rc = lay_out(sharing, doc, folder, err);
@@ -412,6 +463,7 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_line 
     json_decref(read);
     if (rc)
         return rc;
+    take_earlier(sharing);
     if (line->parts_text)
         orl_parse_count(line->parts_text, 1, MOST_PARTS, &most);
     sharing->most = (uint32_t)most;

@@ -8,13 +8,16 @@
  *
  * A wave is what a run asks for at a time: its pieces are shared out to parts of about equal work,
  * by their order, which is a function of the job and the number of parts alone. A part that is
- * lost, or fails, is tried three times; then the job ends with that part's own error.
+ * lost, or fails, is tried three times; then the job ends with that part's own error. A run that
+ * was stopped leaves the folder: the next one of the same job, by the same version, takes up its
+ * pieces.
  */
 #ifndef ORL_CLIENT_SHARING_H
 #define ORL_CLIENT_SHARING_H
 
 #include <jansson.h>
 #include <stdatomic.h>
+#include <time.h>
 
 #include <oriel/run.h>
 
@@ -49,6 +52,9 @@ struct orl_sharing {
     struct orl_runner runner;
     const atomic_bool *cancel; /* borrowed */
     char folder[4096], job[ORL_PIECE_KEY];
+    char aside[4096], earlier_job[ORL_PIECE_KEY]; /* what an earlier run has left */
+    size_t earlier;                               /* pieces of it that serve again */
+    time_t began;
     uint32_t threads, most;
     uint32_t wave;         /* so many were asked for */
     uint64_t parts, again; /* that were run, and of these once more */
@@ -59,7 +65,7 @@ struct orl_subcommand;
 bool orl_sharing_asked(const struct orl_subcommand *self, const struct orl_sharing_line *line,
                        int *ret_rc);
 
-/* Lays it all out in output/parts, which is the owner's alone, and made anew. doc: what names its
+/* Lays it all out in output/parts, which is the owner's alone. doc: what names its
  * scene's files below folder. threads: of a part. The caller ends it with orl_sharing_done, after
  * an error, too. */
 int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_line *line,

@@ -1,6 +1,8 @@
 /* Jobs in parts, each a process of its own: the same results; and parts that are not what they
  * should be. */
+#include <dirent.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -13,6 +15,17 @@
 #include <cmocka.h>
 
 #include "support/parted.h"
+
+static int count_entries(const char *folder)
+{
+    DIR *entries = opendir(folder);
+    int n = 0;
+    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;)
+        n += entry->d_name[0] != '.';
+    if (entries)
+        closedir(entries);
+    return n;
+}
 
 static void assert_parts_make_no_difference(struct cli_desk *f, const char *document)
 {
@@ -47,6 +60,28 @@ static void test_rounds(void **state)
 static void test_a_year(void **state)
 {
     assert_parts_make_no_difference(*state, parted_annual);
+}
+
+/* Killed in the middle: what was made serves again. */
+static void test_pieces_serve_again(void **state)
+{
+    struct cli_desk *f = *state;
+    char path[160], to[160], store[160];
+    snprintf(path, sizeof path, "%s/%s", f->folder, parted_skies);
+    snprintf(to, sizeof to, "%s/parts", f->folder);
+    snprintf(store, sizeof store, "%s/parts/parts/store", f->folder);
+    static const char *const in_parts[] = {"--parts", "5", NULL};
+    const char *const args[] = {"run", path, "-o", to, "--threads", "1", "--parts", "5", NULL};
+    struct cli_child child = cli_start(args);
+    for (int i = 0; i < 2000 && count_entries(store) < 3; i++)
+        usleep(10000);
+    kill(child.pid, SIGKILL);
+    cli_finish(&child, &f->result);
+    assert_int_equal(f->result.exit_code, -1);
+    parted_run(f, parted_skies, "parts", in_parts);
+    assert_null(strstr(f->result.err, "of an earlier run: 0"));
+    parted_run(f, parted_skies, "whole", NULL);
+    parted_assert_same(f, "whole", "parts");
 }
 
 static void assert_part_refused(struct cli_desk *f, const char *part, const char *says)
@@ -126,6 +161,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_skies, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_rounds, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_pieces_serve_again, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_parts_that_do_not_fit, parted_set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_command_lines, parted_set_up, cli_desk_tear_down),
