@@ -329,14 +329,18 @@ static void find_peak(const struct orl_fit_knots *knots, struct orl_fit_shape *s
     shape->peak_value = (double)knots->knots[top].value;
 }
 
+/* By the noise of rows; and by what knots were corrected by, which is large where rows are too far
+ * apart for what they see. Each counts by itself. */
 static double error_of(const struct orl_fit_knots *k)
 {
     double sum = 0;
     for (size_t i = 0; i < k->n; i++) {
-        const double part = (double)k->knots[i].z * orl_fit_cell_sr(k->knots[i].level);
-        sum += part * part / k->knots[i].rows;
+        const struct orl_fit_knot *knot = &k->knots[i];
+        const double part = (double)knot->z * orl_fit_cell_sr(knot->level);
+        const double off = (double)knot->coefficient - (double)knot->value;
+        sum += part * part * (k->noise * k->noise / knot->rows + off * off);
     }
-    return k->noise * sqrt(sum);
+    return sqrt(sum);
 }
 
 static double estimate(const struct orl_fit_knots *k)

@@ -42,7 +42,7 @@ struct orl_fit_shape {
     struct orl_vec3 in;
     double floor; /* 1/sr, in all directions; its mass is pi times that */
     struct orl_fit_part parts[ORL_FIT_KINDS];
-    double total, total_error; /* share of the light; the error by the noise of rows */
+    double total, total_error; /* share of the light, and its standard error */
     struct orl_vec3 peak;
     double peak_value;
 };

@@ -91,7 +91,7 @@ struct orl_bsdf_fitted_scan {
                        that is a gap in what was measured, which a peak may be lost in; else 0 */
     double noise;   /* of one row where it is dark: standard deviation, 1/sr */
     double total;   /* reflected or transmitted share of the light */
-    double total_error;                        /* standard error of it, by the noise of rows */
+    double total_error; /* standard error of it: noise of rows, and rows too far apart */
     double peak, peak_theta_deg, peak_phi_deg; /* the largest value, 1/sr, and where it is */
     bool left_out;                             /* whether it was predicted from the others; then: */
     double predicted;                          /* the total */
