@@ -9,7 +9,7 @@
 #include "fit/square.h"
 
 /* Cells that the broad part is told by, 4.5 degrees wide. */
-enum { BRIGHT_LEVELS = 2 };
+enum { BRIGHT_LEVELS = 2, POLL_LEVEL = 2 };
 enum { BASE_LEVEL = 5, BASE_SIDE = 1 << BASE_LEVEL, BASE_CELLS = BASE_SIDE * BASE_SIDE };
 /* Of all light: what a leaf may hold unevenly. */
 static const double least_uneven = 1e-3;
@@ -134,7 +134,7 @@ static bool grow(struct tree *t, uint32_t code, unsigned level, struct range kno
         if (once || level >= t->finest || !is_uneven(t, values, (double)leaf.z, level, knots))
             return add_leaf(t, leaf);
     }
-    if (level == BASE_LEVEL - 1 && orl_is_cancelled(t->cancel))
+    if (level == POLL_LEVEL && orl_is_cancelled(t->cancel))
         return false;
     const unsigned below = 2 * (ORL_FIT_SQUARE_LEVELS - level - 1);
     bool fine = true;

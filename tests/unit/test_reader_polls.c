@@ -12,6 +12,8 @@
 #include <dirent.h>
 #include <stdatomic.h>
 
+#include <math.h>
+#include <oriel/bsdf_fit.h>
 #include <oriel/crew.h>
 #include <oriel/run.h>
 
@@ -250,6 +252,52 @@ static void drive_xml(const char *name, char *data, size_t size)
     drive(name, read_bsdf, &(struct bsdf){data, size, NULL});
 }
 
+/* ---- Measurements ---------------------------------------------------------------------------- */
+
+/* Read, and fitted in the smallest tree. */
+static int fit_measured(const void *what, const atomic_bool *cancel, struct orl_error *err)
+{
+    const struct folder *folder = what;
+    struct orl_memory_files memory = {folder->names, folder->contents, folder->count};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_crew *crew = orl_crew_new(1);
+    const struct orl_bsdf_make_env env = {.files = &files, .crew = crew, .cancel = cancel};
+    char name[] = "data.csv", *names[] = {name};
+    struct orl_bsdf_fit_request request;
+    struct orl_bsdf_fitted fitted = {0};
+    assert_non_null(crew);
+    orl_bsdf_fit_request_init(&request);
+    request.files = names;
+    request.n_files = 1;
+    request.resolution = 4;
+    const int code = orl_bsdf_fit(&request, &env, &fitted, err);
+    assert_int_equal(fitted.xml != NULL, code == 0);
+    orl_bsdf_fitted_done(&fitted);
+    orl_crew_free(crew);
+    return code;
+}
+
+static void test_measured(void **state)
+{
+    enum { SCANS = 3, ROWS = 60 };
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    (void)state;
+    assert_non_null(out);
+    fputs("theta_in,phi_in,theta_out,phi_out,bsdf\n", out);
+    for (int k = 0; k < SCANS; k++)
+        for (int i = 0; i < ROWS; i++) {
+            const double theta = acos(1 - 0.95 * (i + 0.5) / ROWS) / ORL_DEG_TO_RAD;
+            fprintf(out, "%d,180,%.3f,%.3f,%.5f\n", 30 * k, theta, fmod(137.508 * i, 360),
+                    0.1 + 0.001 * theta);
+        }
+    assert_int_equal(fclose(out), 0);
+    const struct folder folder = {{"data.csv"}, {{.data = text, .size = size}}, 1};
+    assert_true(drive("measurements", fit_measured, &folder));
+    free(text);
+}
+
 static void test_corpus(void **state)
 {
     (void)state;
@@ -263,6 +311,7 @@ int main(void)
         cmocka_unit_test(test_everything),
         cmocka_unit_test(test_bsdfs),
         cmocka_unit_test(test_blocks_side_by_side),
+        cmocka_unit_test(test_measured),
         cmocka_unit_test(test_corpus),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
