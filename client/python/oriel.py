@@ -169,6 +169,13 @@ class _File:
             raise OrielError("cannot read %s: %s" % (self.path, error.strerror)) from error
 
 
+class _Known:
+    """A BSDF that the daemon has, by the name that a scene knows it by."""
+
+    def __init__(self, name, sha):
+        self.name, self.sha = name, sha
+
+
 def _is_xml(name):
     return name.endswith(".xml")
 
@@ -385,19 +392,21 @@ class Client:
                        {"Content-Type": "application/xml", "Content-Length": str(file.size)})
         return file.sha
 
-    def upload_scene(self, files, resources=None, folder=None):
+    def upload_scene(self, files, resources=None, folder=None, bsdfs=None):
         """Sends a scene unless the daemon has it. Returns its id.
 
         files: Radiance files, in order; resources: what these name (BSDFs, files of !xform and
         functions, weather), or None: every file below folder that a word in them names. Names are
         relative to folder (else the current one), and are what the scene knows them by.
+        bsdfs: {name: id} of BSDFs that the daemon has, as a job "bsdf_make" leaves one.
         """
         folder = folder or ""
         if resources is None:
             resources = _mentioned(folder, files)
         extra = [name for name in files if _is_xml(name)] + list(resources)
         mains = [_File(folder, name) for name in files if not _is_xml(name)]
-        others = [_File(folder, name) for name in dict.fromkeys(extra)]
+        known = [_Known(name, id) for name, id in (bsdfs or {}).items()]
+        others = [_File(folder, name) for name in dict.fromkeys(extra) if name not in (bsdfs or {})] + known
         scene = _scene_id(mains, others)
         if not self._has("/v1/scenes/" + scene):
             scene = self._post_scene(mains, others)
@@ -419,7 +428,7 @@ class Client:
         for file in mains:
             form.add_file("file", file)
         for file in others:
-            if _is_xml(file.name) and self._has("/v1/bsdfs/" + file.sha):
+            if isinstance(file, _Known) or (_is_xml(file.name) and self._has("/v1/bsdfs/" + file.sha)):
                 known[file.name] = file.sha
             else:
                 form.add_file("resource", file)
@@ -432,7 +441,7 @@ class Client:
     # -- Jobs -------------------------------------------------------------------------------------
 
     def submit(self, document, name=None, tags=None):
-        """Queues a job, study or year whose scene is an id. Returns a Job.
+        """Queues a job, study, year or panel whose scene is an id. Returns a Job.
 
         name, tags: what to call it, and a list of what to find it by again (see jobs); they go before
         those of the document.
@@ -537,7 +546,8 @@ class Client:
 
     def render(self, document, output=None, folder=None, progress=None):
         """A document of any kind from start to end, as `oriel submit --wait` and `oriel fetch` take
-        it: a job, a study, or with `"kind": "annual"` a year of daylight.
+        it: a job, a study, with `"kind": "annual"` a year of daylight, or with `"bsdf_make"` a
+        panel's BSDF, whose id is the result's ["bsdf"]["id"].
 
         document: a dict, or the path of a JSON file, in which "scene" has "files" and sensors may
         be a file; names are relative to folder, else to the JSON file, else to the current folder.

@@ -234,6 +234,23 @@ def bsdfs(desk):
     assert desk.client.upload_scene(["bsdf.rad"], folder=desk.folder) == scene
 
 
+def panels(desk):
+    """A panel's BSDF is made, and a scene names it, though no file of it is here."""
+    with open(os.path.join(desk.folder, "slats.rad"), "w") as stream:
+        stream.write("void plastic p 0 0 5 .5 .5 .5 0 0\np polygon s 0 0 12 0 0 0 1 0 0 1 .7 -.7 0 .7 -.7\n")
+    document = {"kind": "bsdf_make", "scene": {"files": ["slats.rad"]}, "basis": "klems_quarter", "paths": 64}
+    output = os.path.join(desk.folder, "made")
+    result = desk.client.render(document, output, desk.folder)
+    id = result["bsdf"]["id"]
+    with open(os.path.join(output, "bsdf.xml"), "rb") as stream:
+        assert hashlib.sha256(stream.read()).hexdigest() == id
+    with open(os.path.join(desk.folder, "made.rad"), "w") as stream:
+        stream.write("void BSDF slats\n6 0 slats.xml 0 0 1 .\n0\n0\n" + OPENING.replace("pane", "slats", 1))
+    scene = desk.client.upload_scene(["made.rad"], folder=desk.folder, bsdfs={"slats.xml": id})
+    assert desk.client.upload_scene(["made.rad"], folder=desk.folder, bsdfs={"slats.xml": id}) == scene
+    assert desk.client.render(document, None, desk.folder)["maps"][0]["cached"]
+
+
 def labels(desk):
     """Jobs by names and tags, in several pages; one by the beginning of its id."""
     scene = desk.client.upload_scene(["room.rad"], folder=desk.folder)
