@@ -100,6 +100,8 @@ help:
 ## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
+## make bsdf-study  BSDFs of panels against closed forms and, if it is there, Radiance's genBSDF: tables,
+##                 and pictures in build/bsdf-study
 ## make annual     a year of daylight in the office, in ray-times, beside hours of it by backward, and
 ##                 glare of its seats beside pictures: tables, and build/annual.json; then verdicts of
 ##                 100 seeds in four rooms
@@ -392,6 +394,11 @@ study: deps-demo
 	@test -s $(STUDY)/office/lcp.xml || $(BUILD)/oriel bsdf make client/examples/office/lcp/lcp.json \
 		-o $(STUDY)/office/lcp.xml
 	@$(BUILD)/oriel study $(STUDY)/office/study.json --output $(STUDY)
+
+.PHONY: bsdf-study
+bsdf-study: deps-demo
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel
+	@PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/bsdf_study.py $(BUILD)
 
 demo: deps-demo
 	@$(MAKE) --no-print-directory -j$(JOBS) all

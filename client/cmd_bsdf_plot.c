@@ -83,14 +83,15 @@ static int load(struct plot *p, const struct orl_operands *operands, struct orl_
     int rc = 0;
     p->chart.n_files = (size_t)operands->count;
     for (int i = 0; i < operands->count && rc == 0; i++) {
+        const char *slash = strrchr(operands->items[i], '/');
         rc = orl_bsdf_file_load(operands->items[i], &p->bsdfs[i], err);
         p->checks[i] = rc == 0 ? calloc(1, sizeof *p->checks[i]) : NULL;
         if (rc == 0 && !p->checks[i])
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         if (rc == 0)
             orl_bsdf_examine(p->bsdfs[i], p->checks[i]);
-        p->chart.files[i] =
-            (struct orl_bsdf_chart_file){operands->items[i], p->bsdfs[i], p->checks[i]};
+        p->chart.files[i] = (struct orl_bsdf_chart_file){slash ? slash + 1 : operands->items[i],
+                                                         p->bsdfs[i], p->checks[i]};
     }
     return rc;
 }

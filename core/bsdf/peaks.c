@@ -7,7 +7,7 @@
 
 enum { GRID = 121, STEPS = 3 };
 static const double reach_deg = 2.5, apart_deg = 5, plateau_deg = 15;
-static const double least_of_first = 0.01, above_even = 1.5;
+static const double least_of_first = 0.01, above_even = 4;
 
 static struct orl_vec3 direction(double theta_deg, double phi_deg, bool front)
 {

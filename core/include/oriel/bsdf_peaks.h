@@ -16,7 +16,8 @@ struct orl_bsdf_lobe {
 };
 
 /* The brightest of one part first, none within five degrees of a brighter one, and none dimmer than
- * a hundredth of the first or than even light would be. polar: of the same light. Returns how many.
+ * a hundredth of the first or than four times what even light would be. polar: of the same light.
+ * Returns how many.
  */
 size_t orl_bsdf_find_peaks(const struct orl_bsdf *bsdf, bool front, double theta_deg,
                            double phi_deg, const struct orl_bsdf_polar *polar, bool transmitted,
