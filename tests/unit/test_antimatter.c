@@ -170,6 +170,22 @@ static void test_light(void **state)
     }
 }
 
+/* A pane that fills a window of the wall's outline is none of the hole's business. */
+static void test_pane_beside(void **state)
+{
+    struct orl_geometry *g = scene_geometry(
+        "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass p 0 0 3 1 1 1\n"
+        "w polygon out 0 0 30 0 0 0 0 0 3 0 4 3 0 4 0 0 0 0 0 1 1 0 3 1 0 3 2 0 1 2 0 1 1\n"
+        "p polygon pane 0 0 12 0 1 1 0 3 1 0 3 2 0 1 2\n"
+        "void antimatter a 1 w 0 0\na sphere s 0 0 4 0 .5 .5 .3\n");
+    (void)state;
+    assert_true(orl_geometry_occluded(g, orl_sub(orl_v3(-1, 2, 1.5), g->center), orl_v3(1, 0, 0),
+                                      INFINITY));
+    assert_false(orl_geometry_occluded(g, orl_sub(orl_v3(-1, .5, .5), g->center), orl_v3(1, 0, 0),
+                                       INFINITY));
+    orl_geometry_free(g);
+}
+
 static void test_refused(void **state)
 {
     static const struct {
@@ -180,6 +196,9 @@ static void test_refused(void **state)
         {WALL "void antimatter a 1 nobody 0 0\na sphere s 0 0 4 0 2 1 .3\n", "not defined"},
         {WALL "void glass p 0 0 3 1 1 1\nvoid antimatter a 2 w p 0 0\na sphere s 0 0 4 0 2 1 .3\n",
          "antimatter cuts"},
+        {WALL "void antimatter a 1 w 0 0\n!genbox a h .4 1 1 | xform -t -.1 1 1\n"
+              "void glass p 0 0 3 1 1 1\np polygon q 0 0 12 0 1 1 0 2 1 0 2 2 0 1 2\n",
+         "which antimatter cuts"},
         {WALL "void antimatter a 1 w 0 1 .5\na sphere s 0 0 4 0 2 1 .3\n", "antimatter"},
     };
     static const struct orl_sensor sensor = {{1, 2, .8}, {0, 0, 1}};
@@ -198,7 +217,8 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lined),      cmocka_unit_test(test_unlined),
         cmocka_unit_test(test_what_stays), cmocka_unit_test(test_overlapping),
-        cmocka_unit_test(test_light),      cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_light),      cmocka_unit_test(test_pane_beside),
+        cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

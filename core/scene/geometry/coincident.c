@@ -18,6 +18,7 @@ struct settling {
     struct orl_pairs pairs;
     struct orl_coincidence_words words;
     struct orl_cutting cutting;
+    bool *cut; /* by material: by antimatter */
 };
 
 /* ---- The rule -------------------------------------------------------------------------------- */
@@ -191,7 +192,42 @@ static enum lot lot_of(const struct orl_description *d, const struct orl_surface
     return *ret_order == 0 ? OPPOSED : LOSSES;
 }
 
-static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING])
+/* Which materials antimatter cuts anywhere. */
+static bool *list_cut(const struct orl_description *d)
+{
+    bool *const cut = calloc(d->n_materials + 1, sizeof *cut);
+    for (size_t i = 0; cut && i < d->n_materials; i++)
+        for (size_t k = 0; k < d->materials[i].n_cut; k++)
+            cut[d->materials[i].cut[k]] = true;
+    for (size_t i = 0; cut && i < d->n_materials; i++)
+        cut[i] = cut[orl_material_origin(&d->materials[i], (uint32_t)i)];
+    return cut;
+}
+
+/* A pane loses to a wall, and would be gone from the hole that is cut into that. */
+static int check_pane(const struct settling *t, const struct orl_surface *pane,
+                      const struct orl_surface *wall, struct orl_error *err)
+{
+    const struct orl_description *const d = t->d;
+    if (class_of(&d->materials[pane->material]) != 1 || !t->cut[wall->material])
+        return 0;
+    struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
+    const struct orl_outline first = orl_outline_of(pane), second = orl_outline_of(wall);
+    const int code = orl_cutting_look(&looking, &first, &second);
+    const bool shared = looking.overlap.shared;
+    orl_cutting_done(&looking);
+    if (code < 0 || !shared)
+        return code;
+    orl_error_set(err, ORL_ERR_RANGE,
+                  "'%.100s' lies in the plane of '%.100s', which antimatter cuts: which of the two "
+                  "light meets there cannot be told",
+                  pane->name, wall->name);
+    orl_error_at(err, pane->file, pane->line, NULL);
+    orl_error_hint(err, "move it into the hole by a millimetre");
+    return ORL_ERR_RANGE;
+}
+
+static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
 {
     for (size_t i = 0; i < t->pairs.n; i++) {
         const struct orl_pair p = t->pairs.items[i];
@@ -201,6 +237,11 @@ static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING])
         if (lot != NOTHING &&
             !orl_pairs_add(&lots[lot], first_wins ? p.b : p.a, first_wins ? p.a : p.b))
             return ORL_ERR_NOMEM;
+        const int code = lot != LOSSES ? 0
+                                       : check_pane(t, &t->d->surfaces[first_wins ? p.b : p.a],
+                                                    &t->d->surfaces[first_wins ? p.a : p.b], err);
+        if (code < 0)
+            return code;
     }
     return 0;
 }
@@ -230,12 +271,12 @@ static int compact(struct orl_description *d)
     return 0;
 }
 
-static int settle(struct settling *t, struct orl_pairs lots[NOTHING])
+static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
 {
     uint64_t *looks = &t->cutting.looks;
     int code = orl_coplanar_find(t->d, &t->place, &t->pairs, looks);
     if (code == 0)
-        code = sort_out(t, lots);
+        code = sort_out(t, lots, err);
     if (code == 0)
         code = orl_concentric_find(t->d, &t->place, &lots[OPEN], looks);
     t->cutting.cut_short = *looks > ORL_MOST_LOOKS;
@@ -256,7 +297,9 @@ int orl_coincident_settle(struct orl_description *description, struct orl_error 
     struct settling t = {.d = description, .cutting = {.d = description}};
     struct orl_pairs lots[NOTHING] = {{0}};
     t.cutting.words = &t.words;
-    const int code = settle(&t, lots);
+    t.cut = list_cut(description);
+    const int code = t.cut ? settle(&t, lots, err) : ORL_ERR_NOMEM;
+    free(t.cut);
     orl_coincidence_end(&t.words, description);
     if (t.cutting.cut_short)
         orl_description_warn(description,
