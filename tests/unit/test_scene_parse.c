@@ -105,6 +105,8 @@ static const struct good good_scenes[] = {
     {"quoted command", "void metal 'a b' 0 0 5 0 0 0 0 0\n!genbox \"a b\" box 1 2 3\n", 6, 1, 0, 0,
      0},
     {"piped", RED "!genbox red box 1 2 3 | xform -t 1 0 0 | xform -n x -mx\n", 6, 1, 0, 0, 0},
+    {"writes nothing", RED "!gensurf red w s t 0 2 2 -e 'valid(s,t)=-1'\nred" SQUARE, 1, 1, 0, 0,
+     0},
     {"array", RED "!genbox red b 1 1 1 | xform -a 4 -t 2 0 0 -a 3 -t 0 2 0\n", 72, 1, 0, 0, 0},
     {"continued", RED "!genbox red b \\\n  1 1 1 \\\r\n | xform -t 0 0 1\nred" SQUARE, 7, 1, 0, 0,
      0},

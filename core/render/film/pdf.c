@@ -204,10 +204,10 @@ static void put_code(FILE *page, unsigned char code)
 /* In runs of one font. */
 static void put_letters(const struct orl_pdf *pdf, double size, bool bold, const char *text)
 {
-    int font = FONTS;
+    enum font font = FONTS;
     while (*text) {
         const struct letter letter = letter_of(next_point(&text), bold);
-        if (letter.font != (enum font)font)
+        if (letter.font != font)
             fprintf(pdf->page, "%s/F%d %.3f Tf (", font == FONTS ? "" : ") Tj ", letter.font, size);
         font = letter.font;
         put_code(pdf->page, letter.code);

@@ -6,12 +6,12 @@
 void orl_lexer_init(struct orl_lexer *lexer, const char *file, const char *text, size_t size)
 {
     static const char byte_order_mark[] = "\xef\xbb\xbf";
-    lexer->at = text;
-    lexer->end = text + size;
+    lexer->at = text ? text : ""; /* of a command that writes nothing */
+    lexer->end = lexer->at + size;
     lexer->file = file;
     lexer->line = 1;
     lexer->frozen = false;
-    if (size >= 3 && memcmp(text, byte_order_mark, 3) == 0)
+    if (size >= 3 && memcmp(lexer->at, byte_order_mark, 3) == 0)
         lexer->at += 3;
 }
 
