@@ -1,6 +1,7 @@
 #include "files.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -25,6 +26,14 @@ int orl_join_path(const char *folder, const char *name, char *ret_path, size_t s
     return 0;
 }
 
+/* Devices and pipes are written to, and never replaced: /dev/null, /dev/stdout. */
+static bool is_replaced(const char *target)
+{
+    struct stat info;
+
+    return stat(target, &info) != 0 || S_ISREG(info.st_mode) || S_ISDIR(info.st_mode);
+}
+
 int orl_new_file_open(struct orl_new_file *ret_file, const char *target, struct orl_error *err)
 {
     const int length = snprintf(ret_file->temporary, sizeof ret_file->temporary, "%s.part", target);
@@ -33,22 +42,26 @@ int orl_new_file_open(struct orl_new_file *ret_file, const char *target, struct 
     if (length < 0 || (size_t)length >= sizeof ret_file->temporary)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path \"%.100s...\" is too long", target);
     memcpy(ret_file->target, target, strlen(target) + 1);
-    ret_file->stream = fopen(ret_file->temporary, "wb");
+    if (!is_replaced(target))
+        ret_file->temporary[0] = '\0';
+    ret_file->stream = fopen(ret_file->temporary[0] ? ret_file->temporary : target, "wb");
     return ret_file->stream ? 0 : io_error(err, target, "create");
 }
 
 int orl_new_file_commit(struct orl_new_file *file, struct orl_error *err)
 {
+    const bool replaces = file->temporary[0];
     int rc = 0;
 
-    if (fflush(file->stream) != 0 || ferror(file->stream) || fsync(fileno(file->stream)) != 0)
+    if (fflush(file->stream) != 0 || ferror(file->stream) ||
+        (replaces && fsync(fileno(file->stream)) != 0))
         rc = io_error(err, file->target, "write");
     if (fclose(file->stream) != 0 && rc == 0)
         rc = io_error(err, file->target, "write");
     file->stream = NULL;
-    if (rc == 0 && rename(file->temporary, file->target) != 0)
+    if (rc == 0 && replaces && rename(file->temporary, file->target) != 0)
         rc = io_error(err, file->target, "replace");
-    if (rc)
+    if (rc && replaces)
         unlink(file->temporary);
     return rc;
 }
@@ -58,7 +71,8 @@ void orl_new_file_abandon(struct orl_new_file *file)
     if (file->stream)
         fclose(file->stream);
     file->stream = NULL;
-    unlink(file->temporary);
+    if (file->temporary[0])
+        unlink(file->temporary);
 }
 
 int orl_open_for_reading(const char *path, FILE **ret_stream, long long *ret_size,

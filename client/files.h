@@ -1,6 +1,7 @@
 /*
  * Files as the commands write and read them: results appear whole or not at all (a temporary name
  * beside the target, synced, then renamed), so that a script never meets half a result.json.
+ * Devices and pipes, as /dev/stdout, are written to as they are.
  */
 #ifndef ORL_CLIENT_FILES_H
 #define ORL_CLIENT_FILES_H
@@ -14,7 +15,7 @@
 
 struct orl_new_file {
     FILE *stream;
-    char target[4096], temporary[4096];
+    char target[4096], temporary[4096]; /* the latter "": written in place */
 };
 
 /* After open, exactly one of commit and abandon must follow. Commit that fails has abandoned. */

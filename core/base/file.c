@@ -1,15 +1,24 @@
 #include "base/file.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+/* Devices and pipes are written to, and never replaced: /dev/null, /dev/stdout. */
+static bool is_replaced(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) != 0 || S_ISREG(info.st_mode) || S_ISDIR(info.st_mode);
+}
 
 int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *err)
 {
     const int length = snprintf(file->path, sizeof file->path, "%s", path);
     if (length < 0 || (size_t)length >= sizeof file->path)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path '%s' is too long", path);
-    snprintf(file->part, sizeof file->part, "%s.part", file->path);
+    snprintf(file->part, sizeof file->part, "%s%s", file->path, is_replaced(path) ? ".part" : "");
     file->stream = fopen(file->part, "wbe");
     if (!file->stream)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot create '%s': %s", file->part,
@@ -19,18 +28,19 @@ int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *
 
 int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)
 {
+    const bool replaces = strcmp(file->part, file->path) != 0;
     int why = 0;
-    if (code == 0 &&
-        (fflush(file->stream) != 0 || ferror(file->stream) || fsync(fileno(file->stream)) != 0))
+    if (code == 0 && (fflush(file->stream) != 0 || ferror(file->stream) ||
+                      (replaces && fsync(fileno(file->stream)) != 0)))
         why = errno ? errno : EIO;
     if (fclose(file->stream) != 0 && why == 0)
         why = errno;
-    if (code == 0 && why == 0 && rename(file->part, file->path) != 0)
+    if (code == 0 && why == 0 && replaces && rename(file->part, file->path) != 0)
         why = errno;
     if (code == 0 && why != 0)
         code = orl_error_set(err, orl_err_of_errno(why), "cannot write '%s': %s", file->path,
                              strerror(why));
-    if (code < 0)
+    if (code < 0 && replaces)
         unlink(file->part);
     return code;
 }

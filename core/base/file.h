@@ -1,5 +1,6 @@
 /*
- * Writing a file so that it is whole or absent: path.part, sync, rename.
+ * Writing a file so that it is whole or absent: path.part, sync, rename. Devices and pipes, as
+ * /dev/stdout, are written to as they are.
  */
 #ifndef ORL_BASE_FILE_H
 #define ORL_BASE_FILE_H

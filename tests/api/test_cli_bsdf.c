@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 #include <jansson.h>
@@ -221,6 +223,34 @@ static void what_cannot_be_made_is_refused(void **state)
     }
 }
 
+/* What is no file is written to, and stays what it is. */
+static void devices_are_not_replaced(void **state)
+{
+    char folder[64], panel[128], sink[128];
+    struct stat info;
+    (void)state;
+    cli_make_folder(folder);
+    snprintf(panel, sizeof panel, "%s/panel.rad", folder);
+    snprintf(sink, sizeof sink, "%s/sink.svg", folder);
+    cli_write_file(folder, "panel.rad",
+                   "void plastic w 0 0 5 .5 .5 .5 0 0\n"
+                   "w polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n");
+    assert_int_equal(symlink("/dev/null", sink), 0);
+    const char *const make[] = {"bsdf",    "make",          panel,     "-o", sink,
+                                "--basis", "klems_quarter", "--paths", "64", NULL};
+    cli_run(make, &result);
+    assert_int_equal(result.exit_code, 0);
+    const char *const plot[] = {"bsdf", "plot", "tests/fixtures/bsdf_klems41.xml",
+                                "-o",   sink,   NULL};
+    cli_run(plot, &result);
+    assert_int_equal(result.exit_code, 0);
+    assert_int_equal(lstat(sink, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+    assert_int_equal(stat("/dev/null", &info), 0);
+    assert_true(S_ISCHR(info.st_mode));
+    cli_remove_folder(folder);
+}
+
 static void wrong_command_lines_exit_with_2(void **state)
 {
     const char *const unknown[] = {"bsdf", "paint", "a.xml", NULL};
@@ -245,6 +275,7 @@ int main(void)
         cmocka_unit_test(a_panel_becomes_a_file),
         cmocka_unit_test(measurements_become_a_file),
         cmocka_unit_test(what_cannot_be_made_is_refused),
+        cmocka_unit_test(devices_are_not_replaced),
         cmocka_unit_test(wrong_command_lines_exit_with_2),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
