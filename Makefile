@@ -250,9 +250,9 @@ asan: deps-check
 	@ASAN_OPTIONS=detect_leaks=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 		UBSAN_OPTIONS=print_stacktrace=1 TEST_TIMEOUT=900 \
 		$(MAKE) --no-print-directory BUILD=$(BUILD)/asan MODE=asan run-tests
-# Validation runs on one thread, but for programs that name `threads`.
-THREADED_BIN := $(filter-out $(BUILD)/tests/validation/%,$(TEST_BIN)) \
-	$(patsubst %.c,$(BUILD)/%,$(shell grep -l threads tests/validation/*.c))
+# Validation and samplers run on one thread, but for programs that name `threads`.
+THREADED_BIN := $(filter-out $(BUILD)/tests/validation/% $(BUILD)/tests/stats/%,$(TEST_BIN)) \
+	$(patsubst %.c,$(BUILD)/%,$(shell grep -l threads tests/validation/*.c tests/stats/*.c))
 tsan: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/tsan MODE=tsan tests
 	@TSAN_OPTIONS=suppressions=$(CURDIR)/tests/tsan.supp TEST_TIMEOUT=900 \
