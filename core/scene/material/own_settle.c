@@ -31,7 +31,7 @@ static int refuse(const struct orl_pattern *pattern, struct orl_error *err)
 static void warn(struct orl_description *d, const struct orl_pattern *pattern, const char *what,
                  double percent)
 {
-    char text[512];
+    char text[640];
     snprintf(text, sizeof text, "%.200s:%d: %.100s %.200s: %.3g %%", pattern->file, pattern->line,
              pattern->name, what, percent);
     orl_description_warn(d, text);
