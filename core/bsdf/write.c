@@ -1,21 +1,57 @@
 /* The file around the data: labels, structure, and a block for each part and channel. */
 #include "bsdf/write.h"
 
+#include <stdbool.h>
+#include <stdint.h>
 #include <string.h>
 
-/* Characters that mean something to XML by their names; those that XML has none for are left out.
- */
+/* Bytes of the character that text begins with; 0: it is none of UTF-8 that XML has (a control
+ * character, bytes that are no character, U+FFFE and U+FFFF). */
+static int character_bytes(const char *text)
+{
+    const unsigned char *at = (const unsigned char *)text;
+    static const unsigned char leads[] = {0, 0xc2, 0xe0, 0xf0, 0xf5}; /* of 2, 3 and 4 bytes */
+    uint32_t code = at[0];
+    int n = 1;
+    if (code < 0x80)
+        return code >= ' ';
+    while (n < 4 && at[0] >= leads[n])
+        n++;
+    if (n == 1 || at[0] >= leads[4])
+        return 0;
+    code &= 0x7fU >> n;
+    for (int i = 1; i < n; i++) {
+        if ((at[i] & 0xc0) != 0x80)
+            return 0;
+        code = code << 6 | (at[i] & 0x3fU);
+    }
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const bool half = code >= 0xd800 && code < 0xe000; /* of a pair of UTF-16 */
+    return code < least[n] || code > 0x10ffff || half || (code | 1) == 0xffff ? 0 : n;
+}
+
+/* A character, or '?' for what is none; returns how many bytes of the text that was. */
+static int write_character(FILE *out, const char *text)
+{
+    const int n = character_bytes(text);
+    if (n == 0)
+        putc('?', out);
+    else
+        fwrite(text, 1, (size_t)n, out);
+    return n > 0 ? n : 1;
+}
+
+/* Characters that mean something to XML by their names. */
 static void write_text(FILE *out, const char *text)
 {
-    for (; *text; text++) {
-        if (*text == '<')
-            fputs("&lt;", out);
-        else if (*text == '>')
-            fputs("&gt;", out);
-        else if (*text == '&')
-            fputs("&amp;", out);
-        else if ((unsigned char)*text >= ' ')
-            putc(*text, out);
+    while (*text) {
+        const char *name = *text == '<' ? "&lt;" : *text == '>' ? "&gt;" : "&amp;";
+        if (*text != '<' && *text != '>' && *text != '&') {
+            text += write_character(out, text);
+            continue;
+        }
+        fputs(name, out);
+        text++;
     }
 }
 
@@ -24,12 +60,14 @@ static void write_comment(FILE *out, const char *text)
 {
     char before = '\n';
     fputs("<!--\n", out);
-    for (; *text; text++) {
+    while (*text) {
         if (*text == '-' && before == '-')
             putc(' ', out);
-        if ((unsigned char)*text >= ' ' || *text == '\n')
-            putc(*text, out);
         before = *text;
+        if (*text == '\n')
+            putc(*text++, out);
+        else
+            text += write_character(out, text);
     }
     fputs("\n-->\n", out);
 }

@@ -108,12 +108,40 @@ static void values_are_the_shortest_that_read_the_same(void **state)
     }
 }
 
+/* Names and comments are strangers': whatever bytes they have, the file is XML. */
+static void texts_are_characters(void **state)
+{
+    static const struct {
+        const char *text, *read;
+    } cases[] = {{"gr\xc3\xbc n", "gr\xc3\xbc n"},
+                 {"\xe2\x82\xac \xf0\x9f\x8c\x9e", "\xe2\x82\xac \xf0\x9f\x8c\x9e"},
+                 {"a\xff\xfe z", "a?? z"},
+                 {"cut \xe2\x82", "cut ??"},
+                 {"over\xc0\xaflong \xe0\x80\xaf.", "over??long ???."},
+                 {"half \xed\xa0\x80.", "half ???."},
+                 {"far \xf4\x90\x80\x80.", "far ????."},
+                 {"last \xef\xbf\xbf.", "last ???."},
+                 {"bell\a", "bell?"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct orl_document d = {.structure = ORL_STRUCTURE_MATRIX};
+        snprintf(d.name, sizeof d.name, "%s", cases[i].text);
+        fill(&d.parts[0].matrix, bases[2], 7);
+        d.parts[0].present = true;
+        struct orl_bsdf *bsdf = write_and_read(&d, cases[i].text);
+        assert_string_equal(bsdf->info.name, cases[i].read);
+        orl_bsdf_unref(bsdf);
+        orl_document_done(&d);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(matrices_come_back_bit_for_bit),
         cmocka_unit_test(colours_come_back_as_their_tints),
         cmocka_unit_test(values_are_the_shortest_that_read_the_same),
+        cmocka_unit_test(texts_are_characters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
