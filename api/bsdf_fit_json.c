@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bsdf_make_json.h"
 #include "encode.h"
 #include "members.h"
 
@@ -21,15 +22,8 @@ struct draft {
 static int decode_files(const json_t *files, const char *path, void *into, struct orl_error *err)
 {
     struct draft *draft = into;
-    struct orl_job job;
-    orl_job_init(&job);
-    const int rc = orl_job_scene_from_json(files, path, draft->origin, &job, &draft->scene_id, err);
-    draft->request.files = job.scene_files;
-    draft->request.n_files = job.n_scene_files;
-    job.scene_files = NULL;
-    job.n_scene_files = 0;
-    orl_job_done(&job);
-    return rc;
+    return orl_job_files_from_json(files, path, draft->origin, &draft->request.files,
+                                   &draft->request.n_files, &draft->scene_id, err);
 }
 
 static int decode_members(const json_t *doc, struct draft *draft, struct orl_error *err)
@@ -66,12 +60,9 @@ static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
                              "a BSDF of measurements says \"kind\": \"bsdf_fit\"");
     const int rc = decode_members(doc, draft, err);
     draft->request.has_basis = json_object_get(doc, "basis") != NULL;
-    if (rc == 0 && draft->request.has_basis && !orl_bsdf_basis_is_tree(draft->request.basis) &&
-        (json_object_get(doc, "resolution") || json_object_get(doc, "cull")))
-        return orl_json_fail(err, ORL_ERR_INVALID,
-                             json_object_get(doc, "resolution") ? "resolution" : "cull",
-                             "it is of tensor trees, and the basis is none");
-    return rc;
+    return rc == 0 && draft->request.has_basis
+               ? orl_bsdf_check_tree_members(doc, draft->request.basis, err)
+               : rc;
 }
 
 int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,

@@ -21,15 +21,8 @@ struct draft {
 static int decode_scene(const json_t *scene, const char *path, void *into, struct orl_error *err)
 {
     struct draft *draft = into;
-    struct orl_job job;
-    orl_job_init(&job);
-    const int rc = orl_job_scene_from_json(scene, path, draft->origin, &job, &draft->scene_id, err);
-    draft->request.files = job.scene_files;
-    draft->request.n_files = job.n_scene_files;
-    job.scene_files = NULL;
-    job.n_scene_files = 0;
-    orl_job_done(&job);
-    return rc;
+    return orl_job_files_from_json(scene, path, draft->origin, &draft->request.files,
+                                   &draft->request.n_files, &draft->scene_id, err);
 }
 
 static int decode_range(const json_t *value, const char *path, void *into, struct orl_error *err)
@@ -88,18 +81,25 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
     return orl_json_members(doc, "", members, err);
 }
 
+int orl_bsdf_check_tree_members(const json_t *doc, enum orl_bsdf_basis basis, struct orl_error *err)
+{
+    static const char *const members[] = {"resolution", "cull"};
+    for (size_t i = 0; i < sizeof members / sizeof *members; i++)
+        if (!orl_bsdf_basis_is_tree(basis) && json_object_get(doc, members[i]))
+            return orl_json_fail(err, ORL_ERR_INVALID, members[i],
+                                 "it is of tensor trees, and the basis is none");
+    return 0;
+}
+
 static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "bsdf_make") != 0))
         return orl_json_fail(err, ORL_ERR_INVALID, "kind",
                              "a BSDF to be made says \"kind\": \"bsdf_make\"");
-    const int rc = decode_members(doc, draft, err);
-    if (rc == 0 && !orl_bsdf_basis_is_tree(draft->request.basis) &&
-        (json_object_get(doc, "resolution") || json_object_get(doc, "cull")))
-        return orl_json_fail(err, ORL_ERR_INVALID,
-                             json_object_get(doc, "resolution") ? "resolution" : "cull",
-                             "it is of tensor trees, and the basis is none");
+    int rc = decode_members(doc, draft, err);
+    if (rc == 0)
+        rc = orl_bsdf_check_tree_members(doc, draft->request.basis, err);
     if (rc == 0 && json_object_get(doc, "paths_most") && !(draft->request.accuracy > 0))
         return orl_json_fail(err, ORL_ERR_INVALID, "paths_most",
                              "it bounds what an accuracy takes, and none is asked for");

@@ -39,6 +39,10 @@ int orl_bsdf_make_from_json(const json_t *doc, enum orl_job_origin origin,
                             struct orl_bsdf_make_request *ret_request, char **ret_scene_id,
                             struct orl_error *err);
 
+/* What is of tensor trees alone, in a document of another basis, is ORL_ERR_INVALID. */
+int orl_bsdf_check_tree_members(const json_t *doc, enum orl_bsdf_basis basis,
+                                struct orl_error *err);
+
 /* A new reference, the caller's; NULL when out of memory. */
 json_t *orl_bsdf_made_to_json(const struct orl_bsdf_made *made);
 /* Likewise, in sentences: what is not as it was asked for, or not as it should be. */

@@ -80,6 +80,21 @@ int orl_job_scene_from_json(const json_t *scene, const char *path, enum orl_job_
                                    : decode_remote_scene(scene, path, ret_scene_id, err);
 }
 
+int orl_job_files_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
+                            char ***ret_files, size_t *ret_count, char **ret_scene_id,
+                            struct orl_error *err)
+{
+    struct orl_job job;
+    orl_job_init(&job);
+    const int rc = orl_job_scene_from_json(scene, path, origin, &job, ret_scene_id, err);
+    *ret_files = job.scene_files;
+    *ret_count = job.n_scene_files;
+    job.scene_files = NULL;
+    job.n_scene_files = 0;
+    orl_job_done(&job);
+    return rc;
+}
+
 static int decode_scene(const json_t *scene, const char *path, void *into, struct orl_error *err)
 {
     struct draft *draft = into;

@@ -46,5 +46,9 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
  * absent; ret_scene_id as above). What was read before an error stays in job. */
 int orl_job_scene_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
                             struct orl_job *job, char **ret_scene_id, struct orl_error *err);
+/* The same as names alone, which are the caller's. */
+int orl_job_files_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
+                            char ***ret_files, size_t *ret_count, char **ret_scene_id,
+                            struct orl_error *err);
 
 #endif

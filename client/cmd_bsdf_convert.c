@@ -10,6 +10,7 @@
 #include "files.h"
 #include "local.h"
 #include "report.h"
+#include "words.h"
 
 /* ---- What is lost ---------------------------------------------------------------------------- */
 
@@ -80,18 +81,14 @@ int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **arg
 
 /* ---- Converting ------------------------------------------------------------------------------ */
 
-enum { WORDS = 5 };
-
 struct line {
     struct orl_local_line local;
-    const char *texts[WORDS], *report;
+    struct orl_words words;
+    const char *report;
     bool color;
 };
 
-static const struct {
-    const char *name, *metavar, *help;
-    bool is_text;
-} words[WORDS] = {
+static const struct orl_word words[] = {
     {"basis", "BASIS",
      "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
     {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
@@ -100,6 +97,7 @@ static const struct {
     {"symmetry", "WHICH", "left_right, up_down or both: mirrors that it is to have", true},
     {"name", "NAME", "of the material, in the XML (default: as it is)", true},
 };
+enum { WORDS = sizeof words / sizeof *words };
 
 /* As a document that asks for a BSDF to be made says it. */
 static int request_of(const struct line *line, struct orl_bsdf_make_request *ret_request,
@@ -107,14 +105,7 @@ static int request_of(const struct line *line, struct orl_bsdf_make_request *ret
 {
     json_t *doc = json_pack("{s:s, s:{s:[s]}, s:b}", "kind", "bsdf_make", "scene", "files",
                             line->local.operand, "color", (int)line->color);
-    int failed = !doc;
-    for (int i = 0; i < WORDS && !failed; i++)
-        if (line->texts[i]) {
-            json_t *value =
-                words[i].is_text ? NULL : json_loads(line->texts[i], JSON_DECODE_ANY, NULL);
-            failed = json_object_set_new(doc, words[i].name,
-                                         value ? value : json_string(line->texts[i]));
-        }
+    const int failed = !doc || orl_words_into(&line->words, doc);
     const int rc = failed ? orl_error_set(err, ORL_ERR_INVALID, "options take text in UTF-8")
                           : orl_bsdf_make_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err);
     json_decref(doc);
@@ -156,7 +147,7 @@ static int convert(const struct line *line)
 int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **argv)
 {
     enum { OTHERS = 4 };
-    struct line line = {.local = {.most = 1}};
+    struct line line = {.local = {.most = 1}, .words = {words, WORDS, {NULL}}};
     struct orl_option options[OTHERS + WORDS] = {
         {.name = "output",
          .letter = 'o',
@@ -171,11 +162,7 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;
-    for (int i = 0; i < WORDS; i++)
-        options[OTHERS + i] = (struct orl_option){.name = words[i].name,
-                                                  .metavar = words[i].metavar,
-                                                  .help = words[i].help,
-                                                  .value = &line.texts[i]};
+    orl_words_options(&line.words, options + OTHERS);
     if (!orl_local_parse(self, argc, argv, options, OTHERS + WORDS, &line.local, &code))
         return code;
     if (!line.local.output)

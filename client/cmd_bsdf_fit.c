@@ -10,22 +10,19 @@
 #include "job_file.h"
 #include "local.h"
 #include "report.h"
+#include "words.h"
 
-enum { WORDS = 6, FLAGS = 2 };
+enum { FLAGS = 2 };
 
 /* The command line, and the document that it comes to. */
 struct line {
     struct orl_local_line local;
-    const char *texts[WORDS]; /* of the members below; NULL: not given */
+    struct orl_words words;
     bool flags[FLAGS];
     bool as_json;
 };
 
-/* Members of the document that an option gives as they are. */
-static const struct {
-    const char *name, *metavar, *help;
-    bool is_text;
-} words[WORDS] = {
+static const struct orl_word words[] = {
     {"basis", "BASIS",
      "tensor_tree_3 (the default if isotropic), tensor_tree_4 (else), klems_full, klems_half or "
      "klems_quarter",
@@ -41,6 +38,7 @@ static const struct {
      true},
     {"grazing", "DEGREES", "leave out what was measured this close to the surface (0)", false},
 };
+enum { WORDS = sizeof words / sizeof *words };
 static const struct {
     const char *option, *member, *help;
 } flags[FLAGS] = {
@@ -50,13 +48,6 @@ static const struct {
 
 /* ---- The document ---------------------------------------------------------------------------- */
 
-/* A number where it is one; else the text, which is then refused by its member's name. */
-static json_t *value_of(const char *text, bool is_text)
-{
-    json_t *value = is_text ? NULL : json_loads(text, JSON_DECODE_ANY, NULL);
-    return value ? value : json_string(text);
-}
-
 static json_t *document_of(const struct line *line)
 {
     json_t *files = json_array();
@@ -64,10 +55,8 @@ static json_t *document_of(const struct line *line)
     int failed = !doc;
     for (int i = 0; i < line->local.all.count && !failed; i++)
         failed = json_array_append_new(files, json_string(line->local.all.items[i]));
-    for (int i = 0; i < WORDS && !failed; i++)
-        if (line->texts[i])
-            failed =
-                json_object_set_new(doc, words[i].name, value_of(line->texts[i], words[i].is_text));
+    if (!failed)
+        failed = orl_words_into(&line->words, doc);
     for (int i = 0; i < FLAGS && !failed; i++)
         if (line->flags[i])
             failed = json_object_set_new(doc, flags[i].member, json_true());
@@ -77,19 +66,10 @@ static json_t *document_of(const struct line *line)
     return NULL;
 }
 
-static bool names_document(const struct line *line)
-{
-    const char *first = line->local.operand;
-    const size_t length = strlen(first);
-    return length > 5 && strcmp(first + length - 5, ".json") == 0;
-}
-
 /* Whether anything on the line is for the document to say. */
 static bool says_more(const struct line *line)
 {
-    bool more = line->local.all.count > 1;
-    for (int i = 0; i < WORDS; i++)
-        more = more || line->texts[i];
+    bool more = line->local.all.count > 1 || orl_words_any(&line->words);
     for (int i = 0; i < FLAGS; i++)
         more = more || line->flags[i];
     return more;
@@ -102,7 +82,7 @@ static int request_of(const struct line *line, struct orl_job_file *file,
     const char *first = line->local.operand;
     json_t *doc;
     int rc;
-    if (names_document(line)) {
+    if (orl_names_document(first)) {
         rc = orl_job_file_read(first, file, err);
         if (rc == 0)
             rc = orl_bsdf_fit_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err);
@@ -210,16 +190,6 @@ static void warn(const struct orl_bsdf_fitted *f)
         fprintf(stderr, "warning: of CIE-XYZ values only Y is kept\n");
 }
 
-static int write_text(const char *path, const struct orl_bsdf_fitted *fitted, struct orl_error *err)
-{
-    struct orl_new_file file;
-    const int rc = orl_new_file_open(&file, path, err);
-    if (rc)
-        return rc;
-    fwrite(fitted->xml, 1, fitted->xml_size, file.stream);
-    return orl_new_file_commit(&file, err);
-}
-
 static int print_json(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_fitted *f,
                       struct orl_error *err)
 {
@@ -243,7 +213,7 @@ static int fit(const struct line *line)
         rc = orl_local_fit_bsdf(&request, file.folder[0] ? file.folder : ".", line->local.threads,
                                 &fitted, &err);
     if (rc == 0)
-        rc = write_text(line->local.output, &fitted, &err);
+        rc = orl_write_text(line->local.output, fitted.xml, fitted.xml_size, &err);
     if (rc == 0 && line->as_json)
         rc = print_json(&request, &fitted, &err);
     else if (rc == 0)
@@ -259,7 +229,7 @@ static int fit(const struct line *line)
 int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
 {
     enum { OTHERS = 3 };
-    struct line line = {.local = {.most = 512}};
+    struct line line = {.local = {.most = 512}, .words = {words, WORDS, {NULL}}};
     struct orl_option options[OTHERS + WORDS + FLAGS] = {
         {.name = "output",
          .letter = 'o',
@@ -270,11 +240,7 @@ int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;
-    for (int i = 0; i < WORDS; i++)
-        options[OTHERS + i] = (struct orl_option){.name = words[i].name,
-                                                  .metavar = words[i].metavar,
-                                                  .help = words[i].help,
-                                                  .value = &line.texts[i]};
+    orl_words_options(&line.words, options + OTHERS);
     for (int i = 0; i < FLAGS; i++)
         options[OTHERS + WORDS + i] = (struct orl_option){
             .name = flags[i].option, .help = flags[i].help, .flag = &line.flags[i]};
@@ -282,7 +248,7 @@ int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
         return code;
     if (!line.local.output)
         return orl_usage_error(self, "-o FILE is missing");
-    if (names_document(&line) && says_more(&line))
+    if (orl_names_document(line.local.operand) && says_more(&line))
         return orl_usage_error(self, "\"%s\" says itself what is fitted, alone on its line",
                                line.local.operand);
     return fit(&line);

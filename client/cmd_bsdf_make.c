@@ -10,22 +10,17 @@
 #include "job_file.h"
 #include "local.h"
 #include "report.h"
-
-enum { WORDS = 8 };
+#include "words.h"
 
 /* The command line, and the document that it comes to. */
 struct line {
     struct orl_local_line local;
-    const char *texts[WORDS]; /* of the members below; NULL: not given */
+    struct orl_words words;
     const char *cell, *report;
     bool color;
 };
 
-/* Members of the document that an option gives as they are. */
-static const struct {
-    const char *name, *metavar, *help;
-    bool is_text;
-} words[WORDS] = {
+static const struct orl_word words[] = {
     {"basis", "BASIS",
      "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
     {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
@@ -42,15 +37,9 @@ static const struct {
      false},
     {"seed", "N", "the same seed gives the same file (1)", false},
 };
+enum { WORDS = sizeof words / sizeof *words };
 
 /* ---- The document ---------------------------------------------------------------------------- */
-
-/* A number where it is one; else the text, which is then refused by its member's name. */
-static json_t *value_of(const char *text, bool is_text)
-{
-    json_t *value = is_text ? NULL : json_loads(text, JSON_DECODE_ANY, NULL);
-    return value ? value : json_string(text);
-}
 
 static json_t *cell_of(const char *text)
 {
@@ -75,10 +64,8 @@ static json_t *document_of(const struct line *line)
     int failed = !doc;
     for (int i = 0; i < line->local.all.count && !failed; i++)
         failed = json_array_append_new(files, json_string(line->local.all.items[i]));
-    for (int i = 0; i < WORDS && !failed; i++)
-        if (line->texts[i])
-            failed =
-                json_object_set_new(doc, words[i].name, value_of(line->texts[i], words[i].is_text));
+    if (!failed)
+        failed = orl_words_into(&line->words, doc);
     if (line->cell && !failed)
         failed = json_object_set_new(doc, "cell", cell_of(line->cell));
     if (line->color && !failed)
@@ -89,20 +76,10 @@ static json_t *document_of(const struct line *line)
     return NULL;
 }
 
-static bool names_document(const struct line *line)
-{
-    const char *first = line->local.operand;
-    const size_t length = strlen(first);
-    return length > 5 && strcmp(first + length - 5, ".json") == 0;
-}
-
 /* Whether anything on the line is for the document to say. */
 static bool says_more(const struct line *line)
 {
-    bool more = line->cell || line->color || line->local.all.count > 1;
-    for (int i = 0; i < WORDS; i++)
-        more = more || line->texts[i];
-    return more;
+    return line->cell || line->color || line->local.all.count > 1 || orl_words_any(&line->words);
 }
 
 /* By the line's words, or the document that it names. */
@@ -112,7 +89,7 @@ static int request_of(const struct line *line, struct orl_job_file *file,
     const char *first = line->local.operand;
     json_t *doc;
     int rc;
-    if (names_document(line)) {
+    if (orl_names_document(first)) {
         rc = orl_job_file_read(first, file, err);
         if (rc == 0)
             rc = orl_bsdf_make_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err);
@@ -196,7 +173,7 @@ static int make(const struct line *line)
 int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
 {
     enum { OTHERS = 5 };
-    struct line line = {.local = {.most = 64}};
+    struct line line = {.local = {.most = 64}, .words = {words, WORDS, {NULL}}};
     struct orl_option options[OTHERS + WORDS] = {
         {.name = "output",
          .letter = 'o',
@@ -215,16 +192,12 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;
-    for (int i = 0; i < WORDS; i++)
-        options[OTHERS + i] = (struct orl_option){.name = words[i].name,
-                                                  .metavar = words[i].metavar,
-                                                  .help = words[i].help,
-                                                  .value = &line.texts[i]};
+    orl_words_options(&line.words, options + OTHERS);
     if (!orl_local_parse(self, argc, argv, options, OTHERS + WORDS, &line.local, &code))
         return code;
     if (!line.local.output)
         return orl_usage_error(self, "-o FILE is missing");
-    if (names_document(&line) && says_more(&line))
+    if (orl_names_document(line.local.operand) && says_more(&line))
         return orl_usage_error(self, "\"%s\" says itself what is made, alone on its line",
                                line.local.operand);
     return make(&line);

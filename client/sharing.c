@@ -23,9 +23,10 @@
 
 enum { MOST_PARTS = 1000, USUAL_PARTS = 64, MOST_TRIES = 3 };
 
-/* Looked at so often, and so often must its runner say that a part is gone that left nothing. */
+/* Looked at so often, and so often must its runner say that a part is gone that left nothing: what
+ * another machine has written may take seconds to be seen here. */
 static const struct timespec between = {.tv_nsec = 50000000};
-enum { GONE_TIMES = 40 };
+enum { GONE_TIMES = 100 };
 
 /* ---- The folder ------------------------------------------------------------------------------ */
 
@@ -373,6 +374,8 @@ static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, str
     if (is_there(sharing, wave, i, "error", path))
         return try_again(sharing, wave, (uint32_t)i, path, err);
     wave->gone[i] = wave->states[i] == ORL_PART_GONE ? wave->gone[i] + 1 : 0;
+    if (wave->gone[i] > 0)
+        count_files(sharing->folder); /* network file systems look again for what was not there */
     return wave->gone[i] < GONE_TIMES ? 0 : try_again(sharing, wave, (uint32_t)i, NULL, err);
 }
 
@@ -478,6 +481,8 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_line 
 
 void orl_sharing_tell(const struct orl_sharing *sharing)
 {
+    if (sharing->wave == 0 && sharing->earlier == 0)
+        return;
     fprintf(stderr, "parts: %llu in %u waves, %llu of them once more\n",
             (unsigned long long)sharing->parts, sharing->wave, (unsigned long long)sharing->again);
 }

@@ -1,7 +1,9 @@
 /* Requests: defaults, checks, clean-up. */
-#include <oriel/bsdf_fit.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include <oriel/bsdf_fit.h>
+
+#include "goniometer/request.h"
 
 const char *orl_bsdf_fit_symmetry_name(enum orl_bsdf_fit_symmetry symmetry)
 {
@@ -21,37 +23,28 @@ void orl_bsdf_fit_request_done(struct orl_bsdf_fit_request *request)
 {
     if (!request)
         return;
-    for (size_t i = 0; i < request->n_files; i++)
-        free(request->files[i]);
-    free(request->files);
-    free(request->name);
+    orl_gonio_free_names(request->files, request->n_files, request->name);
     memset(request, 0, sizeof *request);
-}
-
-static int fail(struct orl_error *err, int code, const char *member, const char *message)
-{
-    orl_error_set(err, code, "%s", message);
-    orl_error_at(err, NULL, 0, member);
-    return code;
 }
 
 int orl_bsdf_fit_validate(const struct orl_bsdf_fit_request *r, struct orl_error *err)
 {
     if (r->n_files == 0)
-        return fail(err, ORL_ERR_INVALID, "files", "no file of measurements is named");
+        return orl_gonio_refuse(err, ORL_ERR_INVALID, "files", "no file of measurements is named");
     if (r->has_basis && !orl_bsdf_basis_name(r->basis))
-        return fail(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
+        return orl_gonio_refuse(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
     if (!orl_bsdf_fit_symmetry_name(r->symmetry))
-        return fail(err, ORL_ERR_INVALID, "symmetry", "the symmetry is none that there is");
-    if (r->resolution < 4 || r->resolution > 128 || (r->resolution & (r->resolution - 1)))
-        return fail(err, ORL_ERR_RANGE, "resolution", "a resolution is 4, 8, 16, 32, 64 or 128");
-    if (!(r->cull >= 0 && r->cull <= 1))
-        return fail(err, ORL_ERR_RANGE, "cull", "a cull is a share, from 0 to 1");
+        return orl_gonio_refuse(err, ORL_ERR_INVALID, "symmetry",
+                                "the symmetry is none that there is");
+    const int code = orl_gonio_check_tree(r->resolution, r->cull, err);
+    if (code < 0)
+        return code;
     if (!(r->grazing_deg >= 0 && r->grazing_deg <= 45))
-        return fail(err, ORL_ERR_RANGE, "grazing", "grazing rows are those within 0 to 45 degrees");
+        return orl_gonio_refuse(err, ORL_ERR_RANGE, "grazing",
+                                "grazing rows are those within 0 to 45 degrees");
     if (r->has_basis && r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_FIT_AUTO &&
         r->symmetry != ORL_BSDF_FIT_ISOTROPIC)
-        return fail(err, ORL_ERR_UNSUPPORTED, "basis",
-                    "a tensor tree of rank 3 is of isotropic samples");
+        return orl_gonio_refuse(err, ORL_ERR_UNSUPPORTED, "basis",
+                                "a tensor tree of rank 3 is of isotropic samples");
     return 0;
 }

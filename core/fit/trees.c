@@ -134,40 +134,18 @@ static size_t nodes_at(unsigned level)
     return (size_t)1 << 2 * level;
 }
 
-/* Parts of a cell in A: 4 of rank 4, 2 of rank 3. */
-static unsigned parts_in(const struct growing *g)
-{
-    return g->rank == 4 ? 4 : 2;
-}
-
-/* parts: nodes of all parts in A, a level deeper. */
-static bool join_level(const struct growing *g, struct orl_gonio_forest *forest, unsigned level,
-                       const struct orl_gonio_node *parts, struct orl_gonio_node *ret_nodes)
-{
-    const unsigned in = parts_in(g);
-    for (size_t i = 0; i < nodes_at(level); i++) {
-        struct orl_gonio_node children[ORL_GONIO_FAN_MOST];
-        for (unsigned a = 0; a < in; a++)
-            for (unsigned b = 0; b < 4; b++)
-                children[a + b * in] = parts[a * nodes_at(level + 1) + 4 * i + b];
-        if (!orl_gonio_join(forest, children, level + 1, &ret_nodes[i]))
-            return false;
-    }
-    return true;
-}
-
 /* The nodes of incident cell a at a level, from the finest cells up. */
 static bool grow(const struct growing *g, struct hand *hand, struct block *block, unsigned level,
                  uint32_t a, struct orl_gonio_node *ret_nodes)
 {
-    const unsigned in = parts_in(g);
+    const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->levels)
         return !orl_is_cancelled(g->env->cancel) && see(g, hand, block, a, ret_nodes);
     struct orl_gonio_node *parts = malloc(in * nodes_at(level + 1) * sizeof *parts);
     bool fine = parts != NULL;
     for (unsigned k = 0; k < in && fine; k++)
         fine = grow(g, hand, block, level + 1, in * a + k, parts + k * nodes_at(level + 1));
-    fine = fine && join_level(g, &block->forest, level, parts, ret_nodes);
+    fine = fine && orl_gonio_join_level(&block->forest, parts, nodes_at(level), level, ret_nodes);
     free(parts);
     return fine;
 }
@@ -204,7 +182,7 @@ static bool plant(struct growing *g, uint32_t a, struct orl_gonio_node *ret_node
  * direction: it is as the lower one. */
 static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gonio_node *ret_nodes)
 {
-    const unsigned in = parts_in(g);
+    const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->split)
         return plant(g, a, ret_nodes);
     const size_t count = nodes_at(level + 1);
@@ -216,7 +194,7 @@ static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gon
         else
             fine = gather(g, level + 1, in * a + k, parts + k * count);
     }
-    fine = fine && join_level(g, &g->forest, level, parts, ret_nodes);
+    fine = fine && orl_gonio_join_level(&g->forest, parts, nodes_at(level), level, ret_nodes);
     free(parts);
     return fine;
 }

@@ -99,6 +99,21 @@ bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node
     return true;
 }
 
+bool orl_gonio_join_level(struct orl_gonio_forest *forest, const struct orl_gonio_node *parts,
+                          size_t count, unsigned level, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = orl_gonio_parts_in(forest->rank);
+    for (size_t i = 0; i < count; i++) {
+        struct orl_gonio_node children[ORL_GONIO_FAN_MOST];
+        for (unsigned a = 0; a < in; a++)
+            for (unsigned b = 0; b < 4; b++)
+                children[a + b * in] = parts[4 * (a * count + i) + b];
+        if (!orl_gonio_join(forest, children, level + 1, &ret_nodes[i]))
+            return false;
+    }
+    return true;
+}
+
 struct orl_gonio_node orl_gonio_shifted(struct orl_gonio_node node, uint32_t shift)
 {
     if (node.branch)

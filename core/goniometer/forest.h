@@ -49,6 +49,16 @@ bool orl_gonio_are_one(double cull, const struct orl_gonio_node *children, unsig
 bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node *children,
                     unsigned level, struct orl_gonio_node *ret_node);
 
+/* Parts of a cell of directions in, a level deeper: 4 of rank 4, 2 of rank 3. */
+static inline unsigned orl_gonio_parts_in(unsigned rank)
+{
+    return rank == 4 ? 4 : 2;
+}
+/* count nodes of one cell in, which lie at that level, over those of its parts: four times as many
+ * of each part, part after part. False: no memory. */
+bool orl_gonio_join_level(struct orl_gonio_forest *forest, const struct orl_gonio_node *parts,
+                          size_t count, unsigned level, struct orl_gonio_node *ret_nodes);
+
 /* Takes over all branches of another one, with children mirrored: the i-th is the (i ^ mirror)-th.
  * *ret_shift: what is to be added to places. False: no memory. */
 bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gonio_forest *other,

@@ -5,6 +5,8 @@
 
 #include <oriel/bsdf_make.h>
 
+#include "goniometer/request.h"
+
 const char *orl_bsdf_basis_name(enum orl_bsdf_basis basis)
 {
     static const char *const names[ORL_BSDF_BASES] = {"klems_full", "klems_half", "klems_quarter",
@@ -21,18 +23,23 @@ void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request)
     request->seed = 1;
 }
 
+void orl_gonio_free_names(char **files, size_t n_files, char *name)
+{
+    for (size_t i = 0; i < n_files; i++)
+        free(files[i]);
+    free(files);
+    free(name);
+}
+
 void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request)
 {
     if (!request)
         return;
-    for (size_t i = 0; i < request->n_files; i++)
-        free(request->files[i]);
-    free(request->files);
-    free(request->name);
+    orl_gonio_free_names(request->files, request->n_files, request->name);
     memset(request, 0, sizeof *request);
 }
 
-static int fail(struct orl_error *err, int code, const char *member, const char *message)
+int orl_gonio_refuse(struct orl_error *err, int code, const char *member, const char *message)
 {
     orl_error_set(err, code, "%s", message);
     orl_error_at(err, NULL, 0, member);
@@ -50,36 +57,50 @@ uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request)
                                                       : 16384;
 }
 
+int orl_gonio_check_tree(uint32_t resolution, double cull, struct orl_error *err)
+{
+    if (resolution < 4 || resolution > 128 || (resolution & (resolution - 1)))
+        return orl_gonio_refuse(err, ORL_ERR_RANGE, "resolution",
+                                "a resolution is 4, 8, 16, 32, 64 or 128");
+    if (!(cull >= 0 && cull <= 1))
+        return orl_gonio_refuse(err, ORL_ERR_RANGE, "cull", "a cull is a share, from 0 to 1");
+    return 0;
+}
+
 /* What trees have of their own, and what is of matrices alone. */
 static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error *err)
 {
-    if (r->resolution < 4 || r->resolution > 128 || (r->resolution & (r->resolution - 1)))
-        return fail(err, ORL_ERR_RANGE, "resolution", "a resolution is 4, 8, 16, 32, 64 or 128");
-    if (!(r->cull >= 0 && r->cull <= 1))
-        return fail(err, ORL_ERR_RANGE, "cull", "a cull is a share, from 0 to 1");
+    const int code = orl_gonio_check_tree(r->resolution, r->cull, err);
+    if (code < 0)
+        return code;
     if (r->color)
-        return fail(err, ORL_ERR_UNSUPPORTED, "color", "colour is made in Klems bases alone");
+        return orl_gonio_refuse(err, ORL_ERR_UNSUPPORTED, "color",
+                                "colour is made in Klems bases alone");
     if (r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_ASYMMETRIC)
-        return fail(err, ORL_ERR_UNSUPPORTED, "symmetry",
-                    "a tensor tree of rank 3 is the same from all azimuths: it has no mirrors");
+        return orl_gonio_refuse(
+            err, ORL_ERR_UNSUPPORTED, "symmetry",
+            "a tensor tree of rank 3 is the same from all azimuths: it has no mirrors");
     return 0;
 }
 
 int orl_bsdf_make_validate(const struct orl_bsdf_make_request *r, struct orl_error *err)
 {
     if (!orl_bsdf_basis_name(r->basis))
-        return fail(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
+        return orl_gonio_refuse(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
     const uint32_t paths = orl_bsdf_make_paths(r);
     if (paths < ORL_BSDF_MAKE_PATHS_LEAST || paths > ORL_BSDF_MAKE_PATHS_MOST)
-        return fail(err, ORL_ERR_RANGE, "paths", "from 16 to 16777216 paths a direction");
+        return orl_gonio_refuse(err, ORL_ERR_RANGE, "paths",
+                                "from 16 to 16777216 paths a direction");
     if (!(r->accuracy >= 0 && r->accuracy < 1))
-        return fail(err, ORL_ERR_RANGE, "accuracy", "an accuracy is above 0 and below 1");
+        return orl_gonio_refuse(err, ORL_ERR_RANGE, "accuracy",
+                                "an accuracy is above 0 and below 1");
     if (r->accuracy > 0 && (r->paths_most < paths || r->paths_most > ORL_BSDF_MAKE_PATHS_MOST))
-        return fail(err, ORL_ERR_RANGE, "paths_most",
-                    "the most paths are no fewer than those to begin with, and at most 16777216");
+        return orl_gonio_refuse(
+            err, ORL_ERR_RANGE, "paths_most",
+            "the most paths are no fewer than those to begin with, and at most 16777216");
     for (int i = 0; r->has_cell && i < 4; i++)
         if (!isfinite(r->cell[i]) || (i % 2 == 1 && !(r->cell[i] > r->cell[i - 1])))
-            return fail(err, ORL_ERR_RANGE, "cell",
-                        "a cell is x from, x to, y from, y to, in that order");
+            return orl_gonio_refuse(err, ORL_ERR_RANGE, "cell",
+                                    "a cell is x from, x to, y from, y to, in that order");
     return orl_bsdf_basis_is_tree(r->basis) ? validate_tree(r, err) : 0;
 }

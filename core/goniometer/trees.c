@@ -47,32 +47,10 @@ struct trees {
 
 /* ---- Joining --------------------------------------------------------------------------------- */
 
-/* Parts of a cell in A: 4 of rank 4, 2 of rank 3. */
-static unsigned parts_in(const struct trees *t)
-{
-    return t->rank == 4 ? 4 : 2;
-}
-
 /* Cells of B at a level, of both components. */
 static size_t nodes_at(unsigned level)
 {
     return (size_t)2 << 2 * level;
-}
-
-/* parts: nodes of all parts in A, a level deeper. */
-static bool join_level(const struct trees *t, struct orl_gonio_forest *forest, unsigned level,
-                       const struct orl_gonio_node *parts, struct orl_gonio_node *ret_nodes)
-{
-    const unsigned in = parts_in(t);
-    for (size_t i = 0; i < nodes_at(level); i++) {
-        struct orl_gonio_node children[ORL_GONIO_FAN_MOST];
-        for (unsigned a = 0; a < in; a++)
-            for (unsigned b = 0; b < 4; b++)
-                children[a + b * in] = parts[a * nodes_at(level + 1) + 4 * i + b];
-        if (!orl_gonio_join(forest, children, level + 1, &ret_nodes[i]))
-            return false;
-    }
-    return true;
 }
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
@@ -129,14 +107,15 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_node *ret_
 /* The nodes of incident cell a at a level, from the finest cells up. */
 static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_node *ret_nodes)
 {
-    const unsigned in = parts_in(w->t);
+    const unsigned in = orl_gonio_parts_in(w->t->rank);
     if (level == w->t->levels)
         return measure_cell(w, a, ret_nodes);
     struct orl_gonio_node *parts = malloc(in * nodes_at(level + 1) * sizeof *parts);
     bool fine = parts != NULL;
     for (unsigned k = 0; k < in && fine; k++)
         fine = grow(w, level + 1, in * a + k, parts + k * nodes_at(level + 1));
-    fine = fine && join_level(w->t, &w->block->forest, level, parts, ret_nodes);
+    fine =
+        fine && orl_gonio_join_level(&w->block->forest, parts, nodes_at(level), level, ret_nodes);
     free(parts);
     return fine;
 }
@@ -291,7 +270,7 @@ static bool plant(const struct trees *t, struct orl_gonio_forest *forest, size_t
 static bool gather(const struct trees *t, struct orl_gonio_forest *forest, size_t side,
                    unsigned level, size_t a, struct orl_gonio_node *ret_nodes)
 {
-    const unsigned in = parts_in(t);
+    const unsigned in = orl_gonio_parts_in(t->rank);
     if (level == t->split)
         return plant(t, forest, side, a, ret_nodes);
     const size_t count = nodes_at(level + 1);
@@ -303,7 +282,7 @@ static bool gather(const struct trees *t, struct orl_gonio_forest *forest, size_
         else
             fine = gather(t, forest, side, level + 1, in * a + k, parts + k * count);
     }
-    fine = fine && join_level(t, forest, level, parts, ret_nodes);
+    fine = fine && orl_gonio_join_level(forest, parts, nodes_at(level), level, ret_nodes);
     free(parts);
     return fine;
 }

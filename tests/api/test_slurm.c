@@ -48,31 +48,24 @@ static int stop_cluster(void **state)
     return 0;
 }
 
-static void assert_slurm_makes_no_difference(struct cli_desk *f, const char *document)
-{
-    parted_run(f, document, "whole", NULL);
-    parted_run(f, document, "slurm", by_slurm);
-    parted_assert_same(f, "whole", "slurm");
-}
-
 static void test_a_render(void **state)
 {
-    assert_slurm_makes_no_difference(*state, parted_render);
+    parted_compare(*state, parted_render, by_slurm);
 }
 
 static void test_skies(void **state)
 {
-    assert_slurm_makes_no_difference(*state, parted_skies);
+    parted_compare(*state, parted_skies, by_slurm);
 }
 
 static void test_rounds(void **state)
 {
-    assert_slurm_makes_no_difference(*state, parted_goal);
+    parted_compare(*state, parted_goal, by_slurm);
 }
 
 static void test_a_year(void **state)
 {
-    assert_slurm_makes_no_difference(*state, parted_annual);
+    parted_compare(*state, parted_annual, by_slurm);
 }
 
 /* ---- Faults ---------------------------------------------------------------------------------- */

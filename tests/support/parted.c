@@ -188,3 +188,11 @@ void parted_assert_same(const struct cli_desk *desk, const char *one, const char
     closedir(folder);
     assert_true(compared > 1);
 }
+
+void parted_compare(struct cli_desk *desk, const char *document, const char *const *options)
+{
+    parted_run(desk, document, "whole", NULL);
+    parted_run(desk, document, "parts", options);
+    assert_non_null(strstr(desk->result.err, "parts: "));
+    parted_assert_same(desk, "whole", "parts");
+}

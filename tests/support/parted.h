@@ -27,4 +27,7 @@ void parted_run(struct cli_desk *desk, const char *document, const char *output,
  * and of result.json what is no time, count or cost. Fails the test, and names it. */
 void parted_assert_same(const struct cli_desk *desk, const char *one, const char *other);
 
+/* Both: in one piece, and with those options, which are to make no difference. */
+void parted_compare(struct cli_desk *desk, const char *document, const char *const *options);
+
 #endif

@@ -75,7 +75,9 @@ struct orl_bsdf_make_request {
      * value of at least a hundredth of the largest of its part is at most this share of it; 0: not
      * asked for. Beyond paths_most for one direction it is given up: orl_bsdf_made.reached. Of
      * trees a value that stands for several finest cells counts with the error of a quarter of it:
-     * of what the next subdivision would show (goniometer/resolve.h).
+     * of what the next subdivision would show (goniometer/resolve.h). It is a standard error by the
+     * paths that were drawn: of thousands of values some are off by several, and what no path has
+     * met yet none of them knows.
      */
     double accuracy;
     uint32_t paths_most;
