@@ -83,12 +83,12 @@ int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **arg
 
 struct line {
     struct orl_local_line local;
-    struct orl_words words;
+    struct orl_choices words;
     const char *report;
     bool color;
 };
 
-static const struct orl_word words[] = {
+static const struct orl_choice words[] = {
     {"basis", "BASIS",
      "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
     {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},

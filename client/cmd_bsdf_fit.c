@@ -17,12 +17,12 @@ enum { FLAGS = 2 };
 /* The command line, and the document that it comes to. */
 struct line {
     struct orl_local_line local;
-    struct orl_words words;
+    struct orl_choices words;
     bool flags[FLAGS];
     bool as_json;
 };
 
-static const struct orl_word words[] = {
+static const struct orl_choice words[] = {
     {"basis", "BASIS",
      "tensor_tree_3 (the default if isotropic), tensor_tree_4 (else), klems_full, klems_half or "
      "klems_quarter",

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-void orl_words_options(struct orl_words *words, struct orl_option *ret_options)
+void orl_words_options(struct orl_choices *words, struct orl_option *ret_options)
 {
     for (size_t i = 0; i < words->count; i++)
         ret_options[i] = (struct orl_option){.name = words->items[i].name,
@@ -18,7 +18,7 @@ static json_t *value_of(const char *text, bool is_text)
     return value ? value : json_string(text);
 }
 
-int orl_words_into(const struct orl_words *words, json_t *doc)
+int orl_words_into(const struct orl_choices *words, json_t *doc)
 {
     int failed = 0;
 
@@ -29,7 +29,7 @@ int orl_words_into(const struct orl_words *words, json_t *doc)
     return failed;
 }
 
-bool orl_words_any(const struct orl_words *words)
+bool orl_words_any(const struct orl_choices *words)
 {
     bool any = false;
 
