@@ -21,18 +21,17 @@ struct painter {
 };
 
 /* A lobe's ray has its own numbers: those of the look go on with it. */
-static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
-                                    struct orl_vec3 direction, bool outside,
-                                    struct orl_chance chance, struct orl_random *random,
-                                    struct orl_search *search)
+static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *ray,
+                                    struct orl_random *random, struct orl_search *search)
 {
     const uint64_t name = orl_random_bits(random);
     struct orl_tracer tracer = {.backward = ctx,
                                 .group = (uint32_t)(name % ORL_MAP_BATCHES),
                                 .random = {name},
                                 .health = &search->health};
-    return orl_health_keep(&search->health,
-                           orl_backward_radiance(&tracer, origin, direction, outside, chance));
+    return orl_health_keep(
+        &search->health,
+        orl_backward_radiance(&tracer, ray->origin, ray->direction, ray->outside, ray->chance));
 }
 
 /* The light of all diffuse surfaces that a ray came to. */

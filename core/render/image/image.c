@@ -9,7 +9,8 @@
 enum { LAMP_RAYS = 4 };
 /* Rays into a pane's lobes; fewer where pictures err by more elsewhere. */
 enum { PANE_SAMPLES = 28, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
-static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
+static const double dimmest = 0.004;  /* branches below this share of the pixel are not followed */
+static const double faint_lobe = 0.1; /* that sends on less of what it sees */
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
 /* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
@@ -305,14 +306,22 @@ static int place_records(struct painter *p)
 
 /* ---- The view -------------------------------------------------------------------------------- */
 
-static struct orl_rgb lobe_radiance(const void *ctx, struct orl_vec3 origin,
-                                    struct orl_vec3 direction, bool outside,
-                                    struct orl_chance chance, struct orl_random *random,
-                                    struct orl_search *search)
+/*
+ * What is near is lit again by a single ray on, which now and then finds a window: a speck. That a
+ * strong lobe would show how coarse maps are is worth it; of a faint one they tell enough.
+ */
+static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *lobe,
+                                    struct orl_random *random, struct orl_search *search)
 {
-    const struct orl_gather_ray ray = {
-        .origin = origin, .direction = direction, .outside = outside, .of_lobe = &chance};
-    return orl_gather_radiance(ctx, &ray, random, search);
+    const struct painter *p = ctx;
+    const bool faint = lobe->weight < faint_lobe;
+    const struct orl_gather_ray ray = {.origin = lobe->origin,
+                                       .direction = lobe->direction,
+                                       .outside = lobe->outside,
+                                       .of_lobe = &lobe->chance,
+                                       .by_texels = faint,
+                                       .known = faint ? &p->cache : NULL};
+    return orl_gather_radiance(p->gather, &ray, random, search);
 }
 
 static int paint_pixels(const struct painter *p)
@@ -343,7 +352,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
                                          .gloss_samples = GLOSS_SAMPLES,
                                          .dimmest = dimmest,
                                          .radiance = lobe_radiance,
-                                         .ctx = gather}};
+                                         .ctx = &painter}};
     const struct orl_view *view = painting->view;
     const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
     const double degrees = fmax(view->horizontal, view->vertical);

@@ -175,8 +175,8 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, s
     if (orl_world_hides(world, hit->facet))
         return orl_exterior_radiance(world, start, s->direction, chance, look->random,
                                      &look->search->health, NULL);
-    return look->shader->radiance(look->shader->ctx, start, s->direction, outside, chance,
-                                  look->random, look->search);
+    const struct orl_lobe_ray ray = {start, s->direction, chance, orl_rgb_max(s->weight), outside};
+    return look->shader->radiance(look->shader->ctx, &ray, look->random, look->search);
 }
 
 /* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.

@@ -32,12 +32,18 @@ struct orl_shaded {
     bool textured; /* one of the vertices: those beside it may be lit otherwise */
 };
 
-/* A technique's radiance along a ray of a lobe: suns not seen straight, and of lamps the share of
- * that chance. */
-typedef struct orl_rgb orl_shade_radiance(const void *ctx, struct orl_vec3 origin,
-                                          struct orl_vec3 direction, bool outside,
-                                          struct orl_chance chance, struct orl_random *random,
-                                          struct orl_search *search);
+/* A ray of a lobe. */
+struct orl_lobe_ray {
+    struct orl_vec3 origin, direction;
+    struct orl_chance chance; /* with which the lobe sends it there */
+    double weight;            /* of what it sees, in what the surface shows: the largest channel */
+    bool outside;
+};
+
+/* A technique's radiance along one: suns not seen straight, and of lamps the share of that chance.
+ */
+typedef struct orl_rgb orl_shade_radiance(const void *ctx, const struct orl_lobe_ray *ray,
+                                          struct orl_random *random, struct orl_search *search);
 
 /* Which suns a ray shows that it meets straight: by any number of panes, but turned by none. */
 enum orl_suns {
