@@ -6,7 +6,7 @@ enum { SIDE = 4 };
 static const double even_enough = 0.15;
 
 /* Those that differ by more than so many times their mean are too few. */
-static const double stark = 2;
+static const double stark = 0.6;
 
 /* Rays after the usual ones: one to each of as many columns, at heights by the golden ratio. */
 static void place_more(uint32_t ray, double *ret_x, double *ret_y)
