@@ -105,18 +105,23 @@ static double local_mean(const struct bench_reference *r, int width, int x, int 
 }
 
 double bench_worst_pixels(const struct bench_reference *reference, const double *values, int width,
-                          double percentile)
+                          double percentile, double *ret_unsure)
 {
     double *off = malloc(reference->n * sizeof *off);
+    size_t unsure = 0;
     if (!off)
         bench_fail("out of memory", NULL);
     for (size_t i = 0; i < reference->n; i++) {
         const double local =
             local_mean(reference, width, (int)(i % (size_t)width), (int)(i / (size_t)width));
-        const double by =
-            values ? values[i] - at(reference, i) : (reference->a[i] - reference->b[i]) / 2;
-        off[i] = local > 0 ? fabs(by) / local : 0;
+        const double noise = fabs(reference->a[i] - reference->b[i]) / 2;
+        const bool sure = noise <= BENCH_UNSURE * local;
+        const double by = values ? fabs(values[i] - at(reference, i)) : noise;
+        off[i] = local > 0 && sure ? by / local : 0;
+        unsure += !sure;
     }
+    if (ret_unsure)
+        *ret_unsure = (double)unsure / (double)reference->n;
     qsort(off, reference->n, sizeof *off, falling);
     const double worst = off[(size_t)((1 - percentile / 100) * (double)reference->n)];
     free(off);

@@ -39,9 +39,13 @@ double bench_reference_noise(const struct bench_reference *reference, double dar
  * Of an image: stitches and specks are few pixels that are far off what is about them. Every
  * pixel's |X - R| over the mean of R in the 5 x 5 pixels about it (fewer at the border), and of
  * these the percentile. R's own noise is in it; with values NULL it is that alone: |A - B| / 2.
+ * Pixels where that is more than BENCH_UNSURE tell nothing of X and count as if they were met:
+ * where a few of a thousand paths find the sun, R is whatever it is by chance. ret_unsure, or NULL:
+ * how many of all they are.
  */
+#define BENCH_UNSURE 0.1
 double bench_worst_pixels(const struct bench_reference *reference, const double *values, int width,
-                          double percentile);
+                          double percentile, double *ret_unsure);
 
 /* The bias of an image: of its mean. */
 double bench_bias_of_mean(const struct bench_reference *reference, const double *values);

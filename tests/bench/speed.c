@@ -163,7 +163,7 @@ static void read_knobs(struct speed *speed)
     speed->reference.width = 400;
     speed->reference.height = 300;
     speed->reference.pixel_samples = (uint32_t)bench_number("ORIEL_BENCH_REFERENCE", 64);
-    speed->reference.edge_samples = (uint32_t)bench_number("ORIEL_BENCH_REFERENCE_EDGES", 128);
+    speed->reference.edge_samples = (uint32_t)bench_number("ORIEL_BENCH_REFERENCE_EDGES", 512);
     speed->reference.sensor_samples =
         (uint32_t)bench_number("ORIEL_BENCH_REFERENCE_SENSORS", 1 << 17);
     if (speed->runs < 1 || speed->runs > BENCH_MOST_RUNS)

@@ -17,12 +17,14 @@ struct picture {
     const char *view, *about;
     double wanted; /* per cent: half of what it was when they were first looked at */
 };
+/* More pixels that the reference does not know than these leave a thousandth undecided. */
+static const double most_unsure = 0.002;
 static const struct picture pictures[] = {
-    {"edges_office", NULL, OFFICE_VIEW, "the office", 17},
+    {"edges_office", NULL, OFFICE_VIEW, "the office", 15},
     {"edges_desks", "desks.rad", "-vtv -vp 5.2 4.6 1.7 -vd -0.7 -1 -0.35 -vu 0 0 1 -vh 70 -vv 55.4",
      "four desks", 45},
     {"edges_floor", "varnish.rad",
-     "-vtv -vp 1.3 8.6 1.6 -vd -0.08 -1 -0.22 -vu 0 0 1 -vh 60 -vv 46.8", "a varnished floor", 27},
+     "-vtv -vp 1.3 8.6 1.6 -vd -0.08 -1 -0.22 -vu 0 0 1 -vh 60 -vv 46.8", "a varnished floor", 25},
 };
 enum { PICTURES = sizeof pictures / sizeof *pictures };
 
@@ -104,7 +106,7 @@ static void measure(struct speed *s, const struct picture *picture)
                               .names = {(char *)(uintptr_t)picture->file}};
     double *halves = malloc((size_t)2 * PIXELS * sizeof *halves),
            *pixels = malloc(PIXELS * sizeof *pixels);
-    double seconds[BENCH_MOST_RUNS], worst = 0;
+    double seconds[BENCH_MOST_RUNS], worst = 0, unsure;
     char name[BENCH_PATH];
     if (!halves || !pixels)
         bench_fail("out of memory", NULL);
@@ -115,12 +117,15 @@ static void measure(struct speed *s, const struct picture *picture)
     const struct bench_reference reference = {halves, halves + PIXELS, PIXELS};
     for (int run = 0; run < s->runs; run++) {
         seconds[run] = render(&sitting, (uint64_t)run + 1, 0, pixels);
-        worst += bench_worst_pixels(&reference, pixels, WIDTH, percentile) / s->runs;
+        worst += bench_worst_pixels(&reference, pixels, WIDTH, percentile, &unsure) / s->runs;
     }
+    if (unsure > most_unsure)
+        bench_fail("the reference knows too few pixels: ORIEL_BENCH_REFERENCE_EDGES", NULL);
     speed_add_fact(s, picture->key, "%", 100 * worst, picture->wanted,
-                   "%s: worst thousandth, %.2f s (of the reference: %.0f %%)", picture->about,
-                   bench_median(seconds, s->runs),
-                   100 * bench_worst_pixels(&reference, NULL, WIDTH, percentile));
+                   "%s: worst thousandth, %.2f s (of the reference: %.0f; %.2f %% not known)",
+                   picture->about, bench_median(seconds, s->runs),
+                   100 * bench_worst_pixels(&reference, NULL, WIDTH, percentile, NULL),
+                   100 * unsure);
     free(halves);
     free(pixels);
 }
