@@ -17,7 +17,7 @@ static const double good_enough = 0.015;
 /* Errors within which values agree: of a record's own with what is about it, and of discs; and how
  * the records of a disc may scatter about their plane, in terms of the most that their rays do by
  * chance (squares): some see more contrast than others, and scatter more. */
-static const double own_agrees = 4, disc_agrees = 2, plane_agrees = 0.9;
+static const double own_agrees = 4, disc_agrees = 2, plane_agrees = 1.25;
 
 /* How much neighbours turn, and rise, at the most: a cosine, and a share of the way to them. */
 static const double turned = 0.95, risen = 0.1;
