@@ -269,6 +269,8 @@ int orl_bsdf_fit(const struct orl_bsdf_fit_request *request, const struct orl_bs
     int code = orl_bsdf_fit_validate(request, err);
     if (code < 0)
         return code;
+    if (request->n_files == 0)
+        return orl_error_set(err, ORL_ERR_INVALID, "no file of measurements is named");
     orl_crew_heed(env->crew, env->cancel);
     code = fit(request, env, &data, &fitted, err);
     orl_crew_heed(env->crew, NULL);

@@ -29,8 +29,6 @@ void orl_bsdf_fit_request_done(struct orl_bsdf_fit_request *request)
 
 int orl_bsdf_fit_validate(const struct orl_bsdf_fit_request *r, struct orl_error *err)
 {
-    if (r->n_files == 0)
-        return orl_gonio_refuse(err, ORL_ERR_INVALID, "files", "no file of measurements is named");
     if (r->has_basis && !orl_bsdf_basis_name(r->basis))
         return orl_gonio_refuse(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
     if (!orl_bsdf_fit_symmetry_name(r->symmetry))

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/kept_file.h"
+#include "run/kept_bsdf.h"
 
 /* ---- As bytes -------------------------------------------------------------------------------- */
 
@@ -112,82 +112,39 @@ static bool unpack(const char *data, size_t size, struct orl_bsdf_made *ret_made
     return false;
 }
 
-/* ---- In the store ---------------------------------------------------------------------------- */
+/* ---- The panel ------------------------------------------------------------------------------- */
 
-static bool read_kept(const char *path, const char *key, struct orl_bsdf_made *ret_made)
+struct panel {
+    const struct orl_bsdf_make_request *request;
+    const struct orl_bsdf_make_env *env;
+    struct orl_bsdf_made *made;
+};
+
+static int make_panel(void *ctx, struct orl_error *err)
 {
-    struct orl_kept_about about;
-    void *data = NULL;
-    size_t size = 0;
-    if (orl_kept_read(path, key, &about, &data, &size, NULL) < 0)
-        return false;
-    const bool found = unpack(data, size, ret_made);
-    free(data);
-    return found;
+    const struct panel *p = ctx;
+    return orl_bsdf_make(p->request, p->env, p->made, err);
 }
 
-/* Whether it is there now; what fails leaves it to be made by whoever wants it next. */
-static bool put(const struct orl_map_store *store, const char *path,
-                const struct orl_bsdf_made *made, struct orl_map_info *info)
+static char *pack_panel(const void *ctx, size_t *ret_size, uint64_t *ret_effort)
 {
-    struct orl_kept_about about = {.rays = made->paths};
-    size_t size = 0;
-    char *data = pack(made, &size);
-    memcpy(about.key, info->key, sizeof about.key);
-    const bool written = data && orl_kept_write(path, &about, data, size, NULL) == 0;
-    free(data);
-    info->emitted = made->paths;
-    info->stored = size / sizeof(float);
-    info->bytes = about.bytes;
-    return written && store->commit(store->ctx, info, NULL) == 0;
+    const struct panel *p = ctx;
+    *ret_effort = p->made->paths;
+    return pack(p->made, ret_size);
 }
 
-static int make_and_put(const struct orl_bsdf_make_request *request,
-                        const struct orl_bsdf_make_env *env, const struct orl_map_store *store,
-                        const char *path, double (*now_s)(void *ctx), struct orl_map_info *info,
-                        struct orl_bsdf_made *ret_made, struct orl_error *err)
+static bool unpack_panel(void *ctx, const char *data, size_t size)
 {
-    const double began_s = now_s(env->ctx);
-    const int code = orl_bsdf_make(request, env, ret_made, err);
-    info->seconds = now_s(env->ctx) - began_s;
-    if (code == 0 && path[0] && put(store, path, ret_made, info))
-        store->release(store->ctx, ORL_MADE_KIND, info->key);
-    else if (path[0])
-        store->abandon(store->ctx, ORL_MADE_KIND, info->key);
-    return code;
+    const struct panel *p = ctx;
+    return unpack(data, size, p->made);
 }
 
 int orl_bsdf_make_kept(const struct orl_bsdf_make_request *request,
-                       const struct orl_bsdf_make_env *env, const struct orl_map_store *store,
-                       const char *key, double (*now_s)(void *ctx), struct orl_map_info *ret_info,
-                       struct orl_bsdf_made *ret_made, struct orl_error *err)
+                       const struct orl_bsdf_make_env *env, const struct orl_bsdf_keep *keep,
+                       struct orl_map_info *ret_info, struct orl_bsdf_made *ret_made,
+                       struct orl_error *err)
 {
-    struct orl_map_info info = {.kind = ORL_MADE_KIND};
-    char path[4096] = "";
-    bool hit = true;
-    memcpy(info.key, key, ORL_DIGEST_HEX);
-    for (int attempt = 0; attempt < 2 && hit; attempt++) {
-        struct orl_map_info found = info;
-        const int code =
-            store->acquire(store->ctx, ORL_MADE_KIND, key, (atomic_bool *)(uintptr_t)env->cancel,
-                           path, &hit, &found, NULL);
-        if (code == ORL_ERR_CANCELLED)
-            return orl_error_set(err, code, "cancelled");
-        if (code < 0) { /* it is made for this job alone */
-            path[0] = '\0';
-            break;
-        }
-        if (hit && read_kept(path, key, ret_made)) {
-            store->release(store->ctx, ORL_MADE_KIND, key);
-            *ret_info = found;
-            ret_info->cached = true;
-            return 0;
-        }
-        if (hit) {
-            store->abandon(store->ctx, ORL_MADE_KIND, key);
-            path[0] = '\0';
-        }
-    }
-    *ret_info = info;
-    return make_and_put(request, env, store, path, now_s, ret_info, ret_made, err);
+    struct panel panel = {request, env, ret_made};
+    const struct orl_kept_bsdf bsdf = {&panel, make_panel, pack_panel, unpack_panel};
+    return orl_kept_bsdf_get(&bsdf, env, keep, ret_info, err);
 }

@@ -50,6 +50,20 @@ enum orl_bsdf_fit_symmetry {
 /* "auto" and so on; NULL for what is none. */
 const char *orl_bsdf_fit_symmetry_name(enum orl_bsdf_fit_symmetry symmetry);
 
+/* What files of measurements hold. */
+struct orl_bsdf_measurements {
+    size_t rows, directions; /* incident ones: of each side, and each side out */
+    char sample[128];        /* its name as the files have it, or "" */
+};
+
+/* Whether a file's first line that says anything is of one of the formats, and of no scene. */
+bool orl_bsdf_is_measured(const char *text, size_t size);
+
+/* Reads them all: errors as of orl_bsdf_fit for files that cannot be read. */
+int orl_bsdf_measurements_check(const char *const *files, size_t count,
+                                const struct orl_files *provider, struct orl_bsdf_measurements *ret,
+                                struct orl_error *err);
+
 struct orl_bsdf_fit_request {
     char **files; /* of measurements; owned */
     size_t n_files;

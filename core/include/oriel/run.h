@@ -136,7 +136,8 @@ enum { ORL_DIGEST_HEX = 64 };
 struct orl_map_info {
     /* "global", "caustic" or "precomputed"; in a store also "bsdf": no photon map, but a BSDF kept
      * as it is after loading, in which stored counts values and nothing is emitted; "annual"; and
-     * "made": a BSDF made of geometry (oriel/bsdf_kept.h), whose paths are emitted. */
+     * "made": a BSDF made of geometry or measurements (oriel/bsdf_kept.h), whose paths, or rows,
+     * are emitted. */
     char kind[16];
     char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
     /* Digest of all of that but the target: of two maps of one family the larger continues the

@@ -1,0 +1,76 @@
+/* Measurements looked at before anything is made of them. */
+#include <oriel/bsdf_fit.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/rows.h"
+
+/* The first line that is no remark, without its end; of length 0: there is none. */
+static struct orl_fit_word first_line(const char *text, size_t size)
+{
+    struct orl_fit_lines lines = {.at = text, .end = text + size};
+    const struct orl_fit_reading reading = {.reversed = false};
+    struct orl_fit_word line = {text, 0};
+    bool more = true;
+    lines.reading = &reading;
+    while (orl_fit_next_line(&lines, &line, &more, NULL) == 0 && more) {
+        struct orl_fit_word rest = line;
+        const struct orl_fit_word word = orl_fit_take_word(&rest);
+        if (word.length > 0 && word.text[0] != '#')
+            return line;
+    }
+    return (struct orl_fit_word){text, 0};
+}
+
+static bool has(struct orl_fit_word line, const char *name)
+{
+    const size_t length = strlen(name);
+    for (size_t i = 0; i + length <= line.length; i++)
+        if (strncasecmp(line.text + i, name, length) == 0)
+            return true;
+    return false;
+}
+
+/* Of numbers alone: a scene's line has a word among its first three. */
+static bool is_row(struct orl_fit_word line)
+{
+    size_t numbers = 0;
+    for (struct orl_fit_word word; (word = orl_fit_take_word(&line)).length > 0; numbers++) {
+        char number[32], *end = number;
+        snprintf(number, sizeof number, "%.*s", (int)(word.length < 31 ? word.length : 31),
+                 word.text);
+        strtod(number, &end);
+        if (end == number || *end != '\0')
+            return false;
+    }
+    return numbers >= 3;
+}
+
+bool orl_bsdf_is_measured(const char *text, size_t size)
+{
+    const bool marked = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0;
+    const struct orl_fit_word line = first_line(text + 3 * marked, size - 3 * marked);
+    return is_row(line) || (has(line, "theta_in") && has(line, "theta_out"));
+}
+
+int orl_bsdf_measurements_check(const char *const *files, size_t count,
+                                const struct orl_files *provider, struct orl_bsdf_measurements *ret,
+                                struct orl_error *err)
+{
+    const struct orl_fit_reading reading = {.reversed = false};
+    struct orl_fit_data data = {0};
+    int code = 0;
+    for (uint32_t i = 0; i < count && code == 0; i++) {
+        struct orl_file file;
+        code = provider->open(provider->ctx, files[i], &file, err);
+        if (code < 0)
+            break;
+        code = orl_fit_read(files[i], i, file.data, file.size, &reading, &data, err);
+        provider->close(provider->ctx, &file);
+    }
+    *ret = (struct orl_bsdf_measurements){.rows = data.n_rows, .directions = data.n_scans};
+    snprintf(ret->sample, sizeof ret->sample, "%s", data.name);
+    orl_fit_data_done(&data);
+    return code;
+}
