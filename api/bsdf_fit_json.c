@@ -86,6 +86,12 @@ int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,
 /* ---- What was made ---------------------------------------------------------------------------
  * json_pack's "o" fails on NULL, so that one check covers all parts. */
 
+json_t *orl_bsdf_measurements_to_json(const struct orl_bsdf_measurements *m)
+{
+    return json_pack("{s:I, s:I, s:s?}", "rows", (json_int_t)m->rows, "incident_directions",
+                     (json_int_t)m->directions, "sample", m->sample[0] ? m->sample : NULL);
+}
+
 static const char *const names[2][2] = {{"reflection_back", "transmission_back"},
                                         {"reflection_front", "transmission_front"}};
 
@@ -162,4 +168,48 @@ json_t *orl_bsdf_fitted_to_json(const struct orl_bsdf_fit_request *request,
                      names[0][0], component_to_json(f, 0, 0), "scans", scans_to_json(f), "outliers",
                      "count", (json_int_t)f->n_outliers, "told", outliers_to_json(request, f),
                      "color_left_out", (int)f->color_left_out);
+}
+
+/* ---- What is not as it should be ------------------------------------------------------------- */
+
+/* A peak that was not looked at is not there; and what no sample does. */
+static int warn_of_scan(json_t *list, const struct orl_bsdf_fitted_scan *s)
+{
+    const char *from = s->front ? "inside" : "outside";
+    int rc = 0;
+    if (s->hidden_deg > 0)
+        rc |= json_array_append_new(
+            list, json_sprintf("light from the %s, theta %.4g, phi %.4g: where it goes %s nothing "
+                               "was measured within %.2g degrees; a peak there is lost",
+                               from, s->theta_deg, s->phi_deg,
+                               s->transmitted ? "straight" : "mirrored", s->hidden_deg));
+    if (s->total > 1 + 3 * s->total_error)
+        rc |= json_array_append_new(
+            list,
+            json_sprintf("light from the %s, theta %.4g, phi %.4g: %.4g times as much is %s as "
+                         "comes",
+                         from, s->theta_deg, s->phi_deg, s->total,
+                         s->transmitted ? "transmitted" : "reflected"));
+    return rc;
+}
+
+json_t *orl_bsdf_fitted_warnings(const struct orl_bsdf_fitted *f)
+{
+    json_t *list = json_array();
+    int rc = list ? 0 : -1;
+    for (size_t i = 0; i < f->n_scans && rc == 0; i++)
+        rc = warn_of_scan(list, &f->scans[i]);
+    for (int i = 0; i < 4 && rc == 0; i++)
+        if (f->has[i / 2][i % 2] && f->misplaced[i / 2][i % 2] < 0)
+            rc = json_array_append_new(
+                list,
+                json_sprintf("light from the %s, %s: too few incident directions to say how "
+                             "well others are told",
+                             i / 2 ? "inside" : "outside", i % 2 ? "transmitted" : "reflected"));
+    if (f->color_left_out && rc == 0)
+        rc = json_array_append_new(list, json_string("of CIE-XYZ values only Y is kept"));
+    if (rc == 0)
+        return list;
+    json_decref(list);
+    return NULL;
 }

@@ -36,6 +36,13 @@ int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,
                            struct orl_bsdf_fit_request *ret_request, char **ret_scene_id,
                            struct orl_error *err);
 
+/* What files of measurements hold: {"rows", "incident_directions", "sample": text or null}. A new
+ * reference; NULL when out of memory. */
+json_t *orl_bsdf_measurements_to_json(const struct orl_bsdf_measurements *measurements);
+
+/* Likewise, in sentences: what is not as it should be. */
+json_t *orl_bsdf_fitted_warnings(const struct orl_bsdf_fitted *fitted);
+
 /* Files by their names in the request. A new reference, the caller's; NULL when out of memory. */
 json_t *orl_bsdf_fitted_to_json(const struct orl_bsdf_fit_request *request,
                                 const struct orl_bsdf_fitted *fitted);

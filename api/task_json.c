@@ -34,6 +34,12 @@ static int decode_bsdf_make(const json_t *doc, enum orl_job_origin origin, struc
     return orl_bsdf_make_from_json(doc, origin, &task->of.bsdf_make, ret_scene_id, err);
 }
 
+static int decode_bsdf_fit(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
+                           char **ret_scene_id, struct orl_error *err)
+{
+    return orl_bsdf_fit_from_json(doc, origin, &task->of.bsdf_fit, ret_scene_id, err);
+}
+
 static int validate_render(const struct orl_task *task, struct orl_error *err)
 {
     return orl_job_validate(&task->of.render, err);
@@ -52,6 +58,11 @@ static int validate_annual(const struct orl_task *task, struct orl_error *err)
 static int validate_bsdf_make(const struct orl_task *task, struct orl_error *err)
 {
     return orl_bsdf_make_validate(&task->of.bsdf_make, err);
+}
+
+static int validate_bsdf_fit(const struct orl_task *task, struct orl_error *err)
+{
+    return orl_bsdf_fit_validate(&task->of.bsdf_fit, err);
 }
 
 static void done_render(struct orl_task *task)
@@ -74,6 +85,11 @@ static void done_bsdf_make(struct orl_task *task)
     orl_bsdf_make_request_done(&task->of.bsdf_make);
 }
 
+static void done_bsdf_fit(struct orl_task *task)
+{
+    orl_bsdf_fit_request_done(&task->of.bsdf_fit);
+}
+
 static const struct {
     const char *name;
     int (*decode)(const json_t *doc, enum orl_job_origin origin, struct orl_task *task,
@@ -85,6 +101,7 @@ static const struct {
     [ORL_TASK_STUDY] = {"study", decode_study, validate_study, done_study},
     [ORL_TASK_ANNUAL] = {"annual", decode_annual, validate_annual, done_annual},
     [ORL_TASK_BSDF_MAKE] = {"bsdf_make", decode_bsdf_make, validate_bsdf_make, done_bsdf_make},
+    [ORL_TASK_BSDF_FIT] = {"bsdf_fit", decode_bsdf_fit, validate_bsdf_fit, done_bsdf_fit},
 };
 
 const char *orl_task_kind_name(enum orl_task_kind kind)
@@ -121,8 +138,8 @@ static int read_kind(const json_t *doc, enum orl_task_kind *ret_kind, struct orl
         return 0;
     return orl_json_fail(
         err, ORL_ERR_INVALID, "kind",
-        "\"render\" (the default), \"study\", \"annual\" or \"bsdf_make\" is wanted "
-        "here");
+        "\"render\" (the default), \"study\", \"annual\", \"bsdf_make\" or \"bsdf_fit\" is "
+        "wanted here");
 }
 
 static int read_priority(const json_t *doc, int *ret_priority, struct orl_error *err)
@@ -186,10 +203,12 @@ static struct scene_place scene_of(struct orl_task *task)
     struct orl_job *job = task->kind == ORL_TASK_STUDY ? &task->of.study.job : &task->of.render;
     struct orl_annual_request *year = &task->of.annual.request;
     struct orl_bsdf_make_request *panel = &task->of.bsdf_make;
+    struct orl_bsdf_fit_request *sample = &task->of.bsdf_fit;
     return task->kind == ORL_TASK_ANNUAL
                ? (struct scene_place){&year->scene_files, &year->n_scene_files}
-           : task->kind == ORL_TASK_BSDF_MAKE
-               ? (struct scene_place){&panel->files, &panel->n_files}
+           : task->kind == ORL_TASK_BSDF_MAKE ? (struct scene_place){&panel->files, &panel->n_files}
+           : task->kind == ORL_TASK_BSDF_FIT
+               ? (struct scene_place){&sample->files, &sample->n_files}
                : (struct scene_place){&job->scene_files, &job->n_scene_files};
 }
 
@@ -296,7 +315,7 @@ int orl_task_files(const struct orl_task *task,
 {
     const struct visiting v = {visit, ctx, err};
     const struct orl_job *job = orl_task_job(task);
-    if (task->kind == ORL_TASK_BSDF_MAKE)
+    if (task->kind == ORL_TASK_BSDF_MAKE || task->kind == ORL_TASK_BSDF_FIT)
         return 0;
     return job ? visit_job(&v, job) : visit_year(&v, &task->of.annual);
 }

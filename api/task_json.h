@@ -16,6 +16,7 @@
 #include <oriel/study.h>
 
 #include "annual_json.h"
+#include "bsdf_fit_json.h"
 #include "bsdf_make_json.h"
 #include "job_json.h"
 #include "labels_json.h"
@@ -25,9 +26,10 @@ enum orl_task_kind {
     ORL_TASK_STUDY,
     ORL_TASK_ANNUAL,
     ORL_TASK_BSDF_MAKE,
+    ORL_TASK_BSDF_FIT,
     ORL_TASK_KIND_COUNT
 };
-/* "render", "study", "annual", "bsdf_make" */
+/* "render", "study", "annual", "bsdf_make", "bsdf_fit" */
 const char *orl_task_kind_name(enum orl_task_kind kind);
 /* ORL_TASK_KIND_COUNT when there is no such kind. */
 enum orl_task_kind orl_task_kind_from_name(const char *name);
@@ -43,6 +45,7 @@ struct orl_task {
         struct orl_study_request study;
         struct orl_annual_job annual;
         struct orl_bsdf_make_request bsdf_make;
+        struct orl_bsdf_fit_request bsdf_fit;
     } of;
 };
 /* NULL and all zeros are fine. */

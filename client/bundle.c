@@ -8,6 +8,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include <oriel/bsdf_fit.h>
 #include <oriel/limits.h>
 #include <oriel/run.h>
 
@@ -65,6 +66,22 @@ static int add_part(struct orl_upload *bundle, const char *folder, const char *n
     return 0;
 }
 
+/* A scene and what it refers to; or measurements, which refer to nothing. */
+static int look_at(const char *const *main_files, size_t n_files, const struct orl_files *files,
+                   struct orl_scene_summary *ret_summary, struct orl_error *err)
+{
+    struct orl_bsdf_measurements found;
+    struct orl_file first;
+    bool measured = false;
+
+    if (n_files > 0 && files->open(files->ctx, main_files[0], &first, NULL) == 0) {
+        measured = orl_bsdf_is_measured(first.data, first.size);
+        files->close(files->ctx, &first);
+    }
+    return measured ? orl_bsdf_measurements_check(main_files, n_files, files, &found, err)
+                    : orl_scene_check(main_files, n_files, files, NULL, ret_summary, err);
+}
+
 int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
                        struct orl_upload *ret_bundle, struct orl_error *err)
 {
@@ -78,7 +95,7 @@ int orl_bundle_collect(const char *folder, const char *const *main_files, size_t
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }
-    rc = orl_scene_check(main_files, n_files, &files, NULL, &summary, err);
+    rc = look_at(main_files, n_files, &files, &summary, err);
     for (size_t i = 0; i < n_files && rc == 0; i++)
         rc = add_part(&bundle, folder, main_files[i], false, err);
     for (size_t i = 0; i < summary.n_referenced && rc == 0; i++)

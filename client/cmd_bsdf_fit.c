@@ -155,39 +155,12 @@ static void print_fitted(const struct orl_bsdf_fit_request *request,
     print_outliers(request, f);
 }
 
-/* A peak that was not looked at is not there; and what no sample does. */
-static void warn_of_scans(const struct orl_bsdf_fitted *f)
-{
-    for (size_t i = 0; i < f->n_scans; i++) {
-        const struct orl_bsdf_fitted_scan *s = &f->scans[i];
-        const char *from = s->front ? "inside" : "outside";
-        if (s->hidden_deg > 0)
-            fprintf(
-                stderr,
-                "warning: light from the %s, theta %.4g, phi %.4g: where it goes %s nothing was "
-                "measured within %.2g degrees; a peak there is lost\n",
-                from, s->theta_deg, s->phi_deg, s->transmitted ? "straight" : "mirrored",
-                s->hidden_deg);
-        if (s->total > 1 + 3 * s->total_error)
-            fprintf(stderr,
-                    "warning: light from the %s, theta %.4g, phi %.4g: %.4g times as much is %s as "
-                    "comes\n",
-                    from, s->theta_deg, s->phi_deg, s->total,
-                    s->transmitted ? "transmitted" : "reflected");
-    }
-}
-
 static void warn(const struct orl_bsdf_fitted *f)
 {
-    warn_of_scans(f);
-    for (int i = 0; i < 4; i++)
-        if (f->has[i / 2][i % 2] && f->misplaced[i / 2][i % 2] < 0)
-            fprintf(stderr,
-                    "warning: light from the %s, %s: too few incident directions to say how well "
-                    "others are told\n",
-                    i / 2 ? "inside" : "outside", i % 2 ? "transmitted" : "reflected");
-    if (f->color_left_out)
-        fprintf(stderr, "warning: of CIE-XYZ values only Y is kept\n");
+    json_t *warnings = orl_bsdf_fitted_warnings(f);
+    for (size_t i = 0; i < json_array_size(warnings); i++)
+        fprintf(stderr, "warning: %s\n", json_string_value(json_array_get(warnings, i)));
+    json_decref(warnings);
 }
 
 static int print_json(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_fitted *f,

@@ -17,7 +17,17 @@
 #include "task_bundle.h"
 #include "task_json.h"
 
-/* Uploads "scene": {"files": [...]} and puts the id in its place; an id stays as it is. */
+/* Where the document has what is to be uploaded. */
+static const char *place_of(const struct orl_job_file *file)
+{
+    const char *kind = json_string_value(json_object_get(file->doc, "kind"));
+
+    return kind && strcmp(kind, orl_task_kind_name(ORL_TASK_BSDF_FIT)) == 0 ? "measurements"
+                                                                            : "scene";
+}
+
+/* Uploads {"files": [...]}, a scene's or of measurements, and puts the id in its place; an id stays
+ * as it is. */
 static int send_scene(struct orl_http *http, struct orl_job_file *file, struct orl_error *err)
 {
     struct orl_upload bundle = {0};
@@ -25,7 +35,7 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     char *id = NULL;
     int rc;
 
-    if (!json_is_object(json_object_get(file->doc, "scene")))
+    if (!json_is_object(json_object_get(file->doc, place_of(file))))
         return 0;
     /* Decoding it as the command would that runs it here finds mistakes before anything is sent. */
     rc = orl_task_from_json(file->doc, ORL_JOB_LOCAL, &task, NULL, err);
@@ -36,7 +46,7 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     rc = orl_task_bundle_collect(file->folder, &task, &bundle, err);
     if (rc == 0)
         rc = orl_bundle_upload(&bundle, http, &id, err);
-    if (rc == 0 && json_object_set_new(file->doc, "scene", json_string(id)) != 0)
+    if (rc == 0 && json_object_set_new(file->doc, place_of(file), json_string(id)) != 0)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(id);
     orl_bundle_done(&bundle);

@@ -38,7 +38,7 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
 
     if (strcmp(orl_json_text(map, "kind"), "made") == 0) {
         orl_format_amount(orl_json_number(map, "emitted", 0), "", stored, sizeof stored);
-        snprintf(ret_text, size, "BSDF: %s %.1f s (%s paths)",
+        snprintf(ret_text, size, "BSDF: %s %.1f s (of %s paths, or rows measured)",
                  orl_json_true(map, "cached") ? "made before, in" : "made in", seconds, stored);
         return;
     }

@@ -20,7 +20,7 @@ export function facts(pairs) {
 export function jobFacts(job) {
   const took = job.started && job.finished ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
   return facts([
-    ['Kind', { annual: 'Year of daylight', study: 'Study', bsdf_make: 'BSDF of a panel' }[job.kind] ?? 'Render'],
+    ['Kind', { annual: 'Year of daylight', study: 'Study', bsdf_make: 'BSDF of a panel', bsdf_fit: 'BSDF of measurements' }[job.kind] ?? 'Render'],
     ['Technique', job.technique && TECHNIQUES[job.technique]],
     ['Scene', h('a', { class: 'mono', href: `#/jobs?scene=${job.scene}` }, shortId(job.scene))],
     ['Tags', job.tags.length ? job.tags.map((tag, i) => [i ? ', ' : '', h('a', { href: `#/jobs?${new URLSearchParams({ tag })}` }, tag)]) : null],

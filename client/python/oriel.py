@@ -398,7 +398,8 @@ class Client:
         files: Radiance files, in order; resources: what these name (BSDFs, files of !xform and
         functions, weather), or None: every file below folder that a word in them names. Names are
         relative to folder (else the current one), and are what the scene knows them by.
-        bsdfs: {name: id} of BSDFs that the daemon has, as a job "bsdf_make" leaves one.
+        bsdfs: {name: id} of BSDFs that the daemon has, as jobs "bsdf_make" and "bsdf_fit" leave one.
+        What a goniophotometer wrote travels the same way.
         """
         folder = folder or ""
         if resources is None:
@@ -546,11 +547,11 @@ class Client:
 
     def render(self, document, output=None, folder=None, progress=None):
         """A document of any kind from start to end, as `oriel submit --wait` and `oriel fetch` take
-        it: a job, a study, with `"kind": "annual"` a year of daylight, or with `"bsdf_make"` a
-        panel's BSDF, whose id is the result's ["bsdf"]["id"].
+        it: a job, a study, with `"kind": "annual"` a year of daylight, with `"bsdf_make"` a panel's
+        BSDF, or with `"bsdf_fit"` that of measurements; its id is the result's ["bsdf"]["id"].
 
-        document: a dict, or the path of a JSON file, in which "scene" has "files" and sensors may
-        be a file; names are relative to folder, else to the JSON file, else to the current folder.
+        document: a dict, or the path of a JSON file, in which "scene" (or "measurements") has "files"
+        and sensors may be a file; names are relative to folder, else to the JSON file, else to the current folder.
         Uploads, submits, waits (see Job.wait), and fetches everything into the folder output unless
         that is None. Returns the result.
         """
@@ -568,6 +569,9 @@ class Client:
         """The document with its scene uploaded, and its sensors read but for those of a year."""
         document, year = dict(document), document.get("kind") == "annual"
         scene, sensors = document.get("scene"), document.get("sensors")
+        measured = document.get("measurements")
+        if isinstance(measured, dict) and "files" in measured:
+            document["measurements"] = self.upload_scene(measured["files"], [], folder)
         if isinstance(scene, dict) and "files" in scene:
             names = _mentioned(folder, scene["files"])
             named = (_year_files(document) if year

@@ -12,6 +12,7 @@
 #include <oriel/limits.h>
 #include <oriel/run.h>
 
+#include "bsdf_fit_json.h"
 #include "bsdf_json.h"
 #include "checks/child_looks.h"
 #include "checks/child_plan.h"
@@ -93,6 +94,33 @@ static void add_files(json_t *summary, const struct orl_bundle *bundle)
     json_object_set_new(summary, "unread", unread);
 }
 
+/* By the first of its main files. */
+static bool is_measured(const struct orl_files *files, const char *name)
+{
+    struct orl_file file;
+    if (files->open(files->ctx, name, &file, NULL) < 0)
+        return false;
+    const bool measured = orl_bsdf_is_measured(file.data, file.size);
+    files->close(files->ctx, &file);
+    return measured;
+}
+
+/* What a goniophotometer wrote. */
+static int check_measurements(const struct orl_bundle *bundle, const char *const *names,
+                              size_t count, const struct orl_files *files, json_t **ret_result,
+                              struct orl_error *err)
+{
+    struct orl_bsdf_measurements found;
+    const int rc = orl_bsdf_measurements_check(names, count, files, &found, err);
+    if (rc)
+        return rc;
+    *ret_result = json_pack("{s:o}", "measurements", orl_bsdf_measurements_to_json(&found));
+    if (!*ret_result)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    add_files(*ret_result, bundle);
+    return 0;
+}
+
 static int check_scene(struct check *check, json_t **ret_result, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
@@ -102,6 +130,8 @@ static int check_scene(struct check *check, json_t **ret_result, struct orl_erro
     for (size_t i = 0; i < count; i++)
         names[i] = bundle->files[i].name;
     const struct orl_files files = orl_opened_provider(&check->files);
+    if (count > 0 && is_measured(&files, names[0]))
+        return check_measurements(bundle, names, count, &files, ret_result, err);
     int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
     if (rc == 0) {
         *ret_result = orl_scene_summary_to_json(&summary);

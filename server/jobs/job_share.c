@@ -19,7 +19,7 @@ void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA
         return;
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     json_object_del(doc, "priority");
-    if (!kind || strcmp(kind, "bsdf_make") != 0) /* it says what its BSDF is called */
+    if (!kind || strncmp(kind, "bsdf_", 5) != 0) /* it says what their BSDFs are called */
         json_object_del(doc, "name");
     json_object_del(doc, "tags");
     char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);

@@ -166,6 +166,14 @@ static bool answer_by_key(struct orl_request *request)
     return true;
 }
 
+static uint64_t number_at(const json_t *object, const char *name)
+{
+    return (uint64_t)json_integer_value(json_object_get(object, name));
+}
+
+/* Of a row of measurements with its mirror images, while they are fitted. */
+enum { MEASURED_ROW = 400 };
+
 /* What of the scene says how much memory the job takes, and whether it suits it. */
 static int note_needs(struct orl_server *server, struct job_post *post,
                       const struct orl_bundle *bundle)
@@ -180,17 +188,18 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     if (found && !summary)
         return orl_error_set(&post->err, ORL_ERR_NOMEM, "out of memory");
     post->memory = post->brief.needs;
-    post->memory.surfaces = (uint64_t)json_integer_value(json_object_get(summary, "surfaces"));
-    post->memory.triangles = (uint64_t)json_integer_value(json_object_get(summary, "triangles"));
+    post->memory.surfaces = number_at(summary, "surfaces");
+    post->memory.triangles = number_at(summary, "triangles");
     post->memory.file_sensors = post->found.sensors;
     post->memory.year_rows = post->found.year_rows;
-    const uint64_t sources = (uint64_t)json_integer_value(json_object_get(summary, "sources"));
+    const struct orl_contents contents = {
+        number_at(summary, "sources"), number_at(json_object_get(summary, "measurements"), "rows")};
+    post->memory.bsdf_made_bytes += MEASURED_ROW * contents.measured_rows;
     json_decref(summary);
     for (size_t i = 0; i < bundle->count; i++)
         if (orl_is_xml_name(bundle->files[i].name))
             post->memory.bsdf_bytes += bundle->files[i].bytes;
-    const struct orl_kind *kind = &orl_kinds[post->brief.kind];
-    return kind->suits ? kind->suits(sources, &post->err) : 0;
+    return orl_kinds[post->brief.kind].suits(&contents, &post->err);
 }
 
 /* What can never fit is refused; before its sensors' file is read, and after. */

@@ -160,6 +160,7 @@ static int (*const add_kind[ORL_TASK_KIND_COUNT])(json_t *doc,
     [ORL_TASK_STUDY] = add_study,
     [ORL_TASK_ANNUAL] = add_annual,
     [ORL_TASK_BSDF_MAKE] = add_bsdf,
+    [ORL_TASK_BSDF_FIT] = add_bsdf,
 };
 
 static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *job)

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "bsdf_make_json.h"
 #include "chart/study_chart.h"
 #include "decode.h"
 #include "encode.h"
@@ -304,12 +303,12 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
 
 static json_t *bsdf_document(const struct orl_bsdf_output *o)
 {
-    json_t *doc = orl_bsdf_made_to_json(o->made);
-    json_t *more = json_pack(
-        "{s:s, s:i, s:{s:f, s:f}, s:[o], s:{s:s, s:s, s:I}, s:o}", "state", "succeeded", "threads",
-        (int)o->threads, "timings_s", "making", o->kept->seconds, "total", o->total_s, "maps",
-        orl_map_info_to_json(o->kept), "bsdf", "id", o->id, "file", o->file, "bytes",
-        (json_int_t)o->made->xml_size, "warnings", orl_bsdf_made_warnings(o->made, o->request));
+    json_t *doc = o->told;
+    json_t *more =
+        json_pack("{s:s, s:i, s:{s:f, s:f}, s:[o], s:{s:s, s:s, s:I}, s:o}", "state", "succeeded",
+                  "threads", (int)o->threads, "timings_s", "making", o->kept->seconds, "total",
+                  o->total_s, "maps", orl_map_info_to_json(o->kept), "bsdf", "id", o->id, "file",
+                  o->file, "bytes", (json_int_t)o->bytes, "warnings", o->warnings);
     if (doc && more && json_object_update(doc, more) == 0) {
         json_decref(more);
         return doc;

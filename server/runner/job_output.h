@@ -4,7 +4,6 @@
 #ifndef ORL_SERVER_RUNNER_JOB_OUTPUT_H
 #define ORL_SERVER_RUNNER_JOB_OUTPUT_H
 
-#include <oriel/bsdf_make.h>
 #include <oriel/run.h>
 #include <oriel/study.h>
 
@@ -76,14 +75,15 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
                            const char *folder, char **ret_summary, struct orl_error *err);
 
 /*
- * The same of a panel's BSDF, whose file is there already: {"threads", "timings_s", "maps", "bsdf":
+ * The same of a BSDF that was made, whose file is there already: {"threads", "timings_s", "maps",
+ * "bsdf":
  * {"id", "bytes"}, "warnings", "files"}. seconds: that the job took, and that making it did once.
  */
 struct orl_bsdf_output {
-    const struct orl_bsdf_made *made;
-    const struct orl_bsdf_make_request *request;
+    json_t *told, *warnings; /* of what was made; taken */
     const struct orl_map_info *kept;
     const char *file, *id; /* its name below folder; its digest */
+    size_t bytes;
     uint32_t threads;
     double total_s;
 };

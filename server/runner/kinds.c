@@ -2,6 +2,17 @@
 
 #include "process/limits.h"
 
+/* Measurements are no scene. */
+static int any_scene_suits(const struct orl_contents *contents, struct orl_error *err)
+{
+    if (contents->measured_rows == 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID, "measurements were uploaded there, and a scene is wanted");
+    orl_error_at(err, NULL, 0, "scene");
+    orl_error_hint(err, "A BSDF is fitted to them by \"kind\": \"bsdf_fit\"");
+    return ORL_ERR_INVALID;
+}
+
 /* ---- Render jobs ----------------------------------------------------------------------------- */
 
 /* Of result.json, without sensors; of one of these. */
@@ -115,13 +126,14 @@ static int admit_annual(const struct orl_task *task, struct orl_error *err)
 }
 
 /* A year has skies of its own. */
-static int annual_suits(uint64_t sources, struct orl_error *err)
+static int annual_suits(const struct orl_contents *contents, struct orl_error *err)
 {
-    if (sources == 0)
-        return 0;
+    const int rc = any_scene_suits(contents, err);
+    if (rc || contents->sources == 0)
+        return rc;
     orl_error_set(err, ORL_ERR_INVALID,
                   "a year has skies and suns of its own, but the scene has %llu distant sources",
-                  (unsigned long long)sources);
+                  (unsigned long long)contents->sources);
     orl_error_at(err, NULL, 0, "scene");
     orl_error_hint(err, "Upload it without sky and sun");
     return ORL_ERR_INVALID;
@@ -211,26 +223,62 @@ static void bsdf_needs(const struct orl_task *task, struct orl_job_memory *ret_n
 }
 
 /* It has no light of its own. */
-static int bsdf_suits(uint64_t sources, struct orl_error *err)
+static int bsdf_suits(const struct orl_contents *contents, struct orl_error *err)
 {
-    if (sources == 0)
-        return 0;
+    const int rc = any_scene_suits(contents, err);
+    if (rc || contents->sources == 0)
+        return rc;
     orl_error_set(err, ORL_ERR_INVALID,
                   "a sun or sky is no part of a panel, but the scene has %llu distant sources",
-                  (unsigned long long)sources);
+                  (unsigned long long)contents->sources);
     orl_error_at(err, NULL, 0, "scene");
     orl_error_hint(err, "Upload the panel alone");
+    return ORL_ERR_INVALID;
+}
+
+/* ---- BSDFs of measurements ------------------------------------------------------------------- */
+
+static enum orl_bsdf_basis fit_basis(const struct orl_bsdf_fit_request *request)
+{
+    return request->has_basis ? request->basis : ORL_BSDF_TENSOR_TREE_4;
+}
+
+/* And what is told of each scan. */
+static uint64_t fit_result_bytes(const struct orl_task *task)
+{
+    const enum orl_bsdf_basis basis = fit_basis(&task->of.bsdf_fit);
+    return orl_bsdf_basis_is_tree(basis) ? TREES : 2 * DOCUMENT + PARTS * bsdf_pairs(basis) * VALUE;
+}
+
+/* What of it goes by the rows is known once they are counted. */
+static void fit_needs(const struct orl_task *task, struct orl_job_memory *ret_needs)
+{
+    ret_needs->bsdf_made_bytes = orl_bsdf_basis_is_tree(fit_basis(&task->of.bsdf_fit))
+                                     ? TREE_MEMORY
+                                     : 2 * fit_result_bytes(task);
+}
+
+static int fit_suits(const struct orl_contents *contents, struct orl_error *err)
+{
+    if (contents->measured_rows > 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID, "a scene was uploaded there, and measurements are wanted");
+    orl_error_at(err, NULL, 0, "measurements");
+    orl_error_hint(err, "Upload what the goniophotometer wrote, or make a panel's BSDF of its "
+                        "geometry: \"kind\": \"bsdf_make\"");
     return ORL_ERR_INVALID;
 }
 
 const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
     [ORL_TASK_RENDER] = {.result_bytes = render_result_bytes,
                          .sensor_bytes = render_sensor_bytes,
-                         .needs = render_needs},
+                         .needs = render_needs,
+                         .suits = any_scene_suits},
     [ORL_TASK_STUDY] = {.admit = admit_study,
                         .result_bytes = study_result_bytes,
                         .sensor_bytes = study_sensor_bytes,
-                        .needs = study_needs},
+                        .needs = study_needs,
+                        .suits = any_scene_suits},
     [ORL_TASK_ANNUAL] = {.admit = admit_annual,
                          .result_bytes = annual_result_bytes,
                          .sensor_bytes = annual_sensor_bytes,
@@ -241,4 +289,8 @@ const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
                             .sensor_bytes = bsdf_sensor_bytes,
                             .needs = bsdf_needs,
                             .suits = bsdf_suits},
+    [ORL_TASK_BSDF_FIT] = {.result_bytes = fit_result_bytes,
+                           .sensor_bytes = bsdf_sensor_bytes,
+                           .needs = fit_needs,
+                           .suits = fit_suits},
 };

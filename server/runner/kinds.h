@@ -10,6 +10,12 @@
 #include "runner/job_memory.h"
 #include "task_json.h"
 
+/* What an upload holds, by the summary that its check left. */
+struct orl_contents {
+    uint64_t sources;       /* distant ones of a scene */
+    uint64_t measured_rows; /* above 0: it is no scene, but measurements */
+};
+
 struct orl_kind {
     /* What the daemon takes of it, where that is less than what the command does: ORL_ERR_LIMIT.
      * NULL: all of it. */
@@ -22,8 +28,8 @@ struct orl_kind {
     uint64_t (*hour_bytes)(const struct orl_task *task);
     /* What it asks for, which memory goes by; nothing is set yet. */
     void (*needs)(const struct orl_task *task, struct orl_job_memory *ret_needs);
-    /* Whether a scene with so many distant sources suits it. NULL: any does. */
-    int (*suits)(uint64_t sources, struct orl_error *err);
+    /* Whether what was uploaded suits it. */
+    int (*suits)(const struct orl_contents *contents, struct orl_error *err);
 };
 
 extern const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT];

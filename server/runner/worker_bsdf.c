@@ -1,4 +1,5 @@
-/* A panel's BSDF being made: its file and what is told of it, and a BSDF for scenes to name. */
+/* A BSDF being made, of a panel or of measurements: its file and what is told of it, and a BSDF for
+ * scenes to name. */
 #include <malloc.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +9,9 @@
 #include <oriel/bsdf.h>
 #include <oriel/bsdf_kept.h>
 
+#include "bsdf_fit_json.h"
 #include "bsdf_json.h"
+#include "bsdf_make_json.h"
 #include "encode.h"
 #include "process/times.h"
 #include "runner/worker_run.h"
@@ -18,7 +21,7 @@
 /* What it is told by. */
 struct told {
     struct orl_worker *worker;
-    const struct orl_bsdf_make_request *request;
+    bool in_rounds; /* how many there will be is not known */
     double began_s;
 };
 
@@ -28,20 +31,18 @@ static double now_s(void *ctx)
     return orl_time_steady_s();
 }
 
-/* How many rounds there will be is not known: each is taken to do half of what is left. */
-static double of_whole(const struct orl_bsdf_make_request *request, uint32_t round, double fraction)
+/* Of rounds whose number is not known each is taken to do half of what is left. */
+static double of_whole(const struct told *told, uint32_t round, double fraction)
 {
     const double before = 1 - ldexp(1, 1 - (int)round);
-    return request->accuracy > 0 && !orl_bsdf_basis_is_tree(request->basis)
-               ? before + (1 - before) * 0.5 * fraction
-               : fraction;
+    return told->in_rounds ? before + (1 - before) * 0.5 * fraction : fraction;
 }
 
 static void on_progress(void *ctx, uint32_t round, double fraction)
 {
     const struct told *told = ctx;
     struct orl_worker *worker = told->worker;
-    const double done = of_whole(told->request, round, fraction), least = 0.01;
+    const double done = of_whole(told, round, fraction), least = 0.01;
     const double spent_s = orl_time_steady_s() - told->began_s;
     atomic_store(&worker->stage, (int)ORL_STAGE_RENDER);
     atomic_store(&worker->stage_ppm, (int)(ORL_WORKER_WHOLE * fraction));
@@ -60,12 +61,20 @@ static void show_map(struct orl_worker *worker, const struct orl_map_info *info)
 
 /* ---- The BSDF -------------------------------------------------------------------------------- */
 
+/* What was made, as both kinds leave it. */
+struct outcome {
+    const char *name; /* of its material, or NULL */
+    const char *xml;
+    size_t size;
+    json_t *told, *warnings; /* owned */
+};
+
 /* As POST /v1/bsdfs looks at one; its text is the daemon's own. */
-static int examine(const struct orl_bsdf_made *made, char **ret_summary, struct orl_error *err)
+static int examine(const struct outcome *made, char **ret_summary, struct orl_error *err)
 {
     struct orl_bsdf *bsdf = NULL;
     struct orl_bsdf_check *check = calloc(1, sizeof *check);
-    int rc = check ? orl_bsdf_load_xml(ORL_BSDF_MADE_FILE, made->xml, made->xml_size, &bsdf, err)
+    int rc = check ? orl_bsdf_load_xml(ORL_BSDF_MADE_FILE, made->xml, made->size, &bsdf, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0) {
         orl_bsdf_examine(bsdf, check);
@@ -80,38 +89,52 @@ static int examine(const struct orl_bsdf_made *made, char **ret_summary, struct 
 }
 
 /* Files call it by its material's name, where that is fit for one. */
-static void name_bsdf(const struct orl_bsdf_make_request *request, struct orl_made_bsdf *made)
+static void name_bsdf(const char *material, struct orl_made_bsdf *made)
 {
     char name[sizeof made->name];
     snprintf(made->name, sizeof made->name, "%s", ORL_BSDF_MADE_FILE);
-    if (!request->name)
+    if (!material)
         return;
-    snprintf(name, sizeof name, "%.200s.xml", request->name);
+    snprintf(name, sizeof name, "%.200s.xml", material);
     if (orl_bundle_check_name(name, NULL) == 0)
         memcpy(made->name, name, sizeof name);
 }
 
-static int write_all(struct orl_worker *worker, const struct orl_bsdf_make_request *request,
-                     const struct orl_bsdf_made *made, double total_s, struct orl_error *err)
+static int write_file(struct orl_worker *worker, const struct outcome *made, struct orl_error *err)
 {
     struct orl_made_bsdf *bsdf = calloc(1, sizeof *bsdf);
     char path[ORL_PATH_MAX];
     if (!bsdf)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     worker->outcome.bsdf = bsdf;
-    orl_sha256_hex(made->xml, made->xml_size, bsdf->id);
-    bsdf->bytes = made->xml_size;
-    name_bsdf(request, bsdf);
-    int rc = examine(made, &bsdf->summary, err);
+    orl_sha256_hex(made->xml, made->size, bsdf->id);
+    bsdf->bytes = made->size;
+    name_bsdf(made->name, bsdf);
+    const int rc = examine(made, &bsdf->summary, err);
     orl_job_output_path(worker->output, ORL_BSDF_MADE_FILE, path);
-    if (rc == 0)
-        rc = orl_write_file(path, made->xml, made->xml_size, err);
-    if (rc == 0)
-        rc = orl_bsdf_output_write(&(struct orl_bsdf_output){made, request, &worker->maps[0],
-                                                             ORL_BSDF_MADE_FILE, bsdf->id,
-                                                             worker->spec.threads, total_s},
-                                   worker->output, &worker->outcome.summary, err);
-    return rc;
+    return rc ? rc : orl_write_file(path, made->xml, made->size, err);
+}
+
+/* Takes what is told. */
+static int write_all(struct orl_worker *worker, const struct outcome *made, double total_s,
+                     struct orl_error *err)
+{
+    worker->outcome.tally.stages_s[ORL_STAGE_RENDER] += total_s;
+    const int rc = write_file(worker, made, err);
+    if (rc) {
+        json_decref(made->told);
+        json_decref(made->warnings);
+        return rc;
+    }
+    const struct orl_bsdf_output output = {.told = made->told,
+                                           .warnings = made->warnings,
+                                           .kept = &worker->maps[0],
+                                           .file = ORL_BSDF_MADE_FILE,
+                                           .id = worker->outcome.bsdf->id,
+                                           .bytes = made->size,
+                                           .threads = worker->spec.threads,
+                                           .total_s = total_s};
+    return orl_bsdf_output_write(&output, worker->output, &worker->outcome.summary, err);
 }
 
 void orl_made_bsdf_free(struct orl_made_bsdf *bsdf)
@@ -121,29 +144,67 @@ void orl_made_bsdf_free(struct orl_made_bsdf *bsdf)
     free(bsdf);
 }
 
-/* ---- The job --------------------------------------------------------------------------------- */
+/* ---- The jobs -------------------------------------------------------------------------------- */
+
+static struct orl_bsdf_make_env env_of(struct told *told, const struct orl_files *files)
+{
+    struct orl_worker *worker = told->worker;
+    told->began_s = orl_time_steady_s();
+    return (struct orl_bsdf_make_env){.files = files,
+                                      .crew = worker->crew,
+                                      .cancel = &worker->cancel,
+                                      .progress = on_progress,
+                                      .ctx = told};
+}
+
+static struct orl_bsdf_keep keep_of(const struct orl_worker *worker)
+{
+    return (struct orl_bsdf_keep){&worker->spec.maps, worker->spec.key, now_s};
+}
 
 int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_task *task,
                         const struct orl_files *files, struct orl_error *err)
 {
     const struct orl_bsdf_make_request *request = &task->of.bsdf_make;
-    struct told told = {worker, request, orl_time_steady_s()};
-    const struct orl_bsdf_make_env env = {.files = files,
-                                          .crew = worker->crew,
-                                          .cancel = &worker->cancel,
-                                          .progress = on_progress,
-                                          .ctx = &told};
+    struct told told = {worker, request->accuracy > 0 && !orl_bsdf_basis_is_tree(request->basis),
+                        0};
+    const struct orl_bsdf_make_env env = env_of(&told, files);
+    const struct orl_bsdf_keep keep = keep_of(worker);
     struct orl_bsdf_made made = {0};
     struct orl_map_info info;
-    int rc = orl_bsdf_make_kept(request, &env, &worker->spec.maps, worker->spec.key, now_s, &info,
-                                &made, err);
+    int rc = orl_bsdf_make_kept(request, &env, &keep, &info, &made, err);
     if (rc)
         return rc;
     const double total_s = orl_time_steady_s() - told.began_s;
     show_map(worker, &info);
-    worker->outcome.tally.stages_s[ORL_STAGE_RENDER] += total_s;
-    rc = write_all(worker, request, &made, total_s, err);
+    const struct outcome outcome = {request->name, made.xml, made.xml_size,
+                                    orl_bsdf_made_to_json(&made),
+                                    orl_bsdf_made_warnings(&made, request)};
+    rc = write_all(worker, &outcome, total_s, err);
     orl_bsdf_made_done(&made);
+    malloc_trim(0);
+    return rc;
+}
+
+int orl_worker_run_fit(struct orl_worker *worker, struct orl_task *task,
+                       const struct orl_files *files, struct orl_error *err)
+{
+    const struct orl_bsdf_fit_request *request = &task->of.bsdf_fit;
+    struct told told = {worker, false, 0};
+    const struct orl_bsdf_make_env env = env_of(&told, files);
+    const struct orl_bsdf_keep keep = keep_of(worker);
+    struct orl_bsdf_fitted fitted = {0};
+    struct orl_map_info info;
+    int rc = orl_bsdf_fit_kept(request, &env, &keep, &info, &fitted, err);
+    if (rc)
+        return rc;
+    const double total_s = orl_time_steady_s() - told.began_s;
+    show_map(worker, &info);
+    const struct outcome outcome = {request->name ? request->name : fitted.sample, fitted.xml,
+                                    fitted.xml_size, orl_bsdf_fitted_to_json(request, &fitted),
+                                    orl_bsdf_fitted_warnings(&fitted)};
+    rc = write_all(worker, &outcome, total_s, err);
+    orl_bsdf_fitted_done(&fitted);
     malloc_trim(0);
     return rc;
 }

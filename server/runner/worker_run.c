@@ -81,6 +81,7 @@ static const struct {
     [ORL_TASK_STUDY] = {study_keeps, orl_worker_run_study},
     [ORL_TASK_ANNUAL] = {annual_keeps, orl_worker_run_annual},
     [ORL_TASK_BSDF_MAKE] = {bsdf_keeps, orl_worker_run_bsdf},
+    [ORL_TASK_BSDF_FIT] = {bsdf_keeps, orl_worker_run_fit},
 };
 
 static int make_folder(struct orl_worker *worker, const struct orl_task *task,

@@ -66,6 +66,8 @@ int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
                           const struct orl_files *files, struct orl_error *err);
 int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_task *task,
                         const struct orl_files *files, struct orl_error *err);
+int orl_worker_run_fit(struct orl_worker *worker, struct orl_task *task,
+                       const struct orl_files *files, struct orl_error *err);
 
 /* ---- worker_render.c ---------------------------------------------------------------------------
  */

@@ -7,6 +7,7 @@ What a case asserts and does not find ends it with a traceback and status 1.
 import ast
 import hashlib
 import json
+import math
 import os
 import shutil
 import ssl
@@ -248,6 +249,19 @@ def panels(desk):
         stream.write("void BSDF slats\n6 0 slats.xml 0 0 1 .\n0\n0\n" + OPENING.replace("pane", "slats", 1))
     scene = desk.client.upload_scene(["made.rad"], folder=desk.folder, bsdfs={"slats.xml": id})
     assert desk.client.upload_scene(["made.rad"], folder=desk.folder, bsdfs={"slats.xml": id}) == scene
+    assert desk.client.render(document, None, desk.folder)["maps"][0]["cached"]
+
+
+def measurements(desk):
+    """Measurements travel like a scene, and a BSDF comes of them."""
+    with open(os.path.join(desk.folder, "paper.csv"), "w") as stream:
+        stream.write("theta_in,phi_in,theta_out,phi_out,bsdf\n")
+        stream.writelines("%d,0,%d,%d,0.2\n" % (theta, out, phi)
+                          for theta in (0, 40) for out in range(3, 90, 6) for phi in range(0, 360, 15))
+    document = {"kind": "bsdf_fit", "measurements": {"files": ["paper.csv"]}, "basis": "klems_quarter"}
+    result = desk.client.render(document, None, desk.folder)
+    share = result["components"]["reflection_front"]["diffuse"]["value"]
+    assert abs(share - 0.2 * math.pi) < 0.005, share  # the cosine's sum over six degrees
     assert desk.client.render(document, None, desk.folder)["maps"][0]["cached"]
 
 

@@ -48,6 +48,7 @@ CASE(skies)
 CASE(years)
 CASE(bsdfs)
 CASE(panels)
+CASE(measurements)
 CASE(cancel)
 CASE(labels)
 CASE(removal)
@@ -104,7 +105,7 @@ int main(void)
         cmocka_unit_test(test_example),    cmocka_unit_test(test_upload_if_absent),
         cmocka_unit_test(test_zips),       cmocka_unit_test(test_skies),
         cmocka_unit_test(test_years),      cmocka_unit_test(test_bsdfs),
-        cmocka_unit_test(test_panels),     cmocka_unit_test(test_cancel),
+        cmocka_unit_test(test_panels), cmocka_unit_test(test_measurements),     cmocka_unit_test(test_cancel),
         cmocka_unit_test(test_labels),     cmocka_unit_test(test_removal),
         cmocka_unit_test(test_problems),   cmocka_unit_test(test_repeated_submission),
         cmocka_unit_test(test_tokens),

@@ -7,7 +7,7 @@ a bound, not of the list, a member too many or too few.
 import copy
 import json
 
-from cases import PANEL, ROOM, SENSORS, SKY, VIEW, bsdf
+from cases import MEASURED, PANEL, ROOM, SENSORS, SKY, VIEW, bsdf
 
 ODD = (None, True, "", "x" * 70000, "/", 1.5, -1, 1e300, 10**30, [], {}, [[1]], {"x": 1})
 PLACE = {"latitude": 38, "longitude": 27, "time_zone": 2}
@@ -17,7 +17,7 @@ EFFECTS = ("caustics", "sun", "sky", "exterior", "caustics_mirror", "caustics_bs
            "glare", "bins", "final_gather", "ports", "suns")
 
 
-def jobs(lit, dark, sheet):
+def jobs(lit, dark, sheet, measured):
     """Jobs that are taken; together they have every member that a request may have."""
     sky = [{"perez": {**DAY, "hour": 12, **PLACE, **light, "ground_reflectance": 0.3}}
            for light in ({"direct_normal_w_m2": 800, "diffuse_horizontal_w_m2": 120},
@@ -96,6 +96,8 @@ def jobs(lit, dark, sheet):
              "accuracy": 0.5, "paths_most": 64, "cell": {"x": [0, 1], "y": [0, 1]}}
     yield {**panel, "basis": "klems_quarter", "symmetry": "both", "color": True}
     yield {**panel, "basis": "tensor_tree_4", "resolution": 4, "cull": 0.1}
+    yield {"kind": "bsdf_fit", "priority": 5, "name": "n", "tags": ["a"], "measurements": measured, "basis": "tensor_tree_3",
+           "symmetry": "isotropic", "resolution": 4, "cull": 0.1, "reversed": True, "keep_outliers": True, "grazing": 1}
     three = {"grid": "a", "view": "s.txt", "transmission": "s.txt", "daylight": "s.txt", "sky": "s.txt", "subtract": True}
     yield {**year, "grids": [{"name": "a", "sensors": SENSORS}], "matrices": [{"coefficients": "s.txt", "sky": "s.txt"}, three]}
     shut = {"name": "shut", "files": ["s.txt"], "material": "grey", "dark": False}
@@ -157,7 +159,8 @@ def breaks(daemon):
                                           "eye.hdr": "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
                                                      "-Y 12 +X 16\n" + 4 * 12 * 16 * "~"})
     sheet = daemon.upload(PANEL)
-    taken, refused, done = list(jobs(lit, dark, sheet)), 0, set()
+    measured = daemon.upload(MEASURED)
+    taken, refused, done = list(jobs(lit, dark, sheet, measured)), 0, set()
     check_members(daemon.contract, taken)
     for document in taken:
         daemon.ask("POST", daemon.submit(document) + "/cancel")

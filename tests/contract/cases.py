@@ -26,6 +26,8 @@ grey polygon north 0 0 12 0 4 0 3 4 0 3 4 3 0 4 3
 pane polygon window 0 0 12 3 0 0 0 0 0 0 0 3 3 0 3
 """
 SKY = "void glow sky_glow 0 0 4 10 10 10 0\nsky_glow source sky 0 0 4 0 0 1 180\n"
+MEASURED = "theta_in,phi_in,theta_out,phi_out,bsdf\n" + "".join(
+    "%d,0,%d,%d,0.2\n" % (theta, out, phi) for theta in (0, 40) for out in range(3, 90, 6) for phi in range(0, 360, 15))
 PANEL = "void plastic p 0 0 5 .5 .5 .5 0 0\np polygon s 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n"
 SENSORS = [[1.5, 1, 0.8, 0, 0, 1], [1.5, 3, 0.8, 0, 0, 1]]
 VIEW = {"name": "north", "view": "-vtv -vp 1.5 .5 1.5 -vd 0 1 0", "width": 16, "height": 12}
@@ -380,6 +382,21 @@ def panels(daemon):
     daemon.wait(alone, ("running",), lambda job: job["stage"] == "render")
     daemon.ask("POST", alone + "/cancel", want=202)
     daemon.ask("DELETE", "/v1/maps/made/" + job["maps"][0]["key"], want=204)
+
+
+def measurements(daemon):
+    """A BSDF of measurements, made and found again; what is no scene suits no other kind of job."""
+    measured = daemon.upload(MEASURED)
+    fit = {"kind": "bsdf_fit", "measurements": measured, "basis": "klems_quarter"}
+    for cached in (False, True):
+        path = daemon.submit(fit)
+        job = daemon.wait(path)
+        assert job["state"] == "succeeded" and job["maps"][0]["cached"] == cached, job
+    results(daemon, path, job)
+    daemon.ask("GET", job["links"]["bsdf"], want=200)
+    daemon.ask("POST", "/v1/jobs", {"scene": measured, "sensors": SENSORS}, want=422)
+    daemon.ask("POST", "/v1/jobs", {"kind": "bsdf_fit", "measurements": daemon.upload(PANEL)}, want=422)
+    daemon.ask("GET", "/v1/scenes/" + measured, want=200)
 
 
 def events(daemon, path, wanted):

@@ -24,7 +24,7 @@ from recorder import Contract
 
 # With options, what is asked of a daemon, in this order.
 DAEMONS = (((), (cases.service, cases.scenes, cases.plans, cases.bsdfs, cases.renders, cases.skies,
-                 cases.accuracy, cases.studies, cases.years, cases.panels, cases.ended_events, cases.all_events,
+                 cases.accuracy, cases.studies, cases.years, cases.panels, cases.measurements, cases.ended_events, cases.all_events,
                  cases.failures, cases.refusals, bounds.damage)),
            ((), (bounds.waiting,)),
            (("--storage-budget", "64K"), (bounds.storage,)),

@@ -9,6 +9,8 @@
 
 #include <cmocka.h>
 
+#include <oriel/bsdf_fit.h>
+
 #include "fit/scans.h"
 
 static const struct orl_fit_reading plain = {0};
@@ -180,6 +182,30 @@ static void azimuths_tell_the_symmetry(void **state)
     assert_int_equal(code, ORL_ERR_INVALID);
 }
 
+/* No line of a scene is of numbers alone. */
+static void measurements_are_told_from_scenes(void **state)
+{
+    static const struct {
+        const char *text;
+        bool measured;
+    } files[] = {
+        {"# lab\n#incident_angle 30 180\n120 90 0.25\n", true},
+        {"\xef\xbb\xbf# excel\ntheta_in;phi_in;theta_out;phi_out;bsdf\n0;0;120;0;1\n", true},
+        {"Theta_In,phi_in,Theta_Out,phi_out,dsf", true},
+        {"\n\n  10\t20 1e-3", true},
+        {"void plastic p 0 0 5 .5 .5 .5 0 0\n", false},
+        {"# a sphere\n1 sphere 2 0 0 4 0 0 0 1\n", false},
+        {"!genbox p b 1 1 1\n", false},
+        {"10 20\n", false},
+        {"# nothing\n", false},
+        {"", false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        if (orl_bsdf_is_measured(files[i].text, strlen(files[i].text)) != files[i].measured)
+            fail_msg("%s", files[i].text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -188,6 +214,7 @@ int main(void)
         cmocka_unit_test(csv_has_columns_in_any_order),
         cmocka_unit_test(what_is_wrong_is_told_with_its_line),
         cmocka_unit_test(azimuths_tell_the_symmetry),
+        cmocka_unit_test(measurements_are_told_from_scenes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
