@@ -1,7 +1,6 @@
 /* Measurements looked at before anything is made of them. */
 #include <oriel/bsdf_fit.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "fit/rows.h"
@@ -32,18 +31,23 @@ static bool has(struct orl_fit_word line, const char *name)
     return false;
 }
 
+/* How much of its beginning is made of these. */
+static size_t length_of(struct orl_fit_word word, const char *of)
+{
+    size_t n = 0;
+    while (n < word.length && word.text[n] != '\0' && strchr(of, word.text[n]))
+        n++;
+    return n;
+}
+
 /* Of numbers alone: a scene's line has a word among its first three. */
 static bool is_row(struct orl_fit_word line)
 {
     size_t numbers = 0;
-    for (struct orl_fit_word word; (word = orl_fit_take_word(&line)).length > 0; numbers++) {
-        char number[32], *end = number;
-        snprintf(number, sizeof number, "%.*s", (int)(word.length < 31 ? word.length : 31),
-                 word.text);
-        strtod(number, &end);
-        if (end == number || *end != '\0')
+    for (struct orl_fit_word word; (word = orl_fit_take_word(&line)).length > 0; numbers++)
+        if (length_of(word, "0123456789.+-eE") < word.length ||
+            length_of(word, ".+-eE") == word.length)
             return false;
-    }
     return numbers >= 3;
 }
 

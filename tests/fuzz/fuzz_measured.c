@@ -72,6 +72,7 @@ bool fuzz_measured(const uint8_t *data, size_t size)
         fuzz_check_error(code, &err);
     else
         check_rows(&rows);
+    FUZZ_PROMISE(code < 0 || rows.n_rows == 0 || orl_bsdf_is_measured((const char *)data, size));
     orl_fit_data_done(&rows);
     if (code == 0)
         fit(data, size);
