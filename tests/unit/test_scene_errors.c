@@ -549,6 +549,30 @@ static void test_bsdf_up_along_normal(void **state)
     assert_true(err.line > 0);
 }
 
+/* A file may be named from its reader's folder or from the top, and with Windows' strokes: once it
+ * is found nothing is left of where it was not. */
+static void what_is_found_in_the_end_is_no_error(void **state)
+{
+    static const char *const names[] = {"group/a.rad", "parts/b.rad"};
+    static const char *const ways[] = {"!xform parts/b.rad\n", "!xform ../parts/b.rad\n",
+                                       "!xform parts\\b.rad\n"};
+    static const char part[] = "void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 0 0 0 1\n";
+    (void)state;
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        const struct orl_file contents[] = {{ways[i], strlen(ways[i]), NULL},
+                                            {part, sizeof part - 1, NULL}};
+        struct orl_memory_files memory = {names, contents, 2};
+        const struct orl_files files = orl_files_from_memory(&memory);
+        struct orl_description d = {0};
+        struct orl_error err = {0};
+        assert_int_equal(orl_scene_parse(names, 1, &files, &d, &err), 0);
+        assert_int_equal(d.n_surfaces, 1);
+        assert_int_equal(err.code, 0);
+        assert_string_equal(err.message, "");
+        orl_description_done(&d);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -568,6 +592,7 @@ int main(void)
         cmocka_unit_test(test_cycles_and_bombs),
         cmocka_unit_test(test_deep_nesting),
         cmocka_unit_test(test_bsdf_up_along_normal),
+        cmocka_unit_test(what_is_found_in_the_end_is_no_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

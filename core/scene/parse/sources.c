@@ -167,14 +167,17 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
                      size_t *ret_index, struct orl_error *err)
 {
     char path[PATH_BYTES], plain[PATH_BYTES];
+    struct orl_error first = {0};
     int code;
     if (!join(folder, name, path) || !join("", name, plain))
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is no name of a file", name);
-    code = find_as(sources, path, ret_index, err);
+    code = find_as(sources, path, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
         code = find_as(sources, plain, ret_index, err);
         if (code == ORL_ERR_NOT_FOUND)
             orl_error_set(err, code, "no file named '%.200s', nor '%.200s'", path, plain);
+    } else if (code < 0 && err) {
+        *err = first;
     }
     return code;
 }
@@ -185,17 +188,19 @@ int orl_sources_find(struct orl_sources *sources, const char *folder, const char
                      size_t *ret_index, struct orl_error *err)
 {
     char turned[PATH_BYTES];
-    struct orl_error ignored;
-    const int code = find_from(sources, folder, name, ret_index, err);
+    struct orl_error first = {0}, second = {0};
     const size_t length = strlen(name);
-    if (code != ORL_ERR_NOT_FOUND || !strchr(name, '\\') || length >= sizeof turned)
-        return code;
-    for (size_t i = 0; i <= length; i++)
-        turned[i] = (char)(name[i] == '\\' ? '/' : name[i]);
-    const int again = find_from(sources, folder, turned, ret_index, &ignored);
-    if (again < 0 && again != ORL_ERR_NOT_FOUND && err)
-        *err = ignored;
-    return again == ORL_ERR_NOT_FOUND ? code : again;
+    const struct orl_error *last = &first;
+    int code = find_from(sources, folder, name, ret_index, &first);
+    if (code == ORL_ERR_NOT_FOUND && strchr(name, '\\') && length < sizeof turned) {
+        for (size_t i = 0; i <= length; i++)
+            turned[i] = (char)(name[i] == '\\' ? '/' : name[i]);
+        code = find_from(sources, folder, turned, ret_index, &second);
+        last = code == ORL_ERR_NOT_FOUND ? &first : &second;
+    }
+    if (code < 0 && err) /* of what was found by another name nothing is left to say */
+        *err = *last;
+    return code;
 }
 
 /* A file that is being read, and the files it is of. */
