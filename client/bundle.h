@@ -1,8 +1,8 @@
 /*
  * What an upload of a scene must carry: the main files, in order, and every file they refer to
  * (BSDFs, !xform files). The core's own parser finds the references, so that nothing is forgotten
- * and a mistake in the scene is reported before a byte is sent. So are what a goniophotometer wrote,
- * and mistakes in that.
+ * and a mistake in the scene is reported before a byte is sent. So are what a goniophotometer
+ * wrote, and mistakes in that.
  *
  * Names travel as the scene's texts spell them, because that is how the daemon will look them up;
  * names that leave the folder ("../", "/") cannot travel and are refused.

@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "bsdf_compare_json.h"
@@ -84,7 +85,8 @@ int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **arg
 struct line {
     struct orl_local_line local;
     struct orl_choices words;
-    const char *report;
+    const char *report, *within_text;
+    double within; /* 0: it is not culled by what it loses */
     bool color;
 };
 
@@ -112,41 +114,66 @@ static int request_of(const struct line *line, struct orl_bsdf_make_request *ret
     return rc;
 }
 
+/* Converted, and what is lost. */
+static int bring(const struct line *line, const struct orl_bsdf *before,
+                 const struct orl_bsdf_make_request *to, struct orl_bsdf_made *ret_made,
+                 struct orl_bsdf_comparison *ret_lost, struct orl_error *err)
+{
+    struct orl_bsdf *after = NULL;
+    char source[512];
+    double unseen;
+    int rc = orl_bsdf_file_source(line->local.operand, source, err);
+    if (rc == 0 && line->within > 0) {
+        rc = orl_local_cull_bsdf(before, source, to, line->within, line->local.threads, &unseen,
+                                 ret_made, ret_lost, err);
+        if (rc == 0)
+            printf("cells are one where they send less than %.2g of the light elsewhere\n", unseen);
+        return rc;
+    }
+    if (rc == 0)
+        rc = orl_local_convert_bsdf(before, source, to, line->local.threads, ret_made, err);
+    if (rc == 0)
+        rc = orl_bsdf_load_xml(line->local.output, ret_made->xml, ret_made->xml_size, &after, err);
+    if (rc == 0)
+        rc = orl_local_compare_bsdfs(before, after, line->local.threads, ret_lost, err);
+    orl_bsdf_unref(after);
+    return rc;
+}
+
 static int convert(const struct line *line)
 {
     struct orl_bsdf_make_request request = {0};
     struct orl_bsdf_made made = {0};
-    struct orl_bsdf *before = NULL, *after = NULL;
+    struct orl_bsdf *before = NULL;
     struct orl_bsdf_comparison comparison;
     struct orl_error err = {0};
-    char source[512];
     int rc = request_of(line, &request, &err);
     if (rc == 0)
         rc = orl_bsdf_file_load(line->local.operand, &before, &err);
     if (rc == 0)
-        rc = orl_bsdf_file_source(line->local.operand, source, &err);
-    if (rc == 0)
-        rc = orl_local_convert_bsdf(before, source, &request, line->local.threads, &made, &err);
+        rc = bring(line, before, &request, &made, &comparison, &err);
     if (rc == 0)
         rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
-    if (rc == 0)
-        rc = orl_bsdf_load_xml(line->local.output, made.xml, made.xml_size, &after, &err);
-    if (rc == 0)
-        rc = orl_local_compare_bsdfs(before, after, line->local.threads, &comparison, &err);
     if (rc == 0)
         print_comparison(&comparison);
     if (rc == 0 && line->report)
         rc = write_comparison(line->report, &comparison, &err);
     orl_bsdf_unref(before);
-    orl_bsdf_unref(after);
     orl_bsdf_made_done(&made);
     orl_bsdf_make_request_done(&request);
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
+static bool read_share(const char *text, double *ret_share)
+{
+    char *end = NULL;
+    *ret_share = strtod(text, &end);
+    return end != text && *end == '\0' && *ret_share > 0 && *ret_share < 1;
+}
+
 int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **argv)
 {
-    enum { OTHERS = 4 };
+    enum { OTHERS = 5 };
     struct line line = {.local = {.most = 1}, .words = {words, WORDS, {NULL}}};
     struct orl_option options[OTHERS + WORDS] = {
         {.name = "output",
@@ -159,6 +186,12 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
          .metavar = "FILE",
          .help = "write a JSON with what is lost",
          .value = &line.report},
+        {.name = "within",
+         .metavar = "SHARE",
+         .help =
+             "of tensor trees: cull them as far as no more than that share of the light is lost, "
+             "in all or in a cone of two degrees, from anywhere",
+         .value = &line.within_text},
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;
@@ -167,5 +200,7 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
         return code;
     if (!line.local.output)
         return orl_usage_error(self, "-o FILE is missing");
+    if (line.within_text && !read_share(line.within_text, &line.within))
+        return orl_usage_error(self, "--within takes a share, above 0 and below 1: 0.01 is 1 %%");
     return convert(&line);
 }

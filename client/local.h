@@ -83,6 +83,11 @@ int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char 
 int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
                            const struct orl_bsdf_make_request *to, uint32_t threads,
                            struct orl_bsdf_made *ret_made, struct orl_error *err);
+/* And culled as far as it may be (orl_bsdf_convert_within). */
+int orl_local_cull_bsdf(const struct orl_bsdf *bsdf, const char *source,
+                        const struct orl_bsdf_make_request *to, double within, uint32_t threads,
+                        double *ret_unseen, struct orl_bsdf_made *ret_made,
+                        struct orl_bsdf_comparison *ret_lost, struct orl_error *err);
 /* What two of them differ by. */
 int orl_local_compare_bsdfs(const struct orl_bsdf *a, const struct orl_bsdf *b, uint32_t threads,
                             struct orl_bsdf_comparison *ret_comparison, struct orl_error *err);

@@ -81,6 +81,22 @@ int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
     return rc;
 }
 
+int orl_local_cull_bsdf(const struct orl_bsdf *bsdf, const char *source,
+                        const struct orl_bsdf_make_request *to, double within, uint32_t threads,
+                        double *ret_unseen, struct orl_bsdf_made *ret_made,
+                        struct orl_bsdf_comparison *ret_lost, struct orl_error *err)
+{
+    struct making m;
+    int rc = making_start(&m, NULL, threads, err);
+
+    if (rc)
+        return rc;
+    rc = orl_bsdf_convert_within(bsdf, source, to, within, &m.env, ret_unseen, ret_made, ret_lost,
+                                 err);
+    making_stop(&m);
+    return rc;
+}
+
 int orl_local_fit_bsdf(const struct orl_bsdf_fit_request *request, const char *folder,
                        uint32_t threads, struct orl_bsdf_fitted *ret_fitted, struct orl_error *err)
 {

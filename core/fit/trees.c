@@ -30,7 +30,7 @@ struct growing {
     const struct orl_fit_screen *screen;
     unsigned rank, levels, split; /* split: the level of blocks */
     size_t n_blocks;
-    double cull;
+    struct orl_gonio_cull cull;
     double begun, share; /* of all work: where this component begins, and its part */
     size_t first;        /* of the blocks that are at work */
     struct block *blocks;
@@ -298,7 +298,7 @@ static struct growing growing_of(const struct orl_bsdf_fit_request *request,
                                  const struct orl_fit_screen *screen)
 {
     struct growing g = {.env = env, .screen = screen, .levels = screen->levels};
-    g.cull = request->cull;
+    g.cull = (struct orl_gonio_cull){request->cull, ORL_BSDF_UNSEEN};
     g.rank = basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
     /* Of rank 3 every ring is a block, and half of A is none. */
     g.split = g.rank == 3 ? g.levels : g.levels < SPLIT_LEVEL ? g.levels : SPLIT_LEVEL;

@@ -12,9 +12,6 @@
 /* Ratios of sums of squares that chance exceeds in 1 of 10^4 cases (chi-square); and in none of the
  * many millions that a panel has: of 15 degrees of freedom, and of the 3 of a cell out alone. */
 static const double by_chance[2] = {3, 7}, beyond_chance[2] = {8, 13};
-/* Of the light that comes: what a cell may send elsewhere unseen. All 4096 of 64 by 64 that are as
- * wrong as can be are 0.8 % of it. */
-static const double least_share = 2e-6;
 
 void orl_gonio_forest_done(struct orl_gonio_forest *forest)
 {
@@ -52,17 +49,17 @@ static bool are_dark(const struct orl_gonio_node *children, unsigned fan)
     return dark;
 }
 
-bool orl_gonio_are_one(double cull, const struct orl_gonio_node *children, unsigned fan,
-                       unsigned level, struct orl_gonio_node *ret_mean)
+bool orl_gonio_are_one(const struct orl_gonio_cull *cull, const struct orl_gonio_node *children,
+                       unsigned fan, unsigned level, struct orl_gonio_node *ret_mean)
 {
     if (are_dark(children, fan)) {
         *ret_mean = (struct orl_gonio_node){.value = 0};
         return true;
     }
     const bool few = fan == 4;
-    const double omega = ldexp(ORL_PI, -2 * (int)level), unseen = least_share / omega;
+    const double omega = ldexp(ORL_PI, -2 * (int)level), unseen = cull->unseen / omega;
     struct orl_gonio_node mean = mean_of(children, fan);
-    const double shade = cull * (double)mean.value;
+    const double shade = cull->share * (double)mean.value;
     double off2[ORL_GONIO_FAN_MOST] = {0}, variances[ORL_GONIO_FAN_MOST] = {0}, doubt = 0;
     bool leaves = true;
     for (unsigned i = 0; i < fan; i++) {
@@ -85,7 +82,7 @@ bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node
 {
     const unsigned fan = 1U << forest->rank;
     struct orl_gonio_node node;
-    if (orl_gonio_are_one(forest->cull, children, fan, level, &node)) {
+    if (orl_gonio_are_one(&forest->cull, children, fan, level, &node)) {
         node.doubt = 0;
         *ret_node = node;
         return true;

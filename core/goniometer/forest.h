@@ -31,9 +31,15 @@ struct orl_gonio_branch {
     struct orl_gonio_node child[ORL_GONIO_FAN_MOST];
 };
 
+/* How far cells may be from their mean that become one, unless errors explain it. */
+struct orl_gonio_cull {
+    double share;  /* of the mean */
+    double unseen; /* or of the light that comes: what a cell may send elsewhere */
+};
+
 struct orl_gonio_forest {
     unsigned rank;
-    double cull; /* deviation from their mean that cells may have, as a share of it */
+    struct orl_gonio_cull cull;
     struct orl_gonio_branch *branches; /* owned */
     size_t count, room;
 };
@@ -42,8 +48,8 @@ void orl_gonio_forest_done(struct orl_gonio_forest *forest);
 
 /* Whether fan nodes, which lie level deep, are as good as their mean, which is filled in; its doubt
  * says how far they are from that. */
-bool orl_gonio_are_one(double cull, const struct orl_gonio_node *children, unsigned fan,
-                       unsigned level, struct orl_gonio_node *ret_mean);
+bool orl_gonio_are_one(const struct orl_gonio_cull *cull, const struct orl_gonio_node *children,
+                       unsigned fan, unsigned level, struct orl_gonio_node *ret_mean);
 
 /* One node over 2^rank others, which lie level deep: a branch, or a leaf. False: no memory. */
 bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node *children,

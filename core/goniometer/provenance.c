@@ -34,7 +34,8 @@ static void say_settings(const struct orl_bsdf_make_request *r, const struct orl
             made->depth[1], (unsigned long long)r->seed, (unsigned long long)made->paths,
             mirrors[r->symmetry]);
     if (orl_bsdf_basis_is_tree(r->basis))
-        fprintf(out, ", cells as one where within %g of their mean", r->cull);
+        fprintf(out, ", cells as one where within %g of their mean, or %g of the light", r->cull,
+                r->unseen);
     if (r->accuracy > 0)
         fprintf(out, ", accuracy %g%s", r->accuracy, made->reached ? "" : " (not reached)");
     putc('\n', out);
@@ -61,7 +62,8 @@ static void say_converted(const struct orl_gonio_sample *sample,
 {
     fprintf(out, "Converted by Oriel " ORL_VERSION "\nFrom: %s", sample->source);
     if (orl_bsdf_basis_is_tree(r->basis))
-        fprintf(out, "\nCells as one where within %g of their mean", r->cull);
+        fprintf(out, "\nCells as one where within %g of their mean, or %g of the light", r->cull,
+                r->unseen);
 }
 
 static char *say_all(const struct orl_gonio_sample *sample,

@@ -19,6 +19,7 @@ void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request)
     memset(request, 0, sizeof *request);
     request->resolution = 64;
     request->cull = 0.05;
+    request->unseen = ORL_BSDF_UNSEEN;
     request->paths_most = 1 << 20;
     request->seed = 1;
 }

@@ -14,8 +14,9 @@ static void see(struct orl_gonio_seen *seen, const struct orl_gonio_node *cell, 
 }
 
 /* Four cells of a level become one of that above; of those that do not, what is seen. */
-static struct orl_gonio_node join(struct orl_gonio_node *children, unsigned level, double cull,
-                                  double from, struct orl_gonio_seen *seen)
+static struct orl_gonio_node join(struct orl_gonio_node *children, unsigned level,
+                                  const struct orl_gonio_cull *cull, double from,
+                                  struct orl_gonio_seen *seen)
 {
     enum { FAN = 4 };
     struct orl_gonio_node plain[FAN], mean;
@@ -39,8 +40,8 @@ static struct orl_gonio_node join(struct orl_gonio_node *children, unsigned leve
     return mean;
 }
 
-struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_node *cells, unsigned levels, double cull,
-                                        double from)
+struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_node *cells, unsigned levels,
+                                        const struct orl_gonio_cull *cull, double from)
 {
     struct orl_gonio_seen seen = {0, 0};
     const size_t n = (size_t)1 << 2 * levels;

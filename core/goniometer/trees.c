@@ -32,6 +32,7 @@ struct trees {
     const struct orl_bsdf_make_request *request;
     const struct orl_gonio_sample *sample;
     const struct orl_sobol *sobol;
+    struct orl_gonio_cull cull;
     unsigned rank, levels, split; /* split: the level of blocks */
     size_t n_blocks;              /* on one side */
     uint32_t paths, paths_most;   /* in each batch */
@@ -67,8 +68,7 @@ struct work {
 static struct orl_gonio_seen look(const struct work *w, bool transmitted, double from)
 {
     const size_t cells = orl_gonio_probe_cells(&w->probe);
-    return orl_gonio_resolve(w->nodes + transmitted * cells, w->t->levels, w->t->request->cull,
-                             from);
+    return orl_gonio_resolve(w->nodes + transmitted * cells, w->t->levels, &w->t->cull, from);
 }
 
 /* Whether the cell's values are known as well as was asked for. */
@@ -185,7 +185,7 @@ static void measure_block(void *arg, size_t index, uint32_t member)
     struct block *block = &t->blocks[place];
     struct work w;
     (void)member;
-    block->forest = (struct orl_gonio_forest){.rank = t->rank, .cull = t->request->cull};
+    block->forest = (struct orl_gonio_forest){.rank = t->rank, .cull = t->cull};
     block->tops = malloc(nodes_at(t->split) * sizeof *block->tops);
     block->code = open_work(t, place, &w);
     if (block->code == 0 &&
@@ -290,7 +290,7 @@ static bool gather(const struct trees *t, struct orl_gonio_forest *forest, size_
 static int join_all(struct trees *t)
 {
     for (size_t side = 0; side < 2; side++) {
-        t->forests[side] = (struct orl_gonio_forest){.rank = t->rank, .cull = t->request->cull};
+        t->forests[side] = (struct orl_gonio_forest){.rank = t->rank, .cull = t->cull};
         if (!gather(t, &t->forests[side], side, 0, 0, t->roots[side]))
             return ORL_ERR_NOMEM;
     }
@@ -360,6 +360,7 @@ static struct trees trees_of(const struct orl_bsdf_make_request *request,
                              const struct orl_gonio_sample *sample, const struct orl_sobol *sobol)
 {
     struct trees t = {.request = request,
+                      .cull = {request->cull, request->unseen},
                       .sample = sample,
                       .sobol = sobol,
                       .levels = 1,

@@ -206,6 +206,7 @@ static void what_cannot_be_made_is_refused(void **state)
         {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2"}, 1, "cell"},
         {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2 2"}, 1, "cell.y"},
         {{"bsdf", "make", "x.json", "-o", "x.xml", "--color"}, 2, "alone on its line"},
+        {{"bsdf", "convert", "x.xml", "-o", "y.xml", "--within", "2"}, 2, "--within takes"},
         {{"bsdf", "fit", "x.txt"}, 2, "-o FILE is missing"},
         {{"bsdf", "fit", "x.txt", "-o", "x.xml"}, 1, "cannot open"},
         {{"bsdf", "fit", "x.txt", "-o", "x.xml", "--symmetry", "odd"}, 1, "symmetry"},

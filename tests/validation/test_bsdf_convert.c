@@ -141,12 +141,63 @@ static void differences_are_told(void **state)
     orl_bsdf_unref(sheets[1]);
 }
 
+static double worst(const struct orl_bsdf_comparison *c)
+{
+    double most = 0;
+    for (int i = 0; i < 4; i++)
+        most = fmax(most, fmax(fabs(c->of[i / 2][i % 2].albedo_worst),
+                               fabs(c->of[i / 2][i % 2].cone_worst)));
+    return most;
+}
+
+/* As far as it goes: the file is smaller than one that is not culled, and three times as much light
+ * that a cell may send elsewhere loses more than is asked for. */
+static void a_cull_loses_what_it_may(void **state)
+{
+    static const double within = 0.01;
+    struct orl_bsdf *tree = load_text(read_fixture("tests/fixtures/bsdf_lcp8.xml"));
+    const struct orl_bsdf_make_env env = {.crew = orl_crew_start(2)};
+    struct orl_bsdf_comparison lost;
+    struct orl_bsdf_make_request to;
+    struct orl_bsdf_made made = {0}, more = {0};
+    struct orl_error err = {0};
+    double unseen = 0;
+    (void)state;
+    orl_bsdf_make_request_init(&to);
+    to.basis = ORL_BSDF_TENSOR_TREE_4;
+    to.resolution = 8;
+    assert_int_equal(
+        orl_bsdf_convert_within(tree, "a fixture", &to, within, &env, &unseen, &made, &lost, &err),
+        0);
+    assert_true(unseen > ORL_BSDF_UNSEEN && worst(&lost) <= within && worst(&lost) > 0);
+    struct orl_bsdf_made whole = convert(tree, ORL_BSDF_TENSOR_TREE_4, 8, 0);
+    assert_true(made.xml_size < whole.xml_size);
+    to.cull = 0;
+    to.unseen = 3 * unseen;
+    assert_int_equal(orl_bsdf_convert(tree, "a fixture", &to, &env, &more, &err), 0);
+    struct orl_bsdf *culled = panel_read(&more);
+    assert_int_equal(orl_bsdf_compare(tree, culled, env.crew, NULL, &lost, NULL), 0);
+    assert_true(worst(&lost) > within);
+    orl_bsdf_unref(culled);
+    orl_bsdf_made_done(&more);
+    orl_bsdf_made_done(&whole);
+    orl_bsdf_made_done(&made);
+    to.resolution = 4; /* of which cells are too wide for that */
+    assert_int_equal(
+        orl_bsdf_convert_within(tree, "a fixture", &to, 1e-4, &env, &unseen, &made, &lost, &err),
+        ORL_ERR_RANGE);
+    assert_non_null(strstr(err.message, "by its resolution alone"));
+    orl_crew_stop(env.crew);
+    orl_bsdf_unref(tree);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_same_basis_is_the_same),
         cmocka_unit_test(light_in_all_is_kept),
         cmocka_unit_test(differences_are_told),
+        cmocka_unit_test(a_cull_loses_what_it_may),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

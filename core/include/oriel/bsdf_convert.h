@@ -49,4 +49,21 @@ int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct 
                      const atomic_bool *cancel, struct orl_bsdf_comparison *ret_comparison,
                      struct orl_error *err);
 
+/* ---- A cull by what it loses ------------------------------------------------------------------
+ */
+
+/*
+ * Converts into a tensor tree, with as few cells as it may have: those become one whose difference
+ * sends no more light elsewhere than a share that is found by bisection, the largest that keeps
+ * what the file loses (the comparison's albedo_worst and cone_worst, of any part) `within` that
+ * share of the light that comes. So cells of faint light are joined however unlike they are, and
+ * peaks are left alone. to's cull is not used. *ret_unseen: what a cell alone may send elsewhere.
+ * *ret_lost: what is lost. ORL_ERR_RANGE where the resolution alone loses more.
+ */
+int orl_bsdf_convert_within(const struct orl_bsdf *bsdf, const char *source,
+                            const struct orl_bsdf_make_request *to, double within,
+                            const struct orl_bsdf_make_env *env, double *ret_unseen,
+                            struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost,
+                            struct orl_error *err);
+
 #endif

@@ -56,6 +56,10 @@ enum {
     ORL_BSDF_MAKE_PATHS_MOST = 1 << 24
 };
 
+/* What a cell of a tree may send elsewhere unseen, of the light that comes. All 4096 of 64 by 64
+ * that are as wrong as can be are 0.8 % of it. */
+#define ORL_BSDF_UNSEEN 2e-6
+
 struct orl_bsdf_make_request {
     char **files; /* scene texts, in order; owned */
     size_t n_files;
@@ -67,7 +71,8 @@ struct orl_bsdf_make_request {
     double cell[4];      /* x from, x to, y from, y to: the files' coordinates */
     uint32_t resolution; /* of trees: cells a side of the square, a power of two from 4 to 128 */
     double cull; /* of trees: cells are one where they are within this share of their mean, 0..1, or
-                    within what their errors explain (goniometer/forest.h) */
+                    within what their errors explain (goniometer/forest.h), */
+    double unseen;  /* or where they send no more than this share of the light elsewhere */
     uint32_t paths; /* an incident direction; with an accuracy those to begin with; 0: by the basis
                        (orl_bsdf_make_paths) */
     /*

@@ -1,0 +1,119 @@
+/* Trees culled by what a room would lose of their light, not by a share of each cell's value. */
+#include <math.h>
+
+#include <oriel/bsdf_convert.h>
+
+/* Trials, from as much light as all may send elsewhere on: what a cell alone may. */
+enum { TRIALS = 12 };
+static const double most_unseen = 0.1;
+
+/* One conversion under trial. */
+struct trial {
+    const struct orl_bsdf *bsdf;
+    const char *source;
+    const struct orl_bsdf_make_request *to;
+    const struct orl_bsdf_make_env *env;
+};
+
+static double worst_of(const struct orl_bsdf_comparison *c)
+{
+    double worst = 0;
+    for (int i = 0; i < 4; i++) {
+        const struct orl_bsdf_difference *d = &c->of[i / 2][i % 2];
+        worst = fmax(worst, fmax(fabs(d->albedo_worst), fabs(d->cone_worst)));
+    }
+    return worst;
+}
+
+static int try_cull(const struct trial *trial, double unseen, struct orl_bsdf_made *ret_made,
+                    struct orl_bsdf_comparison *ret_lost, struct orl_error *err)
+{
+    struct orl_bsdf_make_request to = *trial->to;
+    struct orl_bsdf *after = NULL;
+    to.cull = 0;
+    to.unseen = unseen;
+    int code = orl_bsdf_convert(trial->bsdf, trial->source, &to, trial->env, ret_made, err);
+    if (code < 0)
+        return code;
+    code = orl_bsdf_load_xml("culled.xml", ret_made->xml, ret_made->xml_size, &after, err);
+    if (code == 0)
+        code = orl_bsdf_compare(trial->bsdf, after, trial->env->crew, trial->env->cancel, ret_lost,
+                                err);
+    orl_bsdf_unref(after);
+    if (code < 0)
+        orl_bsdf_made_done(ret_made);
+    return code;
+}
+
+/* Takes the trial as the best so far. */
+static void take(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *lost,
+                 struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost)
+{
+    orl_bsdf_made_done(ret_made);
+    *ret_made = *made;
+    *ret_lost = *lost;
+}
+
+/* The best of some culls between, by bisection. best, ret_lost: of the least, at first. */
+static int search(const struct trial *trial, double within, double *ret_unseen,
+                  struct orl_bsdf_made *best, struct orl_bsdf_comparison *ret_lost,
+                  struct orl_error *err)
+{
+    double low = ORL_BSDF_UNSEEN, high = most_unseen, middle = high;
+    for (int i = 0; i < TRIALS && low < high; i++, middle = sqrt(low * high)) {
+        struct orl_bsdf_made made = {0};
+        struct orl_bsdf_comparison lost;
+        const int code = try_cull(trial, middle, &made, &lost, err);
+        if (code < 0)
+            return code;
+        if (worst_of(&lost) <= within) {
+            take(&made, &lost, best, ret_lost);
+            *ret_unseen = low = middle;
+        } else {
+            orl_bsdf_made_done(&made);
+            high = middle;
+        }
+    }
+    return 0;
+}
+
+/* The resolution alone is to lose no more. */
+static int check_resolution(const struct orl_bsdf_comparison *lost, double within,
+                            struct orl_error *err)
+{
+    const double worst = worst_of(lost);
+    if (worst <= within)
+        return 0;
+    orl_error_set(err, ORL_ERR_RANGE,
+                  "without any cull %.2g %% of the light is lost or goes elsewhere, by its "
+                  "resolution alone, and %.2g %% is wanted",
+                  100 * worst, 100 * within);
+    orl_error_hint(err, "Ask for a finer resolution, or for more");
+    return ORL_ERR_RANGE;
+}
+
+int orl_bsdf_convert_within(const struct orl_bsdf *bsdf, const char *source,
+                            const struct orl_bsdf_make_request *to, double within,
+                            const struct orl_bsdf_make_env *env, double *ret_unseen,
+                            struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost,
+                            struct orl_error *err)
+{
+    const struct trial trial = {bsdf, source, to, env};
+    struct orl_bsdf_made best = {0};
+    if (!orl_bsdf_basis_is_tree(to->basis) || !(within > 0 && within < 1))
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a cull is within a share of the light, from above 0 to below 1, and "
+                             "of tensor trees");
+    *ret_unseen = ORL_BSDF_UNSEEN;
+    int code = try_cull(&trial, ORL_BSDF_UNSEEN, &best, ret_lost, err);
+    if (code < 0)
+        return code;
+    code = check_resolution(ret_lost, within, err);
+    if (code == 0)
+        code = search(&trial, within, ret_unseen, &best, ret_lost, err);
+    if (code == 0)
+        *ret_made = best;
+    else
+        orl_bsdf_made_done(&best);
+    return code;
+}
