@@ -183,7 +183,7 @@ int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_cou
     char **mains = rc == 0 ? calloc(kept + 1, sizeof *mains) : NULL;
     if (rc == 0 && !mains)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    for (size_t i = 0; i < kept && mains; i++) {
+    for (size_t i = 0; i < kept && mains && names; i++) {
         mains[i] = names[chosen[i]]; /* taken over, once */
         names[chosen[i]] = NULL;
     }

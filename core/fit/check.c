@@ -53,8 +53,8 @@ static bool is_row(struct orl_fit_word line)
 
 bool orl_bsdf_is_measured(const char *text, size_t size)
 {
-    const bool marked = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0;
-    const struct orl_fit_word line = first_line(text + 3 * marked, size - 3 * marked);
+    const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    const struct orl_fit_word line = first_line(text + mark, size - mark);
     return is_row(line) || (has(line, "theta_in") && has(line, "theta_out"));
 }
 

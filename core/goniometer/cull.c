@@ -60,7 +60,7 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
                   struct orl_error *err)
 {
     double low = ORL_BSDF_UNSEEN, high = most_unseen, middle = high;
-    for (int i = 0; i < TRIALS && low < high; i++, middle = sqrt(low * high)) {
+    for (int i = 0; i < TRIALS && low < high; i++) {
         struct orl_bsdf_made made = {0};
         struct orl_bsdf_comparison lost;
         const int code = try_cull(trial, middle, &made, &lost, err);
@@ -73,6 +73,7 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
             orl_bsdf_made_done(&made);
             high = middle;
         }
+        middle = sqrt(low * high);
     }
     return 0;
 }

@@ -247,7 +247,9 @@ static enum orl_bsdf_basis fit_basis(const struct orl_bsdf_fit_request *request)
 static uint64_t fit_result_bytes(const struct orl_task *task)
 {
     const enum orl_bsdf_basis basis = fit_basis(&task->of.bsdf_fit);
-    return orl_bsdf_basis_is_tree(basis) ? TREES : 2 * DOCUMENT + PARTS * bsdf_pairs(basis) * VALUE;
+    return orl_bsdf_basis_is_tree(basis)
+               ? TREES
+               : 2 * (uint64_t)DOCUMENT + PARTS * bsdf_pairs(basis) * VALUE;
 }
 
 /* What of it goes by the rows is known once they are counted. */

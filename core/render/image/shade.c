@@ -261,11 +261,11 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
 {
     const struct orl_scatter on = {
         .direction = at->path.direction, .weight = orl_gray(1), .transmitted = true};
-    if (m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING || orl_material_bends(m))
-        follow(look, at, hit, &on);
-    else if (orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
+    const bool pane =
+        m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING || orl_material_bends(m);
+    if (!pane && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);
-    else if (m->kind == ORL_MATERIAL_MIXTURE && orl_material_is_window(m))
+    else if (pane || (m->kind == ORL_MATERIAL_MIXTURE && orl_material_is_window(m)))
         follow(look, at, hit, &on);
     for (uint32_t i = 0; i < look->shaded->n_vertices; i++)
         look->shaded->vertices[i].weight = orl_gray(1);
