@@ -8,9 +8,9 @@ static const double sharp_difference = 0.15, no_difference = 0.02, steep_differe
 /* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
 static const double close_by = 0.3;
 
-/* What is smooth is shared, among the rays of a pixel and with those beside it, as far as that
- * share of its reach. */
-static const double shared = 0.5;
+/* What is smooth is shared so many times its reach: among the rays of a pixel, whose mean is what
+ * counts; and beyond it by a pixel whose neighbours bear it out. */
+static const double shared_within = 1, shared_about = 4;
 
 static struct orl_shade shade_of(const struct orl_cell *cell)
 {
@@ -132,9 +132,9 @@ static bool will_do(const struct found *known, const double place[2],
     const double across = known->x - place[0], down = known->y - place[1];
     if (known->way != shaded->way)
         return false;
-    return shaded->has_lobes
-               ? across * across + down * down < close_by * close_by
-               : is_within(surface_of(shaded), known->on_surface, shared * known->smooth.reach);
+    return shaded->has_lobes ? across * across + down * down < close_by * close_by
+                             : is_within(surface_of(shaded), known->on_surface,
+                                         shared_within * known->smooth.reach);
 }
 
 /* The nearest in the pixel that sees the same; NULL where none does. */
@@ -200,7 +200,7 @@ static bool is_close(const struct kin *kin, const struct orl_shaded *shaded)
     if (shaded->n_vertices == 0)
         return true;
     return is_within(surface_of(shaded), surface_of(&kin->nearest->shaded),
-                     shared * kin->nearest->smooth.reach);
+                     shared_about * kin->nearest->smooth.reach);
 }
 
 /* What one more ray sees. */
