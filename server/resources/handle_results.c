@@ -155,6 +155,17 @@ static void give_final(struct orl_request *request, int fd, const struct stat *s
 
 /* ---- Whatever is asked for ------------------------------------------------------------------ */
 
+/* 409: nothing, or not that yet. */
+static void refuse_for_now(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    const enum orl_job_state state = job->row.state;
+    orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
+                      orl_jobs_state_name(job),
+                      state <= ORL_JOB_RUNNING ? "; ask again later" : "");
+    if (state <= ORL_JOB_RUNNING)
+        orl_reply_header(request, "Retry-After", "1");
+}
+
 static void send_file(struct orl_request *request, const struct shown *shown, const json_t *entry)
 {
     const char *name = json_string_value(json_object_get(entry, "name"));
@@ -166,6 +177,10 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
     if (!shown->running && orl_reply_if_none_match(request, tag))
         return;
     const int fd = open_file(request, shown, name);
+    if (fd < 0 && errno == ENOENT && shown->running) { /* a cancelled one's go when it stops */
+        refuse_for_now(request, shown->job);
+        return;
+    }
     if (fd < 0 || fstat(fd, &st) != 0) {
         struct orl_error err;
         orl_error_set(&err, ORL_ERR_IO, "a result file cannot be read: %s", strerror(errno));
@@ -204,17 +219,6 @@ static char *find_summary(struct orl_request *request, struct shown *shown)
                                     : NULL;
     orl_folders_path(&request->server->folders, shown->folder, "results/%s", job->row.id);
     return job->row.state != ORL_JOB_FAILED && job->outcome ? strdup(job->outcome) : NULL;
-}
-
-/* 409: nothing, or not that yet. */
-static void refuse_for_now(struct orl_request *request, const struct orl_jobs_job *job)
-{
-    const enum orl_job_state state = job->row.state;
-    orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
-                      orl_jobs_state_name(job),
-                      state <= ORL_JOB_RUNNING ? "; ask again later" : "");
-    if (state <= ORL_JOB_RUNNING)
-        orl_reply_header(request, "Retry-After", "1");
 }
 
 /* False after a 404 or 409. A job has results when it has succeeded, after its first round or view,

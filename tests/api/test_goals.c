@@ -10,6 +10,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "support/cli.h"
 #include "support/daemon.h"
 
 #define SENSORS "\"technique\":\"backward\",\"sensors\":[[2,1,0.8,0,0,1],[2,4,0.8,0,0,1]]"
@@ -110,6 +111,25 @@ static void test_results_before_the_end(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
 }
 
+/* A cancelled job's files go a moment before the job is known to have stopped. */
+static void test_files_that_go_with_the_job(void **state)
+{
+    static const char *const files[] = {"result", "files/room.hdr"};
+    struct daemon_room *f = *state;
+    char job[80], folder[80];
+    submit(f, LONG, job);
+    wait_for_round(f, job);
+    snprintf(folder, sizeof folder, "%s/partial", f->daemon.root);
+    cli_remove_folder(folder);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        struct reply reply;
+        get_below(f, job, files[i], &reply);
+        assert_int_equal(reply.status, 409);
+        assert_non_null(reply_header(&reply, "Retry-After"));
+        reply_done(&reply);
+    }
+}
+
 /* A killed daemon starts the job again from its first round. */
 static void test_killed_between_rounds(void **state)
 {
@@ -194,6 +214,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_results_before_the_end, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_files_that_go_with_the_job, daemon_room_set_up,
                                         daemon_room_tear_down),
         cmocka_unit_test_setup_teardown(test_killed_between_rounds, daemon_room_set_up,
                                         daemon_room_tear_down),
