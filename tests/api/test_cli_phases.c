@@ -24,9 +24,6 @@
 
 enum { ROWS = 3, SENSORS = 4, CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES };
 
-#define GROUND                                                                                     \
-    "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 "           \
-    "40 40 -.3 -40 40 -.3\n"
 #define DOCUMENT(scene, more)                                                                      \
     "{\"kind\": \"annual\", \"scene\": {\"files\": [\"" scene                                      \
     "\"]}, \"weather\": \"w.wea\", \"samples\": 4096, \"metrics\": [\"illuminance\"], \"grids\": " \
@@ -88,9 +85,9 @@ static int set_up(void **state)
     cli_make_folder(folder);
     cli_write_file(folder, "pane.xml", pane);
     cli_write_file(folder, "w.wea", weather);
-    cli_write_file(folder, "panel.rad", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE GROUND);
-    cli_write_file(folder, "clear.rad", ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND);
-    cli_write_file(folder, "open.rad", ROOM_GREY ROOM_SHELL GROUND);
+    cli_write_file(folder, "panel.rad", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND);
+    cli_write_file(folder, "clear.rad", ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND);
+    cli_write_file(folder, "open.rad", ROOM_GREY ROOM_SHELL ROOM_GROUND);
     write_sky(folder);
     free(pane);
     *state = folder;

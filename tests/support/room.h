@@ -20,6 +20,9 @@
     "1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"                                                          \
     "w polygon shelf 0 0 12 0 2 1 4 2 1 4 2.4 1 0 2.4 1\n"
 #define ROOM_PANE "p polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
+#define ROOM_GROUND                                                                                \
+    "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 40 40 -.3 " \
+    "-40 40 -.3\n"
 #define ROOM_SKY "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n"
 #define ROOM_SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 1 .533\n"
 

@@ -15,14 +15,11 @@
 enum { SAMPLES = 2048, TRUTH_SAMPLES = 1024, EVERY = 2 };
 
 /* A pane in a room's wall, on ground: the room of support/room.h. */
-#define GROUND                                                                                     \
-    "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 40 40 -.3 " \
-    "-40 40 -.3\n"
-static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND;
-static const char pool_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND
+static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND;
+static const char pool_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
     "void mirror m 0 0 3 .8 .8 .8\nm polygon pool 0 0 12 0 -4 -.2 4 -4 -.2 4 -.5 -.2 0 -.5 -.2\n";
 /* The same with a panel that deflects light. */
-static const char panel_room[] = ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE GROUND;
+static const char panel_room[] = ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND;
 /* Four walls of 6 m about a yard of 8 x 8 m, nothing glazed. */
 static const char courtyard[] =
     ROOM_GREY "w polygon ground 0 0 12 -20 -20 0 20 -20 0 20 20 0 -20 20 0\n"

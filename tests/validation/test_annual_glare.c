@@ -16,10 +16,7 @@ enum { SAMPLES = 512, SIDE = 60, PIXEL_SAMPLES = 12, MOST_COLUMNS = 64 };
 #define HEAD(latitude)                                                                             \
     "place made_up\nlatitude " latitude "\nlongitude -27.14\ntime_zone -30\nsite_elevation 0\n"    \
     "weather_data_file_units 1\n"
-#define GROUND                                                                                     \
-    "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 "           \
-    "40 40 -.3 -40 40 -.3\n"
-#define ROOM ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND
+#define ROOM ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 static char near_name[] = "near", aside_name[] = "aside";

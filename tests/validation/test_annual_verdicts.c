@@ -25,9 +25,6 @@ enum {
     TEXT = 1 << 15
 };
 
-#define GROUND                                                                                     \
-    "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 "           \
-    "40 40 -.3 -40 40 -.3\n"
 #define WALL "e polygon wall 0 0 12 -9 -6 -.3 13 -6 -.3 13 -6 5 -9 -6 5\n"
 #define PANES ROOM_PANE "p polygon second 0 0 12 .2 0 1 .2 0 2.5 .8 0 2.5 .8 0 1\n"
 
@@ -39,11 +36,11 @@ static const struct {
     const char *name, *scene, *figure;
     bool panel;
 } rooms[] = {
-    {"glass", ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE GROUND, "sDA600/50", false},
-    {"tinted", ROOM_GREY "void glass p 0 0 3 .5 .5 .5\n" ROOM_SHELL PANES GROUND, "sDA300/50",
+    {"glass", ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND, "sDA600/50", false},
+    {"tinted", ROOM_GREY "void glass p 0 0 3 .5 .5 .5\n" ROOM_SHELL PANES ROOM_GROUND, "sDA300/50",
      false},
-    {"facing a wall", ROOM_GREY ROOM_CLEAR ROOM_SHELL PANES GROUND WALL, "sDA200/50", false},
-    {"panel", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE GROUND, "sDA700/50", true}};
+    {"facing a wall", ROOM_GREY ROOM_CLEAR ROOM_SHELL PANES ROOM_GROUND WALL, "sDA200/50", false},
+    {"panel", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND, "sDA700/50", true}};
 enum { ROOMS = sizeof rooms / sizeof *rooms };
 static const double offsets[] = {-8, -3, 3, 8};
 
