@@ -31,7 +31,7 @@
  *      "unit", "value", "interval_95", "open", "verdict"}],
  *      "rules": [{"rule", "grid", "verdict"}] (all targets of each),
  *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
- *      "refined_sensors", "most_samples"} (oriel/annual_report.h),
+ *      "refined_sensors", "most_samples", "sun_halvings"} (oriel/annual_report.h),
  *      "shades": null or what states window groups were in (annual_shades.h),
  *      "exposure": null or for how long points at windows can see the sun (annual_exposure.h),
  *      "view_out": null or how far and wide places see out (annual_view_out.h),

@@ -243,12 +243,13 @@ json_t *orl_annual_refinement_to_json(const struct orl_annual_refinement *r)
 {
     if (!r->asked)
         return json_null();
-    return json_pack("{s:o, s:s, s:o, s:o, s:s, s:b, s:I, s:I, s:I}", "target",
+    return json_pack("{s:o, s:s, s:o, s:o, s:s, s:b, s:I, s:I, s:I, s:I}", "target",
                      orl_json_from_text(r->target.text), "unit", unit_of(&r->target.figure),
                      "value", orl_json_from_real(r->area.value.value), "interval_95",
                      interval_to_json(&r->area.value), "verdict", orl_verdict_name(r->verdict),
                      "settled", (int)r->settled, "rounds", (json_int_t)r->rounds, "refined_sensors",
-                     (json_int_t)r->refined, "most_samples", (json_int_t)r->most_samples);
+                     (json_int_t)r->refined, "most_samples", (json_int_t)r->most_samples,
+                     "sun_halvings", (json_int_t)r->sun_halvings);
 }
 
 json_t *orl_annual_report_to_json(const struct orl_annual_job *job,

@@ -65,6 +65,10 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
     if (request->samples > ORL_ANNUAL_MOST_SAMPLES)
         return orl_error_set(err, ORL_ERR_LIMIT, "%u paths a sensor are more than %d",
                              request->samples, ORL_ANNUAL_MOST_SAMPLES);
+    if (request->sun_halvings > ORL_ANNUAL_MOST_HALVINGS)
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "the distance between the sun's nodes is halved at most %d times",
+                             ORL_ANNUAL_MOST_HALVINGS);
     for (size_t i = 0; i < request->n_grids; i++) {
         const struct orl_annual_grid *g = &request->grids[i];
         if (g->first > request->n_sensors || g->count > request->n_sensors - g->first)

@@ -80,9 +80,12 @@ static int place_nodes(struct orl_year *y)
 {
     const struct orl_year_suns *suns = &y->hours.suns;
     const struct orl_turn north = orl_turn_by(y->request->north_deg);
+    const double share = 1.0 / (1U << y->request->sun_halvings);
+    struct orl_sun_spacing steps = orl_sun_spacing_at(y->result->latitude_deg, spacing);
+    steps.declination_deg *= share;
+    steps.hour_angle_deg *= share;
     const int code =
-        orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns->in_sky, suns->count,
-                           orl_sun_spacing_at(y->result->latitude_deg, spacing));
+        orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns->in_sky, suns->count, steps);
     y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
     if (code < 0 || !y->node_frames)
         return ORL_ERR_NOMEM;

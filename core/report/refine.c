@@ -6,6 +6,10 @@
 #include <string.h>
 
 enum { MORE = 4 }; /* times the paths of the round before */
+
+/* Squares of errors times paths stay as they are where paths alone make them; where all of them lie
+ * between nodes, they grow by more than three from round to round. */
+static const double mostly_of_nodes = 2;
 static const double near_share = 0.5, near_part = 0.005, far_off = 3;
 
 struct refining {
@@ -93,13 +97,39 @@ static float weigh(double a, double wa, double b, double wb)
     return (float)((wa * a + wb * b) / (wa + wb));
 }
 
-static float weigh_errors(double a, double wa, double b, double wb)
+/* Those of paths are independent; those between nodes are the same in both. */
+static float weigh_errors(bool rough, double a, double wa, double b, double wb)
 {
-    return (float)(hypot(wa * a, wb * b) / (wa + wb));
+    return rough ? weigh(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
 }
 
-/* Both are means over their paths; errors are independent. */
-static void merge(struct refining *r, const struct orl_annual_result *more, uint32_t samples)
+/* Relative squares of errors, of sunlit hours; dark ones have errors of the sky alone. */
+static double squares_of(const struct orl_annual_result *result, size_t sensor)
+{
+    const float *total = orl_annual_row(result, result->total, sensor);
+    const float *se = orl_annual_row(result, result->se, sensor);
+    double sum = 0;
+    for (size_t k = 0; k < result->n_columns; k++)
+        if (result->steps[result->step_of_column[k]].direct_normal_lx > 0 && total[k] > 0)
+            sum += (double)(se[k] / total[k]) * (double)(se[k] / total[k]);
+    return sum;
+}
+
+/* Whether more paths gain little; of the rows so far beside those of one run more. */
+static bool is_rough(const struct refining *r, const struct orl_annual_result *more,
+                     uint32_t samples)
+{
+    double before = 0, after = 0;
+    for (size_t i = 0; i < r->n_open; i++) {
+        before += squares_of(r->result, r->open[i]) * (double)r->samples[r->open[i]];
+        after += squares_of(more, i) * samples;
+    }
+    return after > mostly_of_nodes * before;
+}
+
+/* Both are means over their paths. */
+static void merge(struct refining *r, const struct orl_annual_result *more, uint32_t samples,
+                  bool rough)
 {
     const size_t n = r->result->n_columns;
     for (size_t i = 0; i < r->n_open; i++) {
@@ -108,14 +138,14 @@ static void merge(struct refining *r, const struct orl_annual_result *more, uint
         r->result->overcast[sensor] =
             weigh(r->result->overcast[sensor], old, more->overcast[i], add);
         r->result->overcast_se[sensor] =
-            weigh_errors(r->result->overcast_se[sensor], old, more->overcast_se[i], add);
+            weigh_errors(false, r->result->overcast_se[sensor], old, more->overcast_se[i], add);
         for (size_t k = 0; k < n; k++) {
             r->result->total[to + k] =
                 weigh(r->result->total[to + k], old, more->total[from + k], add);
             r->result->direct[to + k] =
                 weigh(r->result->direct[to + k], old, more->direct[from + k], add);
             r->result->se[to + k] =
-                weigh_errors(r->result->se[to + k], old, more->se[from + k], add);
+                weigh_errors(rough, r->result->se[to + k], old, more->se[from + k], add);
         }
         r->samples[r->open[i]] += samples;
     }
@@ -168,6 +198,7 @@ static int run_again(struct refining *r, uint32_t samples)
     request.groups = groups;
     fix_shades(r, groups);
     request.samples = samples;
+    request.sun_halvings = r->state->sun_halvings;
     request.seed += r->state->rounds;
     request.n_sensors = r->n_open;
     request.sensors = malloc((r->n_open + 1) * sizeof *request.sensors);
@@ -177,7 +208,10 @@ static int run_again(struct refining *r, uint32_t samples)
         request.sensors[i] = r->request->sensors[r->open[i]];
     const int code = orl_annual_run(&request, &env, &more, r->err);
     if (code == 0) {
-        merge(r, &more, samples);
+        const bool rough = is_rough(r, &more, samples);
+        if (rough && r->state->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
+            r->state->sun_halvings++;
+        merge(r, &more, samples, rough);
         r->result->total_s += more.total_s;
         for (int s = 0; s < ORL_ANNUAL_STAGES; s++)
             r->result->timings_s[s] += more.timings_s[s];

@@ -125,6 +125,7 @@ static void print_sensors(struct annual_bench *bench, FILE *json, double rate, b
         *first = false;
         print_stages(ret_year);
     }
+    annual_tell_hours(bench, rate);
     annual_forget_truth(bench);
 }
 

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include <oriel/annual.h>
+#include <oriel/annual_glare.h>
 
 #include "bench/office.h"
 
@@ -58,6 +59,12 @@ void annual_choose_hours(struct annual_truth *truth, const struct orl_annual_res
 void annual_forget_truth(struct annual_bench *bench);
 /* What backward says, made once for that year and kept in the build folder. */
 void annual_need_truth(struct annual_bench *bench, const struct orl_annual_result *year);
+
+/* What backward says, into the build folder for annual_radiance.py: of the sensors, after
+ * annual_need_truth; of a seat's pictures. */
+void annual_tell_hours(const struct annual_bench *bench, double rate);
+void annual_tell_seat(const struct annual_bench *bench, const struct orl_seat *seat,
+                      const struct annual_truth *hours, const double *dgp);
 
 /* A seat's DGP over the year beside pictures: prints a row for each seat (annual_glare.c). json: an
  * open list; first: nothing is in it yet. */

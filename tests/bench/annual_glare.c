@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/annual_glare.h>
-
 #include "bench/annual.h"
 
 enum { SEATS = 2 };
@@ -123,6 +121,18 @@ static double run_seat(struct annual_bench *bench, const struct orl_annual_resul
     return bench_own_s(NULL) - started;
 }
 
+static void tell_pictures(const struct annual_bench *bench, const struct orl_seat *seat,
+                          const struct annual_truth *hours, const struct picture *pictures)
+{
+    double *dgp = calloc(hours->n_hours + 1, sizeof *dgp);
+    if (!dgp)
+        bench_fail("out of memory", NULL);
+    for (size_t i = 0; i < hours->n_hours; i++)
+        dgp[i] = pictures[i].dgp;
+    annual_tell_seat(bench, seat, hours, dgp);
+    free(dgp);
+}
+
 static struct dgp_errors compare(const struct orl_annual_result *year,
                                  const struct annual_truth *hours, const struct picture *pictures,
                                  const struct orl_seat_hours *seat)
@@ -170,6 +180,7 @@ void annual_print_glare(struct annual_bench *bench, FILE *json, bool *first, con
                 *first ? "" : ",", title, seats[i].name, year->n_columns, seconds,
                 seconds * rate / 1e6, e.rms, e.worst, e.n);
         *first = false;
+        tell_pictures(bench, &seats[i], &hours, pictures);
         free(pictures);
         orl_seat_hours_free(found, 1);
     }

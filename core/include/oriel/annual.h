@@ -55,11 +55,19 @@ struct orl_annual_request {
     struct orl_matrix_term *terms; /* of others' matrices, in place of paths; may be none */
     size_t n_terms;
     uint64_t seed;
-    uint32_t samples;  /* paths a sensor; 0: ORL_ANNUAL_SAMPLES */
+    uint32_t samples; /* paths a sensor; 0: ORL_ANNUAL_SAMPLES */
+    /* How often the distance between the sun's nodes is halved: four times the nodes each. Where
+     * errors of interpolation are more than those of paths, more paths alone gain nothing. */
+    uint32_t sun_halvings;
     bool coefficients; /* are wanted, of the result; not of years with shades */
 };
 
-enum { ORL_ANNUAL_SAMPLES = 2048, ORL_ANNUAL_BATCHES = 16, ORL_ANNUAL_MOST_SAMPLES = 1 << 20 };
+enum {
+    ORL_ANNUAL_SAMPLES = 2048,
+    ORL_ANNUAL_BATCHES = 16,
+    ORL_ANNUAL_MOST_SAMPLES = 1 << 20,
+    ORL_ANNUAL_MOST_HALVINGS = 2
+};
 
 void orl_annual_request_init(struct orl_annual_request *request); /* defaults, nothing else set */
 void orl_annual_request_done(

@@ -203,12 +203,15 @@ struct orl_annual_refinement {
     uint32_t rounds;       /* runs, the first included */
     size_t refined;        /* sensors that had more paths than the first run's */
     uint64_t most_samples; /* of a sensor */
+    uint32_t sun_halvings; /* of the last run, of the distance between the sun's nodes */
 };
 
 /*
  * Runs the request, and then, while the target of wishes->until is open, again with four times the
  * paths for those sensors alone that leave it open: of shares of an area those less than three
  * standard errors from changing sides, else all of the target's. Paths of all runs count alike.
+ * Where errors fall less than by the paths, what lies between the sun's nodes is why: the next run
+ * has nodes half as far apart.
  * Ends when the target is settled, or a sensor would have more than ORL_ANNUAL_MOST_SAMPLES.
  * Without a target it is orl_annual_run. told: called after each run; may be NULL.
  */

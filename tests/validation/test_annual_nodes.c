@@ -1,0 +1,73 @@
+/*
+ * Nodes of the sun grow denser where what lies between them is why errors do not fall: in a room
+ * that looks at a wall, the sun's patch on that wall moves with the hours; in one that looks at
+ * open ground it does not matter.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "support/year.h"
+
+/* Close before the wall a few boards, whose shadows cross what the window sees. */
+#define WALL                                                                                       \
+    "w polygon wall 0 0 12 -9 -6 -.3 13 -6 -.3 13 -6 5 -9 -6 5\n"                                  \
+    "w polygon a 0 0 12 -9 -5 2.2 13 -5 2.2 13 -4.3 2.2 -9 -4.3 2.2\n"                             \
+    "w polygon b 0 0 12 -9 -5 3.4 13 -5 3.4 13 -4.3 3.4 -9 -4.3 3.4\n"                             \
+    "w polygon c 0 0 12 -9 -5 4.6 13 -5 4.6 13 -4.3 4.6 -9 -4.3 4.6\n"
+
+static const struct year_site izmir = {38.42, 27.14, 2};
+static const struct orl_sensor sensors[] = {{{2, 1.2, .8}, {0, 0, 1}},
+                                            {{1.2, 2, .8}, {0, 0, 1}},
+                                            {{2.8, 3.5, .8}, {0, 0, 1}},
+                                            {{2, 4.5, .8}, {0, -1, 0}}};
+enum { SENSORS = sizeof sensors / sizeof *sensors };
+
+/* From few paths on, until the target is settled. */
+static struct orl_annual_refinement refine(const char *scene, const char *target)
+{
+    struct orl_annual_wishes wishes;
+    struct orl_annual_refinement found;
+    const struct year_run run = {.scene = scene,
+                                 .site = izmir,
+                                 .sensors = sensors,
+                                 .n_sensors = SENSORS,
+                                 .samples = 256,
+                                 .threads = 2,
+                                 .seed = 5,
+                                 .wishes = &wishes,
+                                 .ret_refinement = &found};
+    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    wishes.until = calloc(1, sizeof *wishes.until);
+    assert_non_null(wishes.until);
+    assert_int_equal(orl_annual_target_parse(target, wishes.until, NULL), 0);
+    struct orl_annual_result year = year_run(&run);
+    orl_annual_done(&year);
+    orl_annual_wishes_done(&wishes);
+    return found;
+}
+
+#define ROOM ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
+
+/* Both targets are so near the truth that some rounds are needed. */
+static void test_rounds(void **state)
+{
+    (void)state;
+    const struct orl_annual_refinement wall = refine(ROOM WALL, "illuminance >= 2252 lx");
+    const struct orl_annual_refinement open = refine(ROOM, "illuminance >= 4510 lx");
+    print_message("wall: %u rounds, %u halvings; open: %u rounds, %u halvings\n", wall.rounds,
+                  wall.sun_halvings, open.rounds, open.sun_halvings);
+    assert_true(wall.settled && wall.rounds >= 3 && wall.sun_halvings >= 1);
+    assert_true(open.settled && open.rounds >= 3 && open.sun_halvings == 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_rounds)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
