@@ -372,6 +372,7 @@ VERDICTS_BIN := $(BUILD)/tests/validation/test_annual_verdicts
 annual: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/annual $(VERDICTS_BIN)
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/annual
+	@PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/annual_radiance.py $(BUILD)
 	@ORIEL_VERDICT_SEEDS=$${ORIEL_VERDICT_SEEDS:-100} $(VERDICTS_BIN)
 
 .PHONY: eta

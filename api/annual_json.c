@@ -209,10 +209,27 @@ static int decode_formats(const json_t *value, const char *path, void *into, str
     return orl_json_each(value, path, 4, decode_format, into, err);
 }
 
+static const char *const techniques[] = {"paths", "precomputed", NULL};
+
+/* What goes by paths alone. */
+static int check_precomputed(const struct orl_annual_job *job, struct orl_error *err)
+{
+    if (job->request.technique != ORL_ANNUAL_PRECOMPUTED)
+        return 0;
+    if (job->wishes.glare.n_seats > 0)
+        return orl_json_fail(err, ORL_ERR_UNSUPPORTED, "glare",
+                             "glare of seats goes by paths: leave \"technique\" out");
+    if (job->formats.phases)
+        return orl_json_fail(err, ORL_ERR_UNSUPPORTED, "formats",
+                             "matrices of phases go by paths: leave \"technique\" out");
+    return 0;
+}
+
 static int decode_members(const json_t *doc, struct orl_annual_job *job, struct orl_error *err)
 {
     struct orl_annual_request *request = &job->request;
     struct orl_annual_wishes *wishes = &job->wishes;
+    unsigned technique = ORL_ANNUAL_BY_PATHS;
     const struct orl_json_list targets = {.items = &wishes->targets,
                                           .count = &wishes->n_targets,
                                           .size = sizeof *wishes->targets,
@@ -236,6 +253,8 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"targets", .list = &targets},
         {"rules", .decode = decode_rules, .into = wishes},
         {"samples", .whole_32 = &request->samples, .from = 1, .to = ORL_ANNUAL_MOST_SAMPLES},
+        {"technique", .word = &technique, .words = techniques},
+        {"photons", .whole_32 = &request->photons, .from = 1, .to = ORL_ANNUAL_MOST_PHOTONS},
         {"seed", .whole = &request->seed, .from = 0, .to = INT64_MAX},
         {"median_diffuse", .real = &wishes->median_diffuse_lx, .most = INFINITY, .above = true,
          .bounds = "a number of lux above zero is wanted"},
@@ -248,8 +267,11 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {.name = "name"},
         {.name = "tags"},
         {0}};
-    const int rc = orl_json_members(doc, "", members, err);
+    int rc = orl_json_members(doc, "", members, err);
+    request->technique = (enum orl_annual_technique)technique;
     request->coefficients = job->formats.coefficients;
+    if (rc == 0)
+        rc = check_precomputed(job, err);
     if (rc == 0 && request->coefficients && wishes->until)
         return orl_json_fail(err, ORL_ERR_INVALID, "formats",
                              "daylight coefficients are of one run: leave \"accuracy\" out");

@@ -39,8 +39,12 @@ static bool may_keep(const struct orl_year *year)
 void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned char *scene)
 {
     const struct orl_year_suns *suns = &year->hours.suns;
-    const double numbers[] = {year->request->north_deg, year->result->latitude_deg,
-                              (double)suns->count, (double)year->nodes.count};
+    const double numbers[] = {year->request->north_deg,
+                              year->result->latitude_deg,
+                              (double)suns->count,
+                              (double)year->nodes.count,
+                              (double)year->request->technique,
+                              (double)year->request->photons};
     struct orl_sha256 hash;
     *keep = (struct orl_keep){.year = year, .store = may_keep(year) ? year->env->run->store : NULL};
     keep->off = keep->store == NULL;

@@ -76,15 +76,25 @@ static int make_world(struct orl_year *y, struct orl_error *err)
 
 /* ---- Sunlight on surfaces -------------------------------------------------------------------- */
 
+static int refuse_open(struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                  "precomputed photons come in by windows: the building is open, or has none");
+    orl_error_hint(err, "leave \"technique\" out: paths need no windows");
+    return ORL_ERR_UNSUPPORTED;
+}
+
 /* From the store, or by photons, which go there. */
 static int make_map(struct orl_year *y, struct orl_error *err)
 {
     struct orl_keeping it = {.what = ORL_YEARS_MAP};
-    const struct orl_sun_map_request request =
-        orl_annual_scene_map_request(&y->scene, y->request->seed);
     void *data = NULL;
     size_t size = 0;
-    if (y->world->open || y->world->n_ports == 0 || y->nodes.count == 0)
+    y->scene.whole_map = y->request->technique == ORL_ANNUAL_PRECOMPUTED;
+    const struct orl_sun_map_request request = orl_annual_scene_map_request(&y->scene, y->request);
+    if (y->world->open || y->world->n_ports == 0)
+        return y->scene.whole_map ? refuse_open(err) : 0;
+    if (y->nodes.count == 0)
         return 0;
     int code = orl_keep_ask(&y->keep, &it, err);
     if (code < 0)

@@ -56,6 +56,12 @@ static int check_sensors(const struct orl_annual_request *request, struct orl_er
     return 0;
 }
 
+const char *orl_annual_technique_name(enum orl_annual_technique technique)
+{
+    static const char *const names[ORL_ANNUAL_TECHNIQUES] = {"paths", "precomputed"};
+    return names[technique];
+}
+
 int orl_annual_validate_numbers(const struct orl_annual_request *request, struct orl_error *err)
 {
     if (!(fabs(request->north_deg) <= 360))
@@ -69,6 +75,14 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
         return orl_error_set(err, ORL_ERR_LIMIT,
                              "the distance between the sun's nodes is halved at most %d times",
                              ORL_ANNUAL_MOST_HALVINGS);
+    if (request->photons > ORL_ANNUAL_MOST_PHOTONS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%u photons are more than %d", request->photons,
+                             ORL_ANNUAL_MOST_PHOTONS);
+    if (request->technique == ORL_ANNUAL_PRECOMPUTED &&
+        (request->n_groups > 0 || request->n_terms > 0))
+        return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                             "precomputed photons are of one state of the scene: a year with "
+                             "shades or others' matrices goes by paths");
     for (size_t i = 0; i < request->n_grids; i++) {
         const struct orl_annual_grid *g = &request->grids[i];
         if (g->first > request->n_sensors || g->count > request->n_sensors - g->first)

@@ -13,9 +13,10 @@ bool orl_annual_has_panels(const struct orl_world *world)
     return false;
 }
 
-static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes)
+/* asked: in all; 0: as the scene has it. */
+static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes, uint32_t asked)
 {
-    const double all = orl_annual_has_panels(world) ? PANEL_PHOTONS : PHOTONS;
+    const double all = asked > 0 ? asked : orl_annual_has_panels(world) ? PANEL_PHOTONS : PHOTONS;
     return (uint32_t)fmax(all / fmax((double)n_nodes, 1), LEAST_PHOTONS);
 }
 
@@ -40,14 +41,16 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
 }
 
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
-                                                        uint64_t seed)
+                                                        const struct orl_annual_request *request)
 {
-    return (struct orl_sun_map_request){.world = scene->world,
-                                        .sobol = &scene->sobol,
-                                        .nodes = scene->nodes,
-                                        .n_nodes = scene->n_nodes,
-                                        .seed = seed,
-                                        .photons = photons_of_node(scene->world, scene->n_nodes)};
+    return (struct orl_sun_map_request){
+        .world = scene->world,
+        .sobol = &scene->sobol,
+        .nodes = scene->nodes,
+        .n_nodes = scene->n_nodes,
+        .seed = request->seed,
+        .photons = photons_of_node(scene->world, scene->n_nodes, request->photons),
+        .whole = scene->whole_map};
 }
 
 void orl_annual_scene_done(struct orl_annual_scene *scene)

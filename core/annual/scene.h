@@ -27,6 +27,7 @@ struct orl_annual_scene {
     struct orl_mirrors mirrors; /* what those beyond ports throw in is in no map */
     struct orl_sun_map
         *map; /* owned, set by who made it; NULL: sunlight is looked for by shadow rays alone */
+    bool whole_map; /* it has what diffuse surfaces send from one to another */
 };
 
 /* Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_annual_scene_done in either case. */
@@ -36,7 +37,7 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
                           struct orl_crew *crew);
 /* Of the map, which the scene is without until then. */
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
-                                                        uint64_t seed);
+                                                        const struct orl_annual_request *request);
 /* Whether ports have BSDFs. */
 bool orl_annual_has_panels(const struct orl_world *world);
 void orl_annual_scene_done(struct orl_annual_scene *scene);

@@ -163,7 +163,8 @@ static int shoot_all(struct orl_sun_map *map, const struct orl_sun_map_request *
                                              .sobol = request->sobol,
                                              .seed = request->seed,
                                              .beam = first + i,
-                                             .photons = photons_of_lot(map, request, first + i)};
+                                             .photons = photons_of_lot(map, request, first + i),
+                                             .whole = request->whole};
         code = orl_crew_try(crew, n, shoot, shots);
         for (size_t i = 0; i < n; i++) {
             if (code == 0)

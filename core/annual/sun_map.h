@@ -1,6 +1,7 @@
 /*
  * Sunlight on surfaces inside a sealed building, of every beam (sun_beams.h): how much of it comes
  * through the ports and, by mirrors and lobes but no diffuse surface, to each square of a surface.
+ * (Or by whatever way: contribution photons, oriel/annual.h.)
  * Photons bring it there: straight through clear panes, deflected or scattered by BSDFs, thrown on
  * by whatever is not diffuse. All sensors share it, and paths that come to a surface look up what
  * all nodes give it, without a shadow ray.
@@ -33,6 +34,7 @@ struct orl_sun_map_request {
     size_t n_nodes;
     uint64_t seed;
     uint32_t photons; /* of a node, all its beams and lots together */
+    bool whole;       /* with what diffuse surfaces send from one to another */
 };
 
 /* *ret_map is NULL where there is nothing to map: an open scene, or no ports. Returns 0,

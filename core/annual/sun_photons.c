@@ -38,12 +38,14 @@ static void deposit(struct orl_sun_shot *s, const struct orl_hit *hit, uint32_t 
                                  .flux = {(float)flux.r, (float)flux.g, (float)flux.b}};
 }
 
-/* From inside a port to where no lobe sends it on. */
+/* From inside a port to where nothing that it is to go by sends it on. */
 static void fly(struct orl_sun_shot *s, struct orl_path path, uint32_t lot,
                 struct orl_random *random)
 {
     const struct orl_world *world = s->beams->world;
     const double first = orl_rgb_max(path.weight);
+    const enum orl_lobes lobes =
+        s->whole ? ORL_LOBE_ALL : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     bool outside = false;
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
@@ -53,11 +55,10 @@ static void fly(struct orl_sun_shot *s, struct orl_path path, uint32_t lot,
         orl_path_arrive(&path, m, &hit);
         if (!outside && orl_rgb_max(orl_material_diffuse(m, &hit)) > 0)
             deposit(s, &hit, lot, path.weight);
-        if (orl_material_is_matt(m))
+        if (!s->whole && orl_material_is_matt(m))
             return;
         const struct orl_scatter scatter =
-            orl_scatter_sample(m, &hit, orl_path_back(&path), ORL_TRANSPORT_LIGHT,
-                               (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), random);
+            orl_scatter_sample(m, &hit, orl_path_back(&path), ORL_TRANSPORT_LIGHT, lobes, random);
         if (scatter.event == ORL_EVENT_ABSORBED)
             return;
         path.weight = orl_rgb_mul(path.weight, scatter.weight);

@@ -1,7 +1,7 @@
 /*
  * Photons of beams (sun_beams.h): from the sun's disc through the ports of a kind, and on by
- * mirrors and lobes until no lobe sends them further. At every diffuse surface inside that one
- * comes to, its flux is noted.
+ * mirrors and lobes until no lobe sends them further; or by diffuse surfaces, too, until they are
+ * absorbed. At every diffuse surface inside that one comes to, its flux is noted.
  */
 #ifndef ORL_ANNUAL_SUN_PHOTONS_H
 #define ORL_ANNUAL_SUN_PHOTONS_H
@@ -27,6 +27,7 @@ struct orl_sun_shot {
     uint64_t seed;
     size_t beam;
     uint32_t photons;                 /* of each lot */
+    bool whole;                       /* diffuse surfaces send them on as well */
     struct orl_sun_deposit *deposits; /* owned; in no order but the same one every time */
     size_t n_deposits, room;
     int code; /* 0 or ORL_ERR_NOMEM */

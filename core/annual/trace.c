@@ -25,12 +25,14 @@ struct stop {
     uint32_t depth;       /* 0: the sensor */
     const double *evenly; /* three numbers for its first ray, or NULL */
     bool mapped;          /* the sun has been seen to */
+    bool known;           /* so has all light that the map has: it is a whole one */
 };
 
 struct walk {
     struct orl_eye_path eye; /* first: what sinks are given */
     struct tracer *tracer;
     uint32_t depth;
+    bool known; /* as of the stop where it set out */
     const double *evenly;
     bool bent;          /* not straight from where it set out */
     bool straight_only; /* surfaces end it */
@@ -59,7 +61,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
     const struct orl_vec3 lit = orl_hit_facing(&p->hit);
     const struct orl_rgb weight = orl_rgb_scale(orl_rgb_mul(p->path.weight, albedo), 1 / ORL_PI);
     const bool mapped = w->tracer->scene->map && !p->outside;
-    if (mapped)
+    if (mapped && !w->known)
         orl_sun_map_add(w->tracer->scene->map, &p->hit, weight, w->tracer->sums->beams,
                         w->tracer->sums->lots);
     struct stop stop = {.place = {.point = orl_hit_leave(p->world->geometry, &p->hit, lit),
@@ -67,6 +69,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
                                   .outside = p->outside},
                         .weight = weight,
                         .mapped = mapped,
+                        .known = w->known || (mapped && w->tracer->scene->whole_map),
                         .depth = w->depth + 1,
                         .evenly = p->bounce == 0 ? w->evenly : NULL};
     const double chance = fmin(orl_rgb_max(stop.weight) / dimmest_place, 1);
@@ -187,6 +190,7 @@ static void look(struct tracer *t, const struct stop *stop, const struct orl_eff
                              .outside = stop->place.outside},
                      .tracer = t,
                      .depth = stop->depth,
+                     .known = stop->known,
                      .evenly = evenly ? u + 3 : NULL};
     w.eye.path.weight = orl_rgb_scale(stop->weight, aimed.weight);
     orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);

@@ -4,7 +4,8 @@
  *
  * A path's parts exclude each other. Sky: where it leaves the scene, its weight goes into the bin
  * of that direction. Sun: at each surface that it comes to, the share of every node that this sends
- * back along it: inside a sealed building by a map of the sunlight on surfaces (sun_map.h),
+ * back along it: inside a sealed building by a map of the sunlight on surfaces (sun_map.h; a whole
+ * one is asked at the first surface inside alone, as it has what comes of further ones),
  * elsewhere by shadow rays, straight through panes or by one flat mirror. The sun seen from the
  * sensor itself is not here (sunlight.h). At every diffuse surface a path goes on by the cosine and
  * at a port, as the backward technique's do (render/gather/aim.h), but for virtual lamps: all

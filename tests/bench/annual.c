@@ -3,8 +3,8 @@
  * hours of it by backward: a table, and build/annual.json. By environment, each after ORIEL_ANNUAL:
  * _WEATHER (an EPW or WEA file; a made-up year otherwise), _SCENES ("glass panel"), _SAMPLES (paths
  * a sensor, a list: "512 2048"), _SEED, _RUNS (3), _TRUTH_SAMPLES (8192), _TRUTH_HOURS (24), _ROWS
- * ("sensors glare reuse"), _EYE_SIDE (400 pixels), _EYE_SAMPLES (32), _EYE_HOURS (24). What
- * backward has is kept in build/bench.
+ * ("sensors precomputed glare reuse"), _EYE_SIDE (400 pixels), _EYE_SAMPLES (32), _EYE_HOURS (24).
+ * What backward has is kept in build/bench.
  *
  * Errors are relative, over sensors and hours: rms, median, 95 % of them, bias of the sum; z is the
  * rms of error over what both say is theirs, cover the share within 2.13 of that, which is 95 % of
@@ -70,19 +70,29 @@ static struct errors compare(const struct annual_truth *truth, const struct orl_
     return e;
 }
 
-static void print_row(FILE *json, bool first, const char *title,
+static const struct {
+    const char *word, *title, *target;
+} scenes[ANNUAL_SCENES] = {
+    [ANNUAL_GLASS] = {"glass", "clear glass", "12 M ray-times at rms 4 %, median 2 %"},
+    [ANNUAL_PANEL] = {"panel", "laser cut panel 2^6",
+                      "60 M ray-times at rms 5 %, median 2.5 %, none off by 30 %"},
+};
+
+static void print_row(FILE *json, bool first, const struct annual_bench *bench,
                       const struct orl_annual_result *year, const struct errors *e, double seconds,
                       double rate)
 {
     printf("%8u %8.3f %9.2f %8.2f %8.2f %8.2f %+8.2f %6.2f %8.1f %8.1f %8.2f\n", year->samples,
            seconds, seconds * rate / 1e6, 100 * e->rms, 100 * e->median, 100 * e->high,
            100 * e->bias, e->z, 100 * e->worst, 100 * e->covered, 100 * e->own);
-    fprintf(json,
-            "%s\n    {\"scene\": \"%s\", \"samples\": %u, \"seconds\": %.4f, "
-            "\"ray_times_m\": %.3f, \"rms\": %.5f, \"median\": %.5f, \"p95\": %.5f, "
-            "\"bias\": %.5f, \"z\": %.3f, \"worst\": %.4f, \"covered\": %.4f}",
-            first ? "" : ",", title, year->samples, seconds, seconds * rate / 1e6, e->rms,
-            e->median, e->high, e->bias, e->z, e->worst, e->covered);
+    fprintf(
+        json,
+        "%s\n    {\"scene\": \"%s\", \"technique\": \"%s\", \"samples\": %u, \"seconds\": %.4f, "
+        "\"ray_times_m\": %.3f, \"rms\": %.5f, \"median\": %.5f, \"p95\": %.5f, "
+        "\"bias\": %.5f, \"z\": %.3f, \"worst\": %.4f, \"covered\": %.4f}",
+        first ? "" : ",", scenes[bench->scene].title, orl_annual_technique_name(bench->technique),
+        year->samples, seconds, seconds * rate / 1e6, e->rms, e->median, e->high, e->bias, e->z,
+        e->worst, e->covered);
 }
 
 static void print_stages(const struct orl_annual_result *year)
@@ -94,13 +104,22 @@ static void print_stages(const struct orl_annual_result *year)
            year->n_nodes, (double)year->health.rays / 1e6);
 }
 
-static const struct {
-    const char *word, *title, *target;
-} scenes[ANNUAL_SCENES] = {
-    [ANNUAL_GLASS] = {"glass", "clear glass", "12 M ray-times at rms 4 %, median 2 %"},
-    [ANNUAL_PANEL] = {"panel", "laser cut panel 2^6",
-                      "60 M ray-times at rms 5 %, median 2.5 %, none off by 30 %"},
-};
+/* A row: the median of some runs of the bench's technique. */
+static void print_samples(struct annual_bench *bench, FILE *json, double rate, bool *first,
+                          uint32_t samples, struct orl_annual_result *ret_year)
+{
+    const int runs = (int)bench_number("ORIEL_ANNUAL_RUNS", 3);
+    double seconds[BENCH_MOST_RUNS];
+    for (int k = 0; k < runs && k < BENCH_MOST_RUNS; k++) {
+        orl_annual_done(ret_year);
+        seconds[k] = annual_run(bench, samples, ret_year);
+    }
+    annual_need_truth(bench, ret_year);
+    const struct errors e = compare(&bench->truth, ret_year);
+    print_row(json, *first, bench, ret_year, &e, bench_median(seconds, runs), rate);
+    *first = false;
+    print_stages(ret_year);
+}
 
 /* Of the last of a list of numbers of paths; the year is the caller's. */
 static void print_sensors(struct annual_bench *bench, FILE *json, double rate, bool *first,
@@ -108,22 +127,20 @@ static void print_sensors(struct annual_bench *bench, FILE *json, double rate, b
 {
     static const struct bench_list usual = {{ORL_ANNUAL_SAMPLES}, 1};
     const struct bench_list samples = bench_numbers("ORIEL_ANNUAL_SAMPLES", &usual);
-    const int runs = (int)bench_number("ORIEL_ANNUAL_RUNS", 3);
     const char *title = scenes[bench->scene].title;
     printf("A year of light, 57 sensors, %s; target: %s\n", title, scenes[bench->scene].target);
     printf(" samples  seconds ray-times    rms %%  median     95 %%    bias      z    worst    "
            "cover    own %%\n");
-    for (int i = 0; i < samples.n; i++) {
-        double seconds[BENCH_MOST_RUNS];
-        for (int k = 0; k < runs && k < BENCH_MOST_RUNS; k++) {
-            orl_annual_done(ret_year);
-            seconds[k] = annual_run(bench, (uint32_t)samples.values[i], ret_year);
-        }
-        annual_need_truth(bench, ret_year);
-        const struct errors e = compare(&bench->truth, ret_year);
-        print_row(json, *first, title, ret_year, &e, bench_median(seconds, runs), rate);
-        *first = false;
-        print_stages(ret_year);
+    for (int i = 0; i < samples.n; i++)
+        print_samples(bench, json, rate, first, (uint32_t)samples.values[i], ret_year);
+    if (bench_lists("ORIEL_ANNUAL_ROWS", "precomputed")) {
+        struct orl_annual_result year = {.n_steps = 0};
+        printf(
+            "The same by precomputed photons (contribution photons), the last number of paths\n");
+        bench->technique = ORL_ANNUAL_PRECOMPUTED;
+        print_samples(bench, json, rate, first, (uint32_t)samples.values[samples.n - 1], &year);
+        bench->technique = ORL_ANNUAL_BY_PATHS;
+        orl_annual_done(&year);
     }
     annual_tell_hours(bench, rate);
     annual_forget_truth(bench);

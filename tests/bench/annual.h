@@ -23,6 +23,7 @@ enum annual_scene { ANNUAL_GLASS, ANNUAL_PANEL, ANNUAL_SCENES };
 
 struct annual_bench {
     enum annual_scene scene; /* to be set between runs; the truth is then to be forgotten */
+    enum orl_annual_technique technique;
     struct office office;
     struct orl_files files; /* the office's, and the weather */
     struct orl_file weather;

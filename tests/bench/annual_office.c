@@ -116,7 +116,8 @@ struct orl_annual_request annual_request(const struct annual_bench *bench, uint3
                                        .sensors = sensors,
                                        .n_sensors = n_sensors,
                                        .seed = bench_number("ORIEL_ANNUAL_SEED", 1),
-                                       .samples = samples};
+                                       .samples = samples,
+                                       .technique = bench->technique};
 }
 
 struct orl_run_env annual_run_env(struct annual_bench *bench, const struct orl_map_store *store)

@@ -26,6 +26,8 @@ struct year_run {
     const struct orl_window_group *groups; /* with shades; or none */
     size_t n_groups;
     uint32_t samples, threads; /* 0: the default; 1 */
+    enum orl_annual_technique technique;
+    uint32_t photons; /* 0: by the scene */
     uint64_t seed;
     double north_deg;
     bool coefficients;

@@ -39,6 +39,18 @@ struct orl_annual_grid {
     size_t first, count; /* of the request's sensors */
 };
 
+/*
+ * How sunlight that has come in goes on. By paths: photons bring it to the first diffuse surfaces
+ * inside, and paths from sensors go on from surface to surface. Precomputed: photons of each of the
+ * sun's nodes go on until they are absorbed, what they leave on surfaces is kept by node, and paths
+ * take it where they first meet one (contribution photons, Schregle, Bauer, Grobe and Wienold
+ * 2015: there for 5184 suns and in spheres about places; here for the sun's nodes and in squares of
+ * surfaces). Light of the sky, and of the sun by way of what is outside, is found by paths in
+ * both. Paths go by chance where light is; photons go where they fall.
+ */
+enum orl_annual_technique { ORL_ANNUAL_BY_PATHS, ORL_ANNUAL_PRECOMPUTED, ORL_ANNUAL_TECHNIQUES };
+const char *orl_annual_technique_name(enum orl_annual_technique technique);
+
 /* Strings and arrays are owned; orl_annual_request_done frees them. */
 struct orl_annual_request {
     char **scene_files; /* names for the provider, as of a job */
@@ -59,6 +71,9 @@ struct orl_annual_request {
     /* How often the distance between the sun's nodes is halved: four times the nodes each. Where
      * errors of interpolation are more than those of paths, more paths alone gain nothing. */
     uint32_t sun_halvings;
+    /* Of a sealed building with windows. Precomputed: no shades, others' matrices or seats. */
+    enum orl_annual_technique technique;
+    uint32_t photons;  /* that bring sunlight in, of all nodes together; 0: by the scene */
     bool coefficients; /* are wanted, of the result; not of years with shades */
 };
 
@@ -66,7 +81,8 @@ enum {
     ORL_ANNUAL_SAMPLES = 2048,
     ORL_ANNUAL_BATCHES = 16,
     ORL_ANNUAL_MOST_SAMPLES = 1 << 20,
-    ORL_ANNUAL_MOST_HALVINGS = 2
+    ORL_ANNUAL_MOST_HALVINGS = 2,
+    ORL_ANNUAL_MOST_PHOTONS = 200000000
 };
 
 void orl_annual_request_init(struct orl_annual_request *request); /* defaults, nothing else set */
