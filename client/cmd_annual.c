@@ -1,6 +1,6 @@
 /*
- * oriel annual JOB.json -o DIR: a year of daylight at grids of sensors, in this process. DIR gets
- * result.json, also when it failed, tables, maps and pages.
+ * oriel annual JOB.json|PROJECT -o DIR: a year of daylight at grids of sensors, in this process.
+ * DIR gets result.json, also when it failed, tables, maps and pages.
  */
 #include "command.h"
 
@@ -188,7 +188,20 @@ static int run_year(struct orl_annual_job *job, const struct orl_job_file *file,
     return rc;
 }
 
-static int run_document(const char *document, const struct output *output)
+/* A project has no weather of its own. */
+static int open_document(const char *path, const struct orl_project_line *project,
+                         struct orl_job_file *ret_file, struct orl_error *err)
+{
+    if (!orl_project_is_one(path) || project->weather)
+        return orl_job_file_open(path, project, ret_file, err);
+    *ret_file = (struct orl_job_file){.path = path};
+    orl_error_set(err, ORL_ERR_INVALID, "a year of a project needs its weather");
+    orl_error_hint(err, "say --weather FILE.epw");
+    return ORL_ERR_INVALID;
+}
+
+static int run_document(const char *document, const struct orl_project_line *project,
+                        const struct output *output)
 {
     struct orl_job_file file = {0};
     struct orl_annual_job job = {0};
@@ -203,7 +216,7 @@ static int run_document(const char *document, const struct output *output)
     if (rc)
         return orl_report_error(&err);
     unlink(path); /* an earlier run's success must not outlive this one's start */
-    rc = orl_job_file_read(document, &file, &err);
+    rc = open_document(document, project, &file, &err);
     if (rc == 0)
         rc = decode(&file, &job, &err);
     job.formats.honeybee = job.formats.honeybee || output->formats.honeybee;
@@ -223,6 +236,7 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_local_line line = {.writes = true};
     struct output output = {0};
     struct orl_sharing_line sharing = {0};
+    struct orl_project_line project = {0};
     const struct orl_option options[] = {
         {.name = "output",
          .letter = 'o',
@@ -245,17 +259,25 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
              "view, transmission and daylight matrices of the windows, and coefficients of suns, "
              "for dctimestep: DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, WINDOW.d.mtx, GRID.cds.mtx",
          .flag = &output.formats.phases},
+        {.name = "weather",
+         .metavar = "FILE",
+         .help = "of a project: the year's weather, EPW or WEA",
+         .value = &project.weather},
+        {.name = "rules",
+         .metavar = "NAME,...",
+         .help = "of a project: what it is held to, as \"LEED,EN 17037\"",
+         .value = &project.rules},
         ORL_OPTION_THREADS(&line.threads_text),
         ORL_OPTIONS_SHARING(&sharing),
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 6 + ORL_SHARING_OPTIONS, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 8 + ORL_SHARING_OPTIONS, &line, &code))
         return code;
     output.folder = line.output;
     output.threads = line.threads;
     output.sharing = orl_sharing_asked(self, &sharing, &code) ? &sharing : NULL;
     if (output.sharing && output.cache)
         code = orl_usage_error(self, "--cache is for years in one piece");
-    return code ? code : run_document(line.operand, &output);
+    return code ? code : run_document(line.operand, &project, &output);
 }

@@ -110,6 +110,45 @@ int orl_project_wish(const char *path, const struct orl_project_line *line, json
     return rc;
 }
 
+/* What a year of the project needs, and cannot do without. */
+static int check_year(const struct orl_job_file *file, const struct orl_project_line *line,
+                      struct orl_error *err)
+{
+    if (!line->weather || json_object_get(file->doc, "grids"))
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID, "%s has no grids of sensors, which a year is told of",
+                  file->path);
+    orl_error_hint(err, "add sensor grids to the model, or name it as \"scene\": {\"project\": "
+                        "...} in a document that has \"grids\"");
+    return ORL_ERR_INVALID;
+}
+
+/* "NAME,NAME": an array. */
+static json_t *read_rules(const char *text)
+{
+    json_t *rules = json_array();
+
+    while (text && *text) {
+        const size_t length = strcspn(text, ",");
+
+        json_array_append_new(rules, json_stringn(text, length));
+        text += length + (text[length] == ',');
+    }
+    return rules;
+}
+
+/* A year of the project: the weather file is found beside what the project has. */
+static int make_year(json_t *doc, const struct orl_project_line *line, struct orl_error *err)
+{
+    const char *slash = strrchr(line->weather, '/');
+    int rc = json_object_set_new(doc, "kind", json_string("annual"));
+
+    rc |= json_object_set_new(doc, "weather", json_string(slash ? slash + 1 : line->weather));
+    if (rc == 0 && line->rules)
+        rc = json_object_set_new(doc, "rules", read_rules(line->rules));
+    return rc ? orl_error_set(err, ORL_ERR_INVALID, "the weather file's name is not UTF-8") : 0;
+}
+
 static int make_document(struct orl_job_file *file, const struct orl_project_line *line,
                          struct orl_error *err)
 {
@@ -117,6 +156,8 @@ static int make_document(struct orl_job_file *file, const struct orl_project_lin
     int rc = orl_project_wish(file->path, line, &scene, err);
 
     file->doc = json_pack("{s:s, s:o*}", "kind", "render", "scene", scene);
+    if (rc == 0 && file->doc && line->weather)
+        rc = make_year(file->doc, line, err);
     if (rc == 0 && !file->doc)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0 && line->sky && line->sky[0] == '{') {
@@ -130,18 +171,25 @@ static int make_document(struct orl_job_file *file, const struct orl_project_lin
 int orl_job_file_open(const char *path, const struct orl_project_line *line,
                       struct orl_job_file *ret_file, struct orl_error *err)
 {
-    int rc;
+    char beside[4096];
+    int rc = 0;
 
     if (!orl_project_is_one(path)) {
-        if (!line->sky && !line->states)
+        if (!line->sky && !line->states && !line->weather && !line->rules)
             return orl_job_file_read(path, ret_file, err);
         *ret_file = (struct orl_job_file){.path = path};
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "--sky and --states are for projects: a document says so itself");
+        return orl_error_set(err, ORL_ERR_INVALID, "%s for projects: a document says so itself",
+                             line->weather || line->rules ? "--weather and --rules are"
+                                                          : "--sky and --states are");
     }
     *ret_file = (struct orl_job_file){.path = path, .folder = "."};
-    rc = make_document(ret_file, line, err);
-    return rc ? rc : resolve_project(ret_file, NULL, err);
+    if (line->weather)
+        rc = folder_of(line->weather, beside, sizeof beside, err);
+    if (rc == 0)
+        rc = make_document(ret_file, line, err);
+    if (rc == 0)
+        rc = resolve_project(ret_file, line->weather ? beside : NULL, err);
+    return rc ? rc : check_year(ret_file, line, err);
 }
 
 void orl_job_file_done(struct orl_job_file *file)

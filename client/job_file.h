@@ -27,6 +27,9 @@ int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct or
 struct orl_project_line {
     const char *sky;    /* its name in the project, or "sky" of a job, as JSON; NULL */
     const char *states; /* "GROUP=STATE,..."; NULL */
+    /* Of a year: its weather file, which makes it one; and the rules that it is to be held to,
+     * "LEED,EN 17037"; NULL. */
+    const char *weather, *rules;
 };
 /* The scene of a document that asks for it, a new reference, after an error, too. */
 int orl_project_wish(const char *path, const struct orl_project_line *line, json_t **ret_scene,

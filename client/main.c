@@ -33,8 +33,8 @@ static const struct orl_subcommand commands[] = {
      "Radiance files go to DIR, with job.json that names them.",
      orl_cmd_project},
     {"annual",
-     "JOB.json -o DIR [--cache DIR] [--honeybee] [--ill] [--phases]\n"
-     "  [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
+     "JOB.json|PROJECT -o DIR [--weather FILE] [--rules NAME,...] [--cache DIR]\n"
+     "  [--honeybee] [--ill] [--phases] [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Daylight over a year: metrics and verdicts with their intervals",
      "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
      "if\n"
@@ -44,7 +44,9 @@ static const struct orl_subcommand commands[] = {
      "over the year, and a page of each to show (PDF). With --honeybee all hours go to DIR/results "
      "as\n"
      "Honeybee keeps them, with --ill to Radiance matrices; --phases adds those of the three- and\n"
-     "five-phase methods.",
+     "five-phase methods. A project (a Honeybee model or folder) takes the document's place, with "
+     "all\n"
+     "of its grids and the states of its windows: then --weather is wanted.",
      orl_cmd_annual},
     {"verify", "RESULT [--files DIR] [--threads N]",
      "Repeat a year from its result's provenance, and compare bytes",

@@ -120,11 +120,11 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     if (code < 0)
         return code;
     if (y->hours.n_missing > 0)
-        orl_year_warn(y, "%zu hours of the weather file were not measured: they have no value",
-                      y->hours.n_missing);
+        orl_year_warn(y, "of the weather file %zu %s not measured: no value is given there",
+                      y->hours.n_missing, y->hours.n_missing == 1 ? "hour was" : "hours were");
     if (y->hours.n_warned > 0)
-        orl_year_warn(y, "at %zu hours with light the sky's model says, first: %s",
-                      y->hours.n_warned, y->hours.warning);
+        orl_year_warn(y, "in %zu %s with light, of the sky: %s", y->hours.n_warned,
+                      y->hours.n_warned == 1 ? "hour" : "hours", y->hours.warning);
     return 0;
 }
 

@@ -268,6 +268,37 @@ static void test_states_are_the_shades_of_a_year(void **state)
     json_decref(drawn);
 }
 
+/* From a model and a weather file to the client's page by one command. */
+static void test_a_year_without_a_document(void **state)
+{
+    struct cli_desk *f = *state;
+    char path[512];
+    const char *const bare[] = {"annual", model, "-o", f->output, NULL};
+    cli_run(bare, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_non_null(strstr(f->result.err, "--weather"));
+    const char *const document[] = {"annual",  f->document, "-o", f->output,
+                                    "--rules", "LEED",      NULL};
+    cli_run(document, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_non_null(strstr(f->result.err, "are for projects"));
+    const char *const args[] = {"annual",    model,
+                                "-o",        f->output,
+                                "--weather", "tests/fixtures/weather.epw",
+                                "--rules",   "LEED,BREEAM offices",
+                                NULL};
+    cli_run(args, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    json_t *result = load(f->output, "result.json");
+    assert_int_equal(json_array_size(json_object_get(result, "grids")), 2);
+    assert_true(json_array_size(json_object_get(result, "rules")) >= 2);
+    assert_true(closed_hours(result, "control") >= 0);
+    json_decref(result);
+    snprintf(path, sizeof path, "%s/desks.page.pdf", f->output);
+    assert_int_equal(access(path, R_OK), 0);
+}
+
 static void test_what_is_no_project_is_refused(void **state)
 {
     struct cli_desk *f = *state;
@@ -290,6 +321,7 @@ int main(void)
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_are_the_shades_of_a_year, set_up,
                                         cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_year_without_a_document, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_what_is_no_project_is_refused, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_grids_keep_their_names, set_up, cli_desk_tear_down),

@@ -133,6 +133,7 @@ static struct orl_annual_request request_of(const struct year_run *run)
                                        .n_groups = run->n_groups,
                                        .seed = run->seed,
                                        .samples = run->samples,
+                                       .sun_halvings = run->sun_halvings,
                                        .technique = run->technique,
                                        .photons = run->photons,
                                        .coefficients = run->coefficients};

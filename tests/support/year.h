@@ -26,6 +26,7 @@ struct year_run {
     const struct orl_window_group *groups; /* with shades; or none */
     size_t n_groups;
     uint32_t samples, threads; /* 0: the default; 1 */
+    uint32_t sun_halvings;
     enum orl_annual_technique technique;
     uint32_t photons; /* 0: by the scene */
     uint64_t seed;
