@@ -277,32 +277,43 @@ static double put_line(const struct sheet *s, double y, const char *format, ...)
     return y + 14;
 }
 
-/* "view: open 2900 h, closed 750 h", after what is there. */
-static void append_group(const struct orl_window_group *group, const struct orl_state_hours *hours,
-                         char *text, size_t size)
+enum { GROUPS_SHOWN = 3 };
+
+/* "  south: open 2900 h, closed 750 h". */
+static double put_group(const struct sheet *s, double y, const struct orl_window_group *group,
+                        const struct orl_state_hours *hours)
 {
-    const char *between = text[0] ? "; " : "";
-    size_t used = strlen(text);
-    used += (size_t)snprintf(text + used, size - used, "%s%s:", between, group->name);
-    for (size_t i = 0; i < group->n_states && used < size; i++)
-        used += (size_t)snprintf(text + used, size - used, "%s %s %.0f h", i > 0 ? "," : "",
-                                 group->states[i].name, hours[i].occupied);
+    char text[200];
+    size_t used = (size_t)snprintf(text, sizeof text, "   %.60s:", group->name);
+    for (size_t i = 0; i < group->n_states && used < sizeof text; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s %.60s %.0f h",
+                                 i > 0 ? "," : "", group->states[i].name, hours[i].occupied);
+    return put_line(s, y, "%s", text);
 }
 
+/* How many lines they take beyond one. */
+static size_t count_groups(const struct orl_annual_page *page)
+{
+    const size_t n = page->result->states ? page->request->n_groups : 0;
+    return n > GROUPS_SHOWN ? GROUPS_SHOWN + 1 : n;
+}
+
+/* A line each of the first groups, and how many there are beyond. */
 static double put_shades(const struct sheet *s, double y)
 {
     const struct orl_annual_page *page = s->page;
-    char text[200] = "";
+    const size_t n = page->request->n_groups;
     if (!page->result->states)
         return put_line(s, y,
                         "No blinds or shades move: all is as in the scene. LM-83 asks for blinds "
                         "that close on more than 2 %% of the points in direct sun.");
-    for (size_t g = 0; g < page->request->n_groups && strlen(text) + 1 < sizeof text; g++) {
+    y = put_line(s, y, "Shades, in hours in use with light (ASE is of open ones):");
+    for (size_t g = 0; g < n && g < GROUPS_SHOWN; g++) {
         struct orl_state_hours hours[ORL_SHADES_MOST_STATES];
         orl_annual_state_hours(page->result, page->report, g, hours);
-        append_group(&page->request->groups[g], hours, text, sizeof text);
+        y = put_group(s, y, &page->request->groups[g], hours);
     }
-    return put_line(s, y, "Shades, in hours in use with light: %s. ASE is of open ones.", text);
+    return n > GROUPS_SHOWN ? put_line(s, y, "   and %zu groups more", n - GROUPS_SHOWN) : y;
 }
 
 static void draw_assumptions(const struct sheet *s, double y)
@@ -368,7 +379,8 @@ static double draw_head(const struct sheet *s)
 
 static int draw(const struct sheet *s)
 {
-    const double assumptions = height - rim - 9 * 14 - 24, top = draw_head(s);
+    const double assumptions = height - rim - (9 + (double)count_groups(s->page)) * 14 - 24;
+    const double top = draw_head(s);
     const double year = assumptions - 24 - year_height, middle = width / 2;
     const double figures = draw_figures(s, rim, top, middle - 20);
     const double verdicts =
