@@ -20,7 +20,7 @@ enum {
     ROWS = 8,
     SENSORS = COLUMNS * ROWS,
     FIRST = 64,
-    LONG = 16384,
+    LONG = 65536,
     SHORT = 4096,
     TEXT = 1 << 15
 };
@@ -131,7 +131,7 @@ static struct orl_annual_value long_run(size_t room, uint32_t samples)
 {
     char target[64];
     snprintf(target, sizeof target, "%s >= 0 %%", rooms[room].figure);
-    return decide(room, target, 4711, samples, ORL_ANNUAL_MOST_HALVINGS).area.value;
+    return decide(room, target, 4711, samples, 1).area.value;
 }
 
 static void try_room(size_t room, unsigned seeds, uint32_t samples, struct tally *ret)
