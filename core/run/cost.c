@@ -27,6 +27,19 @@ static const double evenness = 1.15;
  * wanted is come up to first, and then, when it is known better, passed by a little. */
 static const double growth = 8, approach = 0.6, far = 0.35, margin = 1.02;
 
+static double photons_of(const struct orl_work *work, double samples)
+{
+    double sum = 0;
+    for (int kind = 0; kind < ORL_SHOT_KINDS; kind++)
+        sum += (double)work->photons[kind] * samples / map_samples;
+    return sum;
+}
+
+/*
+ * Views by maps have noise of their photons and of their own rays, and it is not known how much of
+ * each: rounds have as many photons as take about as long as the views do, by rough costs. That is
+ * no more than twice what the best division of the time would take.
+ */
 struct orl_work orl_work_of(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
@@ -44,9 +57,11 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
     }
     const double most_photons = backward ? LAMPS_A_ROUND : PHOTONS_A_ROUND;
     work.most = fmin(map_samples * fmax(1, most_photons / fmax(photons, 1)), 1 << 18);
-    if (work.of_views && !backward)
+    if (work.of_views && !backward) {
+        const double alike = orl_run_photons_as_views(state) / fmax(photons_of(&work, 1), 1);
         work.least = map_samples;
-    else if (work.shares || state->job->goal.dgp_error > 0)
+        work.most = fmin(work.most, fmax(alike, work.least));
+    } else if (work.shares || state->job->goal.dgp_error > 0)
         work.least = least_of_sensors;
     return work;
 }
@@ -88,14 +103,6 @@ double orl_work_next(const struct orl_work *work, double done, double wanted)
     if (done > 0)
         samples = fmax(missing, samples);
     return unit * ceil(fmin(samples, work->most) / unit);
-}
-
-static double photons_of(const struct orl_work *work, double samples)
-{
-    double sum = 0;
-    for (int kind = 0; kind < ORL_SHOT_KINDS; kind++)
-        sum += (double)orl_work_photons(work, kind, samples);
-    return sum;
 }
 
 bool orl_work_renders_alike(const struct orl_work *work)

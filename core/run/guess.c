@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "run/curve.h"
 #include "run/stages.h"
 
 /* Rough costs, microseconds on one core: a photon traced (where no pilot has told), one of a
@@ -52,6 +53,12 @@ double orl_run_painting_share(const struct orl_run_state *state,
         files++;
     const double painting = paint_us(state);
     return state->take_film ? 1 : painting / (painting + files * write_us);
+}
+
+double orl_run_photons_as_views(const struct orl_run_state *state)
+{
+    const double times = state->pilot ? state->pilot->view_times : 1;
+    return times * views_us(state) / (photon_us + index_us);
 }
 
 /* Of the map each part is read for the first time once: the more of it was, the fewer rays do. */

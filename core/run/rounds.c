@@ -275,11 +275,14 @@ static void settle_pilot(struct orl_rounds *r, const struct orl_work *usual,
     for (size_t i = 0; i < r->state->result->n_views; i++)
         views_s += r->state->result->views[i].seconds;
     /* Where a round's rendering is all alike its sensors have what the job's rounds have. */
-    const double times = orl_work_renders_alike(usual) ? usual->least / r->work.least : 1;
+    const bool alike = orl_work_renders_alike(usual);
+    const double times = alike ? usual->least / r->work.least : 1;
     pace.render_s = fmax(pace.render_s - views_s, 0) * pilot->sensor_times * times +
                     views_s * pilot->view_times;
     r->ended = r->count >= ORL_PILOT_ROUNDS;
     r->samples = r->work.least;
+    if (alike) /* their own noise is a round's, whatever its photons */
+        pace.samples = r->count * usual->least;
     orl_run_predict(r->state, &pace, usual, parts);
     orl_run_draw_curve(r->state, &pace, usual, parts, pilot->curve);
     orl_rounds_foresee(r);

@@ -211,6 +211,9 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 void orl_run_guess_costs(struct orl_run_state *state);
 /* Whether parts before this one have told what stages take: better than what a plan foresees. */
 bool orl_run_is_measured(const struct orl_run_state *state);
+/* Photons that are traced and put into maps, by rough costs, in the time that all views take by
+ * maps; of a pilot, those of the whole job. */
+double orl_run_photons_as_views(const struct orl_run_state *state);
 /* Of the time of a view of the job that is painted and written, the part until it is painted. */
 double orl_run_painting_share(const struct orl_run_state *state,
                               const struct orl_view_request *view);

@@ -20,7 +20,8 @@ enum {
     ROWS = 8,
     SENSORS = COLUMNS * ROWS,
     FIRST = 64,
-    LONG = 65536,
+    LONG = 16384,
+    LONG_RUNS = 5,
     SHORT = 4096,
     TEXT = 1 << 15
 };
@@ -127,16 +128,33 @@ static void count(const struct orl_annual_refinement *found, const struct orl_an
 
 /* A target that is met at once, so that all its paths are the first round's; with many nodes of the
  * sun, so that what lies between them is no error that the others share. */
-static struct orl_annual_value long_run(size_t room, uint32_t samples)
+static struct orl_annual_value long_run(size_t room, uint32_t samples, uint64_t seed)
 {
     char target[64];
     snprintf(target, sizeof target, "%s >= 0 %%", rooms[room].figure);
-    return decide(room, target, 4711, samples, 1).area.value;
+    return decide(room, target, seed, samples, 1).area.value;
 }
 
-static void try_room(size_t room, unsigned seeds, uint32_t samples, struct tally *ret)
+static int by_value(const void *a, const void *b)
 {
-    const struct orl_annual_value truth = long_run(room, samples);
+    const double x = ((const struct orl_annual_value *)a)->value;
+    const double y = ((const struct orl_annual_value *)b)->value;
+    return (x > y) - (x < y);
+}
+
+/* The middle one of some: a sensor that is all but on the threshold falls to either side of it. */
+static struct orl_annual_value find_truth(size_t room, uint32_t samples, int runs)
+{
+    struct orl_annual_value found[LONG_RUNS];
+    for (int i = 0; i < runs; i++)
+        found[i] = long_run(room, samples, 4711 + (uint64_t)i);
+    qsort(found, (size_t)runs, sizeof *found, by_value);
+    return found[runs / 2];
+}
+
+static void try_room(size_t room, unsigned seeds, bool all, struct tally *ret)
+{
+    const struct orl_annual_value truth = find_truth(room, all ? LONG : SHORT, all ? LONG_RUNS : 1);
     *ret = (struct tally){.n = 0};
     assert_true(truth.value > 12 && truth.value < 88); /* or offsets lead nowhere */
     for (unsigned seed = 0; seed < seeds; seed++) {
@@ -161,7 +179,7 @@ static void test_verdicts(void **state)
     assert_true(seeds >= 1 && seeds <= 1000);
     for (size_t room = 0; room < ROOMS; room += text ? 1 : ROOMS - 1) {
         struct tally tally;
-        try_room(room, seeds, text ? LONG : SHORT, &tally);
+        try_room(room, seeds, text != NULL, &tally);
         assert_int_equal(tally.n, seeds);
         assert_int_equal(tally.wrong, 0);
         assert_true(tally.covered >= (seeds >= 20 ? 0.93 * seeds : seeds - 1.0));
