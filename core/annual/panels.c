@@ -83,23 +83,23 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
         if (s.event != ORL_EVENT_GLOSSY && s.event != ORL_EVENT_DIFFUSE)
             continue;
         const double leaving = orl_dot(s.direction, k->inward);
-        const double density = orl_scatter_pdf(k->material, &hit, sun->towards, ORL_TRANSPORT_LIGHT,
+        const double density = orl_scatter_pdf(k->material, &hit, from, ORL_TRANSPORT_LIGHT,
                                                ORL_LOBE_TRANSMITTED, s.direction);
         if (!(leaving > 1e-6) || !(density > 0))
             continue;
         *draw = (struct orl_panel_draw){
             {(float)s.direction.x, (float)s.direction.y, (float)s.direction.z},
             (float)(orl_luma(s.weight) * -orl_dot(from, k->inward) / leaving),
-            (float)density};
+            (float)density,
+            {(float)u[3], (float)u[4]}};
     }
 }
 
-/* Of the light of an hour's sun, from a point of its disc, the share that comes to a pane there. */
+/* Of the light of a point of the sun's disc the share that comes to a pane there. */
 static double share_there(const struct orl_panels *panels, const struct orl_panel *panel,
-                          size_t which, struct orl_vec3 point, const double u[2])
+                          struct orl_vec3 towards, struct orl_vec3 point)
 {
     const struct orl_world *world = panels->world;
-    const struct orl_vec3 towards = about_sun(&panels->suns->at[which], u);
     if (!(orl_dot(towards, panel->inward) < 0))
         return 0;
     const struct orl_vec3 start =
@@ -194,12 +194,12 @@ static void look_at_points(struct before *b, uint64_t name)
     }
 }
 
-/* What of the sun comes to a point of the pane; number: of the ray, among an hour's. */
-static double sun_on(const struct before *b, size_t which, uint32_t number, struct orl_vec3 point)
+/* A point of an hour's disc; number: of the ray, among the hour's. */
+static struct orl_vec3 point_of_disc(const struct before *b, size_t which, uint32_t number)
 {
     const uint64_t lot = orl_mix64(b->name ^ orl_mix64((which << 8) + number));
     const double u[2] = {(double)(uint32_t)lot * 0x1p-32, (double)(lot >> 32) * 0x1p-32};
-    return share_there(b->panels, b->panel, which, point, u);
+    return about_sun(&b->panels->suns->at[which], u);
 }
 
 /* One of each block of four parts, by lot: which. */
@@ -219,26 +219,31 @@ static uint32_t group_of_block(uint32_t block)
                     : (y - half) * BLOCKS_A_SIDE + (x + half) % BLOCKS_A_SIDE;
 }
 
-/* Points of the pane: to groups, of a sun that gives 1 to what faces it. */
+/*
+ * Points of the pane: to groups, of a sun that gives 1 to what faces it. Each with its own point of
+ * the disc, as draws have theirs: over a disc that lies in two cells of a BSDF, what the one sends
+ * is not what the other does.
+ */
 static void add_points(const struct before *b, size_t which, uint64_t lot, double groups[GROUPS])
 {
     const struct orl_panels *panels = b->panels;
     const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
     const struct orl_hour_sun *sun = &panels->suns->at[which];
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
-    const double onto = -orl_dot(sun->towards, k->inward);
     for (uint32_t block = 0; block < POINTS; block++) {
         const uint32_t part = part_of_block(block, lot);
         const struct seen *s = &b->seen[part];
         if (!(s->worth > 0))
             continue;
+        const struct orl_vec3 from = point_of_disc(b, which, part);
+        const double onto = -orl_dot(from, k->inward);
         const double f =
-            orl_luma(orl_scatter_eval_lobes(k->material, &hit, sun->towards, s->towards));
-        const double lit = f > 0 ? sun_on(b, which, part, s->point) : 0;
+            onto > 0 ? orl_luma(orl_scatter_eval_lobes(k->material, &hit, from, s->towards)) : 0;
+        const double lit = f > 0 ? share_there(panels, b->panel, from, s->point) : 0;
         if (!(lit > 0))
             continue;
         const double of_draws =
-            DRAWS * orl_scatter_pdf(k->material, &hit, sun->towards, ORL_TRANSPORT_LIGHT,
+            DRAWS * orl_scatter_pdf(k->material, &hit, from, ORL_TRANSPORT_LIGHT,
                                     ORL_LOBE_TRANSMITTED, s->towards);
         const double weight = POINTS * s->density / (POINTS * s->density + of_draws);
         groups[group_of_block(block)] +=
@@ -284,7 +289,9 @@ static void add_draws(const struct before *b, size_t which, double groups[GROUPS
             continue;
         const struct orl_vec3 point = orl_madd(b->place->point, there, distance);
         const double seen = sight_of(b, there);
-        const double share = seen > 0 ? seen * sun_on(b, which, PARTS + i, point) : 0;
+        const double of_disc[2] = {(double)d->from[0], (double)d->from[1]};
+        const struct orl_vec3 from = about_sun(&panels->suns->at[which], of_disc);
+        const double share = seen > 0 ? seen * share_there(panels, panel, from, point) : 0;
         if (!(share > 0))
             continue;
         const double leaving = -orl_dot(there, panel->inward);

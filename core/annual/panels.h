@@ -28,7 +28,8 @@ enum {
 struct orl_panel_draw {
     float towards[3];
     float light;   /* what it is worth: radiance over density, of a sun of 1 facing it */
-    float density; /* per steradian, of drawing it from the middle of the disc */
+    float density; /* per steradian, of drawing it from that point of the disc */
+    float from[2]; /* the point: two numbers for about where in the disc */
 };
 
 struct orl_panel {

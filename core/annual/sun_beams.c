@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/circle.h"
 #include "scene/material/scatter.h"
 
 static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *port)
@@ -34,6 +35,32 @@ static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port
                                         ORL_LOBE_TRANSMITTED));
 }
 
+/*
+ * Points of the disc: the middle and six about it, of equal parts of its area. Of a BSDF's cells it
+ * may lie in two; a pane lets all of it in alike.
+ */
+enum { DISC_POINTS = 7 };
+static const double mean_of_ring =
+    0.73578; /* distance from the middle, of the outer six sevenths */
+static double let_in_of_disc(const struct orl_sun_beams *beams, const struct orl_port *port,
+                             struct orl_vec3 towards)
+{
+    const struct orl_material *m =
+        &beams->world->materials[beams->world->geometry->facets[port->facet].material];
+    const struct orl_frame frame = orl_frame_about(towards);
+    const double ring = mean_of_ring * tan(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
+    double sum = let_in_by(beams, port, towards);
+    if (m->kind != ORL_MATERIAL_BSDF)
+        return sum;
+    for (int i = 1; i < DISC_POINTS; i++) {
+        const struct orl_circle at = orl_circle_turn((i - 1) / (DISC_POINTS - 1.0));
+        const struct orl_vec3 off =
+            orl_madd(orl_scale(frame.u, ring * at.cosine), frame.v, ring * at.sine);
+        sum += let_in_by(beams, port, orl_normalize(orl_add(towards, off)));
+    }
+    return sum / DISC_POINTS;
+}
+
 /* Ports of a kind are all alike but for small turns: the first of a material and facing stands for
  * those that face exactly as it does. */
 double orl_sun_beams_let_in(const struct orl_sun_beams *beams, uint32_t kind,
@@ -49,7 +76,7 @@ double orl_sun_beams_let_in(const struct orl_sun_beams *beams, uint32_t kind,
         const bool same = last && orl_dot(last->outward, port->outward) > 1 - 1e-12 &&
                           world->geometry->facets[last->facet].material ==
                               world->geometry->facets[port->facet].material;
-        of_last = same ? of_last / last->area * port->area : let_in_by(beams, port, towards);
+        of_last = same ? of_last / last->area * port->area : let_in_of_disc(beams, port, towards);
         last = port;
         sum += of_last;
     }

@@ -7,8 +7,10 @@
 #include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "fixtures/bsdf_make.h"
 #include "support/year.h"
 
 #define HEAD(latitude, longitude, zone)                                                            \
@@ -125,6 +127,75 @@ static void test_slit(void **state)
         orl_annual_done(&year);
     }
     orl_annual_done(&open);
+}
+
+/* ---- Cells of BSDFs -------------------------------------------------------------------------- */
+
+enum { CELLS = 145, WITHIN_35_DEG = 1 + 8 + 16 + 20 };
+
+/* A pane that scatters what falls on it at less than 35 degrees from its normal, and no more. */
+static struct text make_shy_pane(void)
+{
+    char *data = calloc(CELLS * CELLS * 8UL, 1);
+    size_t used = 0;
+    assert_non_null(data);
+    for (int out = 0; out < CELLS; out++)
+        for (int in = 0; in < CELLS; in++)
+            used += (size_t)sprintf(data + used, "%s\n", in < WITHIN_35_DEG ? "0.25" : "0");
+    struct text xml = make_file("Columns", "Transmission Front", "LBNL/Klems Full", data);
+    free(data);
+    return xml;
+}
+
+/* How far the sun stands from the southern pane's normal. */
+static double off_normal_deg(const struct orl_annual_step *step)
+{
+    return acos(-sun_of(step).y) / ORL_DEG_TO_RAD;
+}
+
+/*
+ * While the disc lies in two cells of a BSDF, the pane does what both say: minute by minute over
+ * the edge at 35 degrees, against jobs of their own. By the middle of the disc alone it would be
+ * all or nothing.
+ */
+static void test_disc_in_two_cells(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{2, .6, 1}, {0, -1, .3}}, {{2, 3, .8}, {0, 0, 1}}};
+    char weather[2048] = HEAD("38.42", "-27.14", "-30");
+    struct text pane = make_shy_pane();
+    int parted = 0;
+    (void)state;
+    for (int minute = 0; minute < 24; minute++)
+        snprintf(weather + strlen(weather), sizeof weather - strlen(weather), "12 21 %.5f 850 60\n",
+                 13.65 + minute / 60.0);
+    const struct year_run run = {.scene = ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE,
+                                 .resource_name = "pane.xml",
+                                 .resource_text = pane.data,
+                                 .site = {38.42, 27.14, 2},
+                                 .weather = weather,
+                                 .sensors = sensors,
+                                 .n_sensors = 2,
+                                 .samples = 2048};
+    struct orl_annual_result year = year_run(&run);
+    for (size_t c = 0; c < year.n_columns; c++) {
+        const struct orl_annual_step *step = &year.steps[year.step_of_column[c]];
+        double lx[2], se[2];
+        const double off = off_normal_deg(step);
+        if (fabs(off - 35) > 0.4)
+            continue;
+        year_hour(&run, step, 4096, lx, se);
+        for (size_t s = 0; s < 2; s++) {
+            const double found = (double)orl_annual_row(&year, year.total, s)[c];
+            const double own = (double)orl_annual_row(&year, year.se, s)[c];
+            print_message("%.3f degrees: %.0f +- %.0f lx, alone %.0f +- %.0f\n", off, found, own,
+                          lx[s], se[s]);
+            assert_true(fabs(found - lx[s]) < 4 * hypot(own, se[s]) + 0.01 * lx[s]);
+        }
+        parted += fabs(off - 35) < 0.2;
+    }
+    assert_true(parted >= 2);
+    orl_annual_done(&year);
+    free(pane.data);
 }
 
 /* No light at all, and no node of the sun; light without a sun: none direct, and what the sky
@@ -280,10 +351,11 @@ static void test_midnight_sun(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_half_covered), cmocka_unit_test(test_slit),
-        cmocka_unit_test(test_polar_night),  cmocka_unit_test(test_south),
-        cmocka_unit_test(test_leap_day),     cmocka_unit_test(test_north),
-        cmocka_unit_test(test_curved_glass), cmocka_unit_test(test_midnight_sun),
+        cmocka_unit_test(test_half_covered),      cmocka_unit_test(test_slit),
+        cmocka_unit_test(test_polar_night),       cmocka_unit_test(test_south),
+        cmocka_unit_test(test_leap_day),          cmocka_unit_test(test_north),
+        cmocka_unit_test(test_curved_glass),      cmocka_unit_test(test_midnight_sun),
+        cmocka_unit_test(test_disc_in_two_cells),
     };
     return cmocka_run_group_tests_name("annual_edges", tests, NULL, NULL);
 }
