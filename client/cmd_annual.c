@@ -12,7 +12,7 @@
 #include "local.h"
 #include "problem.h"
 #include "report.h"
-#include "sharing.h"
+#include "sharing_line.h"
 
 /* What the command line asks for beside the document. */
 struct output {
@@ -171,20 +171,19 @@ static int run_year(struct orl_annual_job *job, const struct orl_job_file *file,
                     const struct output *output, const struct orl_local_tell *teller,
                     struct orl_error *err)
 {
-    struct orl_sharing sharing;
-    const struct orl_local_share share = {&sharing.pieces, &sharing.store};
+    struct orl_shared_job shared;
+    const struct orl_local_share share = {&shared.sharing.pieces, &shared.sharing.store};
     int rc;
 
     if (!output->sharing)
         return orl_local_annual(job, file->folder, output->folder, output->cache, output->threads,
                                 NULL, teller, err);
-    rc = orl_sharing_open(&sharing, output->sharing, file->doc, file->folder, output->folder,
-                          output->threads, orl_local_interrupted(), err);
+    rc = orl_shared_job_open(&shared, output->sharing, file->doc, file->folder, output->folder,
+                             output->threads, orl_local_interrupted(), err);
     if (rc == 0)
         rc = orl_local_annual(job, file->folder, output->folder, NULL, output->threads, &share,
                               teller, err);
-    orl_sharing_tell(&sharing);
-    orl_sharing_done(&sharing, rc == 0);
+    orl_shared_job_done(&shared, rc == 0);
     return rc;
 }
 

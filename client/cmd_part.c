@@ -1,5 +1,5 @@
 /*
- * oriel part FILE: some pieces of a job that is shared (sharing.h), into the shared folder that the
+ * oriel part FILE: some pieces of a job that is shared (parts/sharing.h), into the shared folder that the
  * file is in. FILE.done says that they are there, FILE.error why not; the ending takes .json's
  * place.
  */
@@ -17,7 +17,8 @@
 #include "place.h"
 #include "problem.h"
 #include "report.h"
-#include "sharing.h"
+#include "shared_folder.h"
+#include "task_json.h"
 
 /* What is to be made, and whether it was begun. */
 struct part {
@@ -49,7 +50,7 @@ static int read_part(struct part *part, const char *path, struct orl_error *err)
     snprintf(part->folder, sizeof part->folder, "%.*s", slash ? (int)(slash - path) : 1,
              slash ? path : ".");
     if (rc == 0)
-        rc = orl_sharing_verify(part->folder, part->job, &part->doc, err);
+        rc = orl_shared_folder_verify(part->folder, part->job, &part->doc, err);
     if (rc == 0)
         rc = orl_json_whole(json_object_get(json, "threads"), "threads", 1, 1024, &threads, err);
     part->threads = (uint32_t)threads;
@@ -167,7 +168,7 @@ static int make_pieces(struct part *part, struct orl_error *err)
         rc = orl_make_folder(part->scratch, err);
     if (rc == 0)
         rc = run(part, &task, files, &share, err);
-    orl_place_remove(part->scratch);
+    orl_remove_folder(part->scratch);
     orl_shared_store_done(&part->in_folder);
     orl_task_done(&task);
     if (rc == ORL_ERR_CANCELLED && part->over)

@@ -15,7 +15,7 @@
 #include "problem.h"
 #include "report.h"
 #include "result_json.h"
-#include "sharing.h"
+#include "sharing_line.h"
 
 /* result.json for a run that went wrong: what is known, and why. */
 static json_t *failure_to_json(const struct orl_job *job, uint32_t threads,
@@ -93,8 +93,8 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
                          const struct orl_sharing_line *sharing_line, struct orl_result *ret_result,
                          json_t **ret_json, struct orl_error *err)
 {
-    struct orl_sharing sharing;
-    const struct orl_local_share share = {&sharing.pieces, &sharing.store};
+    struct orl_shared_job shared;
+    const struct orl_local_share share = {&shared.sharing.pieces, &shared.sharing.store};
     int rc;
 
     if (!sharing_line)
@@ -104,13 +104,12 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                              "a job for a deadline is not done in parts: what it finds depends on "
                              "the machine; ask for an accuracy instead");
-    rc = orl_sharing_open(&sharing, sharing_line, file->doc, file->folder, line->output,
-                          line->threads, orl_local_interrupted(), err);
+    rc = orl_shared_job_open(&shared, sharing_line, file->doc, file->folder, line->output,
+                             line->threads, orl_local_interrupted(), err);
     if (rc == 0)
         rc = render(job, file->folder, line->output, line->threads, &share, ret_result, ret_json,
                     err);
-    orl_sharing_tell(&sharing);
-    orl_sharing_done(&sharing, rc == 0);
+    orl_shared_job_done(&shared, rc == 0);
     return rc;
 }
 

@@ -9,12 +9,8 @@
 
 #include <oriel/error.h>
 
+#include "file_digest.h"
 #include "http.h"
-
-enum { ORL_DIGEST_TEXT = 65 };
-
-/* Of a file's bytes. */
-int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct orl_error *err);
 
 /* The id of a scene of these files (POST /v1/scenes says how it is made). */
 int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,

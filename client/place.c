@@ -124,24 +124,3 @@ int orl_place_link_entries(const char *place, const char *folder, struct orl_err
     closedir(entries);
     return rc;
 }
-
-void orl_place_remove(const char *folder)
-{
-    DIR *entries = opendir(folder);
-
-    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
-        char path[PATH_SIZE];
-        struct stat info;
-
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
-            orl_join_path(folder, entry->d_name, path, sizeof path, NULL) || lstat(path, &info))
-            continue;
-        if (S_ISDIR(info.st_mode))
-            orl_place_remove(path);
-        else
-            unlink(path);
-    }
-    if (entries)
-        closedir(entries);
-    rmdir(folder);
-}

@@ -23,9 +23,8 @@ int orl_names_add(struct orl_names *names, const char *name, struct orl_error *e
 int orl_names_list(const char *folder, const char *prefix, unsigned depth, struct orl_names *names,
                    struct orl_error *err);
 
-/* A new one, below $TMPDIR or /tmp; and its end, with links in it, whose targets stay. */
+/* A new one, below $TMPDIR or /tmp, for orl_remove_folder to end. */
 int orl_place_make(char ret_folder[4096], struct orl_error *err);
-void orl_place_remove(const char *folder);
 /* A link in the place by that name, instead of one that is there. */
 int orl_place_link(const char *place, const char *name, const char *to, struct orl_error *err);
 /* Links to all that the folder holds. */

@@ -213,7 +213,7 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
 void orl_project_done(struct orl_project_place *place)
 {
     if (place->folder[0] && !place->stays)
-        orl_place_remove(place->folder);
+        orl_remove_folder(place->folder);
     json_decref(place->project);
     *place = (struct orl_project_place){{0}, false, NULL};
 }

@@ -140,7 +140,7 @@ static void test_tasks_are_killed(void **state)
     struct cli_desk *f = *state;
     struct cli_child child = start_run(f, parted_skies);
     wait_for_tasks(true);
-    run_command("scancel --name=oriel");
+    run_command("scancel --me");
     assert_ends_the_same(f, &child, parted_skies, true);
 }
 

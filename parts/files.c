@@ -125,6 +125,27 @@ int orl_make_folder(const char *path, struct orl_error *err)
     return 0;
 }
 
+void orl_remove_folder(const char *folder)
+{
+    DIR *entries = opendir(folder);
+
+    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
+        char path[4096];
+        struct stat info;
+
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+            orl_join_path(folder, entry->d_name, path, sizeof path, NULL) || lstat(path, &info))
+            continue;
+        if (S_ISDIR(info.st_mode))
+            orl_remove_folder(path);
+        else
+            unlink(path);
+    }
+    if (entries)
+        closedir(entries);
+    rmdir(folder);
+}
+
 int orl_write_json(const char *path, const json_t *json, struct orl_error *err)
 {
     struct orl_new_file file;

@@ -20,9 +20,8 @@ struct task {
 };
 
 struct local {
-    const char *folder;
-    uint32_t threads, most;
-    char program[4096], wave[64];
+    struct orl_runner_spec spec;
+    char wave[ORL_WAVE_NAME];
     struct task *tasks; /* waiting or running, in the order in which they came */
     size_t n_tasks;
 };
@@ -34,19 +33,19 @@ static int spawn(const struct local *local, struct task *task, struct orl_error 
     posix_spawn_file_actions_t actions;
     int rc;
 
-    snprintf(file, sizeof file, "%s/%s-%u.json", local->folder, local->wave, task->number);
-    snprintf(log, sizeof log, "%s/%s-%u.log", local->folder, local->wave, task->number);
+    snprintf(file, sizeof file, "%s/%s-%u.json", local->spec.folder, local->wave, task->number);
+    snprintf(log, sizeof log, "%s/%s-%u.log", local->spec.folder, local->wave, task->number);
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log, O_WRONLY | O_CREAT | O_TRUNC,
                                      0600);
     posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-    rc = posix_spawn(&task->pid, local->program, &actions, NULL, argv, environ);
+    rc = posix_spawn(&task->pid, local->spec.program, &actions, NULL, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     if (rc == 0)
         return 0;
     task->pid = 0;
-    return orl_error_set(err, orl_err_of_errno(rc), "'%s' cannot be started: %s", local->program,
-                         strerror(rc));
+    return orl_error_set(err, orl_err_of_errno(rc), "'%s' cannot be started: %s",
+                         local->spec.program, strerror(rc));
 }
 
 /* Those that have ended go, and others take their place. */
@@ -64,7 +63,7 @@ static int turn_over(struct local *local, struct orl_error *err)
         local->tasks[kept++] = task;
     }
     local->n_tasks = kept;
-    for (size_t i = 0; i < kept && running < local->most && rc == 0; i++)
+    for (size_t i = 0; i < kept && running < local->spec.most && rc == 0; i++)
         if (local->tasks[i].pid == 0) {
             rc = spawn(local, &local->tasks[i], err);
             running++;
@@ -72,12 +71,13 @@ static int turn_over(struct local *local, struct orl_error *err)
     return rc;
 }
 
-static int local_start(void *ctx, const char *wave, const uint32_t *numbers, size_t n,
+static int local_start(void *ctx, const char *wave, const uint32_t *numbers, size_t n, size_t n_all,
                        struct orl_error *err)
 {
     struct local *local = ctx;
     struct task *grown = realloc(local->tasks, (local->n_tasks + n) * sizeof *grown);
 
+    (void)n_all;
     if (!grown)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu parts", n);
     local->tasks = grown;
@@ -87,11 +87,13 @@ static int local_start(void *ctx, const char *wave, const uint32_t *numbers, siz
     return turn_over(local, err);
 }
 
-static int local_look(void *ctx, enum orl_part_state *ret_states, size_t n, struct orl_error *err)
+static int local_look(void *ctx, const char *wave, enum orl_part_state *ret_states, size_t n,
+                      struct orl_error *err)
 {
     struct local *local = ctx;
     const int rc = turn_over(local, err);
 
+    (void)wave; /* there is one at a time */
     for (size_t i = 0; i < n; i++)
         ret_states[i] = ORL_PART_GONE;
     for (size_t i = 0; i < local->n_tasks; i++)
@@ -101,10 +103,11 @@ static int local_look(void *ctx, enum orl_part_state *ret_states, size_t n, stru
     return rc;
 }
 
-static void local_cancel(void *ctx)
+static int local_cancel(void *ctx, const char *wave, struct orl_error *err)
 {
     struct local *local = ctx;
 
+    (void)wave, (void)err;
     for (size_t i = 0; i < local->n_tasks; i++)
         if (local->tasks[i].pid > 0)
             kill(local->tasks[i].pid, SIGTERM);
@@ -112,33 +115,37 @@ static void local_cancel(void *ctx)
         if (local->tasks[i].pid > 0)
             waitpid(local->tasks[i].pid, NULL, 0);
     local->n_tasks = 0;
+    return 0;
 }
 
 static void local_done(void *ctx)
 {
     struct local *local = ctx;
 
-    local_cancel(local);
+    local_cancel(local, local->wave, NULL);
     free(local->tasks);
     free(local);
 }
 
-int orl_runner_local(const char *folder, uint32_t threads, uint32_t most,
-                     struct orl_runner *ret_runner, struct orl_error *err)
+int orl_runner_local(const struct orl_runner_spec *spec, struct orl_runner *ret_runner,
+                     struct orl_error *err)
 {
     struct local *local = calloc(1, sizeof *local);
-    ssize_t length;
 
     if (!local)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    local->folder = folder;
-    local->threads = threads;
-    local->most = most;
-    length = readlink("/proc/self/exe", local->program, sizeof local->program - 1);
-    if (length < 0) {
-        free(local);
+    local->spec = *spec;
+    *ret_runner =
+        (struct orl_runner){local, 0.2, local_start, local_look, local_cancel, local_done};
+    return 0;
+}
+
+int orl_own_program(char ret_path[4096], struct orl_error *err)
+{
+    const ssize_t length = readlink("/proc/self/exe", ret_path, 4095);
+
+    if (length < 0)
         return orl_error_set(err, orl_err_of_errno(errno), "this program's own file is not known");
-    }
-    *ret_runner = (struct orl_runner){local, local_start, local_look, local_cancel, local_done};
+    ret_path[length] = '\0';
     return 0;
 }

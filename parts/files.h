@@ -1,10 +1,10 @@
 /*
- * Files as the commands write and read them: results appear whole or not at all (a temporary name
- * beside the target, synced, then renamed), so that a script never meets half a result.json.
+ * Files as commands and parts write and read them: results appear whole or not at all (a temporary
+ * name beside the target, synced, then renamed), so that a script never meets half a result.json.
  * Devices and pipes, as /dev/stdout, are written to as they are.
  */
-#ifndef ORL_CLIENT_FILES_H
-#define ORL_CLIENT_FILES_H
+#ifndef ORL_PARTS_FILES_H
+#define ORL_PARTS_FILES_H
 
 #include <dirent.h>
 #include <stdio.h>
@@ -31,6 +31,9 @@ int orl_open_folder(const char *path, DIR **ret_entries, struct orl_error *err);
 
 /* Makes the folder and those above it, as `mkdir -p` does. */
 int orl_make_folder(const char *path, struct orl_error *err);
+
+/* Removes it with all that is in it; of links, the links. */
+void orl_remove_folder(const char *folder);
 
 /* folder/name into ret_path[size]; an absolute name stands for itself. */
 int orl_join_path(const char *folder, const char *name, char *ret_path, size_t size,

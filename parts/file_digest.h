@@ -1,0 +1,16 @@
+/* SHA-256 of files' bytes, in hexadecimal. */
+#ifndef ORL_PARTS_FILE_DIGEST_H
+#define ORL_PARTS_FILE_DIGEST_H
+
+#include <oriel/error.h>
+#include <oriel/sha256.h>
+
+enum { ORL_DIGEST_TEXT = 65 };
+
+/* What was added to hash, as text. */
+void orl_digest_end(struct orl_sha256 *hash, char ret_digest[ORL_DIGEST_TEXT]);
+
+/* Of a file's bytes. */
+int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct orl_error *err);
+
+#endif

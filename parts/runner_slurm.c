@@ -1,0 +1,415 @@
+/*
+ * Slurm by its own commands (22.05 and later), each started with an argument vector: sbatch, squeue
+ * and scancel. What they are given of a user's is words of options; the script has none of it.
+ *
+ * The name of a wave's tasks is all that has to be known of them: what sbatch may or may not have
+ * handed in before it was cut off is looked for by it, and not handed in twice.
+ */
+#include "runner.h"
+
+#include <ctype.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "command.h"
+#include "files.h"
+
+/* Slurm is asked about a wave after so many seconds, at first, and then ever more rarely: after
+ * a share of its age, which bounds how often it is asked in all. */
+static const double asked_least_s = 1, asked_most_s = 30, asked_share = 0.02;
+/* A command may take so long; so long tasks that are cancelled may take to go. */
+static const double command_s = 30, cancel_s = 60;
+
+static const char script[] = "#!/bin/sh\n"
+                             "# One part of a job: the program, the shared folder, the wave.\n"
+                             "exec \"$1\" part \"$2/$3-$SLURM_ARRAY_TASK_ID.json\"\n";
+
+struct slurm {
+    struct orl_runner_spec spec;
+    char script[4200];
+    char wave[ORL_WAVE_NAME];
+    double began_s, asked_s, answered_s;
+    /* Of the wave: how its parts stood when Slurm was asked last (NULL: not yet), and those that
+     * Slurm is still to be given. */
+    enum orl_part_state *states;
+    bool *unsent;
+    size_t n;
+    bool in_doubt; /* whether sbatch has handed in what is unsent */
+};
+
+static double now_s(const struct slurm *slurm)
+{
+    return slurm->spec.now_s(NULL);
+}
+
+/* The name of a wave's tasks. */
+static void name_tasks(const struct slurm *slurm, const char *wave, char ret_name[128])
+{
+    snprintf(ret_name, 128, "oriel-%.12s-%.*s", slurm->spec.job, ORL_WAVE_NAME, wave);
+}
+
+/* Room for a wave, should it be another than before. */
+static int begin_wave(struct slurm *slurm, const char *wave, size_t n, struct orl_error *err)
+{
+    if (slurm->unsent && strcmp(slurm->wave, wave) == 0)
+        return 0;
+    free(slurm->states);
+    free(slurm->unsent);
+    slurm->states = NULL;
+    slurm->unsent = calloc(n + 1, sizeof *slurm->unsent);
+    slurm->n = n;
+    slurm->in_doubt = false;
+    slurm->began_s = slurm->answered_s = now_s(slurm);
+    slurm->asked_s = -asked_most_s;
+    snprintf(slurm->wave, sizeof slurm->wave, "%s", wave);
+    return slurm->unsent ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
+/* Its first line that is no warning, for messages. */
+static const char *first_line(char *text)
+{
+    char *end = strchr(text, '\n');
+
+    if (end)
+        *end = '\0';
+    return text;
+}
+
+/* ---- Handing in ------------------------------------------------------------------------------ */
+
+/* "--array=0-7,9%64": owned. */
+static char *list_unsent(const struct slurm *slurm)
+{
+    const size_t room = 12 * (slurm->n + 3);
+    char *text = malloc(room);
+    size_t at = text ? (size_t)snprintf(text, room, "--array=") : 0, listed = 0;
+
+    for (size_t i = 0; text && i < slurm->n; i++) {
+        size_t last = i;
+
+        if (!slurm->unsent[i])
+            continue;
+        while (last + 1 < slurm->n && slurm->unsent[last + 1])
+            last++;
+        at += (size_t)snprintf(text + at, room - at, listed++ > 0 ? ",%zu" : "%zu", i);
+        if (last > i)
+            at += (size_t)snprintf(text + at, room - at, "-%zu", last);
+        i = last;
+    }
+    if (text)
+        snprintf(text + at, room - at, "%%%u", slurm->spec.most);
+    return text;
+}
+
+/* What sbatch says where another try may go better. Its exit status is always the same. */
+static bool is_passing(const char *output)
+{
+    static const char *const passing[] = {"Unable to contact",
+                                          "timed out",
+                                          "Connection refused",
+                                          "Connection reset",
+                                          "connect failure",
+                                          "standby mode",
+                                          "Zero Bytes were transmitted",
+                                          "temporarily unavailable",
+                                          "temporarily unable",
+                                          "AssocMaxSubmitJobLimit",
+                                          "QOSMaxSubmitJobPerUserLimit"};
+
+    for (size_t i = 0; i < sizeof passing / sizeof *passing; i++)
+        if (strcasestr(output, passing[i]))
+            return true;
+    return false;
+}
+
+static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[ORL_COMMAND_OUTPUT],
+                      struct orl_error *err)
+{
+    char cpus[48], chdir_to[4200], tasks[128], name[160], program[4096], folder[4096], wave[64];
+    char *argv[ORL_SLURM_WORDS + 16];
+    size_t n = 0;
+
+    name_tasks(slurm, slurm->wave, tasks);
+    snprintf(name, sizeof name, "--job-name=%s", tasks);
+    snprintf(cpus, sizeof cpus, "--cpus-per-task=%u", slurm->spec.threads);
+    snprintf(chdir_to, sizeof chdir_to, "--chdir=%s", slurm->spec.folder);
+    snprintf(program, sizeof program, "%s", slurm->spec.program);
+    snprintf(folder, sizeof folder, "%s", slurm->spec.folder);
+    snprintf(wave, sizeof wave, "%s", slurm->wave);
+    argv[n++] = (char *)"sbatch";
+    argv[n++] = (char *)"--parsable";
+    argv[n++] = name;
+    argv[n++] = (char *)"--ntasks=1";
+    argv[n++] = (char *)"--requeue";
+    argv[n++] = (char *)"--output=slurm-%A_%a.log";
+    argv[n++] = cpus;
+    argv[n++] = chdir_to;
+    argv[n++] = array;
+    for (size_t i = 0; i < slurm->spec.n_words; i++)
+        argv[n++] = (char *)(uintptr_t)slurm->spec.words[i];
+    argv[n++] = (char *)(uintptr_t)slurm->script;
+    argv[n++] = program;
+    argv[n++] = folder;
+    argv[n++] = wave;
+    argv[n] = NULL;
+    return orl_command_run(argv, command_s, slurm->spec.cancel, ret_output, err);
+}
+
+/* The number that Slurm gave it, for who looks into a cluster's log. */
+static void note_number(const struct slurm *slurm, char *output)
+{
+    char path[4300];
+    FILE *file;
+
+    output[strspn(output, "0123456789")] = '\0'; /* "ID;CLUSTER" */
+    snprintf(path, sizeof path, "%s/%s.slurm", slurm->spec.folder, slurm->wave);
+    file = fopen(path, "a");
+    if (!file)
+        return;
+    fprintf(file, "%s\n", output);
+    fclose(file);
+}
+
+/* Those that are unsent, where there are any. Where Slurm is away they stay so. */
+static int hand_in(struct slurm *slurm, struct orl_error *err)
+{
+    char *array = list_unsent(slurm), output[ORL_COMMAND_OUTPUT] = "";
+    int rc = array ? run_sbatch(slurm, array, output, err)
+                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    free(array);
+    if (rc == 0 && isdigit((unsigned char)output[0])) {
+        memset(slurm->unsent, 0, slurm->n * sizeof *slurm->unsent);
+        note_number(slurm, output);
+    } else if (rc == ORL_ERR_IO || (rc >= 0 && is_passing(output))) {
+        slurm->in_doubt = true;
+        rc = 0;
+    } else if (rc >= 0) {
+        rc = orl_error_set(err, ORL_ERR_INVALID, "sbatch: %.300s", first_line(output));
+    } else if (rc == ORL_ERR_NOT_FOUND) {
+        orl_error_hint(err, "run this where sbatch, squeue and scancel are on PATH");
+    }
+    return rc;
+}
+
+static int slurm_start(void *ctx, const char *wave, const uint32_t *numbers, size_t n, size_t n_all,
+                       struct orl_error *err)
+{
+    struct slurm *slurm = ctx;
+    int rc = begin_wave(slurm, wave, n_all, err);
+
+    if (rc)
+        return rc;
+    for (size_t i = 0; i < n; i++)
+        slurm->unsent[numbers[i]] = true;
+    if (!slurm->in_doubt)
+        rc = hand_in(slurm, err);
+    slurm->asked_s = now_s(slurm); /* it takes a moment until Slurm tells of them */
+    free(slurm->states);
+    slurm->states = NULL;
+    return rc;
+}
+
+/* ---- Looking --------------------------------------------------------------------------------- */
+
+static enum orl_part_state state_of(const char *code)
+{
+    static const char *const waiting[] = {"PD", "CF", "RQ", "RH", "RF", "SE", "RS", "S", "ST"};
+
+    for (size_t i = 0; i < sizeof waiting / sizeof *waiting; i++)
+        if (strcmp(code, waiting[i]) == 0)
+            return ORL_PART_WAITING;
+    return strcmp(code, "R") == 0 || strcmp(code, "CG") == 0 || strcmp(code, "SO") == 0
+               ? ORL_PART_RUNNING
+               : ORL_PART_GONE;
+}
+
+/* Lines "NUMBER|STATE". What is there was handed in. */
+static void read_states(struct slurm *slurm, char *text)
+{
+    char *rest = text, *line;
+
+    while ((line = strsep(&rest, "\n")) != NULL) {
+        char *bar = strchr(line, '|'), *end;
+        unsigned long number = strtoul(line, &end, 10);
+
+        if (!bar || end == line || end != bar || number >= slurm->n)
+            continue;
+        bar[1 + strcspn(bar + 1, " ")] = '\0';
+        const enum orl_part_state state = state_of(bar + 1);
+        if (state == ORL_PART_GONE)
+            continue;
+        slurm->states[number] = state;
+        slurm->unsent[number] = false;
+    }
+}
+
+/* Tasks of the wave that are under way. The status of squeue, or a negative orl_err. */
+static int run_squeue(const struct slurm *slurm, const char *wave, const atomic_bool *cancel,
+                      char ret_output[ORL_COMMAND_OUTPUT], struct orl_error *err)
+{
+    char tasks[128], name[160];
+    char *argv[] = {(char *)"squeue",
+                    (char *)"--noheader",
+                    (char *)"--array",
+                    (char *)"--me",
+                    (char *)"--format=%K|%t",
+                    name,
+                    NULL};
+
+    name_tasks(slurm, wave, tasks);
+    snprintf(name, sizeof name, "--name=%s", tasks);
+    return orl_command_run(argv, command_s, cancel, ret_output, err);
+}
+
+/* Where Slurm does not answer nothing is known, and that only for so long. */
+static int be_patient(struct slurm *slurm, const char *says, struct orl_error *err)
+{
+    const double patience =
+        slurm->spec.patience_s > 0 ? slurm->spec.patience_s : ORL_SLURM_PATIENCE_S;
+
+    for (size_t i = 0; i < slurm->n; i++)
+        slurm->states[i] = ORL_PART_UNKNOWN;
+    if (now_s(slurm) - slurm->answered_s < patience)
+        return 0;
+    orl_error_set(err, ORL_ERR_IO, "Slurm has not answered for %.0f s: %.200s", patience, says);
+    orl_error_hint(err, "see `scontrol ping`; once slurmctld answers, the same job takes up what "
+                        "was made");
+    return ORL_ERR_IO;
+}
+
+static int ask(struct slurm *slurm, struct orl_error *err)
+{
+    struct orl_error why = {0};
+    char output[ORL_COMMAND_OUTPUT];
+    int rc = run_squeue(slurm, slurm->wave, slurm->spec.cancel, output, &why);
+
+    if (rc != 0) {
+        const char *says = rc > 0 ? first_line(output) : why.message;
+
+        if (rc == ORL_ERR_CANCELLED || rc == ORL_ERR_NOT_FOUND || rc == ORL_ERR_NOMEM)
+            rc = orl_error_set(err, rc, "%s", why.message);
+        else
+            rc = be_patient(slurm, says, err);
+        return rc;
+    }
+    for (size_t i = 0; i < slurm->n; i++)
+        slurm->states[i] = ORL_PART_GONE;
+    read_states(slurm, output);
+    slurm->answered_s = now_s(slurm);
+    slurm->in_doubt = false;
+    return 0;
+}
+
+static bool any_unsent(const struct slurm *slurm)
+{
+    bool any = false;
+
+    for (size_t i = 0; i < slurm->n; i++)
+        any = any || slurm->unsent[i];
+    return any;
+}
+
+static int look_again(struct slurm *slurm, struct orl_error *err)
+{
+    int rc = 0;
+
+    if (!slurm->states)
+        slurm->states = calloc(slurm->n + 1, sizeof *slurm->states);
+    if (!slurm->states)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    rc = ask(slurm, err);
+    if (rc == 0 && !slurm->in_doubt && any_unsent(slurm))
+        rc = hand_in(slurm, err);
+    slurm->asked_s = now_s(slurm);
+    return rc;
+}
+
+static int slurm_look(void *ctx, const char *wave, enum orl_part_state *ret_states, size_t n,
+                      struct orl_error *err)
+{
+    struct slurm *slurm = ctx;
+    int rc = begin_wave(slurm, wave, n, err);
+
+    if (rc)
+        return rc;
+    const double now = now_s(slurm), share = asked_share * (now - slurm->began_s);
+    const double every = share < asked_least_s  ? asked_least_s
+                         : share > asked_most_s ? asked_most_s
+                                                : share;
+    if (now - slurm->asked_s >= every)
+        rc = look_again(slurm, err);
+    for (size_t i = 0; i < n; i++)
+        ret_states[i] = slurm->unsent[i] ? ORL_PART_WAITING
+                        : slurm->states  ? slurm->states[i]
+                                         : ORL_PART_UNKNOWN;
+    return rc;
+}
+
+/* ---- Cancelling ------------------------------------------------------------------------------ */
+
+static void rest(void)
+{
+    const struct timespec moment = {.tv_nsec = 200000000};
+
+    nanosleep(&moment, NULL);
+}
+
+/* Until none is left: one that was just being handed in is met by the next try. */
+static int slurm_cancel(void *ctx, const char *wave, struct orl_error *err)
+{
+    struct slurm *slurm = ctx;
+    const double began = now_s(slurm);
+    char name[160], tasks[128], output[ORL_COMMAND_OUTPUT];
+    char *argv[] = {(char *)"scancel", (char *)"--me", name, NULL};
+    bool gone = false;
+
+    name_tasks(slurm, wave, tasks);
+    snprintf(name, sizeof name, "--name=%s", tasks);
+    while (!gone && now_s(slurm) - began < cancel_s) {
+        orl_command_run(argv, command_s, NULL, output, NULL);
+        gone = run_squeue(slurm, wave, NULL, output, NULL) == 0 && output[0] == '\0';
+        if (!gone)
+            rest();
+    }
+    if (gone)
+        return 0;
+    orl_error_set(err, ORL_ERR_IO, "tasks of Slurm named %s may still be under way", tasks);
+    orl_error_hint(err, "scancel --name=%s ends them", tasks);
+    return ORL_ERR_IO;
+}
+
+static void slurm_done(void *ctx)
+{
+    struct slurm *slurm = ctx;
+
+    free(slurm->states);
+    free(slurm->unsent);
+    free(slurm);
+}
+
+/* ---- The runner ------------------------------------------------------------------------------ */
+
+int orl_runner_slurm(const struct orl_runner_spec *spec, struct orl_runner *ret_runner,
+                     struct orl_error *err)
+{
+    struct slurm *slurm = calloc(1, sizeof *slurm);
+    int rc;
+
+    if (!slurm)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    slurm->spec = *spec;
+    snprintf(slurm->script, sizeof slurm->script, "%s/part.sh", spec->folder);
+    rc = spec->n_words <= ORL_SLURM_WORDS
+             ? orl_write_text(slurm->script, script, sizeof script - 1, err)
+             : orl_error_set(err, ORL_ERR_LIMIT, "more than %d options of sbatch", ORL_SLURM_WORDS);
+    if (rc) {
+        slurm_done(slurm);
+        return rc;
+    }
+    *ret_runner = (struct orl_runner){slurm, 5, slurm_start, slurm_look, slurm_cancel, slurm_done};
+    return 0;
+}

@@ -1,0 +1,92 @@
+#include "sharing.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "files.h"
+#include "wave.h"
+
+/* Those that are not made yet, in their order. */
+static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
+                    const bool *made, struct orl_error *err)
+{
+    struct orl_piece *rest = malloc((n + 1) * sizeof *rest);
+    size_t kept = 0;
+    int rc;
+
+    if (!rest)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < n; i++)
+        if (!made[i])
+            rest[kept++] = pieces[i];
+    rc = kept > 0 ? orl_wave_run(sharing, rest, kept, err) : 0;
+    free(rest);
+    return rc;
+}
+
+/* Of a run that hands all pieces to others. */
+static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                  struct orl_error *err)
+{
+    struct orl_sharing *sharing = ctx;
+    bool *made = calloc(n + 1, sizeof *made);
+    int rc;
+
+    (void)ret_here;
+    if (!made)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    rc = orl_wave_adopt(sharing, pieces, n, made, err);
+    if (rc == 0)
+        rc = run_rest(sharing, pieces, n, made, err);
+    free(made);
+    return rc;
+}
+
+static int start_runner(struct orl_sharing *sharing, struct orl_error *err)
+{
+    const struct orl_sharing_spec *spec = &sharing->spec;
+    const struct orl_runner_spec wanted = {.folder = sharing->folder,
+                                           .job = sharing->job,
+                                           .program = spec->program,
+                                           .threads = spec->threads,
+                                           .most = spec->slurm ? spec->most : spec->abreast,
+                                           .words = spec->words,
+                                           .n_words = spec->n_words,
+                                           .cancel = spec->cancel,
+                                           .now_s = spec->now_s};
+
+    return spec->slurm ? orl_runner_slurm(&wanted, &sharing->runner, err)
+                       : orl_runner_local(&wanted, &sharing->runner, err);
+}
+
+int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_spec *spec,
+                     struct orl_error *err)
+{
+    int rc;
+
+    *sharing = (struct orl_sharing){.spec = *spec, .began = time(NULL)};
+    rc = orl_shared_folder_make(spec->folder, spec->doc, spec->files, spec->n_files, sharing->job,
+                                &sharing->earlier, err);
+    if (rc)
+        return rc;
+    if (!realpath(spec->folder, sharing->folder))
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot find '%s': %s", spec->folder,
+                             strerror(errno));
+    snprintf(sharing->in_folder.folder, sizeof sharing->in_folder.folder, "%.4000s/store",
+             sharing->folder);
+    orl_shared_store_init(&sharing->in_folder, &sharing->store);
+    sharing->pieces = (struct orl_pieces){sharing, sharing->job, divide};
+    return start_runner(sharing, err);
+}
+
+void orl_sharing_done(struct orl_sharing *sharing, bool remove)
+{
+    if (sharing->runner.done)
+        sharing->runner.done(sharing->runner.ctx);
+    orl_shared_store_done(&sharing->in_folder);
+    if (remove && sharing->folder[0])
+        orl_remove_folder(sharing->folder);
+}
