@@ -349,6 +349,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .blobs = server->blobs,
         .maps = server->maps,
         .shelf = server->shelf,
+        .place = server->config.runner.slurm ? &server->place : NULL,
         .memory = &server->memory,
         .past = &server->past,
         .log = &server->log,
@@ -419,6 +420,8 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     /* HTTP before the jobs: nothing is served until the loop runs, and a port that is taken is
      * found before a job starts. */
     int rc = open_storage(&server, err);
+    if (rc == 0 && config->runner.slurm)
+        rc = orl_shared_place_open(&config->runner, &server.place, err);
     if (rc == 0)
         rc = open_tokens(&server, err);
     if (rc == 0)

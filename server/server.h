@@ -49,6 +49,7 @@ struct orl_server {
     struct orl_settling *settling; /* of what is committed to it */
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
+    struct orl_shared_place place; /* where jobs go in parts */
     struct orl_shelf *shelf;
     struct orl_storage storage;
     struct orl_verified verified;

@@ -256,6 +256,7 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
         .folders = jobs->env.folders,
         .maps = orl_map_cache_store(jobs->env.maps),
         .shelf = jobs->env.shelf,
+        .place = jobs->env.place,
         .threads = jobs->env.threads / jobs->env.at_once,
         .done = job_done,
         .ctx = job,

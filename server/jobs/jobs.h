@@ -66,10 +66,11 @@ struct orl_jobs_env {
     const struct orl_folders *folders;
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
-    struct orl_shelf *shelf;     /* of all jobs; or NULL */
-    const struct orl_past *past; /* how the daemon before ended; while jobs are opened */
-    struct orl_memory *memory;   /* whoever starts is held against it */
-    char program[ORL_SHA_HEX];   /* program.h */
+    struct orl_shelf *shelf;              /* of all jobs; or NULL */
+    const struct orl_shared_place *place; /* NULL: no job goes in parts */
+    const struct orl_past *past;          /* how the daemon before ended; while jobs are opened */
+    struct orl_memory *memory;            /* whoever starts is held against it */
+    char program[ORL_SHA_HEX];            /* program.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */

@@ -43,6 +43,19 @@ void orl_config_help(FILE *stream)
         "                         that one, but there may be several (none: the daemon's own)\n"
         "  --threads N            threads that render (all processors)\n"
         "  --jobs N               jobs that render at once, sharing the threads (1)\n"
+        "  --runner NAME          local: jobs run here; slurm: large ones as parts, tasks of "
+        "array\n"
+        "                         jobs (local)\n"
+        "  --shared DIR           of slurm: a folder of this user's alone, which all nodes see by\n"
+        "                         the same path, as they do oriel, beside orield\n"
+        "  --parts N              parts of a job at a time, at the most (64)\n"
+        "  --part-threads N       cores of each (1)\n"
+        "  --least S              jobs of less than S seconds of one core stay here, by what "
+        "their\n"
+        "                         documents ask for; 0: none does (60)\n"
+        "  --slurm-partition, --slurm-account, --slurm-qos, --slurm-constraint NAME\n"
+        "                         sbatch's\n"
+        "  --slurm-option OPTION  one more of sbatch's, as --time=60; there may be several\n"
         "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
         "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
         "  --check-memory SIZE    bytes of memory that it may take (%luM)\n"
@@ -190,7 +203,10 @@ static int apply_option(struct orl_config *config, const char *name, const char 
                         struct orl_error *err)
 {
     unsigned long number = 0;
-    int rc = 0;
+    bool of_runner;
+    int rc = orl_runner_options_apply(&config->runner, name, value, &of_runner, err);
+    if (of_runner)
+        return rc;
     if (strcmp(name, "--listen") == 0)
         return parse_listen(value, config, err);
     if (strcmp(name, "--tokens") == 0) {
@@ -250,6 +266,7 @@ static void set_defaults(struct orl_config *config)
                       : processors > (long)ORL_SERVER_THREADS ? ORL_SERVER_THREADS
                                                               : (uint32_t)processors;
     config->jobs = 1;
+    orl_runner_options_init(&config->runner);
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
     config->check_timeout_s = ORL_SERVER_CHECK_S;
     config->check_memory = ORL_SERVER_CHECK_BYTES;
@@ -268,6 +285,8 @@ static int complete(struct orl_config *config, struct orl_error *err)
         config->threads = config->jobs; /* each needs one to lead it */
     if (!config->tls_cert != !config->tls_key)
         return orl_error_set(err, ORL_ERR_INVALID, "--tls-cert and --tls-key go together");
+    if (orl_runner_options_check(&config->runner, err))
+        return ORL_ERR_INVALID;
     if (config->address_connections == 0)
         config->address_connections =
             is_loopback(config) ? ORL_SERVER_CONNECTIONS : ORL_SERVER_ADDRESS_CONNECTIONS;

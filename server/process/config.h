@@ -13,6 +13,7 @@
 
 #include "process/limits.h"
 #include "process/log.h"
+#include "process/runner_options.h"
 
 #define ORL_DEFAULT_DATA "oriel-data"
 
@@ -40,6 +41,7 @@ struct orl_config {
     uint32_t job_timeout_s;        /* that a job may run */
     uint32_t keep_jobs, keep_days; /* of those that have ended; no days: for ever */
     uint32_t drain_s;              /* that running jobs are given to finish at a stop */
+    struct orl_runner_options runner;
     enum orl_log_level log_level;
     bool log_json;
 };

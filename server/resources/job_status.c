@@ -10,6 +10,7 @@
 #include "json_read.h"
 #include "process/times.h"
 #include "result_json.h"
+#include "runner/runner_json.h"
 #include "study_json.h"
 
 json_t *orl_job_time(int64_t ms)
@@ -156,11 +157,8 @@ static int add_bsdf(json_t *doc, const struct orl_job_progress *progress)
 
 static int (*const add_kind[ORL_TASK_KIND_COUNT])(json_t *doc,
                                                   const struct orl_job_progress *progress) = {
-    [ORL_TASK_RENDER] = add_render,
-    [ORL_TASK_STUDY] = add_study,
-    [ORL_TASK_ANNUAL] = add_annual,
-    [ORL_TASK_BSDF_MAKE] = add_bsdf,
-    [ORL_TASK_BSDF_FIT] = add_bsdf,
+    [ORL_TASK_RENDER] = add_render,  [ORL_TASK_STUDY] = add_study,   [ORL_TASK_ANNUAL] = add_annual,
+    [ORL_TASK_BSDF_MAKE] = add_bsdf, [ORL_TASK_BSDF_FIT] = add_bsdf,
 };
 
 static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *job)
@@ -177,6 +175,10 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     rc |= json_object_set_new(doc, "eta_s", orl_job_eta(&progress));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
     rc |= json_object_set_new(doc, "shared", json_boolean(job->leader || job->followers));
+    if (*progress.why_here)
+        rc |= json_object_set_new(doc, "runner",
+                                  orl_runner_to_json(progress.in_parts, progress.why_here,
+                                                     progress.in_parts ? &progress.parts : NULL));
     return rc;
 }
 

@@ -124,6 +124,9 @@ void orl_worker_progress(struct orl_worker *worker, struct orl_job_progress *ret
     ret_progress->points = worker->points;
     ret_progress->n_points = worker->n_points;
     ret_progress->year = worker->year;
+    ret_progress->in_parts = worker->in_parts;
+    ret_progress->parts = worker->parts;
+    memcpy(ret_progress->why_here, worker->why_here, sizeof worker->why_here);
     pthread_mutex_unlock(&worker->news_mutex);
 }
 

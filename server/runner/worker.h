@@ -29,6 +29,8 @@
 #include <oriel/study.h>
 
 #include "health/metrics.h"
+#include "runner/shared_place.h"
+#include "sharing.h"
 #include "store/bundle.h"
 #include "store/jobs.h"
 
@@ -63,7 +65,8 @@ struct orl_worker_spec {
     struct orl_bundle bundle;
     const struct orl_folders *folders; /* borrowed */
     struct orl_map_store maps;
-    struct orl_shelf *shelf; /* borrowed; or NULL */
+    struct orl_shelf *shelf;              /* borrowed; or NULL */
+    const struct orl_shared_place *place; /* borrowed; NULL: no job goes in parts */
     uint32_t threads;
     /* On the loop thread, once, when no pool thread works for the job any more. */
     void (*done)(void *ctx, const struct orl_worker_outcome *outcome);
@@ -90,6 +93,10 @@ struct orl_job_progress {
     const struct orl_study_point *points; /* those it has; valid until the loop's next turn */
     size_t n_points;
     struct orl_annual_refinement year; /* of one with accuracy, after its first round */
+    /* Where jobs may go in parts; "" else. */
+    char why_here[ORL_WHY_MAX]; /* this one does, or does not, since */
+    bool in_parts;
+    struct orl_parts_count parts;
 };
 
 /* Takes spec->bundle whether it succeeds or not. */

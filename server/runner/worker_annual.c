@@ -141,11 +141,12 @@ int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
                           const struct orl_files *files, struct orl_error *err)
 {
     const struct orl_run_env run = orl_worker_env(worker, files);
+    const bool here = !worker->in_parts; /* else its pieces are kept where they are shared */
     const struct orl_annual_job_env env = {.run = &run,
-                                           .reuse = true,
+                                           .reuse = here,
                                            .reuse_most = KEPT_SENSORS,
-                                           .kept = on_kept,
-                                           .done = on_done,
+                                           .kept = here ? on_kept : NULL,
+                                           .done = here ? on_done : NULL,
                                            .round = on_round,
                                            .tell = on_end};
     return orl_annual_job_run(&task->of.annual, &env, err);

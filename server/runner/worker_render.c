@@ -189,7 +189,8 @@ struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_fi
     return (struct orl_run_env){
         .crew = worker->crew,
         .files = files,
-        .store = &worker->spec.maps,
+        .store = worker->in_parts ? &worker->sharing.store : &worker->spec.maps,
+        .pieces = worker->in_parts ? &worker->sharing.pieces : NULL,
         .shelf = worker->spec.shelf,
         .files_id = worker->spec.scene,
         .output_folder = worker->output,

@@ -101,7 +101,10 @@ static int run_document(struct orl_worker *worker, struct orl_error *err)
     const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
     rc = make_folder(worker, &task, err);
     if (rc == 0)
+        rc = orl_worker_share(worker, &task, err);
+    if (rc == 0)
         rc = kinds[task.kind].run(worker, &task, &files, err);
+    orl_worker_unshare(worker, rc);
     orl_task_done(&task);
     return rc;
 }

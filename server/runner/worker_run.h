@@ -51,6 +51,10 @@ struct orl_worker {
     struct orl_study_point *points; /* room for n_settings; those below n_points never change */
     size_t n_settings, n_points;
     struct orl_annual_refinement year; /* as the last round of a year left it */
+    struct orl_sharing sharing;        /* the lead's, of a job in parts */
+    bool in_parts;                     /* set before the run */
+    char why_here[ORL_WHY_MAX];
+    struct orl_parts_count parts;
 };
 
 /* Everything the lead does; returns the job's code. */
@@ -83,6 +87,16 @@ void orl_worker_spent(void *ctx, const struct orl_result *spent);
 void orl_worker_add_times(struct orl_worker *worker, const struct orl_result *result);
 int orl_worker_render(struct orl_worker *worker, const struct orl_job *job,
                       const struct orl_files *files, struct orl_error *err);
+
+/* ---- worker_shared.c ---------------------------------------------------------------------------
+ */
+
+/* Whether the job goes in parts; then all is laid out for them. The caller ends it, after an error,
+ * too. */
+int orl_worker_share(struct orl_worker *worker, const struct orl_task *task, struct orl_error *err);
+/* With the run's code: what a job that was stopped has made, and its tasks, are left for when it
+ * starts anew. */
+void orl_worker_unshare(struct orl_worker *worker, int code);
 
 /* ---- worker_skies.c ----------------------------------------------------------------------------
  */

@@ -1,0 +1,117 @@
+/* A job in parts: what is laid out for them, and what is told of them. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "encode.h"
+#include "process/times.h"
+#include "runner/job_work.h"
+#include "runner/runner_json.h"
+#include "runner/worker_run.h"
+
+static double now_s(void *ctx)
+{
+    (void)ctx;
+    return orl_time_steady_s();
+}
+
+static void on_told(void *ctx, const struct orl_parts_count *count)
+{
+    struct orl_worker *worker = ctx;
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->parts = *count;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+/* As the command would have it: with the names of its scene's files, which lie beside it. */
+static json_t *local_document(const struct orl_worker *worker)
+{
+    const struct orl_bundle *bundle = &worker->spec.bundle;
+    json_t *doc = json_load_file(worker->spec.document_path, 0, NULL), *names = json_array();
+    for (size_t i = 0; i < bundle->count; i++)
+        if (!bundle->files[i].resource)
+            json_array_append_new(names, json_string(bundle->files[i].name));
+    if (json_object_set_new(doc, "scene", json_pack("{s:o}", "files", names)) == 0)
+        return doc;
+    json_decref(doc);
+    return NULL;
+}
+
+static int lay_out(struct orl_worker *worker, const json_t *doc, struct orl_error *err)
+{
+    const struct orl_bundle *bundle = &worker->spec.bundle;
+    const struct orl_shared_place *place = worker->spec.place;
+    struct orl_shared_file *files = calloc(bundle->count + 1, sizeof *files);
+    char folder[ORL_PATH_MAX];
+    if (!files)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < bundle->count; i++)
+        files[i] = (struct orl_shared_file){bundle->files[i].name, bundle->files[i].path};
+    snprintf(folder, sizeof folder, "%.*s/%s", ORL_PATH_MAX - 80, place->folder,
+             worker->spec.job_id);
+    const struct orl_sharing_spec spec = {.folder = folder,
+                                          .doc = doc,
+                                          .files = files,
+                                          .n_files = bundle->count,
+                                          .threads = place->part_threads,
+                                          .most = place->parts,
+                                          .program = place->program,
+                                          .slurm = true,
+                                          .words = place->words,
+                                          .n_words = place->n_words,
+                                          .cancel = &worker->cancel,
+                                          .leaves = &worker->stopped,
+                                          .now_s = now_s,
+                                          .told = on_told,
+                                          .ctx = worker};
+    const int rc = orl_sharing_open(&worker->sharing, &spec, err);
+    free(files);
+    return rc;
+}
+
+int orl_worker_share(struct orl_worker *worker, const struct orl_task *task, struct orl_error *err)
+{
+    char why[ORL_WHY_MAX];
+    if (!worker->spec.place)
+        return 0;
+    const bool in_parts =
+        orl_job_goes_in_parts(task, &worker->spec.bundle, worker->spec.place->least_s, why);
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->in_parts = in_parts;
+    snprintf(worker->why_here, sizeof worker->why_here, "%s", why);
+    pthread_mutex_unlock(&worker->news_mutex);
+    if (!in_parts)
+        return 0;
+    json_t *doc = local_document(worker);
+    const int rc = doc ? lay_out(worker, doc, err)
+                       : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a document");
+    json_decref(doc);
+    return rc;
+}
+
+/* Into what is told of the job's results. Without memory for it, they are told without. */
+static void tell_runner(struct orl_worker *worker)
+{
+    struct orl_worker_outcome *outcome = &worker->outcome;
+    json_t *summary = outcome->summary ? json_loads(outcome->summary, 0, NULL) : NULL;
+    json_t *runner = orl_runner_to_json(worker->in_parts, worker->why_here,
+                                        worker->in_parts ? &worker->sharing.count : NULL);
+    char *text = NULL;
+    if (summary && json_object_set(summary, "runner", runner) == 0)
+        text = orl_json_text(summary, JSON_COMPACT);
+    if (text) {
+        free(outcome->summary);
+        outcome->summary = text;
+    }
+    json_decref(runner);
+    json_decref(summary);
+}
+
+void orl_worker_unshare(struct orl_worker *worker, int code)
+{
+    if (!worker->spec.place)
+        return;
+    tell_runner(worker);
+    const bool anew = code == ORL_ERR_CANCELLED && atomic_load(&worker->stopped);
+    if (worker->in_parts)
+        orl_sharing_done(&worker->sharing, !anew);
+}

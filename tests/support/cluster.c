@@ -1,0 +1,90 @@
+#include "support/cluster.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "support/cli.h"
+
+static char cluster[64];
+
+/* A script of ours, with a folder of ours: nothing of a user's is in it. */
+static int control(const char *what, unsigned port)
+{
+    char command[256];
+    snprintf(command, sizeof command, "tests/support/slurm %s %s %u", what, cluster, port);
+    return system(command); /* NOLINT(cert-env33-c) */
+}
+
+int cluster_start(void **state)
+{
+    char conf[96];
+    (void)state;
+    cli_make_folder(cluster);
+    snprintf(conf, sizeof conf, "%s/slurm.conf", cluster);
+    setenv("SLURM_CONF", conf, 1);
+    return control("start", 20000 + 3 * ((unsigned)getpid() % 4000));
+}
+
+int cluster_stop(void **state)
+{
+    (void)state;
+    control("stop", 0);
+    cli_remove_folder(cluster);
+    return 0;
+}
+
+int cluster_tasks(bool running)
+{
+    char line[64] = "";
+    FILE *squeue = popen("squeue --noheader --array --format=%t", "r"); /* NOLINT(cert-env33-c) */
+    int count = 0;
+    assert_non_null(squeue);
+    while (fgets(line, sizeof line, squeue))
+        count += !running || strncmp(line, "R", 1) == 0;
+    pclose(squeue);
+    return count;
+}
+
+void cluster_rest(double seconds)
+{
+    const struct timespec time = {(time_t)seconds, (long)(1e9 * (seconds - (double)(long)seconds))};
+    nanosleep(&time, NULL);
+}
+
+void cluster_wait_for_tasks(void)
+{
+    for (int i = 0; i < 300 && cluster_tasks(true) == 0; i++)
+        cluster_rest(0.1);
+    assert_true(cluster_tasks(true) > 0);
+}
+
+void cluster_wait_for_none(double seconds)
+{
+    for (double waited = 0; waited < seconds && cluster_tasks(false) > 0; waited += 0.1)
+        cluster_rest(0.1);
+    assert_int_equal(cluster_tasks(false), 0);
+}
+
+pid_t cluster_pid(const char *name)
+{
+    char *text = cli_read_file(cluster, name);
+    assert_non_null(text);
+    const pid_t pid = (pid_t)strtol(text, NULL, 10);
+    free(text);
+    assert_true(pid > 1);
+    return pid;
+}
+
+void cluster_command(const char *command)
+{
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+}

@@ -1,0 +1,28 @@
+/*
+ * A real Slurm on loopback, of two nodes (tests/support/slurm), for a test program of its own: what
+ * that starts finds it by $SLURM_CONF. Everything here fails the running test where it cannot do
+ * its part.
+ */
+#ifndef ORL_TESTS_SUPPORT_CLUSTER_H
+#define ORL_TESTS_SUPPORT_CLUSTER_H
+
+#include <stdbool.h>
+#include <sys/types.h>
+
+/* For cmocka's set-up and tear-down of the group. */
+int cluster_start(void **state);
+int cluster_stop(void **state);
+
+/* Lines of squeue, of all tasks; running: of those that run. */
+int cluster_tasks(bool running);
+/* Until some run; until there is none, for so many seconds at most. */
+void cluster_wait_for_tasks(void);
+void cluster_wait_for_none(double seconds);
+
+/* The process of a daemon of it: "slurmctld.pid", "n1.pid". */
+pid_t cluster_pid(const char *name);
+
+void cluster_command(const char *command);
+void cluster_rest(double seconds);
+
+#endif
