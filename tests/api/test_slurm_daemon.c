@@ -2,6 +2,7 @@
  * orield --runner slurm on a real Slurm on loopback: large jobs go as its tasks, with the results
  * of a daemon that does all by itself; small ones stay; and what goes wrong, each without a loss.
  */
+#include <dirent.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -85,7 +86,8 @@ static void wait_until_done(struct fixture *f, const char *path)
     if (strcmp(reply_text(&reply, "state"), "succeeded") != 0)
         fail_msg("%s", reply.body);
     assert_string_equal(reply_text(&reply, "runner.name"), "slurm");
-    assert_true(reply_number(&reply, "runner.parts.done") > 1);
+    if (!(reply_number(&reply, "runner.parts.done") > 1))
+        fail_msg("%s", reply.body);
     assert_true(reply_number(&reply, "runner.parts.waiting") == 0);
     reply_done(&reply);
 }
@@ -97,13 +99,11 @@ static void assert_cleared(const struct fixture *f)
     assert_int_equal(mkdir(f->shared, 0700), 0);
 }
 
-/* By this one, and by a daemon that has no Slurm. */
-static void compare(struct fixture *f, const char *document)
+/* A job by this one, that is done, and by a daemon that has no Slurm. */
+static void compare(struct fixture *f, const char *document, char path[80])
 {
     static const char *const alone[] = {"--threads", "1", NULL};
     struct daemon other;
-    char path[80];
-    submit(f, document, path);
     wait_until_done(f, path);
     fetch(f, path, "slurm");
     assert_cleared(f);
@@ -121,12 +121,103 @@ static void compare(struct fixture *f, const char *document)
 
 static void test_a_render(void **state)
 {
-    compare(*state, parted_render);
+    char path[80];
+    submit(*state, parted_render, path);
+    compare(*state, parted_render, path);
 }
 
 static void test_a_year(void **state)
 {
-    compare(*state, parted_annual);
+    char path[80];
+    submit(*state, parted_annual, path);
+    compare(*state, parted_annual, path);
+}
+
+/* ---- Faults ---------------------------------------------------------------------------------- */
+
+static void restart(struct fixture *f)
+{
+    daemon_restart(&f->daemon, f->options);
+    setenv("ORIEL_URL", f->daemon.url, 1);
+}
+
+/* Parts of the wave that is under way. */
+static int count_parts(const struct fixture *f, const char *path)
+{
+    char folder[256], wave[256] = "";
+    int n = 0;
+    snprintf(folder, sizeof folder, "%s/%s", f->shared, path + strlen("/v1/jobs/"));
+    for (int pass = 0; pass < 2; pass++) {
+        DIR *entries = opendir(folder);
+        assert_non_null(entries);
+        for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
+            const char *ending = strrchr(entry->d_name, '.');
+            if (pass == 0 && ending && strcmp(ending, ".wave") == 0)
+                snprintf(wave, sizeof wave, "%.*s-", (int)(ending - entry->d_name), entry->d_name);
+            n += pass == 1 && ending && strcmp(ending, ".json") == 0 &&
+                 strncmp(entry->d_name, wave, strlen(wave)) == 0;
+        }
+        closedir(entries);
+    }
+    assert_true(*wave && n > 0);
+    return n;
+}
+
+/* Of the parts that are done since, those of the wave that was under way had their tasks. */
+static void assert_nothing_twice(struct fixture *f, const char *path, int tasks_then, int wave)
+{
+    struct reply reply;
+    daemon_get(&f->daemon, path, &reply);
+    assert_true(reply_number(&reply, "runner.parts.again") == 0);
+    assert_int_equal(cluster_tasks_ever(),
+                     tasks_then + (int)reply_number(&reply, "runner.parts.done") - wave);
+    reply_done(&reply);
+}
+
+/* Killed in the middle: it goes on with what is done, and waits for what is under way. */
+static void test_the_daemon_is_killed(void **state)
+{
+    struct fixture *f = *state;
+    char path[80];
+    submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    daemon_end(&f->daemon, SIGKILL);
+    cluster_rest(0.5);
+    const int tasks = cluster_tasks_ever(), wave = count_parts(f, path);
+    restart(f);
+    wait_until_done(f, path);
+    assert_nothing_twice(f, path, tasks, wave);
+    compare(f, parted_long, path);
+}
+
+/* Stopped in good order its tasks go on, too. */
+static void test_the_daemon_is_stopped(void **state)
+{
+    struct fixture *f = *state;
+    char path[80];
+    submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    assert_true(cluster_tasks(false) > 0);
+    restart(f);
+    wait_until_done(f, path);
+    assert_cleared(f);
+}
+
+static void test_cancel_ends_all_tasks(void **state)
+{
+    struct fixture *f = *state;
+    char path[80];
+    struct reply reply;
+    submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    daemon_cancel(&f->daemon, path, &reply);
+    reply_done(&reply);
+    cluster_wait_for_none(10);
+    daemon_wait(&f->daemon, path, 10, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "cancelled");
+    reply_done(&reply);
+    assert_cleared(f);
 }
 
 /* What is less work than a queue is worth. */
@@ -137,8 +228,7 @@ static void test_small_jobs_stay(void **state)
     struct reply reply;
     daemon_end(&f->daemon, SIGTERM);
     f->options[5] = "100";
-    daemon_restart(&f->daemon, f->options);
-    setenv("ORIEL_URL", f->daemon.url, 1);
+    restart(f);
     submit(f, parted_render, path);
     daemon_wait(&f->daemon, path, 60, &reply);
     assert_string_equal(reply_text(&reply, "state"), "succeeded");
@@ -182,6 +272,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_a_render, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_the_daemon_is_killed, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_the_daemon_is_stopped, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_cancel_ends_all_tasks, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_small_jobs_stay, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_options_that_do_not_fit, set_up, tear_down),
     };

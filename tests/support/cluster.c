@@ -42,16 +42,27 @@ int cluster_stop(void **state)
     return 0;
 }
 
-int cluster_tasks(bool running)
+/* Lines that begin so. */
+static int count_lines(const char *command, const char *begin)
 {
     char line[64] = "";
-    FILE *squeue = popen("squeue --noheader --array --format=%t", "r"); /* NOLINT(cert-env33-c) */
+    FILE *squeue = popen(command, "r"); /* NOLINT(cert-env33-c) */
     int count = 0;
     assert_non_null(squeue);
     while (fgets(line, sizeof line, squeue))
-        count += !running || strncmp(line, "R", 1) == 0;
+        count += strncmp(line, begin, strlen(begin)) == 0;
     pclose(squeue);
     return count;
+}
+
+int cluster_tasks(bool running)
+{
+    return count_lines("squeue --noheader --array --format=%t", running ? "R" : "");
+}
+
+int cluster_tasks_ever(void)
+{
+    return count_lines("squeue --noheader --array --states=all --format=%t", "");
 }
 
 void cluster_rest(double seconds)

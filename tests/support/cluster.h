@@ -15,6 +15,8 @@ int cluster_stop(void **state);
 
 /* Lines of squeue, of all tasks; running: of those that run. */
 int cluster_tasks(bool running);
+/* And of those that ended in the last half minute. */
+int cluster_tasks_ever(void);
 /* Until some run; until there is none, for so many seconds at most. */
 void cluster_wait_for_tasks(void);
 void cluster_wait_for_none(double seconds);

@@ -15,6 +15,7 @@
 
 const char *const parted_render = "render.json";
 const char *const parted_skies = "skies.json";
+const char *const parted_long = "long.json";
 const char *const parted_goal = "goal.json";
 const char *const parted_annual = "annual.json";
 
@@ -39,11 +40,13 @@ static const char goal_text[] = "{\"kind\": \"render\", " LIT ", " SENSORS
 #define CIE(NAME, UP)                                                                              \
     "{\"name\": \"" NAME "\", \"cie\": {\"type\": \"clear\", \"sun_altitude\": " UP                \
     ", \"sun_azimuth\": 10, \"diffuse_horizontal_lx\": 10000, \"direct_normal_lx\": 50000}}"
-static const char skies_text[] =
-    "{\"kind\": \"render\", " UNLIT ", " SENSORS
-    ", \"technique\": \"precomputed\", \"gather_samples\": 64, \"photons\": {\"global\": 10000,"
-    " \"caustic\": 0}, \"views\": [" VIEW("one") "], \"skies\": [" CIE("a", "10") ", " CIE(
-        "b", "25") ", " CIE("c", "40") ", " CIE("d", "55") ", " CIE("e", "70") "]}";
+#define SKIES(SAMPLES, PHOTONS)                                                                    \
+    "{\"kind\": \"render\", " UNLIT ", " SENSORS                                                   \
+    ", \"technique\": \"precomputed\", \"gather_samples\": " SAMPLES                               \
+    ", \"photons\": {\"global\": " PHOTONS                                                         \
+    ", \"caustic\": 0}, \"views\": [" VIEW("one") "], \"skies\": [" CIE("a", "10") ", " CIE(       \
+        "b", "25") ", " CIE("c", "40") ", " CIE("d", "55") ", " CIE("e", "70") "]}"
+static const char skies_text[] = SKIES("64", "10000"), long_text[] = SKIES("1024", "50000");
 
 static const char annual_text[] =
     "{\"kind\": \"annual\", " UNLIT ", \"weather\": \"place.epw\", \"samples\": 64, \"seed\": 3,"
@@ -62,13 +65,10 @@ static void write_sensors(const char *folder, const char *name, int n)
 
 int parted_set_up(void **state)
 {
-    static const struct cli_file files[] = {{"render.json", render_text},
-                                            {"goal.json", goal_text},
-                                            {"skies.json", skies_text},
-                                            {"annual.json", annual_text},
-                                            {"room.rad", room_text},
-                                            {"sky.rad", sky_text},
-                                            {NULL, NULL}};
+    static const struct cli_file files[] = {{"render.json", render_text}, {"goal.json", goal_text},
+                                            {"skies.json", skies_text},   {"long.json", long_text},
+                                            {"annual.json", annual_text}, {"room.rad", room_text},
+                                            {"sky.rad", sky_text},        {NULL, NULL}};
     const int code = cli_desk_set_up(state, files);
     const char *folder = ((struct cli_desk *)*state)->folder;
     char *weather = cli_read_file("tests/fixtures", "weather.epw");

@@ -12,6 +12,7 @@
 /* Documents of the desk: kinds of jobs. */
 extern const char *const parted_render; /* two views, 300 sensors, photon maps */
 extern const char *const parted_skies;  /* five skies */
+extern const char *const parted_long;   /* the same, of seconds rather than tenths of one */
 extern const char *const parted_goal;   /* an accuracy, in rounds */
 extern const char *const parted_annual; /* 150 sensors, two days of weather */
 
