@@ -1,7 +1,7 @@
 /*
- * oriel part FILE: some pieces of a job that is shared (parts/sharing.h), into the shared folder that the
- * file is in. FILE.done says that they are there, FILE.error why not; the ending takes .json's
- * place.
+ * oriel part FILE: some pieces of a job that is shared (parts/sharing.h), into the shared folder
+ * that the file is in. FILE.done says that they are there, FILE.error why not; the ending takes
+ * .json's place.
  */
 #include "command.h"
 
@@ -26,8 +26,8 @@ struct part {
     char job[ORL_PIECE_KEY];
     json_t *doc, *pieces;
     uint32_t threads;
-    size_t begun;
-    bool over; /* it was asked for something else once all was begun: all is made */
+    size_t begun; /* or made already */
+    bool over;    /* it was asked for something else once all was begun: all is made */
     struct orl_shared_store in_folder;
 };
 
@@ -151,6 +151,28 @@ static int run(const struct part *part, struct orl_task *task, const char *files
     return rc;
 }
 
+/* Of its pieces, how many lie in the store: made before it was ended, or by another. Of rows the
+ * first half is what their key names. */
+static size_t count_made(const struct part *part)
+{
+    const json_t *own;
+    size_t i, made = 0;
+
+    json_array_foreach(part->pieces, i, own)
+    {
+        const char *kind = json_string_value(json_object_get(own, "kind"));
+        const char *key = json_string_value(json_object_get(own, "key"));
+        char path[8400];
+
+        if (!kind || !key)
+            continue;
+        snprintf(path, sizeof path, "%.4000s/%.16s-%.64s.opm", part->in_folder.folder,
+                 strcmp(kind, "rows") == 0 ? "annual" : kind, key);
+        made += access(path, F_OK) == 0;
+    }
+    return made;
+}
+
 static int make_pieces(struct part *part, struct orl_error *err)
 {
     const struct orl_pieces pieces = {part, part->job, divide};
@@ -164,6 +186,7 @@ static int make_pieces(struct part *part, struct orl_error *err)
     snprintf(part->scratch, sizeof part->scratch, "%s.%ld", part->stem, (long)getpid());
     snprintf(part->in_folder.folder, sizeof part->in_folder.folder, "%.4000s/store", part->folder);
     orl_shared_store_init(&part->in_folder, &store);
+    part->begun = count_made(part);
     if (rc == 0)
         rc = orl_make_folder(part->scratch, err);
     if (rc == 0)

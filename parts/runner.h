@@ -49,9 +49,10 @@ struct orl_runner_spec {
     const atomic_bool *cancel; /* nobody waits for an answer any more */
     double (*now_s)(void *ctx);
     double patience_s; /* Slurm may be away so long; 0: ORL_SLURM_PATIENCE_S */
+    double command_s;  /* and one of its commands take so long; 0: ORL_SLURM_COMMAND_S */
 };
 
-enum { ORL_SLURM_WORDS = 64, ORL_SLURM_PATIENCE_S = 1800 };
+enum { ORL_SLURM_WORDS = 64, ORL_SLURM_PATIENCE_S = 1800, ORL_SLURM_COMMAND_S = 30 };
 
 /* Processes of the program. */
 int orl_runner_local(const struct orl_runner_spec *spec, struct orl_runner *ret_runner,

@@ -20,8 +20,8 @@
 /* Slurm is asked about a wave after so many seconds, at first, and then ever more rarely: after
  * a share of its age, which bounds how often it is asked in all. */
 static const double asked_least_s = 1, asked_most_s = 30, asked_share = 0.02;
-/* A command may take so long; so long tasks that are cancelled may take to go. */
-static const double command_s = 30, cancel_s = 60;
+/* Tasks that are cancelled may take so long to go. */
+static const double cancel_s = 60;
 
 static const char script[] = "#!/bin/sh\n"
                              "# One part of a job: the program, the shared folder, the wave.\n"
@@ -155,7 +155,7 @@ static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[OR
     argv[n++] = folder;
     argv[n++] = wave;
     argv[n] = NULL;
-    return orl_command_run(argv, command_s, slurm->spec.cancel, ret_output, err);
+    return orl_command_run(argv, slurm->spec.command_s, slurm->spec.cancel, ret_output, err);
 }
 
 /* The number that Slurm gave it, for who looks into a cluster's log. */
@@ -262,14 +262,13 @@ static int run_squeue(const struct slurm *slurm, const char *wave, const atomic_
 
     name_tasks(slurm, wave, tasks);
     snprintf(name, sizeof name, "--name=%s", tasks);
-    return orl_command_run(argv, command_s, cancel, ret_output, err);
+    return orl_command_run(argv, slurm->spec.command_s, cancel, ret_output, err);
 }
 
 /* Where Slurm does not answer nothing is known, and that only for so long. */
 static int be_patient(struct slurm *slurm, const char *says, struct orl_error *err)
 {
-    const double patience =
-        slurm->spec.patience_s > 0 ? slurm->spec.patience_s : ORL_SLURM_PATIENCE_S;
+    const double patience = slurm->spec.patience_s;
 
     for (size_t i = 0; i < slurm->n; i++)
         slurm->states[i] = ORL_PART_UNKNOWN;
@@ -370,7 +369,7 @@ static int slurm_cancel(void *ctx, const char *wave, struct orl_error *err)
     name_tasks(slurm, wave, tasks);
     snprintf(name, sizeof name, "--name=%s", tasks);
     while (!gone && now_s(slurm) - began < cancel_s) {
-        orl_command_run(argv, command_s, NULL, output, NULL);
+        orl_command_run(argv, slurm->spec.command_s, NULL, output, NULL);
         gone = run_squeue(slurm, wave, NULL, output, NULL) == 0 && output[0] == '\0';
         if (!gone)
             rest();
@@ -402,6 +401,10 @@ int orl_runner_slurm(const struct orl_runner_spec *spec, struct orl_runner *ret_
     if (!slurm)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     slurm->spec = *spec;
+    if (spec->patience_s <= 0)
+        slurm->spec.patience_s = ORL_SLURM_PATIENCE_S;
+    if (spec->command_s <= 0)
+        slurm->spec.command_s = ORL_SLURM_COMMAND_S;
     snprintf(slurm->script, sizeof slurm->script, "%s/part.sh", spec->folder);
     rc = spec->n_words <= ORL_SLURM_WORDS
              ? orl_write_text(slurm->script, script, sizeof script - 1, err)

@@ -82,6 +82,46 @@ static void test_pieces_serve_again(void **state)
     parted_assert_same(f, "whole", "parts");
 }
 
+/* The name of a part that is done, "" while there is none. */
+static void find_done(const char *folder, char ret_stem[128])
+{
+    DIR *entries = opendir(folder);
+    *ret_stem = '\0';
+    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
+        const char *ending = strstr(entry->d_name, ".done");
+        if (ending)
+            snprintf(ret_stem, 128, "%.*s", (int)(ending - entry->d_name), entry->d_name);
+    }
+    if (entries)
+        closedir(entries);
+}
+
+/* One that was ended between its last piece and its last word finds all made. */
+static void test_a_part_is_done_twice(void **state)
+{
+    struct cli_desk *f = *state;
+    char path[160], to[160], folder[160], stem[128] = "", part[400], done[400];
+    snprintf(path, sizeof path, "%s/%s", f->folder, parted_skies);
+    snprintf(to, sizeof to, "%s/parts", f->folder);
+    snprintf(folder, sizeof folder, "%s/parts/parts", f->folder);
+    const char *const args[] = {"run", path, "-o", to, "--threads", "1", "--parts", "2", NULL};
+    struct cli_child child = cli_start(args);
+    for (int i = 0; i < 2000 && !*stem; i++) {
+        usleep(5000);
+        find_done(folder, stem);
+    }
+    kill(child.pid, SIGKILL);
+    cli_finish(&child, &f->result);
+    snprintf(part, sizeof part, "%s/%s.json", folder, stem);
+    snprintf(done, sizeof done, "%s/%s.done", folder, stem);
+    assert_int_equal(unlink(done), 0);
+    const char *const again[] = {"part", part, NULL};
+    cli_run(again, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    assert_int_equal(access(done, F_OK), 0);
+}
+
 static void assert_part_refused(struct cli_desk *f, const char *part, const char *says)
 {
     char path[200];
@@ -160,6 +200,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_rounds, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_pieces_serve_again, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_part_is_done_twice, parted_set_up,
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_parts_that_do_not_fit, parted_set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_command_lines, parted_set_up, cli_desk_tear_down),

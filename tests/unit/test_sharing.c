@@ -1,0 +1,211 @@
+/*
+ * Waves of parts, from their files to their ends, with a program of the test's own in oriel's place
+ * that notes that it ran, and does as files beside it tell.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "sharing.h"
+#include "support/cli.h"
+
+/* oriel part FILE. "fails" and "dies" hold how often a part is still to do so. */
+static const char program[] =
+    "#!/bin/sh\n"
+    "cd \"${0%/*}\" && stem=${2%.json} name=${2##*/}\n"
+    "echo \"$name\" >>ran\n"
+    "less() { [ -s \"$1\" ] && sed -i 1d \"$1\"; }\n"
+    "[ ! -e slow ] || exec sleep 20\n"
+    "less dies && exit 1\n"
+    "less fails && { echo '{\"type\": \"urn:oriel:error:out-of-range\", "
+    "\"detail\": \"the glass is cracked\"}' >e; mv e \"$stem.error\"; exit 1; }\n"
+    "echo '{}' >\"$stem.done\"\n";
+
+struct fixture {
+    char folder[64], job[96], program[96];
+    json_t *doc;
+    struct orl_sharing sharing;
+    atomic_bool cancel, leaves;
+    struct orl_parts_count told;
+    struct orl_error err;
+};
+
+static double now_s(void *ctx)
+{
+    struct timespec now;
+    (void)ctx;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void on_told(void *ctx, const struct orl_parts_count *count)
+{
+    ((struct fixture *)ctx)->told = *count;
+}
+
+static int open_sharing(struct fixture *f)
+{
+    const struct orl_sharing_spec spec = {.folder = f->job,
+                                          .doc = f->doc,
+                                          .threads = 1,
+                                          .most = 3,
+                                          .program = f->program,
+                                          .abreast = 1,
+                                          .cancel = &f->cancel,
+                                          .leaves = &f->leaves,
+                                          .now_s = now_s,
+                                          .told = on_told,
+                                          .ctx = f};
+    return orl_sharing_open(&f->sharing, &spec, &f->err);
+}
+
+static int set_up(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    cli_make_folder(f->folder);
+    snprintf(f->job, sizeof f->job, "%s/job", f->folder);
+    snprintf(f->program, sizeof f->program, "%s/program", f->folder);
+    cli_write_file(f->folder, "program", program);
+    assert_int_equal(chmod(f->program, 0700), 0);
+    f->doc = json_pack("{s:s}", "kind", "render");
+    assert_int_equal(open_sharing(f), 0);
+    *state = f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    orl_sharing_done(&f->sharing, true);
+    assert_int_equal(access(f->job, F_OK), -1);
+    json_decref(f->doc);
+    cli_remove_folder(f->folder);
+    free(f);
+    return 0;
+}
+
+static const struct orl_piece pieces[] = {{"view", "a0", 1}, {"view", "a1", 1}, {"view", "a2", 1},
+                                          {"view", "a3", 1}, {"view", "a4", 1}, {"view", "a5", 1}};
+enum { PIECES = sizeof pieces / sizeof *pieces };
+
+static int divide(struct fixture *f)
+{
+    bool here[PIECES] = {false};
+    return f->sharing.pieces.divide(f->sharing.pieces.ctx, pieces, PIECES, here, &f->err);
+}
+
+static int count_runs(const struct fixture *f)
+{
+    char *text = cli_read_file(f->folder, "ran");
+    int n = 0;
+    for (const char *at = text; at && *at; at++)
+        n += *at == '\n';
+    free(text);
+    return n;
+}
+
+static void test_each_part_runs_once(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(divide(f), 0);
+    assert_int_equal(count_runs(f), 3);
+    assert_int_equal(f->told.done, 3);
+    assert_int_equal(f->told.waiting + f->told.running + f->told.again, 0);
+    assert_int_equal(f->told.waves, 1);
+}
+
+/* One that fails or dies is done once more, and counted. */
+static void test_parts_are_tried_again(void **state)
+{
+    struct fixture *f = *state;
+    cli_write_file(f->folder, "fails", "x\n");
+    cli_write_file(f->folder, "dies", "x\n");
+    assert_int_equal(divide(f), 0);
+    assert_int_equal(count_runs(f), 5);
+    assert_int_equal(f->told.again, 2);
+    assert_int_equal(f->told.done, 3);
+}
+
+static void test_a_part_fails_for_good(void **state)
+{
+    struct fixture *f = *state;
+    cli_write_file(f->folder, "fails", "x\nx\nx\nx\nx\nx\nx\nx\nx\n");
+    assert_int_equal(divide(f), ORL_ERR_RANGE);
+    assert_non_null(strstr(f->err.message, "the glass is cracked"));
+}
+
+static void test_a_part_dies_for_good(void **state)
+{
+    struct fixture *f = *state;
+    cli_write_file(f->folder, "dies", "x\nx\nx\nx\nx\nx\nx\nx\nx\n");
+    assert_int_equal(divide(f), ORL_ERR_INTERNAL);
+    assert_non_null(strstr(f->err.message, "3 times without a word"));
+}
+
+/* A run that ends and leaves its wave: the next one finishes that, and starts none of its own. */
+static void test_a_wave_is_taken_up(void **state)
+{
+    struct fixture *f = *state;
+    cli_write_file(f->folder, "slow", "");
+    atomic_store(&f->cancel, true);
+    atomic_store(&f->leaves, true);
+    assert_int_equal(divide(f), ORL_ERR_CANCELLED);
+    orl_sharing_done(&f->sharing, false); /* which ends processes, as a kill would */
+    char path[128];
+    snprintf(path, sizeof path, "%s/slow", f->folder);
+    assert_int_equal(unlink(path), 0);
+    atomic_store(&f->cancel, false);
+    assert_int_equal(open_sharing(f), 0);
+    const int before = count_runs(f);
+    assert_int_equal(divide(f), 0);
+    assert_int_equal(count_runs(f), before + 3);
+    assert_int_equal(f->told.waves, 1);
+    assert_int_equal(f->told.done, 3);
+}
+
+/* Without `leaves` a cancelled wave is over: nobody is to wait for it. */
+static void test_a_cancelled_wave_is_forgotten(void **state)
+{
+    struct fixture *f = *state;
+    cli_write_file(f->folder, "slow", "");
+    atomic_store(&f->cancel, true);
+    assert_int_equal(divide(f), ORL_ERR_CANCELLED);
+    char command[160];
+    snprintf(command, sizeof command, "ls %s/*.wave >/dev/null 2>&1", f->job);
+    assert_int_not_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+}
+
+/* What no run has made is nobody's to remove. */
+static void test_a_folder_of_somebody_else(void **state)
+{
+    struct fixture *f = *state;
+    orl_sharing_done(&f->sharing, true);
+    assert_int_equal(mkdir(f->job, 0700), 0);
+    assert_int_equal(open_sharing(f), ORL_ERR_INVALID);
+    assert_non_null(strstr(f->err.message, "move it away"));
+    assert_int_equal(rmdir(f->job), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_each_part_runs_once, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_parts_are_tried_again, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_a_part_fails_for_good, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_a_part_dies_for_good, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_a_wave_is_taken_up, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_a_cancelled_wave_is_forgotten, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_a_folder_of_somebody_else, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
