@@ -59,7 +59,7 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
 /* What has been said so far. */
 struct noted {
     char sky[80];
-    bool technique;
+    bool technique, runner;
     size_t maps, points;
     double rounds;
 };
@@ -91,10 +91,22 @@ static void note_sky(struct orl_progress_line *progress, const json_t *job, stru
 
     if (!*sky || strcmp(noted->sky, sky) == 0)
         return;
-    *noted = (struct noted){.technique = true};
+    *noted = (struct noted){.technique = true, .runner = true};
     snprintf(noted->sky, sizeof noted->sky, "%s", sky);
     orl_progress_note(progress, "sky %s (%.0f of %.0f done)", sky,
                       orl_json_number(skies, "done", 0), orl_json_number(skies, "count", 0));
+}
+
+/* Says once where it runs, and why. */
+static void note_runner(struct orl_progress_line *progress, const json_t *job, bool *noted)
+{
+    const json_t *runner = json_object_get(job, "runner");
+    const bool slurm = strcmp(orl_json_text(runner, "name"), "slurm") == 0;
+
+    if (runner && !*noted)
+        orl_progress_note(progress, "%s: %s", slurm ? "in parts, by Slurm" : "with the daemon",
+                          orl_json_text(runner, "why"));
+    *noted = *noted || runner;
 }
 
 /* Says once which technique the plan chose. */
@@ -295,6 +307,7 @@ int orl_follow_job(struct orl_http *http, const char *id)
         if (rc == 0) {
             silent_since_s = -1;
             note_sky(&progress, job, &noted);
+            note_runner(&progress, job, &noted.runner);
             note_technique(&progress, job, &noted.technique);
             note_maps(&progress, job, &noted.maps);
             note_points(&progress, job, &noted.points);

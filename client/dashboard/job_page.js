@@ -128,7 +128,7 @@ export class JobPage {
     fill(this.warnings, warnings, () => (warnings.length ? parts.warnings(warnings) : []));
     fill(this.plan, result?.plan, () => (result?.plan ? parts.plan(result.plan) : []));
     fill(this.health, result?.health, () => (result?.health ? parts.health(result.health) : []));
-    fill(this.facts, [job.state, job.technique, job.finished, job.attempts], () => parts.jobFacts(job));
+    fill(this.facts, [job.state, job.technique, job.finished, job.attempts, job.runner], () => parts.jobFacts(job));
     const staged = job.kind !== 'study' && (job.state === 'running' || job.state === 'cancelling' || job.timings_s);
     fill(this.stages, staged && [job.state, job.stage, job.stage_percent, job.timings_s], () => (staged ? parts.section('stages', job.timings_s ? 'Time' : 'Stages', parts.stages(job)) : []));
     fill(this.maps, job.maps, () => (job.maps?.length ? parts.maps(job.maps) : []));

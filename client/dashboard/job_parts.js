@@ -17,6 +17,11 @@ export function facts(pairs) {
     .map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))));
 }
 
+function runner({ name, parts }) {
+  if (name !== 'slurm') return 'With the daemon';
+  return `By Slurm: ${parts.done} parts done, ${parts.running} running, ${parts.waiting} waiting${parts.again ? `, ${parts.again} started once more` : ''}`;
+}
+
 export function jobFacts(job) {
   const took = job.started && job.finished ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
   return facts([
@@ -28,6 +33,7 @@ export function jobFacts(job) {
     ['Took', took === null ? null : duration(took)],
     ['Threads', job.threads && String(job.threads)],
     ['Client', job.client.replace(/^(token|name|address):/, '')],
+    ['Runs', job.runner && h('span', { title: job.runner.why }, runner(job.runner))],
     ['Attempts', job.attempts > 1 ? String(job.attempts) : null],
     ['Id', h('span', { class: 'mono wrap' }, job.id)],
   ]);

@@ -36,3 +36,13 @@ void orl_metrics_job(struct orl_metrics *metrics, enum orl_job_state state,
             observe(&metrics->stages[i], orl_metrics_stage_s, tally->stages_s[i]);
     orl_health_add(&metrics->health, &tally->health);
 }
+
+void orl_metrics_parts(struct orl_parts_count *sum, const struct orl_parts_count *parts)
+{
+    sum->waiting += parts->waiting;
+    sum->running += parts->running;
+    sum->done += parts->done;
+    sum->again += parts->again;
+    sum->lost_s += parts->lost_s;
+    sum->waves += parts->waves;
+}

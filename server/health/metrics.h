@@ -14,6 +14,7 @@
 
 #include <oriel/run.h>
 
+#include "sharing.h"
 #include "store/jobs.h"
 
 enum { ORL_METRICS_BUCKETS = 14, ORL_METRICS_ROUTES = 48, ORL_METRICS_CLASSES = 6 };
@@ -27,6 +28,7 @@ struct orl_histogram {
 struct orl_job_tally {
     double stages_s[ORL_STAGE_COUNT]; /* of a render job that succeeded; else zeros */
     struct orl_health health;
+    struct orl_parts_count parts; /* of one in parts */
 };
 
 struct orl_metrics {
@@ -36,6 +38,7 @@ struct orl_metrics {
     struct orl_histogram http[ORL_METRICS_ROUTES][ORL_METRICS_CLASSES];
     uint64_t ended[ORL_JOB_STATE_COUNT]; /* jobs that ran, by the state they ended in */
     struct orl_health health;
+    struct orl_parts_count parts; /* of jobs that do not run any more; what waits or runs is 0 */
 };
 
 /* Upper bounds of the buckets, seconds: of requests, of stages. */
@@ -49,5 +52,7 @@ void orl_metrics_request(struct orl_metrics *metrics, size_t route, unsigned sta
 /* A run came back, and the job is in that state now. A tally of zeros adds nothing. */
 void orl_metrics_job(struct orl_metrics *metrics, enum orl_job_state state,
                      const struct orl_job_tally *tally);
+/* Adds what may be added up of the parts of a job. */
+void orl_metrics_parts(struct orl_parts_count *sum, const struct orl_parts_count *parts);
 
 #endif

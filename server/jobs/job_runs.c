@@ -239,10 +239,22 @@ static void end_worker(struct orl_jobs_job *job, const struct orl_worker_outcome
         finish(job, outcome, NULL);
 }
 
+/* What its parts came to goes over to what is counted of jobs that have ended. */
+static void end_parts(const struct orl_jobs_job *job, const struct orl_parts_count *parts)
+{
+    const struct orl_jobs_env *env = &job->jobs->env;
+    orl_metrics_parts(&env->metrics->parts, parts);
+    if (parts->waves > 0)
+        orl_log_event(env->log, ORL_LOG_INFO, "job-parts", "siiid", "job", job->row.id, "done",
+                      (int64_t)parts->done, "again", (int64_t)parts->again, "waves",
+                      (int64_t)parts->waves, "lost_s", parts->lost_s);
+}
+
 static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
 {
     struct orl_jobs_job *job = ctx;
     job->worker = NULL;
+    end_parts(job, &outcome->tally.parts);
     if (outcome->code == 0 && orl_job_bsdf_start(job, outcome, end_worker))
         return;
     orl_made_bsdf_free(outcome->bsdf);

@@ -80,6 +80,30 @@ static void write_jobs(FILE *out, const struct orl_server *server)
            (double)metrics->health.rays);
 }
 
+static void add_parts(void *ctx, const struct orl_jobs_job *job)
+{
+    struct orl_job_progress progress;
+    if (!job->worker)
+        return; /* it shares the computation of another */
+    orl_worker_progress(job->worker, &progress);
+    orl_metrics_parts(ctx, &progress.parts);
+}
+
+static void write_parts(FILE *out, const struct orl_server *server)
+{
+    struct orl_parts_count parts = server->metrics.parts;
+    orl_jobs_running(server->jobs, add_parts, &parts);
+    head(out, "oriel_parts", "gauge", "Parts of jobs that run, by state");
+    fprintf(out, "oriel_parts{state=\"waiting\"} %llu\noriel_parts{state=\"running\"} %llu\n",
+            (unsigned long long)parts.waiting, (unsigned long long)parts.running);
+    number(out, "oriel_parts_done_total", "counter", "Parts that were done", (double)parts.done);
+    number(out, "oriel_parts_again_total", "counter",
+           "Times that a part was started once more: requeued, lost or failed",
+           (double)parts.again);
+    number(out, "oriel_parts_lost_seconds_total", "counter", "What those had run for",
+           parts.lost_s);
+}
+
 static void write_health(FILE *out, const struct orl_health *health)
 {
     const struct {
@@ -235,6 +259,7 @@ void orl_handle_metrics(struct orl_request *request)
     FILE *out = open_memstream(&text, &size);
     if (out) {
         write_jobs(out, request->server);
+        write_parts(out, request->server);
         write_health(out, &request->server->metrics.health);
         write_cache(out, request->server);
         write_shelf(out, request->server);

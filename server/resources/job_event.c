@@ -7,6 +7,7 @@
 #include "encode.h"
 #include "json_read.h"
 #include "resources/job_status.h"
+#include "runner/runner_json.h"
 
 /* In tenths of a percent, so that a long job is not told of a thousand times a second. */
 struct event {
@@ -17,6 +18,8 @@ struct event {
     size_t views, skies;
     size_t points, position;
     size_t n_warnings; /* so far, of one that runs */
+    bool in_parts;
+    struct orl_parts_count parts;
 };
 
 /* Those of one that has ended are in its outcome. A new reference, NULL where there are none.
@@ -51,6 +54,8 @@ static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job 
     event.skies = progress.skies_done;
     event.points = progress.n_points;
     event.n_warnings = progress.n_warnings;
+    event.in_parts = progress.in_parts;
+    event.parts = progress.parts;
     return event;
 }
 
@@ -58,10 +63,11 @@ void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
                       char ret_id[ORL_JOB_EVENT_ID])
 {
     const struct event event = take(jobs, job);
-    snprintf(ret_id, ORL_JOB_EVENT_ID, "%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu",
+    snprintf(ret_id, ORL_JOB_EVENT_ID, "%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu-%llu.%llu.%llu",
              orl_jobs_state_name(job), job->row.attempts, event.stage ? event.stage : "",
              event.permille, event.rounds, event.views, event.skies, event.points, event.n_warnings,
-             event.position);
+             event.position, (unsigned long long)event.parts.done,
+             (unsigned long long)event.parts.running, (unsigned long long)event.parts.again);
 }
 
 /* The warnings so far, or those that it has ended with; likewise. */
@@ -99,6 +105,8 @@ json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
         rc |= json_object_set_new(doc, "skies", json_integer((json_int_t)event.skies));
     if (runs && job->row.kind == ORL_TASK_STUDY)
         rc |= json_object_set_new(doc, "points", json_integer((json_int_t)event.points));
+    if (event.in_parts)
+        rc |= json_object_set_new(doc, "parts", orl_parts_to_json(&event.parts));
     if (runs)
         rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
     if (rc) {

@@ -13,7 +13,7 @@
 
 #include "jobs/jobs.h"
 
-enum { ORL_JOB_EVENT_ID = 128 };
+enum { ORL_JOB_EVENT_ID = 192 };
 
 /* What the event shows, but for the ETA, in a word: equal when there is nothing new. Cheap. */
 void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *job,

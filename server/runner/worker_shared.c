@@ -111,6 +111,8 @@ void orl_worker_unshare(struct orl_worker *worker, int code)
     if (!worker->spec.place)
         return;
     tell_runner(worker);
+    worker->outcome.tally.parts = worker->sharing.count;
+    worker->outcome.tally.parts.waiting = worker->outcome.tally.parts.running = 0;
     const bool anew = code == ORL_ERR_CANCELLED && atomic_load(&worker->stopped);
     if (worker->in_parts)
         orl_sharing_done(&worker->sharing, !anew);

@@ -18,6 +18,7 @@
 
 #include "support/cluster.h"
 #include "support/daemon.h"
+#include "support/daemon_metric.h"
 #include "support/parted.h"
 
 struct fixture {
@@ -204,6 +205,32 @@ static void test_the_daemon_is_stopped(void **state)
     assert_cleared(f);
 }
 
+/* How its parts stand: in its status, its events and the daemon's figures. */
+static void test_parts_are_told_of(void **state)
+{
+    struct fixture *f = *state;
+    char path[80], events[96];
+    struct reply reply;
+    submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    for (int i = 0; i < 50 && daemon_metric(&f->daemon, "oriel_parts{state=\"running\"}") < 1; i++)
+        cluster_rest(0.1);
+    assert_true(daemon_metric(&f->daemon, "oriel_parts{state=\"running\"}") > 0);
+    daemon_get(&f->daemon, path, &reply);
+    assert_string_equal(reply_text(&reply, "runner.name"), "slurm");
+    assert_true(reply_number(&reply, "runner.parts.running") > 0);
+    reply_done(&reply);
+    snprintf(events, sizeof events, "%s/events", path);
+    daemon_get(&f->daemon, events, &reply); /* all of them, until the job ends */
+    assert_non_null(strstr(reply.body, "\"parts\":{\"waiting\":"));
+    reply_done(&reply);
+    daemon_get(&f->daemon, path, &reply);
+    const double done = reply_number(&reply, "runner.parts.done");
+    reply_done(&reply);
+    assert_true(daemon_metric(&f->daemon, "oriel_parts{state=\"running\"}") == 0);
+    assert_true(daemon_metric(&f->daemon, "oriel_parts_done_total") == done);
+}
+
 static void test_cancel_ends_all_tasks(void **state)
 {
     struct fixture *f = *state;
@@ -274,6 +301,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_year, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_the_daemon_is_killed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_the_daemon_is_stopped, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_parts_are_told_of, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_cancel_ends_all_tasks, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_small_jobs_stay, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_options_that_do_not_fit, set_up, tear_down),

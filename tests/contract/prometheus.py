@@ -10,6 +10,8 @@ NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?([eE][+-]?\d+)?|Inf)|NaN")
 # What an operator is promised (info of the operation), by family.
 WANTED = {"oriel_queue_depth": "gauge", "oriel_jobs": "gauge", "oriel_job_runs_total": "counter",
           "oriel_stage_seconds": "histogram", "oriel_photons_total": "counter",
+          "oriel_parts": "gauge", "oriel_parts_done_total": "counter",
+          "oriel_parts_again_total": "counter", "oriel_parts_lost_seconds_total": "counter",
           "oriel_rays_total": "counter", "oriel_health_total": "counter",
           "oriel_cache_entries": "gauge", "oriel_cache_bytes": "gauge",
           "oriel_cache_hits_total": "counter", "oriel_cache_misses_total": "counter",
