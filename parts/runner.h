@@ -61,6 +61,9 @@ int orl_runner_local(const struct orl_runner_spec *spec, struct orl_runner *ret_
 int orl_runner_slurm(const struct orl_runner_spec *spec, struct orl_runner *ret_runner,
                      struct orl_error *err);
 
+/* Ends what Slurm has of a wave; as cancel above. Of spec: job and clock. */
+int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *wave, struct orl_error *err);
+
 /* The path of this program's own file. */
 int orl_own_program(char ret_path[4096], struct orl_error *err);
 

@@ -46,9 +46,9 @@ static double now_s(const struct slurm *slurm)
 }
 
 /* The name of a wave's tasks. */
-static void name_tasks(const struct slurm *slurm, const char *wave, char ret_name[128])
+static void name_tasks(const char *job, const char *wave, char ret_name[128])
 {
-    snprintf(ret_name, 128, "oriel-%.12s-%.*s", slurm->spec.job, ORL_WAVE_NAME, wave);
+    snprintf(ret_name, 128, "oriel-%.12s-%.*s", job, ORL_WAVE_NAME, wave);
 }
 
 /* Room for a wave, should it be another than before. */
@@ -132,7 +132,7 @@ static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[OR
     char *argv[ORL_SLURM_WORDS + 16];
     size_t n = 0;
 
-    name_tasks(slurm, slurm->wave, tasks);
+    name_tasks(slurm->spec.job, slurm->wave, tasks);
     snprintf(name, sizeof name, "--job-name=%s", tasks);
     snprintf(cpus, sizeof cpus, "--cpus-per-task=%u", slurm->spec.threads);
     snprintf(chdir_to, sizeof chdir_to, "--chdir=%s", slurm->spec.folder);
@@ -247,11 +247,11 @@ static void read_states(struct slurm *slurm, char *text)
     }
 }
 
-/* Tasks of the wave that are under way. The status of squeue, or a negative orl_err. */
-static int run_squeue(const struct slurm *slurm, const char *wave, const atomic_bool *cancel,
+/* Tasks of that name that are under way. The status of squeue, or a negative orl_err. */
+static int run_squeue(const char *tasks, double limit_s, const atomic_bool *cancel,
                       char ret_output[ORL_COMMAND_OUTPUT], struct orl_error *err)
 {
-    char tasks[128], name[160];
+    char name[160];
     char *argv[] = {(char *)"squeue",
                     (char *)"--noheader",
                     (char *)"--array",
@@ -260,9 +260,8 @@ static int run_squeue(const struct slurm *slurm, const char *wave, const atomic_
                     name,
                     NULL};
 
-    name_tasks(slurm, wave, tasks);
     snprintf(name, sizeof name, "--name=%s", tasks);
-    return orl_command_run(argv, slurm->spec.command_s, cancel, ret_output, err);
+    return orl_command_run(argv, limit_s, cancel, ret_output, err);
 }
 
 /* Where Slurm does not answer nothing is known, and that only for so long. */
@@ -283,8 +282,11 @@ static int be_patient(struct slurm *slurm, const char *says, struct orl_error *e
 static int ask(struct slurm *slurm, struct orl_error *err)
 {
     struct orl_error why = {0};
-    char output[ORL_COMMAND_OUTPUT];
-    int rc = run_squeue(slurm, slurm->wave, slurm->spec.cancel, output, &why);
+    char tasks[128], output[ORL_COMMAND_OUTPUT];
+    int rc;
+
+    name_tasks(slurm->spec.job, slurm->wave, tasks);
+    rc = run_squeue(tasks, slurm->spec.command_s, slurm->spec.cancel, output, &why);
 
     if (rc != 0) {
         const char *says = rc > 0 ? first_line(output) : why.message;
@@ -358,19 +360,19 @@ static void rest(void)
 }
 
 /* Until none is left: one that was just being handed in is met by the next try. */
-static int slurm_cancel(void *ctx, const char *wave, struct orl_error *err)
+int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *wave, struct orl_error *err)
 {
-    struct slurm *slurm = ctx;
-    const double began = now_s(slurm);
+    const double began = spec->now_s(NULL);
+    const double limit_s = spec->command_s > 0 ? spec->command_s : ORL_SLURM_COMMAND_S;
     char name[160], tasks[128], output[ORL_COMMAND_OUTPUT];
     char *argv[] = {(char *)"scancel", (char *)"--me", name, NULL};
     bool gone = false;
 
-    name_tasks(slurm, wave, tasks);
+    name_tasks(spec->job, wave, tasks);
     snprintf(name, sizeof name, "--name=%s", tasks);
-    while (!gone && now_s(slurm) - began < cancel_s) {
-        orl_command_run(argv, slurm->spec.command_s, NULL, output, NULL);
-        gone = run_squeue(slurm, wave, NULL, output, NULL) == 0 && output[0] == '\0';
+    while (!gone && spec->now_s(NULL) - began < cancel_s) {
+        orl_command_run(argv, limit_s, NULL, output, NULL);
+        gone = run_squeue(tasks, limit_s, NULL, output, NULL) == 0 && output[0] == '\0';
         if (!gone)
             rest();
     }
@@ -379,6 +381,13 @@ static int slurm_cancel(void *ctx, const char *wave, struct orl_error *err)
     orl_error_set(err, ORL_ERR_IO, "tasks of Slurm named %s may still be under way", tasks);
     orl_error_hint(err, "scancel --name=%s ends them", tasks);
     return ORL_ERR_IO;
+}
+
+static int slurm_cancel(void *ctx, const char *wave, struct orl_error *err)
+{
+    const struct slurm *slurm = ctx;
+
+    return orl_slurm_cancel(&slurm->spec, wave, err);
 }
 
 static void slurm_done(void *ctx)

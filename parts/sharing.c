@@ -90,3 +90,22 @@ void orl_sharing_done(struct orl_sharing *sharing, bool remove)
     if (remove && sharing->folder[0])
         orl_remove_folder(sharing->folder);
 }
+
+int orl_sharing_abandon(const char *folder, double (*now_s)(void *ctx), struct orl_error *err)
+{
+    char job[ORL_PIECE_KEY], wave[ORL_WAVE_NAME];
+    const struct orl_runner_spec spec = {.job = job, .now_s = now_s};
+    json_t *doc = NULL;
+    int rc = 0;
+
+    /* Without its files no task of it comes to anything. */
+    if (orl_shared_folder_verify(folder, job, &doc, NULL) == 0)
+        while (rc == 0 && orl_wave_find(folder, wave)) {
+            rc = orl_slurm_cancel(&spec, wave, err);
+            if (!orl_wave_forget(folder, wave))
+                break;
+        }
+    json_decref(doc);
+    orl_remove_folder(folder);
+    return rc;
+}

@@ -72,4 +72,8 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_spec 
 /* remove: the folder goes, with all pieces. */
 void orl_sharing_done(struct orl_sharing *sharing, bool remove);
 
+/* Of a job that nobody wants any more: ends what Slurm has of it, and removes its folder. May take
+ * a minute. An error: some of it may be left. */
+int orl_sharing_abandon(const char *folder, double (*now_s)(void *ctx), struct orl_error *err);
+
 #endif

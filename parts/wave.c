@@ -120,12 +120,12 @@ static int note_wave(const struct orl_sharing *sharing, const struct wave *wave,
     return write_in(sharing, name, json_pack("{s:I}", "parts", (json_int_t)wave->n), err);
 }
 
-static void forget_wave(const struct orl_sharing *sharing, const struct wave *wave)
+bool orl_wave_forget(const char *folder, const char *name)
 {
     char path[PATH];
 
-    snprintf(path, sizeof path, "%s/%s.wave", sharing->folder, wave->name);
-    unlink(path);
+    snprintf(path, sizeof path, "%s/%s.wave", folder, name);
+    return unlink(path) == 0;
 }
 
 /* ---- Counts ---------------------------------------------------------------------------------- */
@@ -305,7 +305,7 @@ static void end_wave(struct orl_sharing *sharing, struct wave *wave, int rc, str
         return;
     if (rc && sharing->runner.cancel(sharing->runner.ctx, wave->name, &second) && err)
         orl_error_hint(err, "%s%s%.300s", err->hint, err->hint[0] ? "; " : "", second.message);
-    forget_wave(sharing, wave);
+    orl_wave_forget(sharing->folder, wave->name);
 }
 
 static void wave_done(struct wave *wave)
@@ -391,21 +391,20 @@ static int finish_wave(struct orl_sharing *sharing, struct wave *wave, struct or
     return rc;
 }
 
-/* The name of one that has not ended; false: there is none. */
-static bool find_wave(const struct orl_sharing *sharing, struct wave *ret_wave)
+bool orl_wave_find(const char *folder, char ret_name[ORL_WAVE_NAME])
 {
     static const char ending[] = ".wave";
-    DIR *entries = opendir(sharing->folder);
+    DIR *entries = opendir(folder);
     bool found = false;
 
     for (const struct dirent *entry; entries && !found && (entry = readdir(entries)) != NULL;) {
         const size_t length = strlen(entry->d_name), stem = length - strlen(ending);
 
         if (length <= strlen(ending) || strcmp(entry->d_name + stem, ending) != 0 ||
-            stem >= sizeof ret_wave->name)
+            stem >= ORL_WAVE_NAME)
             continue;
-        memcpy(ret_wave->name, entry->d_name, stem);
-        ret_wave->name[stem] = '\0';
+        memcpy(ret_name, entry->d_name, stem);
+        ret_name[stem] = '\0';
         found = true;
     }
     if (entries)
@@ -430,7 +429,7 @@ int orl_wave_adopt(struct orl_sharing *sharing, const struct orl_piece *pieces, 
     struct wave wave = {.n = 0};
     int rc = 0;
 
-    while (rc == 0 && find_wave(sharing, &wave)) {
+    while (rc == 0 && orl_wave_find(sharing->folder, wave.name)) {
         wave.n = parts_of(sharing, &wave);
         rc = finish_wave(sharing, &wave, err);
         if (rc == 0)

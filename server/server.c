@@ -86,6 +86,7 @@ static void on_saving(uv_timer_t *timer)
     orl_scrubbing_look(server->scrubbing);
     orl_storage_look(&server->storage);
     orl_pulse_ask(&server->pulse);
+    orl_shared_sweep_look(&server->sweep, &server->loop);
 }
 
 static void on_drain_over(uv_timer_t *timer)
@@ -98,6 +99,7 @@ static void on_job_changed(void *ctx, const struct orl_jobs_job *job)
     struct orl_server *server = ctx;
     orl_events_wake(server->events);
     orl_hub_changed(server->hub, job);
+    server->sweep.wanted = server->sweep.wanted || orl_jobs_ended(job);
     uv_async_send(&server->kept_changed);
 }
 
@@ -365,7 +367,10 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .ctx = server,
     };
     memcpy(env.program, server->program, sizeof env.program);
-    return orl_jobs_open(&env, &server->jobs, err);
+    const int rc = orl_jobs_open(&env, &server->jobs, err);
+    server->sweep = (struct orl_shared_sweep){
+        .place = env.place, .jobs = server->jobs, .log = &server->log, .wanted = true};
+    return rc;
 }
 
 static void open_budget(struct orl_server *server)

@@ -32,6 +32,7 @@
 #include "store/log_folding.h"
 #include "store/settling.h"
 #include "store/verified.h"
+#include "upkeep/shared_sweep.h"
 #include "upkeep/storage.h"
 
 struct orl_server {
@@ -50,6 +51,7 @@ struct orl_server {
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
     struct orl_shared_place place; /* where jobs go in parts */
+    struct orl_shared_sweep sweep;
     struct orl_shelf *shelf;
     struct orl_storage storage;
     struct orl_verified verified;

@@ -205,6 +205,37 @@ static void test_the_daemon_is_stopped(void **state)
     assert_cleared(f);
 }
 
+/* What a killed daemon has left of a job that is cancelled before it goes on: its tasks end, too.
+ */
+static void test_what_nobody_wants_is_swept(void **state)
+{
+    struct fixture *f = *state;
+    char first[80], path[80];
+    struct reply reply;
+    submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    daemon_end(&f->daemon, SIGKILL);
+    f->options[1] = "local";
+    f->options[2] = NULL;
+    restart(f); /* which knows nothing of Slurm: the job is done here, and its tasks go on */
+    daemon_cancel(&f->daemon, path, &reply);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, path, 10, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "cancelled");
+    reply_done(&reply);
+    daemon_end(&f->daemon, SIGTERM);
+    assert_true(cluster_tasks(false) > 0);
+    f->options[1] = "slurm";
+    f->options[2] = "--shared";
+    restart(f);
+    cluster_wait_for_none(10);
+    for (int i = 0; i < 50 && rmdir(f->shared) != 0; i++)
+        cluster_rest(0.1);
+    assert_int_equal(mkdir(f->shared, 0700), 0);
+    submit(f, parted_render, first); /* it goes on as ever */
+    wait_until_done(f, first);
+}
+
 /* How its parts stand: in its status, its events and the daemon's figures. */
 static void test_parts_are_told_of(void **state)
 {
@@ -301,6 +332,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_year, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_the_daemon_is_killed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_the_daemon_is_stopped, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_what_nobody_wants_is_swept, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_parts_are_told_of, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_cancel_ends_all_tasks, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_small_jobs_stay, set_up, tear_down),
