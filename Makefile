@@ -44,7 +44,6 @@ CLIENT_LIBS := -lcurl $(API_LIBS)
 
 CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c))
 API_SRC    := $(sort $(wildcard api/*.c api/*/*.c))
-PARTS_SRC  := $(sort $(wildcard parts/*.c))
 SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
@@ -59,16 +58,14 @@ TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c))
 # Boundaries by include path: only the core sees its own internals.
 INC_core    := -Icore/include -iquote core
 INC_api     := -Icore/include -iquote api
-INC_parts   := -Icore/include -iquote api -iquote parts
-INC_server  := $(INC_parts) -iquote server -iquote $(BUILD)/generated
-INC_client  := $(INC_parts) -iquote client
-INC_tests   := -Icore/include -iquote core -iquote api -iquote parts -iquote server -iquote tests \
+INC_server  := -Icore/include -iquote api -iquote server -iquote $(BUILD)/generated
+INC_client  := -Icore/include -iquote api -iquote client
+INC_tests   := -Icore/include -iquote core -iquote api -iquote server -iquote tests \
 	-iquote $(BUILD)/generated
 
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ   := $(call obj,$(CORE_SRC))
 API_OBJ    := $(call obj,$(API_SRC))
-PARTS_OBJ  := $(call obj,$(PARTS_SRC))
 SERVER_OBJ := $(call obj,$(SERVER_SRC))
 CLIENT_OBJ := $(call obj,$(CLIENT_SRC))
 SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
@@ -161,7 +158,6 @@ $(BUILD)/obj/$(1)/%.o: $(1)/%.c $(BUILD)/flags
 endef
 $(eval $(call compile_rule,core,$(INC_core)))
 $(eval $(call compile_rule,api,$(INC_api)))
-$(eval $(call compile_rule,parts,$(INC_parts)))
 $(eval $(call compile_rule,server,$(INC_server)))
 $(eval $(call compile_rule,client,$(INC_client)))
 $(eval $(call compile_rule,tests,$(INC_tests)))
@@ -187,7 +183,7 @@ $(BUILD)/generated/dashboard.h: client/dashboard/embed $(CHART_JS) $(DASHBOARD)
 $(SERVER_OBJ): | $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 $(call obj,$(TEST_SRC)): | $(BUILD)/generated/embedded.h
 
-$(BUILD)/liboriel.a: $(CORE_OBJ) $(API_OBJ) $(PARTS_OBJ)
+$(BUILD)/liboriel.a: $(CORE_OBJ) $(API_OBJ)
 	@rm -f $@; ar rcs $@ $^
 $(BUILD)/orield: $(SERVER_OBJ) $(BUILD)/liboriel.a
 	$(call say,LD,$@)
@@ -333,7 +329,7 @@ run-tests:
 run-threaded:
 	@tests/run $(BUILD) $(THREADED_BIN)
 
-LINT_SRC := $(CORE_SRC) $(API_SRC) $(PARTS_SRC) $(SERVER_SRC) $(CLIENT_SRC)
+LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
 lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 	@clang-format --dry-run --Werror $(ALL_C)
@@ -341,7 +337,7 @@ lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 	@$(MAKE) --no-print-directory -j$(JOBS) all
 	tests/check_circles $(BUILD)
 	@printf '%s\n' $(CORE_SRC) | xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_core)
-	@printf '%s\n' $(API_SRC) $(PARTS_SRC) $(SERVER_SRC) $(CLIENT_SRC) | \
+	@printf '%s\n' $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) | \
 		xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_server) -iquote client
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/clang CC=clang tests
 	@echo "lint: clean"

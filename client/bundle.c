@@ -13,9 +13,9 @@
 #include <oriel/run.h>
 
 #include "digest.h"
-#include "files.h"
 #include "json_get.h"
 #include "main_files.h"
+#include "parts/files.h"
 #include "progress.h"
 
 static bool name_can_travel(const char *name)

@@ -7,9 +7,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "files.h"
 #include "job_file.h"
 #include "local.h"
+#include "parts/files.h"
 #include "problem.h"
 #include "report.h"
 #include "sharing_line.h"

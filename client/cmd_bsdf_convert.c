@@ -8,8 +8,8 @@
 #include "bsdf_compare_json.h"
 #include "bsdf_file.h"
 #include "bsdf_make_json.h"
-#include "files.h"
 #include "local.h"
+#include "parts/files.h"
 #include "report.h"
 #include "words.h"
 

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "bsdf_fit_json.h"
-#include "files.h"
 #include "job_file.h"
 #include "local.h"
+#include "parts/files.h"
 #include "report.h"
 #include "words.h"
 

@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "files.h"
 #include "follow.h"
 #include "http.h"
 #include "json_get.h"
+#include "parts/files.h"
 #include "report.h"
 
 static const char result_name[] = "result.json";

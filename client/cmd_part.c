@@ -12,12 +12,12 @@
 
 #include "annual_json.h"
 #include "decode.h"
-#include "files.h"
 #include "local.h"
+#include "parts/files.h"
+#include "parts/shared_folder.h"
 #include "place.h"
 #include "problem.h"
 #include "report.h"
-#include "shared_folder.h"
 #include "task_json.h"
 
 /* What is to be made, and whether it was begun. */

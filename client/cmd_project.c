@@ -3,8 +3,8 @@
 
 #include <stdio.h>
 
-#include "files.h"
 #include "job_file.h"
+#include "parts/files.h"
 #include "report.h"
 
 /* A document that renders all of it. */

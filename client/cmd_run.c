@@ -9,9 +9,9 @@
 
 #include <oriel/run.h>
 
-#include "files.h"
 #include "job_file.h"
 #include "local.h"
+#include "parts/files.h"
 #include "problem.h"
 #include "report.h"
 #include "result_json.h"

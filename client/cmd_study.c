@@ -10,9 +10,9 @@
 #include <oriel/study.h>
 
 #include "chart/study_chart.h"
-#include "files.h"
 #include "job_file.h"
 #include "local.h"
+#include "parts/files.h"
 #include "report.h"
 #include "study_json.h"
 #include "study_table.h"

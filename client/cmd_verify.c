@@ -15,10 +15,10 @@
 #include <oriel/version.h>
 
 #include "digest.h"
-#include "files.h"
 #include "job_file.h"
 #include "json_get.h"
 #include "local.h"
+#include "parts/files.h"
 #include "report.h"
 
 enum { EXIT_CANNOT = 2, PATH_SIZE = 4096 };

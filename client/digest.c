@@ -5,7 +5,7 @@
 
 #include <oriel/sha256.h>
 
-#include "file_digest.h"
+#include "parts/file_digest.h"
 
 static int by_name(const void *a, const void *b)
 {

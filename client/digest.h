@@ -9,8 +9,8 @@
 
 #include <oriel/error.h>
 
-#include "file_digest.h"
 #include "http.h"
+#include "parts/file_digest.h"
 
 /* The id of a scene of these files (POST /v1/scenes says how it is made). */
 int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,

@@ -13,7 +13,7 @@
 
 #include "command.h"
 #include "encode.h"
-#include "files.h"
+#include "parts/files.h"
 #include "report.h"
 
 #define DEFAULT_URL "http://127.0.0.1:8423"

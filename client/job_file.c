@@ -10,8 +10,8 @@
 #include <oriel/limits.h>
 
 #include "decode.h"
-#include "files.h"
 #include "job_json.h"
+#include "parts/files.h"
 
 /* The folder part of path, "." when there is none. */
 static int folder_of(const char *path, char *ret_folder, size_t size, struct orl_error *err)

@@ -12,8 +12,8 @@
 #include <oriel/skies.h>
 
 #include "annual_job.h"
-#include "files.h"
 #include "follow.h"
+#include "parts/files.h"
 #include "plan_table.h"
 #include "progress.h"
 #include "result_json.h"

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "files.h"
+#include "parts/files.h"
 
 enum { PATH_SIZE = 4096, MOST_NAMES = 100000, DEPTH = 16 };
 

@@ -10,9 +10,9 @@
 #include <oriel/files.h>
 
 #include "decode.h"
-#include "files.h"
 #include "honeybee/hbjson.h"
 #include "honeybee/project.h"
+#include "parts/files.h"
 #include "place.h"
 #include "project_shades.h"
 #include "rif.h"

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "files.h"
+#include "parts/files.h"
 #include "progress.h"
 #include "task_bundle.h"
 

@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 
 #include "command.h"
-#include "sharing.h"
+#include "parts/sharing.h"
 
 /* What it says. */
 struct orl_sharing_line {

@@ -14,7 +14,7 @@
 
 #include <oriel/run.h>
 
-#include "sharing.h"
+#include "parts/sharing.h"
 #include "store/jobs.h"
 
 enum { ORL_METRICS_BUCKETS = 14, ORL_METRICS_ROUTES = 48, ORL_METRICS_CLASSES = 6 };

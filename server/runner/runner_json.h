@@ -5,7 +5,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include "sharing.h"
+#include "parts/sharing.h"
 
 /* New references; NULL: out of memory. */
 json_t *orl_parts_to_json(const struct orl_parts_count *count);

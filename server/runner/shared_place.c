@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "runner.h"
+#include "parts/runner.h"
 
 /* The daemon's own: what is there was uploaded by others, and runs as its user. */
 static int check_folder(const char *folder, struct orl_error *err)

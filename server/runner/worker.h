@@ -29,8 +29,8 @@
 #include <oriel/study.h>
 
 #include "health/metrics.h"
+#include "parts/sharing.h"
 #include "runner/shared_place.h"
-#include "sharing.h"
 #include "store/bundle.h"
 #include "store/jobs.h"
 

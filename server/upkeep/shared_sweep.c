@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "parts/sharing.h"
 #include "process/times.h"
-#include "sharing.h"
 
 enum { ID = 32 };
 

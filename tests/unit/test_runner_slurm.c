@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "runner.h"
+#include "parts/runner.h"
 #include "support/cli.h"
 
 static const char sbatch[] = "#!/bin/sh\n"

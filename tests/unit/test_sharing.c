@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "sharing.h"
+#include "parts/sharing.h"
 #include "support/cli.h"
 
 /* oriel part FILE. "fails" and "dies" hold how often a part is still to do so. */

@@ -5,7 +5,7 @@
  * The name of a wave's tasks is all that has to be known of them: what sbatch may or may not have
  * handed in before it was cut off is looked for by it, and not handed in twice.
  */
-#include "runner.h"
+#include "parts/runner.h"
 
 #include <ctype.h>
 #include <stdbool.h>
@@ -14,8 +14,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "command.h"
-#include "files.h"
+#include "parts/command.h"
+#include "parts/files.h"
 
 /* Slurm is asked about a wave after so many seconds, at first, and then ever more rarely: after
  * a share of its age, which bounds how often it is asked in all. */

@@ -1,4 +1,4 @@
-#include "wave.h"
+#include "parts/wave.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "files.h"
+#include "parts/files.h"
 #include "problem.h"
 
 enum { MOST_TRIES = 3, PATH = 4300 };

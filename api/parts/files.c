@@ -1,4 +1,4 @@
-#include "files.h"
+#include "parts/files.h"
 
 #include <errno.h>
 #include <stdbool.h>

@@ -1,4 +1,4 @@
-#include "runner.h"
+#include "parts/runner.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "files.h"
+#include "parts/files.h"
 
 extern char **environ;
 

@@ -1,4 +1,4 @@
-#include "shared_folder.h"
+#include "parts/shared_folder.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -14,8 +14,8 @@
 #include <oriel/version.h>
 
 #include "decode.h"
-#include "file_digest.h"
-#include "files.h"
+#include "parts/file_digest.h"
+#include "parts/files.h"
 
 /* ---- Laying out ------------------------------------------------------------------------------ */
 

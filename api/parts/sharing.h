@@ -19,8 +19,8 @@
 
 #include <oriel/run.h>
 
-#include "runner.h"
-#include "shared_folder.h"
+#include "parts/runner.h"
+#include "parts/shared_folder.h"
 
 enum { ORL_PARTS_MOST = 1000, ORL_PARTS_USUAL = 64 };
 

@@ -1,4 +1,4 @@
-#include "sharing.h"
+#include "parts/sharing.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -6,8 +6,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "files.h"
-#include "wave.h"
+#include "parts/files.h"
+#include "parts/wave.h"
 
 /* Those that are not made yet, in their order. */
 static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,

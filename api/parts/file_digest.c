@@ -1,10 +1,10 @@
-#include "file_digest.h"
+#include "parts/file_digest.h"
 
 #include <stdio.h>
 
 #include <sodium.h>
 
-#include "files.h"
+#include "parts/files.h"
 
 void orl_digest_end(struct orl_sha256 *hash, char ret_digest[ORL_DIGEST_TEXT])
 {

@@ -2,7 +2,7 @@
 #ifndef ORL_PARTS_WAVE_H
 #define ORL_PARTS_WAVE_H
 
-#include "sharing.h"
+#include "parts/sharing.h"
 
 /* Has these pieces made by parts, as a wave of its own. */
 int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
