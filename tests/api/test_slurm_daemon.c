@@ -83,7 +83,7 @@ static void fetch(struct fixture *f, const char *path, const char *output)
 static void wait_until_done(struct fixture *f, const char *path)
 {
     struct reply reply;
-    daemon_wait(&f->daemon, path, 60, &reply);
+    daemon_wait(&f->daemon, path, 240, &reply);
     if (strcmp(reply_text(&reply, "state"), "succeeded") != 0)
         fail_msg("%s", reply.body);
     assert_string_equal(reply_text(&reply, "runner.name"), "slurm");
@@ -112,7 +112,7 @@ static void compare(struct fixture *f, const char *document, char path[80])
     setenv("ORIEL_URL", other.url, 1);
     submit(f, document, path);
     struct reply reply;
-    daemon_wait(&other, path, 60, &reply);
+    daemon_wait(&other, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "succeeded");
     reply_done(&reply);
     fetch(f, path, "local");
@@ -288,7 +288,7 @@ static void test_small_jobs_stay(void **state)
     f->options[5] = "100";
     restart(f);
     submit(f, parted_render, path);
-    daemon_wait(&f->daemon, path, 60, &reply);
+    daemon_wait(&f->daemon, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "succeeded");
     assert_string_equal(reply_text(&reply, "runner.name"), "local");
     assert_non_null(strstr(reply_text(&reply, "runner.why"), "of one core, less than the 100 s"));
