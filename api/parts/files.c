@@ -8,7 +8,7 @@
 
 static int io_error(struct orl_error *err, const char *path, const char *verb)
 {
-    const int code = errno == ENOENT ? ORL_ERR_NOT_FOUND : ORL_ERR_IO;
+    const int code = errno == ENOENT ? ORL_ERR_NOT_FOUND : orl_err_of_errno(errno);
 
     orl_error_set(err, code, "cannot %s: %s", verb, strerror(errno));
     orl_error_at(err, path, 0, NULL);
@@ -170,8 +170,10 @@ int orl_write_text(const char *path, const char *text, size_t size, struct orl_e
     if (rc)
         return rc;
     if (fwrite(text, 1, size, file.stream) != size) {
+        const int rc_write = io_error(err, path, "write");
+
         orl_new_file_abandon(&file);
-        return orl_error_set(err, ORL_ERR_IO, "cannot write '%s'", path);
+        return rc_write;
     }
     return orl_new_file_commit(&file, err);
 }

@@ -8,6 +8,7 @@
 
 #include "parts/files.h"
 #include "parts/wave.h"
+#include "parts/wave_files.h"
 
 /* Those that are not made yet, in their order. */
 static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,

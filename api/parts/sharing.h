@@ -29,6 +29,7 @@ struct orl_parts_count {
     uint64_t waiting, running, done;
     uint64_t again; /* that were started once more, by us or by Slurm */
     double lost_s;  /* what these had run for */
+    uint64_t held;  /* of those that wait: until the shared folder's disk has room */
     uint32_t waves;
 };
 
@@ -62,7 +63,7 @@ struct orl_sharing {
     char folder[4096], job[ORL_PIECE_KEY];
     size_t earlier; /* pieces of an earlier run that serve again */
     time_t began;
-    struct orl_parts_count count;
+    struct orl_parts_count count, told;
     uint64_t parts; /* that were started, each time counted */
 };
 

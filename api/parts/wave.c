@@ -1,28 +1,29 @@
 #include "parts/wave.h"
 
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "parts/files.h"
+#include "parts/wave_files.h"
 #include "problem.h"
 
-enum { MOST_TRIES = 3, PATH = 4300 };
+enum { MOST_TRIES = 3 };
 
 /* How often parts are looked at: ever more rarely, after a share of the wave's age. */
 static const double look_least_s = 0.05, look_most_s = 1, look_share = 0.005;
+/* A disk that is full is looked at again after so long. */
+static const double full_s = 10;
 
 struct part {
-    bool done;
+    bool done, due; /* due: to be started */
     unsigned tries;
     enum orl_part_state state;
     double gone_s; /* since when its runner has had it no more; 0: it has */
     double runs_s; /* since when it runs; 0: it does not */
+    double held_s; /* until when it is held back; 0: it is not */
 };
 
 /* Parts of a wave, and how they stand. */
@@ -31,101 +32,13 @@ struct wave {
     size_t n;
     struct part *parts;
     enum orl_part_state *states; /* as its runner tells */
+    uint32_t *numbers;           /* room for all */
     double began_s;
 };
 
 static double now_s(const struct orl_sharing *sharing)
 {
     return sharing->spec.now_s(NULL);
-}
-
-/* ---- Files ----------------------------------------------------------------------------------- */
-
-static int write_in(const struct orl_sharing *sharing, const char *name, json_t *json,
-                    struct orl_error *err)
-{
-    char path[PATH];
-
-    snprintf(path, sizeof path, "%s/%s", sharing->folder, name);
-    const int rc =
-        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    json_decref(json);
-    return rc;
-}
-
-static bool is_there(const struct orl_sharing *sharing, const struct wave *wave, size_t number,
-                     const char *what, char ret_path[PATH])
-{
-    struct stat st;
-
-    snprintf(ret_path, PATH, "%s/%s-%zu.%s", sharing->folder, wave->name, number, what);
-    return stat(ret_path, &st) == 0;
-}
-
-/* Which part a piece belongs to: by the work before the middle of it. */
-static uint32_t part_of(double before, double work, double all, uint32_t n)
-{
-    const double at = floor((before + 0.5 * work) / all * n);
-
-    return at < n ? (uint32_t)at : n - 1;
-}
-
-static json_t *part_to_json(const struct orl_sharing *sharing, const struct orl_piece *pieces,
-                            size_t first, size_t count)
-{
-    json_t *list = json_array();
-
-    for (size_t i = 0; i < count; i++)
-        json_array_append_new(list, json_pack("{s:s, s:s}", "kind", pieces[first + i].kind, "key",
-                                              pieces[first + i].key));
-    return json_pack("{s:s, s:I, s:o}", "job", sharing->job, "threads",
-                     (json_int_t)sharing->spec.threads, "pieces", list);
-}
-
-/* Writes the wave's parts; *ret_n: how many there are, for empty ones are none. */
-static int write_parts(const struct orl_sharing *sharing, const char *wave,
-                       const struct orl_piece *pieces, size_t n, size_t *ret_n,
-                       struct orl_error *err)
-{
-    const uint32_t most = n < sharing->spec.most ? (uint32_t)n : sharing->spec.most;
-    double all = 0, before = 0;
-    size_t first = 0, parts = 0;
-    int rc = 0;
-
-    for (size_t i = 0; i < n; i++)
-        all += pieces[i].work;
-    for (size_t i = 0; i < n && rc == 0; i++) {
-        const uint32_t mine = part_of(before, pieces[i].work, all, most);
-        const double next = before + pieces[i].work;
-        char name[120];
-
-        before = next;
-        if (i + 1 < n && part_of(next, pieces[i + 1].work, all, most) == mine)
-            continue;
-        snprintf(name, sizeof name, "%s-%zu.json", wave, parts++);
-        rc = write_in(sharing, name, part_to_json(sharing, pieces, first, i + 1 - first), err);
-        first = i + 1;
-    }
-    *ret_n = parts;
-    return rc;
-}
-
-/* While it is there the wave has not ended. */
-static int note_wave(const struct orl_sharing *sharing, const struct wave *wave,
-                     struct orl_error *err)
-{
-    char name[120];
-
-    snprintf(name, sizeof name, "%s.wave", wave->name);
-    return write_in(sharing, name, json_pack("{s:I}", "parts", (json_int_t)wave->n), err);
-}
-
-bool orl_wave_forget(const char *folder, const char *name)
-{
-    char path[PATH];
-
-    snprintf(path, sizeof path, "%s/%s.wave", folder, name);
-    return unlink(path) == 0;
 }
 
 /* ---- Counts ---------------------------------------------------------------------------------- */
@@ -150,102 +63,136 @@ static void take_state(struct orl_sharing *sharing, struct part *part, enum orl_
     part->state = state;
 }
 
-static void tell(struct orl_sharing *sharing, const struct wave *wave, uint64_t done_before)
+static bool is_same(const struct orl_parts_count *a, const struct orl_parts_count *b)
 {
-    struct orl_parts_count count = sharing->count;
+    return a->waiting == b->waiting && a->running == b->running && a->done == b->done &&
+           a->held == b->held && a->again == b->again && a->waves == b->waves;
+}
 
-    count.waiting = count.running = 0;
-    count.done = done_before;
+static void tell(struct orl_sharing *sharing)
+{
+    if (is_same(&sharing->count, &sharing->told))
+        return;
+    sharing->told = sharing->count;
+    if (sharing->spec.told)
+        sharing->spec.told(sharing->spec.ctx, &sharing->count);
+}
+
+static void tell_wave(struct orl_sharing *sharing, const struct wave *wave, uint64_t done_before)
+{
+    struct orl_parts_count *count = &sharing->count;
+
+    count->waiting = count->running = count->held = 0;
+    count->done = done_before;
     for (size_t i = 0; i < wave->n; i++) {
         const struct part *part = &wave->parts[i];
 
-        count.done += part->done;
-        count.running += !part->done && part->state == ORL_PART_RUNNING;
-        count.waiting += !part->done && part->state != ORL_PART_RUNNING;
+        count->done += part->done;
+        count->running += !part->done && part->state == ORL_PART_RUNNING;
+        count->waiting += !part->done && part->state != ORL_PART_RUNNING;
+        count->held += part->held_s > 0;
     }
-    const bool same = count.waiting == sharing->count.waiting &&
-                      count.running == sharing->count.running && count.done == sharing->count.done;
-
-    sharing->count = count;
-    if (!same && sharing->spec.told)
-        sharing->spec.told(sharing->spec.ctx, &count);
+    tell(sharing);
 }
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
-static int start(struct orl_sharing *sharing, struct wave *wave, const uint32_t *numbers, size_t n,
-                 struct orl_error *err)
+/* Those that are due, all at once. */
+static int start_due(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
 {
-    for (size_t i = 0; i < n; i++) {
-        struct part *part = &wave->parts[numbers[i]];
+    size_t n = 0;
 
-        if (part->tries++ > 0)
-            count_lost(sharing, part);
-        part->gone_s = 0;
+    for (size_t i = 0; i < wave->n; i++) {
+        struct part *part = &wave->parts[i];
+
+        if (!part->due)
+            continue;
+        wave->numbers[n++] = (uint32_t)i;
+        part->due = false;
+        part->tries++;
+        part->gone_s = part->held_s = 0;
         part->state = ORL_PART_WAITING;
         sharing->parts++;
     }
-    return sharing->runner.start(sharing->runner.ctx, wave->name, numbers, n, wave->n, err);
-}
-
-static int start_all(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
-{
-    uint32_t *numbers = malloc((wave->n + 1) * sizeof *numbers);
-    int rc;
-
-    if (!numbers)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    for (size_t i = 0; i < wave->n; i++)
-        numbers[i] = (uint32_t)i;
-    rc = start(sharing, wave, numbers, wave->n, err);
-    free(numbers);
-    return rc;
+    return n == 0 ? 0
+                  : sharing->runner.start(sharing->runner.ctx, wave->name, wave->numbers, n,
+                                          wave->n, err);
 }
 
 /* What a part that failed says. */
-static int part_error(const char *path, struct orl_error *err)
+static void read_error(const char *path, struct orl_error *ret_said)
 {
-    struct orl_error said = {0};
     json_t *problem = json_load_file(path, 0, NULL);
 
+    *ret_said = (struct orl_error){.code = 0};
     if (problem)
-        orl_problem_to_error(problem, &said);
-    if (!problem || said.code == 0)
-        orl_error_set(&said, ORL_ERR_INTERNAL, "a part of the job failed, and does not say why");
+        orl_problem_to_error(problem, ret_said);
+    if (ret_said->code == 0)
+        orl_error_set(ret_said, ORL_ERR_INTERNAL, "a part of the job failed, and does not say why");
     json_decref(problem);
-    if (err)
-        *err = said;
-    return said.code;
+}
+
+/* Until there is room again; it is not the part's fault. */
+static void hold(const struct orl_sharing *sharing, struct part *part)
+{
+    part->held_s = now_s(sharing) + full_s;
+    part->state = ORL_PART_WAITING;
 }
 
 /* One that has left an error, or nothing: once more, or never again. */
-static int try_again(struct orl_sharing *sharing, struct wave *wave, uint32_t number,
-                     const char *error_path, struct orl_error *err)
+static int try_again(struct orl_sharing *sharing, struct part *part, const char *error_path,
+                     struct orl_error *err)
 {
-    if (wave->parts[number].tries < MOST_TRIES) {
-        if (error_path)
-            unlink(error_path);
-        return start(sharing, wave, &number, 1, err);
-    }
+    struct orl_error said;
+
     if (error_path)
-        return part_error(error_path, err);
-    return orl_error_set(err, ORL_ERR_INTERNAL,
-                         "a part of the job ended %d times without a word: it was killed, or ran "
-                         "out of memory or time; its log is in '%s'",
-                         MOST_TRIES, sharing->folder);
+        read_error(error_path, &said);
+    else
+        orl_error_set(&said, ORL_ERR_INTERNAL,
+                      "a part of the job ended %d times without a word: it was killed, or ran out "
+                      "of memory or time; its log is in '%s'",
+                      MOST_TRIES, sharing->folder);
+    if (error_path)
+        unlink(error_path);
+    if (said.code == ORL_ERR_FULL || !orl_wave_has_room(sharing->folder)) {
+        count_lost(sharing, part);
+        part->tries--;
+        hold(sharing, part);
+        return 0;
+    }
+    part->due = part->tries < MOST_TRIES;
+    if (part->due)
+        count_lost(sharing, part);
+    else if (err)
+        *err = said;
+    return part->due ? 0 : said.code;
+}
+
+static void look_at_held(const struct orl_sharing *sharing, struct part *part)
+{
+    if (now_s(sharing) < part->held_s)
+        return;
+    part->due = orl_wave_has_room(sharing->folder);
+    if (!part->due)
+        hold(sharing, part);
 }
 
 static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, struct orl_error *err)
 {
     struct part *part = &wave->parts[i];
-    char path[PATH];
+    char path[ORL_PART_PATH];
 
-    if (is_there(sharing, wave, i, "done", path)) {
+    if (orl_part_file(sharing->folder, wave->name, i, "done", path)) {
         part->done = true;
+        part->held_s = 0;
         return 0;
     }
-    if (is_there(sharing, wave, i, "error", path))
-        return try_again(sharing, wave, (uint32_t)i, path, err);
+    if (part->held_s > 0) {
+        look_at_held(sharing, part);
+        return 0;
+    }
+    if (orl_part_file(sharing->folder, wave->name, i, "error", path))
+        return try_again(sharing, part, path, err);
     take_state(sharing, part, wave->states[i]);
     if (wave->states[i] != ORL_PART_GONE) {
         part->gone_s = 0;
@@ -256,7 +203,7 @@ static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, str
         part->gone_s = now_s(sharing);
     return now_s(sharing) - part->gone_s < sharing->runner.settle_s
                ? 0
-               : try_again(sharing, wave, (uint32_t)i, NULL, err);
+               : try_again(sharing, part, NULL, err);
 }
 
 /* ---- The wave -------------------------------------------------------------------------------- */
@@ -286,7 +233,9 @@ static int wait_for(struct orl_sharing *sharing, struct wave *wave, struct orl_e
                 rc = look_at(sharing, wave, i, err);
             left += !wave->parts[i].done;
         }
-        tell(sharing, wave, done_before);
+        if (rc == 0)
+            rc = start_due(sharing, wave, err);
+        tell_wave(sharing, wave, done_before);
         if (rc == 0 && left > 0 && atomic_load(sharing->spec.cancel))
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while others made parts of it");
         if (left > 0 && rc == 0)
@@ -312,14 +261,38 @@ static void wave_done(struct wave *wave)
 {
     free(wave->parts);
     free(wave->states);
+    free(wave->numbers);
 }
 
-static int make_room(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
+static int make_tables(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
 {
     wave->parts = calloc(wave->n + 1, sizeof *wave->parts);
     wave->states = calloc(wave->n + 1, sizeof *wave->states);
+    wave->numbers = calloc(wave->n + 1, sizeof *wave->numbers);
     wave->began_s = now_s(sharing);
-    return wave->parts && wave->states ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return wave->parts && wave->states && wave->numbers
+               ? 0
+               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
+/* Its files, once the disk has room for them. */
+static int write_wave(struct orl_sharing *sharing, struct wave *wave,
+                      const struct orl_piece *pieces, size_t n, struct orl_error *err)
+{
+    int rc = orl_wave_write(sharing, wave->name, pieces, n, &wave->n, err);
+
+    wave->began_s = now_s(sharing);
+    while (rc == ORL_ERR_FULL && !atomic_load(sharing->spec.cancel)) {
+        const double until_s = now_s(sharing) + full_s;
+
+        sharing->count.held = 1;
+        tell(sharing);
+        while (now_s(sharing) < until_s && !atomic_load(sharing->spec.cancel))
+            rest(sharing, wave);
+        rc = orl_wave_write(sharing, wave->name, pieces, n, &wave->n, err);
+    }
+    sharing->count.held = 0;
+    return rc;
 }
 
 int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
@@ -331,13 +304,13 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
     /* Tasks of an earlier run may still leave their files here. */
     snprintf(wave.name, sizeof wave.name, "%lx.%lx-wave%u", (long)sharing->began, (long)getpid(),
              ++sharing->count.waves);
-    rc = write_parts(sharing, wave.name, pieces, n, &wave.n, err);
+    rc = write_wave(sharing, &wave, pieces, n, err);
     if (rc == 0)
-        rc = make_room(sharing, &wave, err);
-    if (rc == 0)
-        rc = note_wave(sharing, &wave, err);
+        rc = make_tables(sharing, &wave, err);
     if (rc == 0) {
-        rc = start_all(sharing, &wave, err);
+        for (size_t i = 0; i < wave.n; i++)
+            wave.parts[i].due = true;
+        rc = start_due(sharing, &wave, err);
         if (rc == 0)
             rc = wait_for(sharing, &wave, err);
         end_wave(sharing, &wave, rc, err);
@@ -348,37 +321,10 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 
 /* ---- Waves of an earlier run ----------------------------------------------------------------- */
 
-static void mark(const json_t *part, const struct orl_piece *pieces, size_t n, bool *ret_made)
-{
-    const json_t *own;
-    size_t i;
-
-    json_array_foreach(json_object_get(part, "pieces"), i, own)
-    {
-        const char *key = json_string_value(json_object_get(own, "key"));
-
-        for (size_t k = 0; key && k < n; k++)
-            ret_made[k] = ret_made[k] || strcmp(pieces[k].key, key) == 0;
-    }
-}
-
-static void mark_wave(const struct orl_sharing *sharing, const struct wave *wave,
-                      const struct orl_piece *pieces, size_t n, bool *ret_made)
-{
-    for (size_t i = 0; i < wave->n; i++) {
-        char path[PATH];
-        json_t *part =
-            is_there(sharing, wave, i, "json", path) ? json_load_file(path, 0, NULL) : NULL;
-
-        mark(part, pieces, n, ret_made);
-        json_decref(part);
-    }
-}
-
 /* Its parts count as tried once: whether they are under way will be seen. */
 static int finish_wave(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
 {
-    int rc = make_room(sharing, wave, err);
+    int rc = make_tables(sharing, wave, err);
 
     if (rc)
         return rc;
@@ -391,38 +337,6 @@ static int finish_wave(struct orl_sharing *sharing, struct wave *wave, struct or
     return rc;
 }
 
-bool orl_wave_find(const char *folder, char ret_name[ORL_WAVE_NAME])
-{
-    static const char ending[] = ".wave";
-    DIR *entries = opendir(folder);
-    bool found = false;
-
-    for (const struct dirent *entry; entries && !found && (entry = readdir(entries)) != NULL;) {
-        const size_t length = strlen(entry->d_name), stem = length - strlen(ending);
-
-        if (length <= strlen(ending) || strcmp(entry->d_name + stem, ending) != 0 ||
-            stem >= ORL_WAVE_NAME)
-            continue;
-        memcpy(ret_name, entry->d_name, stem);
-        ret_name[stem] = '\0';
-        found = true;
-    }
-    if (entries)
-        closedir(entries);
-    return found;
-}
-
-static size_t parts_of(const struct orl_sharing *sharing, const struct wave *wave)
-{
-    char path[PATH];
-
-    snprintf(path, sizeof path, "%s/%s.wave", sharing->folder, wave->name);
-    json_t *note = json_load_file(path, 0, NULL);
-    const json_int_t n = json_integer_value(json_object_get(note, "parts"));
-    json_decref(note);
-    return n > 0 && n <= ORL_PARTS_MOST ? (size_t)n : 0;
-}
-
 int orl_wave_adopt(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
                    bool *ret_made, struct orl_error *err)
 {
@@ -430,10 +344,10 @@ int orl_wave_adopt(struct orl_sharing *sharing, const struct orl_piece *pieces, 
     int rc = 0;
 
     while (rc == 0 && orl_wave_find(sharing->folder, wave.name)) {
-        wave.n = parts_of(sharing, &wave);
+        wave.n = orl_wave_parts(sharing->folder, wave.name);
         rc = finish_wave(sharing, &wave, err);
         if (rc == 0)
-            mark_wave(sharing, &wave, pieces, n, ret_made);
+            orl_wave_mark(sharing->folder, wave.name, wave.n, pieces, n, ret_made);
         wave_done(&wave);
         wave = (struct wave){.n = 0};
     }

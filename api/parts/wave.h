@@ -15,9 +15,4 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 int orl_wave_adopt(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
                    bool *ret_made, struct orl_error *err);
 
-/* The name of a wave in the folder that has not ended; false: there is none. */
-bool orl_wave_find(const char *folder, char ret_name[ORL_WAVE_NAME]);
-/* It has; false: that cannot be noted. */
-bool orl_wave_forget(const char *folder, const char *name);
-
 #endif

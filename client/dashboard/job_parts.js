@@ -19,7 +19,7 @@ export function facts(pairs) {
 
 function runner({ name, parts }) {
   if (name !== 'slurm') return 'With the daemon';
-  return `By Slurm: ${parts.done} parts done, ${parts.running} running, ${parts.waiting} waiting${parts.again ? `, ${parts.again} started once more` : ''}`;
+  return `By Slurm: ${parts.done} parts done, ${parts.running} running, ${parts.waiting} waiting${parts.again ? `, ${parts.again} started once more` : ''}${parts.held ? '; the shared disk is full' : ''}`;
 }
 
 export function jobFacts(job) {

@@ -100,24 +100,32 @@ static void assert_cleared(const struct fixture *f)
     assert_int_equal(mkdir(f->shared, 0700), 0);
 }
 
-/* A job by this one, that is done, and by a daemon that has no Slurm. */
-static void compare(struct fixture *f, const char *document, char path[80])
+/* What was fetched into "slurm", and what a daemon finds that has no Slurm. */
+static void compare_fetched(struct fixture *f, const char *document)
 {
     static const char *const alone[] = {"--threads", "1", NULL};
     struct daemon other;
-    wait_until_done(f, path);
-    fetch(f, path, "slurm");
-    assert_cleared(f);
+    struct reply reply;
+    char path[80];
     daemon_start(&other, alone);
     setenv("ORIEL_URL", other.url, 1);
     submit(f, document, path);
-    struct reply reply;
     daemon_wait(&other, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "succeeded");
     reply_done(&reply);
     fetch(f, path, "local");
     daemon_remove(&other);
+    setenv("ORIEL_URL", f->daemon.url, 1);
     parted_assert_same(f->desk, "local", "slurm");
+}
+
+/* Of a job that is done, or will be. */
+static void compare(struct fixture *f, const char *document, const char *path)
+{
+    wait_until_done(f, path);
+    fetch(f, path, "slurm");
+    assert_cleared(f);
+    compare_fetched(f, document);
 }
 
 static void test_a_render(void **state)
@@ -236,6 +244,46 @@ static void test_what_nobody_wants_is_swept(void **state)
     wait_until_done(f, first);
 }
 
+static double held(struct fixture *f, const char *path)
+{
+    struct reply reply;
+    daemon_get(&f->daemon, path, &reply);
+    const double n = reply_number(&reply, "runner.parts.held");
+    reply_done(&reply);
+    return n;
+}
+
+/* No byte more fits into the shared folder for a while: parts wait until there is room. Where the
+ * test may not mount a small disk it is left out. */
+static void test_the_shared_disk_is_full(void **state)
+{
+    struct fixture *f = *state;
+    char path[80], command[256];
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    snprintf(command, sizeof command, "mount -t tmpfs -o size=8m,mode=700 none %s 2>/dev/null",
+             f->shared);
+    const bool mounted = system(command) == 0; /* NOLINT(cert-env33-c) */
+    restart(f);
+    if (!mounted)
+        skip();
+    submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    snprintf(command, sizeof command, "! cat /dev/zero >%s/filler 2>/dev/null", f->shared);
+    cluster_command(command);
+    for (int i = 0; i < 200 && !(held(f, path) > 0); i++)
+        cluster_rest(0.1);
+    assert_true(held(f, path) > 0);
+    snprintf(command, sizeof command, "rm %s/filler", f->shared);
+    cluster_command(command);
+    wait_until_done(f, path);
+    daemon_end(&f->daemon, SIGTERM);
+    snprintf(command, sizeof command, "umount %s", f->shared);
+    cluster_command(command);
+    restart(f);
+    fetch(f, path, "slurm");
+    compare_fetched(f, parted_long);
+}
+
 /* How its parts stand: in its status, its events and the daemon's figures. */
 static void test_parts_are_told_of(void **state)
 {
@@ -333,6 +381,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_the_daemon_is_killed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_the_daemon_is_stopped, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_what_nobody_wants_is_swept, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_the_shared_disk_is_full, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_parts_are_told_of, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_cancel_ends_all_tasks, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_small_jobs_stay, set_up, tear_down),

@@ -18,7 +18,7 @@
 #include "parts/sharing.h"
 #include "support/cli.h"
 
-/* oriel part FILE. "fails" and "dies" hold how often a part is still to do so. */
+/* oriel part FILE. "fails", "full" and "dies" hold how often a part is still to do so. */
 static const char program[] =
     "#!/bin/sh\n"
     "cd \"${0%/*}\" && stem=${2%.json} name=${2##*/}\n"
@@ -28,7 +28,12 @@ static const char program[] =
     "less dies && exit 1\n"
     "less fails && { echo '{\"type\": \"urn:oriel:error:out-of-range\", "
     "\"detail\": \"the glass is cracked\"}' >e; mv e \"$stem.error\"; exit 1; }\n"
+    "less full && { echo '{\"type\": \"urn:oriel:error:disk-full\", "
+    "\"detail\": \"no room\"}' >e; mv e \"$stem.error\"; exit 1; }\n"
     "echo '{}' >\"$stem.done\"\n";
+
+/* So much faster goes the clock of a sharing. */
+enum { HASTE = 50 };
 
 struct fixture {
     char folder[64], job[96], program[96];
@@ -44,7 +49,7 @@ static double now_s(void *ctx)
     struct timespec now;
     (void)ctx;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    return HASTE * ((double)now.tv_sec + 1e-9 * (double)now.tv_nsec);
 }
 
 static void on_told(void *ctx, const struct orl_parts_count *count)
@@ -144,6 +149,17 @@ static void test_a_part_fails_for_good(void **state)
     assert_non_null(strstr(f->err.message, "the glass is cracked"));
 }
 
+/* A full disk is nobody's fault: parts are held back, and tried as often as it takes. */
+static void test_the_disk_is_full(void **state)
+{
+    struct fixture *f = *state;
+    cli_write_file(f->folder, "full", "x\nx\nx\nx\nx\nx\nx\nx\nx\nx\n");
+    assert_int_equal(divide(f), 0);
+    assert_int_equal(count_runs(f), 13);
+    assert_int_equal(f->told.done, 3);
+    assert_int_equal(f->told.held, 0);
+}
+
 static void test_a_part_dies_for_good(void **state)
 {
     struct fixture *f = *state;
@@ -202,6 +218,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_each_part_runs_once, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_parts_are_tried_again, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_part_fails_for_good, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_the_disk_is_full, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_part_dies_for_good, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_wave_is_taken_up, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_cancelled_wave_is_forgotten, set_up, tear_down),

@@ -1,0 +1,174 @@
+#include "parts/wave_files.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "parts/files.h"
+
+/* ---- Writing --------------------------------------------------------------------------------- */
+
+static int write_in(const struct orl_sharing *sharing, const char *name, json_t *json,
+                    struct orl_error *err)
+{
+    char path[ORL_PART_PATH];
+
+    snprintf(path, sizeof path, "%s/%s", sharing->folder, name);
+    const int rc =
+        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(json);
+    return rc;
+}
+
+/* Which part a piece belongs to: by the work before the middle of it. */
+static uint32_t part_of(double before, double work, double all, uint32_t n)
+{
+    const double at = floor((before + 0.5 * work) / all * n);
+
+    return at < n ? (uint32_t)at : n - 1;
+}
+
+static json_t *part_to_json(const struct orl_sharing *sharing, const struct orl_piece *pieces,
+                            size_t first, size_t count)
+{
+    json_t *list = json_array();
+
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(list, json_pack("{s:s, s:s}", "kind", pieces[first + i].kind, "key",
+                                              pieces[first + i].key));
+    return json_pack("{s:s, s:I, s:o}", "job", sharing->job, "threads",
+                     (json_int_t)sharing->spec.threads, "pieces", list);
+}
+
+/* Writes the wave's parts; *ret_n: how many there are, for empty ones are none. */
+static int write_parts(const struct orl_sharing *sharing, const char *wave,
+                       const struct orl_piece *pieces, size_t n, size_t *ret_n,
+                       struct orl_error *err)
+{
+    const uint32_t most = n < sharing->spec.most ? (uint32_t)n : sharing->spec.most;
+    double all = 0, before = 0;
+    size_t first = 0, parts = 0;
+    int rc = 0;
+
+    for (size_t i = 0; i < n; i++)
+        all += pieces[i].work;
+    for (size_t i = 0; i < n && rc == 0; i++) {
+        const uint32_t mine = part_of(before, pieces[i].work, all, most);
+        const double next = before + pieces[i].work;
+        char name[120];
+
+        before = next;
+        if (i + 1 < n && part_of(next, pieces[i + 1].work, all, most) == mine)
+            continue;
+        snprintf(name, sizeof name, "%s-%zu.json", wave, parts++);
+        rc = write_in(sharing, name, part_to_json(sharing, pieces, first, i + 1 - first), err);
+        first = i + 1;
+    }
+    *ret_n = parts;
+    return rc;
+}
+
+int orl_wave_write(const struct orl_sharing *sharing, const char *wave,
+                   const struct orl_piece *pieces, size_t n, size_t *ret_parts,
+                   struct orl_error *err)
+{
+    char name[120];
+    int rc = write_parts(sharing, wave, pieces, n, ret_parts, err);
+
+    snprintf(name, sizeof name, "%s.wave", wave);
+    return rc ? rc
+              : write_in(sharing, name, json_pack("{s:I}", "parts", (json_int_t)*ret_parts), err);
+}
+
+bool orl_wave_forget(const char *folder, const char *wave)
+{
+    char path[ORL_PART_PATH];
+
+    snprintf(path, sizeof path, "%s/%s.wave", folder, wave);
+    return unlink(path) == 0;
+}
+
+bool orl_wave_has_room(const char *folder)
+{
+    static const char probe[1 << 16];
+    struct orl_error err = {0};
+    char path[ORL_PART_PATH];
+
+    snprintf(path, sizeof path, "%s/room", folder);
+    const bool full = orl_write_text(path, probe, sizeof probe, &err) == ORL_ERR_FULL;
+    unlink(path);
+    return !full;
+}
+
+/* ---- Reading --------------------------------------------------------------------------------- */
+
+bool orl_part_file(const char *folder, const char *wave, size_t number, const char *what,
+                   char ret_path[ORL_PART_PATH])
+{
+    struct stat st;
+
+    snprintf(ret_path, ORL_PART_PATH, "%s/%s-%zu.%s", folder, wave, number, what);
+    return stat(ret_path, &st) == 0;
+}
+
+bool orl_wave_find(const char *folder, char ret_wave[ORL_WAVE_NAME])
+{
+    static const char ending[] = ".wave";
+    DIR *entries = opendir(folder);
+    bool found = false;
+
+    for (const struct dirent *entry; entries && !found && (entry = readdir(entries)) != NULL;) {
+        const size_t length = strlen(entry->d_name), stem = length - strlen(ending);
+
+        if (length <= strlen(ending) || strcmp(entry->d_name + stem, ending) != 0 ||
+            stem >= ORL_WAVE_NAME)
+            continue;
+        memcpy(ret_wave, entry->d_name, stem);
+        ret_wave[stem] = '\0';
+        found = true;
+    }
+    if (entries)
+        closedir(entries);
+    return found;
+}
+
+size_t orl_wave_parts(const char *folder, const char *wave)
+{
+    char path[ORL_PART_PATH];
+
+    snprintf(path, sizeof path, "%s/%s.wave", folder, wave);
+    json_t *note = json_load_file(path, 0, NULL);
+    const json_int_t n = json_integer_value(json_object_get(note, "parts"));
+    json_decref(note);
+    return n > 0 && n <= ORL_PARTS_MOST ? (size_t)n : 0;
+}
+
+static void mark(const json_t *part, const struct orl_piece *pieces, size_t n, bool *ret_made)
+{
+    const json_t *own;
+    size_t i;
+
+    json_array_foreach(json_object_get(part, "pieces"), i, own)
+    {
+        const char *key = json_string_value(json_object_get(own, "key"));
+
+        for (size_t k = 0; key && k < n; k++)
+            ret_made[k] = ret_made[k] || strcmp(pieces[k].key, key) == 0;
+    }
+}
+
+void orl_wave_mark(const char *folder, const char *wave, size_t n_parts,
+                   const struct orl_piece *pieces, size_t n, bool *ret_made)
+{
+    for (size_t i = 0; i < n_parts; i++) {
+        char path[ORL_PART_PATH];
+        json_t *part =
+            orl_part_file(folder, wave, i, "json", path) ? json_load_file(path, 0, NULL) : NULL;
+
+        mark(part, pieces, n, ret_made);
+        json_decref(part);
+    }
+}
