@@ -9,6 +9,7 @@
 #include "process/times.h"
 #include "result_json.h"
 #include "runner/job_output.h"
+#include "runner/job_work.h"
 
 static double now_s(void *ctx)
 {
@@ -39,6 +40,7 @@ int orl_child_plan(struct orl_opened *opened, json_t **ret_result, struct orl_er
     if (task.kind != ORL_TASK_RENDER)
         return orl_error_set(err, ORL_ERR_INVALID, "only a render job has a plan");
     rc = orl_job_set_scene(&task, &opened->bundle, err);
+    const struct orl_job_work work = orl_job_work(&task, &files);
     env.crew = orl_crew_new(1);
     json_t *plans = json_array();
     const struct orl_job *job = &task.of.render;
@@ -46,7 +48,7 @@ int orl_child_plan(struct orl_opened *opened, json_t **ret_result, struct orl_er
         rc = env.crew && plans ? orl_plan_skies(job, &env, ORL_PLAN_SKIES, add_plan, plans, err)
                                : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0)
-        *ret_result =
-            json_pack("{s:o, s:b}", "plans", plans, "more", job->n_skies > ORL_PLAN_SKIES);
+        *ret_result = json_pack("{s:o, s:b, s:[i, f]}", "plans", plans, "more",
+                                job->n_skies > ORL_PLAN_SKIES, "work", (int)work.way, work.s);
     return rc;
 }

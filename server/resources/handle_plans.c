@@ -10,8 +10,11 @@
 #include "checks/ask.h"
 #include "checks/checks.h"
 #include "checks/job_inputs.h"
+#include "encode.h"
 #include "http/reply.h"
 #include "process/limits.h"
+#include "runner/job_work.h"
+#include "runner/runner_json.h"
 #include "server.h"
 #include "store/scenes.h"
 
@@ -55,6 +58,27 @@ static void check_document(struct orl_request *request)
         post->rc = orl_ask_job(&post->check.asking, path, &post->brief, &post->err);
 }
 
+/* In place of the work that the child tells of: where such a job runs. */
+static int add_runner(const struct orl_server *server, struct plan_post *post)
+{
+    json_t *doc = json_loads(post->text, 0, NULL);
+    const json_t *told = json_object_get(doc, "work");
+    const json_int_t way = json_integer_value(json_array_get(told, 0));
+    const struct orl_job_work work = {way >= 0 && way < ORL_WAY_COUNT ? (enum orl_job_way)way
+                                                                      : ORL_WAY_WHOLE,
+                                      json_number_value(json_array_get(told, 1))};
+    char why[ORL_WHY_MAX];
+    int rc = json_object_del(doc, "work");
+    if (server->config.runner.slurm) {
+        const bool in_parts = orl_job_goes_in_parts(&work, server->place.least_s, why);
+        rc |= json_object_set_new(doc, "runner", orl_runner_to_json(in_parts, why, NULL));
+    }
+    free(post->text);
+    post->text = rc ? NULL : orl_json_text(doc, JSON_COMPACT);
+    json_decref(doc);
+    return post->text ? 0 : orl_error_set(&post->err, ORL_ERR_NOMEM, "out of memory for a plan");
+}
+
 static void make_plan(struct orl_request *request)
 {
     struct plan_post *post = request->state;
@@ -64,6 +88,8 @@ static void make_plan(struct orl_request *request)
     post->rc = orl_body_file(&request->body, &request->server->folders, &path, &post->err);
     if (post->rc == 0)
         post->rc = orl_ask_plan(&post->check.asking, &post->scene, path, &post->text, &post->err);
+    if (post->rc == 0)
+        post->rc = add_runner(request->server, post);
 }
 
 /* ---- On the loop ---------------------------------------------------------------------------- */

@@ -2,8 +2,6 @@
 
 #include <stdio.h>
 
-#include "store/mapped_file.h"
-
 /*
  * Rays that a sample of each kind takes on its way through a room, and how many of them a core
  * traces in a second: measured on the example's office.
@@ -12,7 +10,7 @@ static const double rays_per_s = 1e6;
 enum { PATH_RAYS = 8, GATHER_RAYS = 2, PHOTON_RAYS = 4 };
 
 struct count {
-    const struct orl_bundle *bundle;
+    const struct orl_files *files;
     double sensors;
 };
 
@@ -20,15 +18,15 @@ struct count {
 static int count_sensors(void *ctx, const struct orl_task_file *named, struct orl_error *err)
 {
     struct count *count = ctx;
-    const struct orl_bundle_file *stored = orl_bundle_find(count->bundle, named->name);
+    const struct orl_files *files = count->files;
     struct orl_file file;
     (void)err;
-    if (named->role != ORL_FILE_SENSORS || !stored || orl_map_file(stored->path, &file, NULL))
-        return 0;
+    if (named->role != ORL_FILE_SENSORS || files->open(files->ctx, named->name, &file, NULL))
+        return 0; /* which the run will tell of */
     const char *text = file.data;
     for (size_t i = 0; i < file.size; i++)
         count->sensors += text[i] == '\n';
-    orl_unmap_file(&file);
+    files->close(files->ctx, &file);
     return 0;
 }
 
@@ -56,39 +54,36 @@ static double annual_rays(const struct orl_annual_request *year, double sensors)
     return sensors * (year->samples ? year->samples : ORL_ANNUAL_SAMPLES) * PATH_RAYS;
 }
 
-double orl_job_work_s(const struct orl_task *task, const struct orl_bundle *bundle)
+struct orl_job_work orl_job_work(const struct orl_task *task, const struct orl_files *files)
 {
-    struct count count = {.bundle = bundle};
-    const struct orl_job *render = &task->of.render;
+    struct count count = {.files = files};
+    const struct orl_job *job = &task->of.render;
+    const struct orl_annual_request *year = &task->of.annual.request;
+    if (task->kind != ORL_TASK_RENDER && task->kind != ORL_TASK_ANNUAL)
+        return (struct orl_job_work){ORL_WAY_WHOLE, 0};
+    if (task->kind == ORL_TASK_RENDER && job->goal.deadline_s > 0)
+        return (struct orl_job_work){ORL_WAY_DEADLINE, 0};
+    if (task->kind == ORL_TASK_RENDER && (job->goal.relative_error > 0 || job->goal.dgp_error > 0))
+        return (struct orl_job_work){ORL_WAY_UNKNOWN, 0};
     orl_task_files(task, count_sensors, &count, NULL);
-    if (task->kind == ORL_TASK_ANNUAL)
-        return annual_rays(&task->of.annual.request,
-                           count.sensors + (double)task->of.annual.request.n_sensors) /
-               rays_per_s;
-    if (task->kind != ORL_TASK_RENDER || render->goal.relative_error > 0 ||
-        render->goal.dgp_error > 0)
-        return 0;
-    return render_rays(render, count.sensors + (double)render->n_sensors) / rays_per_s;
+    const double rays = task->kind == ORL_TASK_ANNUAL
+                            ? annual_rays(year, count.sensors + (double)year->n_sensors)
+                            : render_rays(job, count.sensors + (double)job->n_sensors);
+    return (struct orl_job_work){ORL_WAY_KNOWN, rays / rays_per_s};
 }
 
-bool orl_job_goes_in_parts(const struct orl_task *task, const struct orl_bundle *bundle,
-                           double least_s, char ret_why[ORL_WHY_MAX])
+bool orl_job_goes_in_parts(const struct orl_job_work *work, double least_s,
+                           char ret_why[ORL_WHY_MAX])
 {
-    if (task->kind != ORL_TASK_RENDER && task->kind != ORL_TASK_ANNUAL) {
-        snprintf(ret_why, ORL_WHY_MAX, "jobs of its kind are not done in parts");
-        return false;
-    }
-    if (task->kind == ORL_TASK_RENDER && task->of.render.goal.deadline_s > 0) {
-        snprintf(ret_why, ORL_WHY_MAX, "what it finds by its deadline depends on the machine");
-        return false;
-    }
-    const double work = orl_job_work_s(task, bundle);
-    if (work <= 0) {
-        snprintf(ret_why, ORL_WHY_MAX, "how much work its accuracy takes is not known beforehand");
-        return true;
-    }
-    const bool large = work >= least_s;
-    snprintf(ret_why, ORL_WHY_MAX, "about %.3g s of one core, %s than the %.3g s of --least", work,
-             large ? "no less" : "less", least_s);
-    return large;
+    static const char *const plain[ORL_WAY_COUNT] = {
+        [ORL_WAY_WHOLE] = "jobs of its kind are not done in parts",
+        [ORL_WAY_DEADLINE] = "what it finds by its deadline depends on the machine",
+        [ORL_WAY_UNKNOWN] = "how much work its accuracy takes is not known beforehand"};
+    const bool large = work->s >= least_s;
+    if (plain[work->way])
+        snprintf(ret_why, ORL_WHY_MAX, "%s", plain[work->way]);
+    else
+        snprintf(ret_why, ORL_WHY_MAX, "about %.3g s of one core, %s than the %.3g s of --least",
+                 work->s, large ? "no less" : "less", least_s);
+    return work->way == ORL_WAY_UNKNOWN || (work->way == ORL_WAY_KNOWN && large);
 }

@@ -7,16 +7,29 @@
 
 #include <stdbool.h>
 
+#include <oriel/files.h>
 #include <oriel/plan.h>
 
-#include "store/bundle.h"
 #include "task_json.h"
 
-/* Seconds of one core, above 0; 0: its document does not tell. bundle: the files it names. */
-double orl_job_work_s(const struct orl_task *task, const struct orl_bundle *bundle);
+enum orl_job_way {
+    ORL_WAY_WHOLE,    /* its kind is not done in parts */
+    ORL_WAY_DEADLINE, /* nor are jobs for one */
+    ORL_WAY_UNKNOWN,  /* its document does not tell how much it is */
+    ORL_WAY_KNOWN,
+    ORL_WAY_COUNT
+};
+
+struct orl_job_work {
+    enum orl_job_way way;
+    double s; /* where it is known: of one core */
+};
+
+/* files: those that it names. */
+struct orl_job_work orl_job_work(const struct orl_task *task, const struct orl_files *files);
 
 /* Whether it goes in parts, and why so or not: least_s is the least work that is worth it. */
-bool orl_job_goes_in_parts(const struct orl_task *task, const struct orl_bundle *bundle,
-                           double least_s, char ret_why[ORL_WHY_MAX]);
+bool orl_job_goes_in_parts(const struct orl_job_work *work, double least_s,
+                           char ret_why[ORL_WHY_MAX]);
 
 #endif

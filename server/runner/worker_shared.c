@@ -73,8 +73,9 @@ int orl_worker_share(struct orl_worker *worker, const struct orl_task *task, str
     char why[ORL_WHY_MAX];
     if (!worker->spec.place)
         return 0;
-    const bool in_parts =
-        orl_job_goes_in_parts(task, &worker->spec.bundle, worker->spec.place->least_s, why);
+    const struct orl_files files = orl_bundle_provider(&worker->spec.bundle);
+    const struct orl_job_work work = orl_job_work(task, &files);
+    const bool in_parts = orl_job_goes_in_parts(&work, worker->spec.place->least_s, why);
     pthread_mutex_lock(&worker->news_mutex);
     worker->in_parts = in_parts;
     snprintf(worker->why_here, sizeof worker->why_here, "%s", why);

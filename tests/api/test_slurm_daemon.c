@@ -341,6 +341,17 @@ static void test_small_jobs_stay(void **state)
     assert_string_equal(reply_text(&reply, "runner.name"), "local");
     assert_non_null(strstr(reply_text(&reply, "runner.why"), "of one core, less than the 100 s"));
     assert_null(reply_at(&reply, "runner.parts"));
+    char scene[80], plan[400];
+    snprintf(scene, sizeof scene, "%s", reply_text(&reply, "scene"));
+    reply_done(&reply);
+    snprintf(plan, sizeof plan,
+             "{\"scene\": \"%s\", \"technique\": \"gather\", \"photons\": {\"global\": 90000000,"
+             " \"caustic\": 0}, \"sensors\": [[1, 1, 0.8, 0, 0, 1]]}",
+             scene);
+    daemon_post_json(&f->daemon, "/v1/plans", plan, &reply);
+    if (strcmp(reply_text(&reply, "runner.name"), "slurm") != 0)
+        fail_msg("%s", reply.body);
+    assert_null(reply_at(&reply, "work"));
     reply_done(&reply);
     assert_cleared(f);
 }
