@@ -4,7 +4,7 @@
 
 /*
  * Rays that a sample of each kind takes on its way through a room, and how many of them a core
- * traces in a second: measured on the example's office.
+ * traces in a second: in a room of a dozen surfaces, 0.8 to 1.3 times what was measured.
  */
 static const double rays_per_s = 1e6;
 enum { PATH_RAYS = 8, GATHER_RAYS = 2, PHOTON_RAYS = 4 };
