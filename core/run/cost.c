@@ -27,6 +27,15 @@ static const double evenness = 1.15;
  * wanted is come up to first, and then, when it is known better, passed by a little. */
 static const double growth = 8, approach = 0.6, far = 0.35, margin = 1.02;
 
+/*
+ * With a deadline views by a final gather have rays by the samples of a round, as they have
+ * photons: its rounds are then of any length that the time has left. An office of 800x600 through
+ * glass and through a panel, a quarter of the usual rays to 2.25 times as many, by one map: the
+ * error falls as their root, from 6.5 to 2.3 and from 8.6 to 3.4 %, and half of the usual time goes
+ * as they do. There are no more rows of a hemisphere than that (gather.h).
+ */
+static const double part_by_rays = 0.5, most_rays = 2.25;
+
 static double photons_of(const struct orl_work *work, double samples)
 {
     double sum = 0;
@@ -60,7 +69,12 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
     if (work.of_views && !backward) {
         const double alike = orl_run_photons_as_views(state) / fmax(photons_of(&work, 1), 1);
         work.least = map_samples;
-        work.most = fmin(work.most, fmax(alike, work.least));
+        if (state->job->goal.deadline_s > 0 && work.technique == ORL_TECHNIQUE_GATHER) {
+            work.by_rays = part_by_rays;
+            work.most = fmin(work.most, most_rays * map_samples);
+        } else {
+            work.most = fmin(work.most, fmax(alike, work.least));
+        }
     } else if (work.shares || state->job->goal.dgp_error > 0)
         work.least = least_of_sensors;
     return work;
@@ -107,7 +121,22 @@ double orl_work_next(const struct orl_work *work, double done, double wanted)
 
 bool orl_work_renders_alike(const struct orl_work *work)
 {
-    return work->of_views && work->technique != ORL_TECHNIQUE_BACKWARD;
+    return work->of_views && work->technique != ORL_TECHNIQUE_BACKWARD && !(work->by_rays > 0);
+}
+
+double orl_work_view_rays(const struct orl_work *work, double samples)
+{
+    return work->by_rays > 0 ? fmin(samples / map_samples, most_rays) : 0;
+}
+
+/* Views and sensors of a round, where rays of views go by samples. */
+static double render_by_rays_s(const struct orl_pace *pace, const struct orl_work *work,
+                               double samples)
+{
+    const double b = work->by_rays, usual = 1 - b + b * samples / map_samples;
+    const double done = pace->rounds * (1 - b) + b * pace->samples / map_samples;
+    return pace->views_s / done * usual +
+           (pace->render_s - pace->views_s) / pace->samples * samples;
 }
 
 double orl_pace_round_s(const struct orl_pace *pace, const struct orl_work *work, double samples)
@@ -117,6 +146,8 @@ double orl_pace_round_s(const struct orl_pace *pace, const struct orl_work *work
         seconds += pace->photon_s / pace->photons * photons_of(work, samples);
     if (orl_work_renders_alike(work))
         return seconds + (pace->rounds > 0 ? pace->render_s / pace->rounds : 0);
+    if (work->by_rays > 0 && pace->samples > 0)
+        return seconds + render_by_rays_s(pace, work, samples);
     return seconds + (pace->samples > 0 ? pace->render_s / pace->samples * samples : 0);
 }
 
@@ -203,6 +234,7 @@ void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
                      const struct orl_work *work, const struct orl_parts *parts)
 {
     const double one_percent = 0.01;
+    const bool by_rounds = orl_work_renders_alike(work) || work->by_rays > 0;
     struct orl_cost *cost = &state->result->cost;
     cost->rays = state->result->health.rays;
     cost->photons = state->result->health.photons;
@@ -219,15 +251,14 @@ void orl_run_predict(struct orl_run_state *state, const struct orl_pace *pace,
     cost->halve_s = seconds_to(pace, work, parts, cost->error / 2);
     cost->one_percent_s =
         cost->error <= one_percent ? 0 : seconds_to(pace, work, parts, one_percent);
-    snprintf(cost->model, sizeof cost->model,
-             "a run in rounds by %s: %.3g s, %.3g s a million photons, %.3g s %s; error^2 falls as "
-             "1 / work%s",
-             orl_technique_name(work->technique), pace->before_s,
-             pace->photons > 0 ? 1e6 * pace->photon_s / pace->photons : 0,
-             orl_work_renders_alike(work) ? pace->render_s / fmax(pace->rounds, 1)
-                                          : 1e3 * pace->render_s / pace->samples,
-             orl_work_renders_alike(work) ? "a round of its views" : "a thousand samples",
-             work->shares ? "^1.15" : "");
+    snprintf(
+        cost->model, sizeof cost->model,
+        "a run in rounds by %s: %.3g s, %.3g s a million photons, %.3g s %s; error^2 falls as "
+        "1 / work%s",
+        orl_technique_name(work->technique), pace->before_s,
+        pace->photons > 0 ? 1e6 * pace->photon_s / pace->photons : 0,
+        by_rounds ? pace->render_s / fmax(pace->rounds, 1) : 1e3 * pace->render_s / pace->samples,
+        by_rounds ? "a round of its views" : "a thousand samples", work->shares ? "^1.15" : "");
 }
 
 void orl_run_draw_curve(const struct orl_run_state *state, const struct orl_pace *pace,

@@ -23,6 +23,8 @@ struct orl_work {
     bool shares;                      /* sensors may get different samples: unbiased, no views */
     uint64_t photons[ORL_SHOT_KINDS]; /* the planner's */
     double least, most;               /* samples of a round */
+    double by_rays; /* of views by maps: the part of their usual time that goes as samples do,
+                       for they have rays by these; 0: every round's are alike */
 };
 
 struct orl_work orl_work_of(const struct orl_run_state *state);
@@ -31,8 +33,12 @@ struct orl_work orl_work_of(const struct orl_run_state *state);
 uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples);
 uint32_t orl_work_pixel_samples(double samples);
 
-/* By photon maps a view's own work is the same however many photons there are. */
+/* By photon maps a view's own work is the same however many photons there are, unless its rays go
+ * by samples, too. */
 bool orl_work_renders_alike(const struct orl_work *work);
+
+/* Rays of views in a round of so many samples, as a painting has them (render/image/paint.h). */
+double orl_work_view_rays(const struct orl_work *work, double samples);
 
 /* The samples of the round after `done` of them, when `wanted` in all would do: by counts alone. */
 double orl_work_next(const struct orl_work *work, double done, double wanted);
@@ -49,6 +55,7 @@ struct orl_pace {
     double before_s;          /* until the first photon */
     double photons, photon_s; /* traced and put into maps; virtual lamps count */
     double samples, render_s;
+    double views_s;          /* of render_s, where rays of views go by samples */
     double rounds, beside_s; /* what is not of the above */
 };
 

@@ -4,6 +4,9 @@
 
 /* A round fills that much of what is left, the last one that. */
 static const double fill = 0.7, last_fill = 0.93;
+/* What a round leaves is to hold so many times the smallest one; where that is long, as of views
+ * whose rays go by samples, that much more, for the round may take longer than is thought. */
+static const double room = 1.075, room_of_views = 1.5;
 /* Less than this share of the deadline is not worth a round; so much over it is still kept. */
 static const double crumbs = 0.04, tolerance = 0.1;
 
@@ -15,21 +18,25 @@ static double most_samples(const struct orl_pace *pace, const struct orl_work *w
 }
 
 /* Rounds that fill such a time: one, unless the largest there may be is too short, and there is
- * room for more. */
+ * room for more; or that one would be the second of views whose rays go by samples, and one round
+ * alone has not told yet how much of their time does. */
 static double rounds_to_fill(const struct orl_pace *pace, const struct orl_work *work,
                              double seconds, double crumb_s)
 {
     const double most = fmax(fmin(work->most, most_samples(pace, work)), work->least);
-    const double longest = orl_pace_round_s(pace, work, most), rounds = ceil(seconds / longest);
+    const bool unsure = work->by_rays > 0 && pace->rounds < 2;
+    const double longest = orl_pace_round_s(pace, work, most);
+    const double rounds = fmax(ceil(seconds / longest), unsure ? 2 : 1);
     const bool fits = rounds * orl_pace_round_s(pace, work, work->least) <= seconds;
-    return seconds - longest > crumb_s && fits ? rounds : 1;
+    return (unsure || seconds - longest > crumb_s) && fits ? rounds : 1;
 }
 
 struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const struct orl_work *work,
                                            double deadline_s, double left_s)
 {
     const double least = orl_pace_round_s(pace, work, work->least);
-    const double end = fmax(least / last_fill, crumbs * deadline_s);
+    const double margin = work->by_rays > 0 ? room_of_views : room;
+    const double end = fmax(margin * least, crumbs * deadline_s);
     struct orl_deadline_next next = {.step = ORL_DEADLINE_ROUND, .least_s = least};
     double seconds = fill * left_s;
     if (left_s < -tolerance * deadline_s)

@@ -5,7 +5,8 @@
  * Rounds each fill most of what is left, so that an estimate that is off spoils little; the last
  * one fills nearly all; where the largest round that there may be is shorter than that it is two,
  * or more. The smallest round there is has a length, too: by photon maps a view is rendered as a
- * whole each time. Where even that does not fit the job ends with time to spare, and says so.
+ * whole each time, by a final gather with a quarter of its usual rays at the least (cost.h). Where
+ * even that does not fit the job ends with time to spare, and says so.
  */
 #ifndef ORL_RUN_DEADLINE_H
 #define ORL_RUN_DEADLINE_H

@@ -120,7 +120,8 @@ int orl_paint_view(struct orl_rendering *rendering, size_t index, struct orl_fil
                                           .view = &view,
                                           .film = ret_film,
                                           .irradiance = state->job->views[index].irradiance,
-                                          .shift = {state->shift[0], state->shift[1]}};
+                                          .shift = {state->shift[0], state->shift[1]},
+                                          .rays = state->view_rays};
     const int code = orl_open_view(state, index, &view, ret_film, err);
     return code == 0 ? rendering->renderer->view(rendering->renderer->ctx, &painting, err) : code;
 }

@@ -20,7 +20,8 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
 {
     *r = (struct orl_rounds){.state = state, .error = NAN};
     r->work = orl_work_of(state);
-    if (state->job->goal.deadline_s > 0 && (!r->work.of_views || orl_work_renders_alike(&r->work)))
+    const bool of_pixels = r->work.of_views && r->work.technique == ORL_TECHNIQUE_BACKWARD;
+    if (state->job->goal.deadline_s > 0 && !of_pixels)
         r->work.least *= short_round;
     if (state->pilot && state->pilot->samples > 0)
         r->work.least = state->pilot->samples;
@@ -116,6 +117,8 @@ static void take_times(struct orl_rounds *r, const struct orl_result *found_by, 
     r->pace.samples += r->samples;
     r->state->samples = r->pace.samples;
     r->pace.render_s += render_s;
+    for (size_t i = 0; i < found_by->n_views; i++)
+        r->pace.views_s += found_by->views[i].seconds;
     r->pace.beside_s += fmax(all_s - photon_s - render_s, 0);
     r->pace.rounds++;
 }
@@ -188,6 +191,7 @@ static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run
     ret_round->result = result;
     orl_work_bandwidths(r->samples, r->pace.samples, r->bandwidths);
     ret_round->bandwidths = r->bandwidths;
+    ret_round->view_rays = orl_work_view_rays(&r->work, r->samples);
     move_rays(r, ret_round->shift);
     ret_round->sensor_round = r->shares ? &r->sensor_round : NULL;
     ret_round->take_film = take_film;

@@ -20,7 +20,8 @@
  * on errors and counts alone, never on time: the same job and seed give the same bytes.
  *
  * A deadline: rounds are sized from the time that those before took, each to fill most of what is
- * left. What such a job finds depends on the machine, and is never twice the same.
+ * left; views by a final gather have rays by the size of a round, too. What such a job finds
+ * depends on the machine, and is never twice the same.
  */
 #ifndef ORL_RUN_ROUNDS_H
 #define ORL_RUN_ROUNDS_H

@@ -55,6 +55,7 @@ struct orl_run_state {
     double started_s; /* of the run */
     double ends_s;    /* of a job for a deadline, until its last round: the deadline; else 0 */
     double shift[2];  /* of views' rays, pixels, in rounds (paint.h) */
+    double view_rays; /* by maps, over the usual number, in rounds (paint.h); 0: that one */
     const double *bandwidths; /* by kind of map, in rounds (gather.h); NULL: as usual */
     const struct orl_sensor_round *sensor_round; /* NULL: as the job has it */
     struct orl_rays *rays; /* of the sensors, in lux, for what is rare; owned */

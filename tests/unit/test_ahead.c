@@ -386,6 +386,54 @@ static void test_views_by_maps(void **state)
     assert_true(least_used >= 0.9);
 }
 
+/*
+ * Views by a final gather, whose rays go by samples as their photons do: nine tenths of any time
+ * are used that holds two of the smallest rounds, whether a fifth more or less of a round goes by
+ * samples than is thought; or what is left holds no other round, and that is less than a fifth.
+ */
+static void test_views_by_rays(void **state)
+{
+    const double deadline = 30, usual = 4096;
+    const struct orl_work work = {.technique = ORL_TECHNIQUE_GATHER,
+                                  .of_views = true,
+                                  .photons = {1000000, 1000000},
+                                  .least = 1024,
+                                  .most = 2.25 * 4096,
+                                  .by_rays = 0.5};
+    double least_used = 1, sum = 0;
+    int n = 0;
+    (void)state;
+    for (double part = 0.4; part < 0.61; part += 0.1)
+        for (double view_s = 0.3; view_s < 20; view_s *= 1.07) {
+            struct orl_pace pace = {0};
+            struct orl_deadline_next next = {.samples = work.least};
+            double elapsed = 0;
+            if (2 * view_s * (1 - part + part / 4 + 0.1) > 0.8 * deadline)
+                continue;
+            do {
+                const double share = next.samples / usual;
+                const double painting_s = view_s * (1 - part + part * share);
+                elapsed += painting_s + 0.4 * view_s * share;
+                pace.rounds++;
+                pace.samples += next.samples;
+                pace.photons += 2e6 * share;
+                pace.photon_s += 0.4 * view_s * share;
+                pace.render_s += painting_s;
+                pace.views_s += painting_s;
+                next = orl_deadline_next(&pace, &work, deadline, deadline - elapsed);
+            } while (next.step == ORL_DEADLINE_ROUND);
+            if (elapsed < 0.9 * deadline || elapsed > 1.05 * deadline)
+                print_message("%.2f s a view, %.1f of it by rays: %.2f of %.0f s\n", view_s, part,
+                              elapsed, deadline);
+            assert_true(elapsed < 1.1 * deadline);
+            least_used = fmin(least_used, elapsed / deadline);
+            sum += elapsed / deadline;
+            n++;
+        }
+    print_message("%.3f of the time at the least, %.3f on average\n", least_used, sum / n);
+    assert_true(least_used >= 0.9);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_any_machine),
@@ -402,6 +450,7 @@ int main(void)
                                        cmocka_unit_test(test_whatever_rounds_take),
                                        cmocka_unit_test(test_what_is_left_of_a_deadline),
                                        cmocka_unit_test(test_no_room),
-                                       cmocka_unit_test(test_views_by_maps)};
+                                       cmocka_unit_test(test_views_by_maps),
+                                       cmocka_unit_test(test_views_by_rays)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

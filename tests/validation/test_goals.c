@@ -8,8 +8,11 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "support/cli.h"
+#include "support/hdr.h"
 #include "support/room.h"
 #include "support/scene_text.h"
 
@@ -201,12 +204,62 @@ static void test_views(void **state)
     orl_result_done(&r);
 }
 
+enum { WIDTH = 32, HEIGHT = 24 };
+
+/* The sum of a view's radiances by a final gather; by the watch's clock where there is one. */
+static double sum_of_view(double deadline_s, double every_s, uint32_t *ret_rounds)
+{
+    struct watch watch = {.tick = every_s};
+    struct scene_run run = job(ORL_TECHNIQUE_GATHER, 0, 1);
+    double rgb[WIDTH * HEIGHT][3], sum = 0;
+    char folder[64], path[96];
+    cli_make_folder(folder);
+    run.goal = (struct orl_goal){.deadline_s = deadline_s, .at = deadline_s > 0 ? 0.95 : 0};
+    run.n_sensors = 0;
+    run.view = "-vtv -vp 2 4 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 -vv 45";
+    run.width = WIDTH;
+    run.height = HEIGHT;
+    run.folder = folder;
+    run.global = 200000;
+    run.now_s = every_s > 0 ? tick : NULL;
+    run.ctx = &watch;
+    struct orl_result r = scene_run(&run);
+    *ret_rounds = r.outcome.rounds;
+    snprintf(path, sizeof path, "%s/%s", folder, r.views[0].files[ORL_PICTURE_HDR]);
+    hdr_read(path, WIDTH, HEIGHT, rgb);
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++)
+        sum += rgb[i][0] + rgb[i][1] + rgb[i][2];
+    orl_result_done(&r);
+    cli_remove_folder(folder);
+    return sum;
+}
+
+/*
+ * Rounds of few rays and of many are one picture: by a clock that goes on when it is asked the same
+ * one twice, and as bright as one in one piece.
+ */
+static void test_view_by_deadline(void **state)
+{
+    const double deadline_s = 100, every_s = 2;
+    uint32_t rounds, again;
+    (void)state;
+    const double usual = sum_of_view(0, 0, &rounds);
+    const double first = sum_of_view(deadline_s, every_s, &rounds);
+    const double second = sum_of_view(deadline_s, every_s, &again);
+    print_message("%u rounds: %.4f of the picture in one piece\n", rounds, first / usual);
+    assert_true(rounds >= 2);
+    assert_int_equal(rounds, again);
+    assert_true(first == second);
+    assert_true(fabs(first / usual - 1) < 0.02);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_accuracy_is_kept), cmocka_unit_test(test_same_bytes),
         cmocka_unit_test(test_out_of_reach),     cmocka_unit_test(test_dark_sensors_do_not_block),
         cmocka_unit_test(test_deadlines),        cmocka_unit_test(test_views),
+        cmocka_unit_test(test_view_by_deadline),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,6 +17,8 @@ enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
  * serves. Along the lines where surfaces meet late ones have little company, and their noise is
  * seen as stitches; but what makes it, windows that few rays find, takes more rays in itself. */
 enum { ROWS = 12, ROWS_OF_STEP_4 = 8, LEAST_ROWS = 6 };
+/* Where a picture has fewer rays than usual. */
+enum { FEWEST_ROWS = 4 };
 
 /* Down to that step all places are looked at; and where all of the rest is gathered, to this. */
 enum { ALL_READ_OF_STEP = 8, ALL_OF_STEP = 2 };
@@ -67,6 +69,12 @@ static uint32_t finest_step(const struct painter *p)
     return p->gather->rest == ORL_REST_GATHERED || p->outside ? 1 : 2;
 }
 
+/* Over the usual number. */
+static double rays_of(const struct painter *p)
+{
+    return p->painting->rays > 0 ? p->painting->rays : 1;
+}
+
 /* Inside, where the rest is read, few rays are better than what they replace. */
 static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
 {
@@ -74,7 +82,14 @@ static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
     const double finer = cbrt(sqrt(large_picture / ((double)film->width * film->height)));
     const bool coarse = p->step > 2 && orl_lighting_gathers(p->gather, place);
     const uint32_t rows = !coarse ? LEAST_ROWS : p->step > 4 ? ROWS : ROWS_OF_STEP_4;
-    return (uint32_t)lrint(rows * fmin(fmax(finer, 1), most_finer));
+    const double all = rows * fmin(fmax(finer, 1), most_finer) * sqrt(rays_of(p));
+    return (uint32_t)lrint(fmin(fmax(all, FEWEST_ROWS), ORL_HEMISPHERE_ROWS));
+}
+
+static uint32_t pane_samples_of(const struct painter *p)
+{
+    const bool gathered = p->gather->rest == ORL_REST_GATHERED;
+    return (uint32_t)ceil((gathered ? PANE_SAMPLES : FEWER_PANE_SAMPLES) * rays_of(p));
 }
 
 /* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
@@ -346,9 +361,6 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
                               .shader = {.world = gather->world,
                                          .irradiance = painting->irradiance,
                                          .sobol = &gather->sobol,
-                                         .pane_samples = gather->rest == ORL_REST_GATHERED
-                                                             ? PANE_SAMPLES
-                                                             : FEWER_PANE_SAMPLES,
                                          .gloss_samples = GLOSS_SAMPLES,
                                          .dimmest = dimmest,
                                          .radiance = lobe_radiance,
@@ -358,6 +370,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     const double degrees = fmax(view->horizontal, view->vertical);
     const double side = fmax(painting->film->width, painting->film->height);
     struct orl_small_lights discs;
+    painter.shader.pane_samples = pane_samples_of(&painter);
     painter.outside = orl_world_is_outside(gather->world, eye);
     painter.grain = view->type == 'l'
                         ? (struct orl_grain){.width = view->horizontal / painting->film->width}

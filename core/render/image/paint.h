@@ -33,6 +33,7 @@ struct orl_painting {
     bool irradiance; /* of what is seen, W/m2, instead of its radiance */
     double shift[2]; /* pixels, right and down, that all rays are moved by: of one of several
                         pictures that become one, which places between fixed rays are to be in */
+    double rays; /* of records and of panes' lobes, over the usual number; 0: that one (image.h) */
 };
 
 static inline bool orl_paint_cancelled(const struct orl_paint_env *env)
