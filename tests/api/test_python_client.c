@@ -101,13 +101,21 @@ static int teardown(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_old_python), cmocka_unit_test(test_whole_way),
-        cmocka_unit_test(test_example),    cmocka_unit_test(test_upload_if_absent),
-        cmocka_unit_test(test_zips),       cmocka_unit_test(test_skies),
-        cmocka_unit_test(test_years),      cmocka_unit_test(test_bsdfs),
-        cmocka_unit_test(test_panels), cmocka_unit_test(test_measurements),     cmocka_unit_test(test_cancel),
-        cmocka_unit_test(test_labels),     cmocka_unit_test(test_removal),
-        cmocka_unit_test(test_problems),   cmocka_unit_test(test_repeated_submission),
+        cmocka_unit_test(test_old_python),
+        cmocka_unit_test(test_whole_way),
+        cmocka_unit_test(test_example),
+        cmocka_unit_test(test_upload_if_absent),
+        cmocka_unit_test(test_zips),
+        cmocka_unit_test(test_skies),
+        cmocka_unit_test(test_years),
+        cmocka_unit_test(test_bsdfs),
+        cmocka_unit_test(test_panels),
+        cmocka_unit_test(test_measurements),
+        cmocka_unit_test(test_cancel),
+        cmocka_unit_test(test_labels),
+        cmocka_unit_test(test_removal),
+        cmocka_unit_test(test_problems),
+        cmocka_unit_test(test_repeated_submission),
         cmocka_unit_test(test_tokens),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
