@@ -211,6 +211,39 @@ static void test_forged_by_other_pages(void **state)
     reply_done(&reply);
 }
 
+/* Forms are posted in three ways, of which two may carry JSON or a zip whole: wherever they come
+ * from, and whatever they ask for, the cookie that comes with them is not enough. */
+static void test_forms(void **state)
+{
+    struct fixture *f = *state;
+    char cookie[160], cancel[120], links[120], headers[700], json[200];
+    static const char *const ways[] = {"Content-Type: text/plain\r\n",
+                                       "Content-Type: application/x-www-form-urlencoded\r\n",
+                                       "Content-Type: multipart/form-data; boundary=b\r\n",
+                                       "Content-Type: application/json\r\n", ""};
+    static const char *const pages[] = {"Origin: null\r\n", "Origin: http://localhost:3000\r\n",
+                                        "Origin: https://evil.example\r\n", ""};
+    sign_in(f, f->submit, cookie);
+    snprintf(cancel, sizeof cancel, "POST %s/cancel", f->job);
+    snprintf(links, sizeof links, "POST %s/links", f->job);
+    snprintf(json, sizeof json, " {\"scene\":\"%s\",\"sensors\":[[2,2,1,0,0,1]]}", f->scene);
+    const char *const lines[] = {"POST /v1/jobs",  "POST /v1/plans", "POST /v1/scenes",
+                                 "POST /v1/bsdfs", cancel,           links};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
+        for (size_t k = 0; k < sizeof pages / sizeof *pages; k++) {
+            snprintf(headers, sizeof headers, "%s%s%s", f->host, pages[k], ways[i]);
+            for (size_t l = 0; l < sizeof lines / sizeof *lines; l++)
+                expect(f, lines[l], headers, cookie, json, 403);
+        }
+    /* Signing in takes a token, which no form can send: nobody is signed in as someone else. */
+    snprintf(headers, sizeof headers, "%sOrigin: https://evil.example\r\n%s", f->host, ways[0]);
+    expect(f, "POST /v1/session", headers, f->submit, "", 403);
+    snprintf(headers, sizeof headers, "%s%s", f->host, ways[0]);
+    expect(f, "POST /v1/session", headers, "", "token=x", 401);
+    snprintf(headers, sizeof headers, "%sContent-Type: application/json\r\n", f->own);
+    expect(f, "POST /v1/plans", headers, cookie, json, 200); /* from the daemon's own page */
+}
+
 /* Restarts with those options; the ports are others then. */
 static void restart(struct fixture *f, const char *const *extra)
 {
@@ -537,6 +570,7 @@ int main(void)
         cmocka_unit_test(test_in_and_out),
         cmocka_unit_test(test_no_way_in),
         cmocka_unit_test(test_forged_by_other_pages),
+        cmocka_unit_test(test_forms),
         cmocka_unit_test(test_sessions_end),
         cmocka_unit_test(test_streams_end),
         cmocka_unit_test(test_bounded),
