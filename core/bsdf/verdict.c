@@ -188,6 +188,12 @@ static void judge_redirection(struct orl_bsdf_check *c)
             100 * down, 100 * up);
 }
 
+/* That three digits of a factor take. */
+static int decimals_of(double factor)
+{
+    return factor < 10 ? 2 : factor < 100 ? 1 : 0;
+}
+
 static void judge_peak(struct orl_bsdf_check *c)
 {
     const struct orl_bsdf_peak *p = &c->strongest;
@@ -198,9 +204,10 @@ static void judge_peak(struct orl_bsdf_check *c)
         return;
     }
     say(c, ORL_BSDF_NOTE,
-        "Straight through, the sun's disc is smeared over %.3g times its size (%.0f at normal "
+        "Straight through, the sun's disc is smeared over %.*f times its size (%.*f at normal "
         "incidence): glare (DGP) may come out too low by up to %.3f.",
-        p->smear, c->normal.smear, p->dgp_loss);
+        decimals_of(p->smear), p->smear, decimals_of(c->normal.smear), c->normal.smear,
+        p->dgp_loss);
     if (p->straight > 0)
         say(c, ORL_BSDF_NOTE,
             "At theta %.0f, phi %.0f, %.1f %% of the light goes straight through: the material "

@@ -196,9 +196,10 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
   await page.getByRole('link', { name: 'Heat map' }).click();
   const { sensors } = await daemon.ask('GET', `/v1/jobs/${id}/result`);
   const values = sensors.map((one) => one.illuminance_lx).sort((a, b) => a - b);
-  await page.getByLabel('Threshold, lx as a number').fill(String((values[2] + values[3]) / 2));
+  await page.getByLabel('Threshold, lx as a number').fill(((values[2] + values[3]) / 2).toFixed(1));
   await page.getByText('75\u202f%').first().waitFor();
   assert.equal(await page.locator('table.sensors tbody tr').count(), 12);
+  assert.ok(await page.locator('.listed').evaluate((list) => list.scrollHeight <= list.clientHeight)); // none is cut
   assert.deepEqual(await browser.audit(page), []);
   await browser.keep(page, 'sensors');
 }));
@@ -235,6 +236,7 @@ test('a BSDF that is dropped tells what its check found, and where light goes', 
   const id = page.url().split('/').pop();
   const { summary } = await daemon.ask('GET', `/v1/bsdfs/${id}`);
   assert.equal(await page.locator('.findings li').count(), summary.check.verdicts.length);
+  assert.doesNotMatch(await page.locator('.findings').innerText(), /\de\+?\d/); // numbers as people write them
   const share = async (label) => parseFloat(/: ([0-9.]+)\s% of the light/.exec(await page.getByRole('img', { name: new RegExp(`^${label}: `) }).getAttribute('aria-label'))[1]);
   await page.getByRole('img', { name: /^Transmitted: [0-9.]+\s% of the light/ }).waitFor();
   await page.getByLabel('Light from outside').check();
