@@ -22,6 +22,8 @@
 static const double asked_least_s = 1, asked_most_s = 30, asked_share = 0.02;
 /* Tasks that are cancelled may take so long to go. */
 static const double cancel_s = 60;
+/* An sbatch that was cut off may so long still hand in what it was to. */
+static const double doubt_s = 5;
 
 static const char script[] = "#!/bin/sh\n"
                              "# One part of a job: the program, the shared folder, the wave.\n"
@@ -155,7 +157,8 @@ static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[OR
     argv[n++] = folder;
     argv[n++] = wave;
     argv[n] = NULL;
-    return orl_command_run(argv, slurm->spec.command_s, slurm->spec.cancel, ret_output, err);
+    /* Cut off by a cancel it might hand them in behind that. */
+    return orl_command_run(argv, slurm->spec.command_s, NULL, ret_output, err);
 }
 
 /* The number that Slurm gave it, for who looks into a cluster's log. */
@@ -359,8 +362,9 @@ static void rest(void)
     nanosleep(&moment, NULL);
 }
 
-/* Until none is left: one that was just being handed in is met by the next try. */
-int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *wave, struct orl_error *err)
+/* Until none is left, and so long at least: what comes late is met by the next try. */
+static int cancel_tasks(const struct orl_runner_spec *spec, const char *wave, double least_s,
+                        struct orl_error *err)
 {
     const double began = spec->now_s(NULL);
     const double limit_s = spec->command_s > 0 ? spec->command_s : ORL_SLURM_COMMAND_S;
@@ -373,6 +377,7 @@ int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *wave, struc
     while (!gone && spec->now_s(NULL) - began < cancel_s) {
         orl_command_run(argv, limit_s, NULL, output, NULL);
         gone = run_squeue(tasks, limit_s, NULL, output, NULL) == 0 && output[0] == '\0';
+        gone = gone && spec->now_s(NULL) - began >= least_s;
         if (!gone)
             rest();
     }
@@ -383,11 +388,16 @@ int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *wave, struc
     return ORL_ERR_IO;
 }
 
+int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *wave, struct orl_error *err)
+{
+    return cancel_tasks(spec, wave, 0, err);
+}
+
 static int slurm_cancel(void *ctx, const char *wave, struct orl_error *err)
 {
     const struct slurm *slurm = ctx;
 
-    return orl_slurm_cancel(&slurm->spec, wave, err);
+    return cancel_tasks(&slurm->spec, wave, slurm->in_doubt ? doubt_s : 0, err);
 }
 
 static void slurm_done(void *ctx)

@@ -42,6 +42,11 @@ int cluster_stop(void **state)
     return 0;
 }
 
+const char *cluster_folder(void)
+{
+    return cluster;
+}
+
 /* Lines that begin so. */
 static int count_lines(const char *command, const char *begin)
 {

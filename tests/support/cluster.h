@@ -13,6 +13,9 @@
 int cluster_start(void **state);
 int cluster_stop(void **state);
 
+/* A folder that goes with it. */
+const char *cluster_folder(void);
+
 /* Lines of squeue, of all tasks; running: of those that run. */
 int cluster_tasks(bool running);
 /* And of those that ended in the last half minute. */

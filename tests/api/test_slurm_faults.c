@@ -1,0 +1,228 @@
+/*
+ * What goes wrong between orield --runner slurm and a real Slurm on loopback, each without a loss:
+ * the same results, and nothing computed twice.
+ */
+#include <dirent.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "support/cluster.h"
+#include "support/parted_daemon.h"
+
+/* Parts of the wave that is under way. */
+static int count_parts(const struct parted_daemon *f, const char *path)
+{
+    char folder[256], wave[256] = "";
+    int n = 0;
+    snprintf(folder, sizeof folder, "%s/%s", f->shared, path + strlen("/v1/jobs/"));
+    for (int pass = 0; pass < 2; pass++) {
+        DIR *entries = opendir(folder);
+        assert_non_null(entries);
+        for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
+            const char *ending = strrchr(entry->d_name, '.');
+            if (pass == 0 && ending && strcmp(ending, ".wave") == 0)
+                snprintf(wave, sizeof wave, "%.*s-", (int)(ending - entry->d_name), entry->d_name);
+            n += pass == 1 && ending && strcmp(ending, ".json") == 0 &&
+                 strncmp(entry->d_name, wave, strlen(wave)) == 0;
+        }
+        closedir(entries);
+    }
+    assert_true(*wave && n > 0);
+    return n;
+}
+
+/* Of the parts that are done since, those of the wave that was under way had their tasks. */
+static void assert_nothing_twice(struct parted_daemon *f, const char *path, int tasks_then,
+                                 int wave)
+{
+    struct reply reply;
+    daemon_get(&f->daemon, path, &reply);
+    assert_true(reply_number(&reply, "runner.parts.again") == 0);
+    assert_int_equal(cluster_tasks_ever(),
+                     tasks_then + (int)reply_number(&reply, "runner.parts.done") - wave);
+    reply_done(&reply);
+}
+
+/* Killed in the middle: it goes on with what is done, and waits for what is under way. */
+static void test_the_daemon_is_killed(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80];
+    parted_submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    daemon_end(&f->daemon, SIGKILL);
+    cluster_rest(0.5);
+    const int tasks = cluster_tasks_ever(), wave = count_parts(f, path);
+    parted_restart(f);
+    parted_wait(f, path);
+    assert_nothing_twice(f, path, tasks, wave);
+    parted_compare_daemons(f, parted_long, path);
+}
+
+/* Stopped in good order its tasks go on, too. */
+static void test_the_daemon_is_stopped(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80];
+    parted_submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    assert_true(cluster_tasks(false) > 0);
+    parted_restart(f);
+    parted_wait(f, path);
+    parted_assert_cleared(f);
+}
+
+/* What a killed daemon has left of a job that is cancelled before it goes on: its tasks end, too.
+ */
+static void test_what_nobody_wants_is_swept(void **state)
+{
+    struct parted_daemon *f = *state;
+    char first[80], path[80];
+    struct reply reply;
+    parted_submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    daemon_end(&f->daemon, SIGKILL);
+    f->options[1] = "local";
+    f->options[2] = NULL;
+    parted_restart(f); /* which knows nothing of Slurm: the job is done here, and its tasks go on */
+    daemon_cancel(&f->daemon, path, &reply);
+    reply_done(&reply);
+    daemon_wait(&f->daemon, path, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "cancelled");
+    reply_done(&reply);
+    daemon_end(&f->daemon, SIGTERM);
+    assert_true(cluster_tasks(false) > 0);
+    f->options[1] = "slurm";
+    f->options[2] = "--shared";
+    parted_restart(f);
+    cluster_wait_for_none(10);
+    for (int i = 0; i < 50 && rmdir(f->shared) != 0; i++)
+        cluster_rest(0.1);
+    assert_int_equal(mkdir(f->shared, 0700), 0);
+    parted_submit(f, parted_render, first); /* it goes on as ever */
+    parted_wait(f, first);
+}
+
+static double held(struct parted_daemon *f, const char *path)
+{
+    struct reply reply;
+    daemon_get(&f->daemon, path, &reply);
+    const double n = reply_number(&reply, "runner.parts.held");
+    reply_done(&reply);
+    return n;
+}
+
+/* No byte more fits into the shared folder for a while: parts wait until there is room. Where the
+ * test may not mount a small disk it is left out. */
+static void test_the_shared_disk_is_full(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80], command[256];
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    snprintf(command, sizeof command, "mount -t tmpfs -o size=8m,mode=700 none %s 2>/dev/null",
+             f->shared);
+    const bool mounted = system(command) == 0; /* NOLINT(cert-env33-c) */
+    parted_restart(f);
+    if (!mounted)
+        skip();
+    parted_submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    snprintf(command, sizeof command, "! cat /dev/zero >%s/filler 2>/dev/null", f->shared);
+    cluster_command(command);
+    for (int i = 0; i < 200 && !(held(f, path) > 0); i++)
+        cluster_rest(0.1);
+    assert_true(held(f, path) > 0);
+    snprintf(command, sizeof command, "rm %s/filler", f->shared);
+    cluster_command(command);
+    parted_wait(f, path);
+    daemon_end(&f->daemon, SIGTERM);
+    snprintf(command, sizeof command, "umount %s", f->shared);
+    cluster_command(command);
+    parted_restart(f);
+    parted_fetch(f, path, "slurm");
+    parted_compare_fetched(f, parted_long);
+}
+
+/* What a part has written is cut short before it is read: it is made once more. */
+static void test_output_is_truncated(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80], command[400];
+    parted_submit(f, parted_long, path);
+    cluster_wait_for_tasks();
+    snprintf(command, sizeof command,
+             "cd %s/%s/store; until ls sky-*.opm >/dev/null 2>&1; do sleep 0.02; done;"
+             " truncate -s 1000 $(ls sky-*.opm | head -1)",
+             f->shared, path + strlen("/v1/jobs/"));
+    cluster_command(command);
+    parted_wait(f, path);
+    struct reply reply;
+    daemon_get(&f->daemon, path, &reply);
+    assert_true(reply_number(&reply, "runner.parts.waves") == 2);
+    reply_done(&reply);
+    parted_compare_daemons(f, parted_long, path);
+}
+
+/* There is no slurmctld when the job is to be handed in, and none for a while. */
+static void test_slurmctld_is_killed(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80];
+    kill(cluster_pid("slurmctld.pid"), SIGKILL);
+    parted_submit(f, parted_skies, path);
+    cluster_rest(2);
+    cluster_command("slurmctld");
+    parted_compare_daemons(f, parted_skies, path);
+}
+
+static void test_cancels_at_any_moment(void **state)
+{
+    static const double moments_s[] = {0, 0.15, 0.4, 0.8, 1.3, 2.1};
+    struct parted_daemon *f = *state;
+    for (size_t i = 0; i < sizeof moments_s / sizeof *moments_s; i++) {
+        char path[80];
+        struct reply reply;
+        parted_submit(f, parted_long, path);
+        cluster_rest(moments_s[i]);
+        daemon_cancel(&f->daemon, path, &reply);
+        reply_done(&reply);
+        daemon_wait(&f->daemon, path, 60, &reply);
+        assert_string_equal(reply_text(&reply, "state"), "cancelled");
+        reply_done(&reply);
+        cluster_wait_for_none(10);
+        parted_assert_cleared(f);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_the_daemon_is_killed, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_the_daemon_is_stopped, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_what_nobody_wants_is_swept, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_the_shared_disk_is_full, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_output_is_truncated, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_cancels_at_any_moment, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        /* The last one: what Slurm had not noted down then it takes for under way for a while. */
+        cmocka_unit_test_setup_teardown(test_slurmctld_is_killed, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+    };
+    return cmocka_run_group_tests(tests, cluster_start, cluster_stop);
+}
