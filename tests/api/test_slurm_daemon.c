@@ -69,7 +69,7 @@ static void test_cancel_ends_all_tasks(void **state)
     daemon_cancel(&f->daemon, path, &reply);
     reply_done(&reply);
     cluster_wait_for_none(10);
-    daemon_wait(&f->daemon, path, 60, &reply);
+    daemon_wait(&f->daemon, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
     parted_assert_cleared(f);

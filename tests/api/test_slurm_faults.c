@@ -98,7 +98,7 @@ static void test_what_nobody_wants_is_swept(void **state)
     parted_restart(f); /* which knows nothing of Slurm: the job is done here, and its tasks go on */
     daemon_cancel(&f->daemon, path, &reply);
     reply_done(&reply);
-    daemon_wait(&f->daemon, path, 60, &reply);
+    daemon_wait(&f->daemon, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
     daemon_end(&f->daemon, SIGTERM);
@@ -197,7 +197,7 @@ static void test_cancels_at_any_moment(void **state)
         cluster_rest(moments_s[i]);
         daemon_cancel(&f->daemon, path, &reply);
         reply_done(&reply);
-        daemon_wait(&f->daemon, path, 60, &reply);
+        daemon_wait(&f->daemon, path, 240, &reply);
         assert_string_equal(reply_text(&reply, "state"), "cancelled");
         reply_done(&reply);
         cluster_wait_for_none(10);
