@@ -31,6 +31,7 @@ static const double large_picture = 1 << 17, most_finer = 1.5;
 struct row {
     struct orl_record *places; /* with the least radius that pixels allow */
     size_t count, capacity;
+    size_t looks, lobes; /* through places of the row; and those of them that have met lobes */
     bool out_of_memory;
 };
 
@@ -44,6 +45,7 @@ struct painter {
     /* A round of records: places found row by row, then computed. */
     uint32_t step;
     double before, share; /* of the view's progress: earlier rounds', this one's */
+    double records;       /* of it, all rounds' and fitting them */
     uint64_t *seen;       /* of every second pixel, by lattices' points */
     struct row *rows;
     struct orl_record *wanted;
@@ -190,6 +192,8 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
     if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
         return SEEN_GATHERED + 1;
     orl_shade_ray(&p->shader, origin, direction, p->outside, false, &random, search, &shaded);
+    row->looks++;
+    row->lobes += shaded.has_lobes;
     for (uint32_t i = 0; i < shaded.n_vertices; i++) {
         const struct orl_vertex *v = &shaded.vertices[i];
         const bool is_read = !orl_lighting_gathers(p->gather, &v->place);
@@ -242,6 +246,15 @@ static int join_rows(struct painter *p, size_t rows)
     return wanted && !short_of_memory ? 0 : ORL_ERR_NOMEM;
 }
 
+/* Through the lattice's points, or of them those that have met lobes. */
+static size_t count_looks(const struct painter *p, size_t rows, bool lobes)
+{
+    size_t sum = 0;
+    for (size_t i = 0; i < rows; i++)
+        sum += lobes ? p->rows[i].lobes : p->rows[i].looks;
+    return sum;
+}
+
 static void tell_of_records(const struct painter *p)
 {
     const size_t end = p->first_record + RECORDS_A_ROUND;
@@ -271,22 +284,36 @@ static int compute_wanted(struct painter *p)
 }
 
 /* What each round of records takes of a view's time, from the coarsest on, and what fitting them
- * does, roughly: pixels take the rest. */
+ * does, roughly: pixels take the rest. That is of a view that meets no lobes; a pixel that does
+ * takes so many times as long besides. */
 enum { STEPS = 5 };
-static const double shares_gathered[STEPS + 1] = {0.11, 0.09, 0.11, 0.16, 0.06, 0.03};
-static const double shares_read[STEPS + 1] = {0.025, 0.06, 0.075, 0.12, 0, 0};
+static const double shares_gathered[STEPS + 1] = {0.13, 0.105, 0.13, 0.185, 0.07, 0.01};
+static const double shares_read[STEPS + 1] = {0.02, 0.045, 0.06, 0.095, 0, 0};
+static const double times_of_lobes = 40; /* as many rays are gathered; reading them is nothing */
+
+static double sum_of(const double shares[STEPS + 1])
+{
+    double sum = 0;
+    for (int round = 0; round <= STEPS; round++)
+        sum += shares[round];
+    return sum;
+}
+
+/* By what the looks of the coarsest lattice have met. */
+static void foresee_pixels(struct painter *p, size_t looks, size_t lobes)
+{
+    const bool gathered = p->gather->rest == ORL_REST_GATHERED;
+    const double records = sum_of(gathered ? shares_gathered : shares_read), rays = rays_of(p);
+    const double met = gathered && looks > 0 ? (double)lobes / (double)looks : 0;
+    const double pixels = (1 - records) * (1 + times_of_lobes * met * rays);
+    p->records = records * rays / (records * rays + pixels);
+    p->painting->env->phase(p->painting->env->ctx, 0, p->records);
+}
 
 static double share_of_round(const struct painter *p, int round)
 {
-    return (p->gather->rest == ORL_REST_GATHERED ? shares_gathered : shares_read)[round];
-}
-
-static double records_share(const struct painter *p)
-{
-    double share = 0;
-    for (int round = 0; round <= STEPS; round++)
-        share += share_of_round(p, round);
-    return share;
+    const double *shares = p->gather->rest == ORL_REST_GATHERED ? shares_gathered : shares_read;
+    return p->records * shares[round] / sum_of(shares);
 }
 
 /* Rounds from a coarse lattice to every pixel. */
@@ -298,15 +325,16 @@ static int place_records(struct painter *p)
     p->seen = calloc(across * down, sizeof *p->seen);
     if (!p->seen)
         return ORL_ERR_NOMEM;
-    p->painting->env->phase(p->painting->env->ctx, 0, records_share(p));
     for (p->step = COARSEST_STEP; p->step >= finest_step(p) && code == 0; p->step /= 2) {
-        p->share = share_of_round(p, round++);
         const size_t rows = (film->height + p->step - 1) / p->step;
         p->rows = calloc(rows, sizeof *p->rows);
         if (!p->rows)
             return ORL_ERR_NOMEM;
         orl_crew_for(p->painting->env->crew, rows, look_along_row, p);
         code = join_rows(p, rows);
+        if (round == 0)
+            foresee_pixels(p, count_looks(p, rows, false), count_looks(p, rows, true));
+        p->share = share_of_round(p, round++);
         free(p->rows);
         if (code == 0)
             code = compute_wanted(p);
