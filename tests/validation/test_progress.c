@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdio.h>
 
 #include "support/room.h"
 
@@ -112,6 +113,36 @@ static void test_rendering_moves(void **state)
     }
 }
 
+/* What one of a picture's two tiles is thought to take of it. */
+static double share_of_tile(const char *pane)
+{
+    char text[2000];
+    struct log log = {.now = 0};
+    snprintf(text, sizeof text, "%s%s%s", ROOM_SKY ROOM_GREY, pane, ROOM_SHELL ROOM_PANE);
+    struct orl_result r =
+        scene_run(&(struct scene_run){.scene = text,
+                                      .technique = ORL_TECHNIQUE_GATHER,
+                                      .view = "-vtv -vp 2 4.5 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 "
+                                              "-vv 30",
+                                      .width = 64,
+                                      .height = 32,
+                                      .now_s = now_s,
+                                      .progress = take,
+                                      .ctx = &log});
+    orl_result_done(&r);
+    return log.rise[ORL_STAGE_RENDER];
+}
+
+/* A pane that scatters takes many rays a pixel, on which nothing is spent before. */
+static void test_panes_take_time(void **state)
+{
+    const double clear = share_of_tile(ROOM_CLEAR);
+    const double scatters = share_of_tile("void trans p 0 0 7 .9 .9 .9 0 .2 .9 .5\n");
+    (void)state;
+    print_message("%.3f of a picture through glass, %.3f through what scatters\n", clear, scatters);
+    assert_true(scatters > 0.3 && scatters > 1.5 * clear);
+}
+
 static void test_a_goal_moves(void **state)
 {
     (void)state;
@@ -120,8 +151,8 @@ static void test_a_goal_moves(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_photons_move),
-                                       cmocka_unit_test(test_rendering_moves),
-                                       cmocka_unit_test(test_a_goal_moves)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_photons_move), cmocka_unit_test(test_rendering_moves),
+        cmocka_unit_test(test_panes_take_time), cmocka_unit_test(test_a_goal_moves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
