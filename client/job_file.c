@@ -1,6 +1,7 @@
 #include "job_file.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +13,7 @@
 #include "decode.h"
 #include "job_json.h"
 #include "parts/files.h"
+#include "place.h"
 
 /* The folder part of path, "." when there is none. */
 static int folder_of(const char *path, char *ret_folder, size_t size, struct orl_error *err)
@@ -123,12 +125,13 @@ static int check_year(const struct orl_job_file *file, const struct orl_project_
     return ORL_ERR_INVALID;
 }
 
-/* "NAME,NAME": an array. */
+/* "NAME, NAME": an array. */
 static json_t *read_rules(const char *text)
 {
     json_t *rules = json_array();
 
     while (text && *text) {
+        text += strspn(text, " ");
         const size_t length = strcspn(text, ",");
 
         json_array_append_new(rules, json_stringn(text, length));
@@ -137,13 +140,29 @@ static json_t *read_rules(const char *text)
     return rules;
 }
 
-/* A year of the project: the weather file is found beside what the project has. */
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+
+    return slash ? slash + 1 : path;
+}
+
+/* Beside what the project has. */
+static int link_weather(const struct orl_job_file *file, const char *path, struct orl_error *err)
+{
+    char whole[PATH_MAX];
+
+    if (!realpath(path, whole))
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot open '%.300s': %s", path,
+                             strerror(errno));
+    return orl_place_link(file->folder, name_of(path), whole, err);
+}
+
 static int make_year(json_t *doc, const struct orl_project_line *line, struct orl_error *err)
 {
-    const char *slash = strrchr(line->weather, '/');
     int rc = json_object_set_new(doc, "kind", json_string("annual"));
 
-    rc |= json_object_set_new(doc, "weather", json_string(slash ? slash + 1 : line->weather));
+    rc |= json_object_set_new(doc, "weather", json_string(name_of(line->weather)));
     if (rc == 0 && line->rules)
         rc = json_object_set_new(doc, "rules", read_rules(line->rules));
     return rc ? orl_error_set(err, ORL_ERR_INVALID, "the weather file's name is not UTF-8") : 0;
@@ -171,8 +190,7 @@ static int make_document(struct orl_job_file *file, const struct orl_project_lin
 int orl_job_file_open(const char *path, const struct orl_project_line *line,
                       struct orl_job_file *ret_file, struct orl_error *err)
 {
-    char beside[4096];
-    int rc = 0;
+    int rc;
 
     if (!orl_project_is_one(path)) {
         if (!line->sky && !line->states && !line->weather && !line->rules)
@@ -183,12 +201,11 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
                                                           : "--sky and --states are");
     }
     *ret_file = (struct orl_job_file){.path = path, .folder = "."};
-    if (line->weather)
-        rc = folder_of(line->weather, beside, sizeof beside, err);
+    rc = make_document(ret_file, line, err);
     if (rc == 0)
-        rc = make_document(ret_file, line, err);
-    if (rc == 0)
-        rc = resolve_project(ret_file, line->weather ? beside : NULL, err);
+        rc = resolve_project(ret_file, NULL, err);
+    if (rc == 0 && line->weather)
+        rc = link_weather(ret_file, line->weather, err);
     return rc ? rc : check_year(ret_file, line, err);
 }
 

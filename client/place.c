@@ -108,17 +108,21 @@ int orl_place_link(const char *place, const char *name, const char *to, struct o
 
 int orl_place_link_entries(const char *place, const char *folder, struct orl_error *err)
 {
-    char whole[PATH_MAX], to[PATH_SIZE];
+    char whole[PATH_MAX], to[PATH_SIZE], path[PATH_SIZE];
     DIR *entries = NULL;
     int rc = orl_open_folder(realpath(folder, whole) ? whole : folder, &entries, err);
 
     if (rc)
         return rc;
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
+        struct stat there;
+
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
         rc = orl_join_path(whole, entry->d_name, to, sizeof to, err);
         if (rc == 0)
+            rc = orl_join_path(place, entry->d_name, path, sizeof path, err);
+        if (rc == 0 && lstat(path, &there) != 0)
             rc = orl_place_link(place, entry->d_name, to, err);
     }
     closedir(entries);

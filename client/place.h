@@ -27,7 +27,8 @@ int orl_names_list(const char *folder, const char *prefix, unsigned depth, struc
 int orl_place_make(char ret_folder[4096], struct orl_error *err);
 /* A link in the place by that name, instead of one that is there. */
 int orl_place_link(const char *place, const char *name, const char *to, struct orl_error *err);
-/* Links to all that the folder holds. */
+/* Links to all that the folder holds, but for names that are there. What is to be written into the
+ * place is written before: through a link it would go into somebody's own folder. */
 int orl_place_link_entries(const char *place, const char *folder, struct orl_error *err);
 
 #endif

@@ -131,11 +131,11 @@ static int lay_out_rif(const char *path, struct orl_project_place *place, struct
     if (rc)
         return rc;
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
-    rc = orl_place_link_entries(place->folder, slash == path ? "/" : folder, err);
-    if (rc == 0)
-        rc = orl_rif_read(path, text.data, text.size, &place->project, err);
+    rc = orl_rif_read(path, text.data, text.size, &place->project, err);
     here.close(here.ctx, &text);
-    return rc ? rc : write_commands(place, err);
+    if (rc == 0)
+        rc = write_commands(place, err);
+    return rc ? rc : orl_place_link_entries(place->folder, slash == path ? "/" : folder, err);
 }
 
 static int find_project(const char *path, const json_t *scene, const struct orl_names *names,
@@ -165,13 +165,13 @@ int orl_project_open(const json_t *scene, const char *path, const char *beside,
     struct orl_names names = {0};
     int rc = orl_place_make(place.folder, err);
 
-    if (rc == 0 && beside)
-        rc = orl_place_link_entries(place.folder, beside, err);
     if (rc == 0 && ends_with(path, ".rif"))
         rc = lay_out_rif(path, &place, err);
     else if (rc == 0)
         rc = orl_is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
                                  : translate(path, place.folder, &names, err);
+    if (rc == 0 && beside)
+        rc = orl_place_link_entries(place.folder, beside, err);
     if (rc == 0 && !place.project)
         rc = find_project(path, scene, &names, &place, err);
     orl_names_done(&names);

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -285,7 +286,7 @@ static void test_a_year_without_a_document(void **state)
     const char *const args[] = {"annual",    model,
                                 "-o",        f->output,
                                 "--weather", "tests/fixtures/weather.epw",
-                                "--rules",   "LEED,BREEAM offices",
+                                "--rules",   "LEED, BREEAM offices",
                                 NULL};
     cli_run(args, &f->result);
     if (f->result.exit_code != 0)
@@ -297,6 +298,25 @@ static void test_a_year_without_a_document(void **state)
     json_decref(result);
     snprintf(path, sizeof path, "%s/desks.page.pdf", f->output);
     assert_int_equal(access(path, R_OK), 0);
+}
+
+/* Who has exported the model beside the document, and changed what came of it, keeps that. */
+static void test_own_files_are_not_written_over(void **state)
+{
+    static const char mine[] = "# mine\n";
+    struct cli_desk *f = *state;
+    char path[512];
+    snprintf(path, sizeof path, "%s/model", f->folder);
+    assert_int_equal(mkdir(path, 0700), 0);
+    snprintf(path, sizeof path, "%s/model/scene", f->folder);
+    assert_int_equal(mkdir(path, 0700), 0);
+    cli_write_file(f->folder, "model/scene/envelope.rad", mine);
+    json_decref(run_year(f, "", ""));
+    char *after = cli_read_file(f->folder, "model/scene/envelope.rad");
+    assert_string_equal(after, mine);
+    free(after);
+    snprintf(path, sizeof path, "%s/model/scene/envelope.mat", f->folder);
+    assert_int_not_equal(access(path, F_OK), 0);
 }
 
 static void test_what_is_no_project_is_refused(void **state)
@@ -322,6 +342,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_states_are_the_shades_of_a_year, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year_without_a_document, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_own_files_are_not_written_over, set_up,
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_what_is_no_project_is_refused, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_grids_keep_their_names, set_up, cli_desk_tear_down),
