@@ -21,6 +21,7 @@ struct refining {
     uint64_t *samples; /* of each sensor so far */
     size_t *open;      /* sensors of the next round */
     size_t n_open;
+    uint32_t sun_halvings; /* of the next round */
     struct orl_error *err;
 };
 
@@ -103,7 +104,7 @@ static float weigh_errors(bool rough, double a, double wa, double b, double wb)
     return rough ? weigh(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
 }
 
-/* Relative squares of errors, of sunlit hours; dark ones have errors of the sky alone. */
+/* Relative squares of errors, of hours with sun: the sky has no nodes. */
 static double squares_of(const struct orl_annual_result *result, size_t sensor)
 {
     const float *total = orl_annual_row(result, result->total, sensor);
@@ -198,7 +199,7 @@ static int run_again(struct refining *r, uint32_t samples)
     request.groups = groups;
     fix_shades(r, groups);
     request.samples = samples;
-    request.sun_halvings = r->state->sun_halvings;
+    request.sun_halvings = r->state->sun_halvings = r->sun_halvings;
     request.seed += r->state->rounds;
     request.n_sensors = r->n_open;
     request.sensors = malloc((r->n_open + 1) * sizeof *request.sensors);
@@ -209,8 +210,8 @@ static int run_again(struct refining *r, uint32_t samples)
     const int code = orl_annual_run(&request, &env, &more, r->err);
     if (code == 0) {
         const bool rough = is_rough(r, &more, samples);
-        if (rough && r->state->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
-            r->state->sun_halvings++;
+        if (rough && r->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
+            r->sun_halvings++;
         merge(r, &more, samples, rough);
         r->result->total_s += more.total_s;
         for (int s = 0; s < ORL_ANNUAL_STAGES; s++)
@@ -265,8 +266,15 @@ int orl_annual_run_until(const struct orl_annual_request *request,
                          struct orl_annual_refinement *ret_refinement, struct orl_error *err)
 {
     struct orl_annual_result result = {.n_steps = 0};
-    struct orl_annual_refinement state = {.asked = wishes->until != NULL};
-    struct refining r = {request, wishes, env, &result, &state, NULL, NULL, 0, err};
+    struct orl_annual_refinement state = {.asked = wishes->until != NULL,
+                                          .sun_halvings = request->sun_halvings};
+    struct refining r = {.request = request,
+                         .wishes = wishes,
+                         .env = env,
+                         .result = &result,
+                         .state = &state,
+                         .sun_halvings = request->sun_halvings,
+                         .err = err};
     const struct orl_run_env run = share_of(&r, 0);
     struct orl_annual_env first = *env;
     first.run = &run;

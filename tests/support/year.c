@@ -173,6 +173,23 @@ struct orl_annual_result year_run(const struct year_run *run)
     return year;
 }
 
+struct orl_annual_refinement year_refine(const struct year_run *asked, const char *target)
+{
+    struct orl_annual_wishes wishes;
+    struct orl_annual_refinement found;
+    struct year_run run = *asked;
+    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    wishes.until = calloc(1, sizeof *wishes.until);
+    assert_non_null(wishes.until);
+    assert_int_equal(orl_annual_target_parse(target, wishes.until, NULL), 0);
+    run.wishes = &wishes;
+    run.ret_refinement = &found;
+    struct orl_annual_result year = year_run(&run);
+    orl_annual_done(&year);
+    orl_annual_wishes_done(&wishes);
+    return found;
+}
+
 int year_run_fails(const struct year_run *run, struct orl_error *ret_err)
 {
     struct orl_annual_result year = {0};

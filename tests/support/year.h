@@ -41,7 +41,9 @@ struct year_run {
 
 /* The result is the caller's, for orl_annual_done. */
 struct orl_annual_result year_run(const struct year_run *run);
-/* The same, expecting failure: returns the error code. */
+/* Until that target is settled; what the run wishes otherwise is not heeded. */
+struct orl_annual_refinement year_refine(const struct year_run *run, const char *target);
+/* The same as year_run, expecting failure: returns the error code. */
 int year_run_fails(const struct year_run *run, struct orl_error *ret_err);
 
 /* That hour by a job of its own, by backward: lux, and standard errors. */

@@ -31,25 +31,14 @@ enum { SENSORS = sizeof sensors / sizeof *sensors };
 /* From few paths on, until the target is settled. */
 static struct orl_annual_refinement refine(const char *scene, const char *target)
 {
-    struct orl_annual_wishes wishes;
-    struct orl_annual_refinement found;
     const struct year_run run = {.scene = scene,
                                  .site = izmir,
                                  .sensors = sensors,
                                  .n_sensors = SENSORS,
                                  .samples = 256,
                                  .threads = 2,
-                                 .seed = 5,
-                                 .wishes = &wishes,
-                                 .ret_refinement = &found};
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    wishes.until = calloc(1, sizeof *wishes.until);
-    assert_non_null(wishes.until);
-    assert_int_equal(orl_annual_target_parse(target, wishes.until, NULL), 0);
-    struct orl_annual_result year = year_run(&run);
-    orl_annual_done(&year);
-    orl_annual_wishes_done(&wishes);
-    return found;
+                                 .seed = 5};
+    return year_refine(&run, target);
 }
 
 #define ROOM ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND

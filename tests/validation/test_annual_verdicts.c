@@ -81,8 +81,6 @@ static struct orl_annual_refinement decide(size_t room, const char *target, uint
                                            uint32_t samples, uint32_t sun_halvings)
 {
     struct orl_sensor sensors[SENSORS];
-    struct orl_annual_wishes wishes;
-    struct orl_annual_refinement found;
     for (int i = 0; i < SENSORS; i++)
         sensors[i] = (struct orl_sensor){
             {0.35 + 0.66 * (i % COLUMNS), 0.35 + 0.6 * (i / COLUMNS), 0.8}, {0, 0, 1}};
@@ -96,17 +94,8 @@ static struct orl_annual_refinement decide(size_t room, const char *target, uint
                                  .samples = samples,
                                  .sun_halvings = sun_halvings,
                                  .threads = 2,
-                                 .seed = seed,
-                                 .wishes = &wishes,
-                                 .ret_refinement = &found};
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    wishes.until = calloc(1, sizeof *wishes.until);
-    assert_non_null(wishes.until);
-    assert_int_equal(orl_annual_target_parse(target, wishes.until, NULL), 0);
-    struct orl_annual_result year = year_run(&run);
-    orl_annual_done(&year);
-    orl_annual_wishes_done(&wishes);
-    return found;
+                                 .seed = seed};
+    return year_refine(&run, target);
 }
 
 /* ---- Many ------------------------------------------------------------------------------------ */
