@@ -104,10 +104,11 @@ static void test_a_part_is_done_twice(void **state)
     snprintf(path, sizeof path, "%s/%s", f->folder, parted_skies);
     snprintf(to, sizeof to, "%s/parts", f->folder);
     snprintf(folder, sizeof folder, "%s/parts/parts", f->folder);
-    const char *const args[] = {"run", path, "-o", to, "--threads", "1", "--parts", "2", NULL};
+    /* Of so many parts others are still to be made when the first is done. */
+    const char *const args[] = {"run", path, "-o", to, "--threads", "1", "--parts", "5", NULL};
     struct cli_child child = cli_start(args);
-    for (int i = 0; i < 2000 && !*stem; i++) {
-        usleep(5000);
+    for (int i = 0; i < 20000 && !*stem; i++) {
+        usleep(2000);
         find_done(folder, stem);
     }
     kill(child.pid, SIGKILL);

@@ -18,7 +18,10 @@
 #include "parts/sharing.h"
 #include "support/cli.h"
 
-/* oriel part FILE. "fails", "full" and "dies" hold how often a part is still to do so. */
+/*
+ * oriel part FILE. "fails", "full" and "dies" hold how often a part is still to do so. What leaves
+ * a file in the job's folder is the process that the runner ends, none of its children.
+ */
 static const char program[] =
     "#!/bin/sh\n"
     "cd \"${0%/*}\" && stem=${2%.json} name=${2##*/}\n"
@@ -27,9 +30,9 @@ static const char program[] =
     "[ ! -e slow ] || exec sleep 20\n"
     "less dies && exit 1\n"
     "less fails && { echo '{\"type\": \"urn:oriel:error:out-of-range\", "
-    "\"detail\": \"the glass is cracked\"}' >e; mv e \"$stem.error\"; exit 1; }\n"
+    "\"detail\": \"the glass is cracked\"}' >e; exec mv e \"$stem.error\"; }\n"
     "less full && { echo '{\"type\": \"urn:oriel:error:disk-full\", "
-    "\"detail\": \"no room\"}' >e; mv e \"$stem.error\"; exit 1; }\n"
+    "\"detail\": \"no room\"}' >e; exec mv e \"$stem.error\"; }\n"
     "echo '{}' >\"$stem.done\"\n";
 
 /* So much faster goes the clock of a sharing. */
