@@ -2,8 +2,9 @@
 
 #include <math.h>
 
-/* From this part of a stage on its own progress is all that counts. */
-static const double known_from = 0.05;
+/* From this part of a stage on its own progress is all that counts. Of the last one from a larger
+ * part on, and little before: its first sensors fill what later ones only read. */
+static const double known_from = 0.05, render_known_from = 0.2;
 /* From this part of a phase on its own progress is all that counts. */
 static const double phase_known_from = 0.1;
 /* At the least so much of what a stage has taken is thought to be left of it, when it overruns. */
@@ -49,11 +50,18 @@ static double by_progress(const struct orl_ahead *a, double fraction)
     return of_phase + (a->in_stage_s + of_phase) * (1 - a->phase_to) / a->phase_to;
 }
 
+/* What a stage's own progress counts for, beside what was foreseen. */
+static double weight_of_progress(enum orl_stage stage, double fraction)
+{
+    const double late = fmin(fraction / render_known_from, 1);
+    return stage == ORL_STAGE_RENDER ? late * late : fmin(fraction / known_from, 1);
+}
+
 double orl_ahead_left_s(const struct orl_ahead *a)
 {
     const double fraction = fmin(fmax(a->fraction, 0), 1), pace = pace_of(a, fraction);
     const double foreseen = pace * a->foreseen_s[a->stage];
-    const double weight = fmin(fraction / known_from, 1);
+    const double weight = weight_of_progress(a->stage, fraction);
     double left = fmax(foreseen - a->in_stage_s, overrun * a->in_stage_s);
     if (fraction > 0)
         left = (1 - weight) * left + weight * by_progress(a, fraction);

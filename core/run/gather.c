@@ -154,6 +154,8 @@ static int take_up(struct orl_run_state *state, enum orl_rest rest, struct orl_g
         *ret_gather = *kept;
         free(kept);
         orl_gather_resume(ret_gather, state->world, maps, state->job->seed);
+        if (ret_gather->leaves)
+            orl_run_know_reads(state, orl_leaves_made(ret_gather->leaves));
     } else {
         code = orl_gather_init(ret_gather, state->world, rest, maps, state->bandwidths,
                                state->job->seed, state->env->crew, &state->searches[0]);

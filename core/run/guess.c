@@ -8,17 +8,17 @@
 /* Rough costs, microseconds on one core: a photon traced (where no pilot has told), one of a
  * virtual lamp, one indexed; a gather ray, what one reads of the map for the first time, all of the
  * map at the most, by photons; a path by backward, of a sensor and of a pixel. */
-static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, gather_us = 2.7, first_us = 18,
-                    leaf_us = 0.85, path_us = 10, pixel_path_us = 15;
+static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, gather_us = 2.2, first_us = 15,
+                    leaf_us = 0.7, path_us = 7.5, pixel_path_us = 15;
 /* Of a view by a final gather, beside its pixels. */
-static const double view_us = 6.5e5;
+static const double view_us = 5.5e5;
 /* Of a pixel in one file of a picture. */
 static const double write_us = 0.08;
 /* Of a pixel, by technique. */
 static const double pixel_us[] = {[ORL_TECHNIQUE_AUTO] = 20,
                                   [ORL_TECHNIQUE_DIRECT] = 20,
-                                  [ORL_TECHNIQUE_PRECOMPUTED] = 6,
-                                  [ORL_TECHNIQUE_GATHER] = 8};
+                                  [ORL_TECHNIQUE_PRECOMPUTED] = 9,
+                                  [ORL_TECHNIQUE_GATHER] = 7};
 
 static double pixels_of(const struct orl_job *job)
 {
@@ -68,7 +68,7 @@ static double first_reads_us(const struct orl_run_state *state, double rays)
     const double all = (double)plan->photons_global * leaf_us;
     if (plan->technique != ORL_TECHNIQUE_GATHER || !(all > 0))
         return 0;
-    return all * (1 - exp(-rays * first_us / all));
+    return (1 - state->read_before) * all * (1 - exp(-rays * first_us / all));
 }
 
 static double rays_us(const struct orl_run_state *state, double rays)
@@ -112,6 +112,20 @@ static double slowness(const struct orl_run_state *state)
     return f->known && ray_us > 0 ? sqrt(fmin(fmax(ray_us / usual_us, least), most)) : 1;
 }
 
+/* Microseconds on one core, as seconds of the crew on this machine. */
+static double crew_s(const struct orl_run_state *state)
+{
+    return 1e-6 / orl_crew_size(state->env->crew) * slowness(state);
+}
+
+void orl_run_know_reads(struct orl_run_state *state, double share)
+{
+    const double before = sensors_us(state);
+    state->read_before = share;
+    if (!orl_run_is_measured(state))
+        state->cost_s[ORL_STAGE_RENDER] -= crew_s(state) * (before - sensors_us(state));
+}
+
 bool orl_run_is_measured(const struct orl_run_state *state)
 {
     return state->env->part_stages_s && !orl_goal_is_set(&state->job->goal);
@@ -127,7 +141,7 @@ void orl_run_guess_costs(struct orl_run_state *state)
     }
     const double photons = planned ? (double)(plan->photons_global + plan->photons_caustic)
                                    : 2.0 * ORL_DEFAULT_PHOTONS;
-    const double crew = orl_crew_size(state->env->crew), us = 1e-6 / crew * slowness(state);
+    const double us = crew_s(state);
     state->cost_s[ORL_STAGE_LOAD] = 0.2;
     state->cost_s[ORL_STAGE_BVH] = 0.05;
     state->cost_s[ORL_STAGE_PLAN] = 0.1;

@@ -4,12 +4,26 @@
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 
-void orl_tell_sensors(const struct orl_rendering *rendering)
+static void tell_taken(const struct orl_rendering *rendering, double taken)
 {
-    const double taken = (double)atomic_load(&rendering->taken);
-    const double share = taken / fmax((double)rendering->samples, 1);
+    const double share = fmin(taken / fmax((double)rendering->samples, 1), 1);
     orl_run_progress(rendering->state,
                      rendering->share * orl_run_sensors_time(rendering->state, share));
+}
+
+void orl_tell_sensors(const struct orl_rendering *rendering)
+{
+    tell_taken(rendering, (double)atomic_load(&rendering->taken));
+}
+
+/* When the lead has done a sensor of so many samples the others are within theirs: they have had
+ * the same time for what they did. */
+static void tell_under_way(const struct orl_rendering *rendering, double samples)
+{
+    const double members = orl_crew_size(rendering->state->env->crew);
+    const double booked = (double)atomic_load(&rendering->taken);
+    const double alike = members * rendering->by_lead;
+    tell_taken(rendering, fmin(fmax(alike, booked), booked + (members - 1) * samples));
 }
 
 static void compute_sensor(void *arg, size_t index, uint32_t member)
@@ -20,9 +34,12 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
         return;
     const size_t sensor = orl_sensor_at(rendering, rendering->first + index);
     rendering->renderer->sensor(rendering->renderer->ctx, sensor, member, &rendering->found[index]);
-    atomic_fetch_add(&rendering->taken, orl_run_sensor_samples(state, sensor));
-    if (member == 0) /* the lead, which alone tells */
-        orl_tell_sensors(rendering);
+    const double samples = orl_run_sensor_samples(state, sensor);
+    atomic_fetch_add(&rendering->taken, (uint64_t)samples);
+    if (member == 0) { /* the lead, which alone tells */
+        rendering->by_lead += samples;
+        tell_under_way(rendering, samples);
+    }
 }
 
 uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)

@@ -29,6 +29,7 @@ struct orl_rendering {
     size_t stride; /* of their order */
     uint64_t samples;
     atomic_uint_fast64_t taken; /* of the sensors' samples */
+    double by_lead;             /* of those: the crew's lead's */
     struct orl_view_progress *views;
     struct orl_sensor_found found[ORL_STRETCH];
 };

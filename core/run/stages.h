@@ -46,7 +46,8 @@ struct orl_run_state {
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool held[ORL_MAP_KINDS]; /* the store's pin is ours to release */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
-    struct orl_search *searches;    /* one per crew member */
+    struct orl_search *searches; /* one per crew member */
+    double read_before;          /* share of the global map that jobs before this one have read */
     double cost_s[ORL_STAGE_COUNT]; /* foreseen, of the run or of the round under way (ahead.h) */
     double after_s;                 /* likewise, of the rounds after it */
     struct orl_told *told;          /* of the whole run */
@@ -210,6 +211,8 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 /* What the job is going to cost, roughly, once its sensors are known; and again when its photons
  * are: into state->cost_s. */
 void orl_run_guess_costs(struct orl_run_state *state);
+/* That share of the global map was read by jobs before: sensors take less. */
+void orl_run_know_reads(struct orl_run_state *state, double share);
 /* Whether parts before this one have told what stages take: better than what a plan foresees. */
 bool orl_run_is_measured(const struct orl_run_state *state);
 /* Photons that are traced and put into maps, by rough costs, in the time that all views take by

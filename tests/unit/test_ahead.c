@@ -156,6 +156,44 @@ static void test_a_slow_machine(void **state)
     assert_true(render_s[0] > 0 && fabs(render_s[1] / render_s[0] - sqrt(2)) < 1e-9);
 }
 
+/* Of a map that jobs before have read only rays are to be paid; a half of it in between. */
+static void test_a_map_that_was_read(void **state)
+{
+    const struct orl_run_env env = {.crew = NULL};
+    const struct orl_job job = {.gather_samples = 4096};
+    double render_s[3];
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        struct orl_result result = {
+            .plan = {.technique = ORL_TECHNIQUE_GATHER, .photons_global = 1000000}};
+        struct orl_run_state run = {.job = &job, .env = &env, .result = &result, .n_sensors = 50};
+        orl_run_guess_costs(&run);
+        orl_run_know_reads(&run, 0.5 * i);
+        render_s[i] = run.cost_s[ORL_STAGE_RENDER];
+        /* Unread, the first sensors are most of it; read, all take the same. */
+        const double tenth = orl_run_sensors_time(&run, 0.1);
+        assert_true(i == 2 ? fabs(tenth - 0.1) < 1e-12 : tenth > 0.15);
+    }
+    assert_true(render_s[2] > 0 && render_s[2] < 0.7 * render_s[0]);
+    assert_true(fabs(render_s[1] - 0.5 * (render_s[0] + render_s[2])) < 1e-9);
+}
+
+/* After photons as foreseen the first bit of rendering takes five times what others do: that is
+ * not taken for all of them. */
+static void test_a_slow_beginning(void **state)
+{
+    struct orl_ahead ahead = {.stage = ORL_STAGE_RENDER, .phase_to = 1};
+    (void)state;
+    ahead.foreseen_s[ORL_STAGE_PHOTONS] = ahead.spent_s[ORL_STAGE_PHOTONS] = 4;
+    ahead.foreseen_s[ORL_STAGE_RENDER] = 10;
+    for (double done = 0.02; done < 1; done += 0.02) {
+        ahead.fraction = done;
+        ahead.in_stage_s = ahead.in_phase_s = 0.8 + 10 * done;
+        const double left = orl_ahead_left_s(&ahead), truth = 10 * (1 - done);
+        assert_true(left > truth / 1.5 && left < 1.5 * truth);
+    }
+}
+
 /* A stage that tells nothing for twelve seconds: what is told moves all the same, and never all the
  * way. */
 static void test_a_silent_stage(void **state)
@@ -440,6 +478,8 @@ int main(void)
                                        cmocka_unit_test(test_photons_without_yield),
                                        cmocka_unit_test(test_phases),
                                        cmocka_unit_test(test_a_slow_machine),
+                                       cmocka_unit_test(test_a_map_that_was_read),
+                                       cmocka_unit_test(test_a_slow_beginning),
                                        cmocka_unit_test(test_a_silent_stage),
                                        cmocka_unit_test(test_share_of_time),
                                        cmocka_unit_test(test_found_out_late),

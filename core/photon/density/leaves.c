@@ -109,6 +109,16 @@ uint64_t orl_leaves_bytes(const struct orl_leaves *leaves)
     return orl_leaf_sites_bytes(leaves->sites) + leaves->count * each + sizeof *leaves;
 }
 
+double orl_leaves_made(const struct orl_leaves *leaves)
+{
+    const uint64_t looks = leaves->count < 1024 ? leaves->count : 1024;
+    uint64_t made = 0;
+    for (uint64_t i = 0; i < looks; i++)
+        made += atomic_load_explicit(&leaves->kept[i * leaves->count / looks].value,
+                                     memory_order_relaxed) != 0;
+    return looks > 0 ? (double)made / (double)looks : 0;
+}
+
 /*
  * Puts the query at a place drawn from those that the leaf serves, on its own surface: what the
  * leaf says is then right on average, whatever the shapes of leaves. Amid their photons it would be

@@ -39,6 +39,8 @@ void orl_leaves_free(struct orl_leaves *leaves);
 void orl_leaves_rebind(struct orl_leaves *leaves, const struct orl_photon_map *map,
                        const struct orl_world *world);
 uint64_t orl_leaves_bytes(const struct orl_leaves *leaves); /* of memory */
+/* What share of them is made, by a look at some. 0..1 */
+double orl_leaves_made(const struct orl_leaves *leaves);
 
 /*
  * Irradiance at a point; its footing (the point's own) may be NULL, then walls are not seen.
