@@ -9,8 +9,9 @@ static const double known_from = 0.05, render_known_from = 0.2;
 static const double phase_known_from = 0.1;
 /* At the least so much of what a stage has taken is thought to be left of it, when it overruns. */
 static const double overrun = 0.1;
-/* What is trusted beside what was measured; bounds of the ratio. */
-static const double trust_s = 0.2, least_pace = 0.25, most_pace = 8;
+/* What is trusted beside what was measured, and which share of all that was foreseen, for little
+ * work is no measure of much; bounds of the ratio. */
+static const double trust_s = 0.2, trust_share = 0.015, least_pace = 0.25, most_pace = 8;
 
 /* That the fraction of the stage took: where its first phase goes on, since that began, for what
  * was set up before it is over. */
@@ -23,7 +24,11 @@ static double worked_s(const struct orl_ahead *a)
  * it. */
 static double pace_of(const struct orl_ahead *a, double fraction)
 {
-    double foreseen = trust_s, spent = trust_s;
+    double all = 0;
+    for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++)
+        all += a->foreseen_s[i];
+    const double trust = fmax(trust_s, trust_share * all);
+    double foreseen = trust, spent = trust;
     for (int i = ORL_STAGE_PHOTONS; i < (int)a->stage; i++) {
         foreseen += a->foreseen_s[i];
         spent += a->spent_s[i];

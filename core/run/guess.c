@@ -6,10 +6,12 @@
 #include "run/stages.h"
 
 /* Rough costs, microseconds on one core: a photon traced (where no pilot has told), one of a
- * virtual lamp, one indexed; a gather ray, what one reads of the map for the first time, all of the
- * map at the most, by photons; a path by backward, of a sensor and of a pixel. */
-static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, gather_us = 2.2, first_us = 15,
-                    leaf_us = 0.7, path_us = 7.5, pixel_path_us = 15;
+ * virtual lamp, one indexed, one among the records made of its map; a gather ray, what one reads of
+ * the map for the first time, all of the map at the most, by photons; a path by backward, of a
+ * sensor and of a pixel. */
+static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, record_us = 0.3,
+                    gather_us = 2.2, first_us = 15, leaf_us = 0.7, path_us = 7.5,
+                    pixel_path_us = 10;
 /* Of a view by a final gather, beside its pixels. */
 static const double view_us = 5.5e5;
 /* Of a pixel in one file of a picture. */
@@ -150,5 +152,7 @@ void orl_run_guess_costs(struct orl_run_state *state)
     if (plan->foresight.known)
         state->cost_s[ORL_STAGE_PHOTONS] = plan->foresight.photons_s;
     state->cost_s[ORL_STAGE_MAPS] = lamps ? 0 : us * photons * index_us;
+    if (plan->technique == ORL_TECHNIQUE_PRECOMPUTED)
+        state->cost_s[ORL_STAGE_MAPS] += us * (double)plan->photons_global * record_us;
     state->cost_s[ORL_STAGE_RENDER] = us * (sensors_us(state) + views_us(state));
 }

@@ -67,7 +67,7 @@ JOBS = {
     "view by backward": render(PANEL, technique="backward", pixel_samples=64, views=view(320, 240)),
     "view by precomputed": render(PANEL, technique="precomputed", views=view(640, 480)),
     "200 skies": render(DARK, skies=skies(200), **SENSORS),
-    "goal of 2 %": render(PANEL, accuracy={"relative_error": 0.02}, **SENSORS),
+    "goal of 0.5 %": render(PANEL, accuracy={"relative_error": 0.005}, **SENSORS),
     "rare caustics": render(GLASS + ["gloss.rad"], views=view(200, 150), **SENSORS),
     "deadline of 20 s": render(PANEL, accuracy={"deadline_s": 20}, **SENSORS),
 }
