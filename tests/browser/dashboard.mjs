@@ -204,6 +204,33 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
   await browser.keep(page, 'sensors');
 }));
 
+test('a Honeybee model that is dropped brings its grids, its view and its states', () => visit({ path: '/#/new' }, async (page) => {
+  await page.locator('.drop').waitFor();
+  await drop(page, [['two_rooms.hbjson', readFileSync('tests/fixtures/honeybee/two_rooms.hbjson', 'utf8')]]);
+  await page.getByRole('heading', { name: 'Sky' }).waitFor();
+  const states = page.getByLabel('south_glass'), [first, second] = await states.locator('option').allInnerTexts();
+  assert.equal(await states.inputValue(), first);
+  const before = await page.locator('.found .mono').innerText();
+  await states.selectOption(second);
+  await page.waitForFunction((id) => ![id, undefined].includes(document.querySelector('.found .mono')?.textContent), before); // another scene
+  assert.equal(await page.getByLabel('south_glass').inputValue(), second);
+  assert.equal(await page.getByLabel('Sensors', { exact: true }).inputValue(), 'project');
+  assert.equal(await page.getByLabel('Views').inputValue(), 'project');
+  assert.ok(!await page.getByLabel('Radiance view').isVisible());
+  assert.deepEqual(await browser.audit(page), []);
+  await browser.keep(page, 'new-model');
+  await page.getByLabel('Width').fill('32');
+  await page.getByLabel('Height', { exact: true }).fill('24');
+  await page.getByLabel('Relative error').fill('40');
+  await page.getByLabel('What people call it').fill('two rooms');
+  await page.getByRole('button', { name: 'Submit' }).click();
+  await page.getByRole('heading', { name: 'two rooms' }).waitFor();
+  const id = page.url().split('/').pop();
+  const asked = await daemon.ask('GET', `/v1/jobs/${id}/document`);
+  assert.deepEqual([asked.grids[0].name, asked.views[0].name, asked.views[0].width], ['desks', 'from_door', 32]);
+  assert.equal((await daemon.wait(id)).state, 'succeeded');
+}));
+
 test('several skies and a study have their tables', () => visit({}, async (page) => {
   const uniform = (name, light) => ({ name, cie: { type: 'uniform', diffuse_horizontal_lx: light } });
   const scene = (await daemon.ask('POST', '/v1/scenes', { files: [{ name: 'room.rad', text: ROOM.split('void glow')[0] }] })).id;

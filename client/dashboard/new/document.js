@@ -37,16 +37,26 @@ function sensors(form) {
   return null;
 }
 
+// project: what the scene's summary has of a Honeybee model.
+function views(form, project) {
+  const size = { width: number(form, 'width'), height: number(form, 'view_height') };
+  const kind = form.get('views');
+  if (kind === 'project') return project.views.map((view) => ({ ...view, ...size }));
+  return kind === 'own' ? [{ name: filled(form, 'view_name'), view: filled(form, 'view'), ...size }] : null;
+}
+
 export function documentOf(form, scene) {
   const document = { kind: 'render', scene: scene.id };
+  const { project } = scene.summary;
   const sky = SKIES[form.get('sky')](form);
-  const found = sensors(form);
+  const found = sensors(form), asked = views(form, project);
   const tags = filled(form, 'tags').split(',').map((tag) => tag.trim()).filter(Boolean);
   if (filled(form, 'name')) document.name = filled(form, 'name');
   if (tags.length) document.tags = tags;
   if (sky) document.sky = sky;
   if (found) document.sensors = found;
-  if (form.get('with_view')) document.views = [{ name: filled(form, 'view_name'), view: filled(form, 'view'), width: number(form, 'width'), height: number(form, 'view_height') }];
+  if (form.get('sensors') === 'project') document.grids = project.grids;
+  if (asked) document.views = asked;
   document.accuracy = form.get('goal') === 'error' ? { relative_error: number(form, 'error') / 100 } : { deadline_s: number(form, 'deadline') };
   return document;
 }

@@ -1,4 +1,5 @@
-// What was dropped or chosen, as the body of an upload: a zip as it is, anything else as a zip of it.
+// What was dropped or chosen, as the body of an upload: a zip or a Honeybee model as it is, anything else
+// as a zip of it.
 
 import { candidates } from './mains.js';
 import { zip } from './zip.js';
@@ -23,10 +24,11 @@ export async function ofDrop(transfer) {
 
 export const ofChoice = (files) => [...files].map((file) => ({ name: file.webkitRelativePath || file.name, file }));
 
-// {body, names, mains}: names as the service will know them, without a folder that holds all; mains as
-// mains.js has candidates, null of a zip.
+// {body, type, names, mains}: names as the service will know them, without a folder that holds all; mains
+// as mains.js has candidates, null of a zip or a model.
 export async function upload(found) {
-  if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, names: [], mains: null };
+  if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, type: 'application/zip', names: [], mains: null };
+  if (found.length === 1 && /\.(hbjson|json)$/i.test(found[0].name)) return { body: found[0].file, type: 'application/json', names: [], mains: null };
   const files = [];
   for (const { name, file } of found) files.push({ name, bytes: new Uint8Array(await file.arrayBuffer()) });
   const top = files[0].name.split('/')[0];
@@ -34,5 +36,5 @@ export async function upload(found) {
   const named = files.map(({ name, bytes }) => [inOne ? name.slice(top.length + 1) : name, bytes]);
   const decoder = new TextDecoder('latin1');
   const texts = new Map(named.filter(([name]) => /^[^/]+\.(rad|mat)$/i.test(name)).map(([name, bytes]) => [name, decoder.decode(bytes)]));
-  return { body: zip(files), names: named.map(([name]) => name), mains: candidates(texts) };
+  return { body: zip(files), type: 'application/zip', names: named.map(([name]) => name), mains: candidates(texts) };
 }

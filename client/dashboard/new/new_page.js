@@ -46,9 +46,9 @@ export class NewPage {
 
   #scenePart() {
     const choose = (id, label, more) => [h('input', { id, type: 'file', class: 'unseen', ...more, onchange: (event) => this.#take(ofChoice(event.target.files)) }), h('label', { for: id, class: 'button' }, label)];
-    this.drop = h('div', { class: 'drop' }, h('p', {}, h('strong', {}, 'Drop a folder or a zip of a Radiance scene here')),
+    this.drop = h('div', { class: 'drop' }, h('p', {}, h('strong', {}, 'Drop a Radiance scene here, a folder or a zip, or a Honeybee model')),
       h('p', { class: 'quiet' }, 'Materials, geometry, BSDFs, weather: all that its files refer to.'),
-      h('div', { class: 'controls' }, choose('folder', 'Choose a folder', { webkitdirectory: true }), choose('files', 'Choose files or a zip', { multiple: true })));
+      h('div', { class: 'controls' }, choose('folder', 'Choose a folder', { webkitdirectory: true }), choose('files', 'Choose files, a zip or a model', { multiple: true })));
     this.drop.addEventListener('dragover', (event) => { event.preventDefault(); this.drop.classList.add('over'); });
     this.drop.addEventListener('dragleave', () => this.drop.classList.remove('over'));
     this.drop.addEventListener('drop', (event) => { event.preventDefault(); this.drop.classList.remove('over'); this.#take(ofDrop(event.dataTransfer)); });
@@ -74,6 +74,7 @@ export class NewPage {
     try {
       this.dropped = await upload(await found);
       this.chosen = [];
+      this.choices = [];
       await this.#send();
     } catch (error) {
       this.#say(error);
@@ -82,13 +83,13 @@ export class NewPage {
 
   // What was dropped; with the files that were picked as the scene's, if any were.
   async #send() {
-    const { body, names, mains } = this.dropped, { chosen } = this;
+    const { body, type, names, mains } = this.dropped, { chosen } = this;
     this.#say('');
     this.names = names;
     this.sceneWords.replaceChildren(h('p', { class: 'quiet' }, 'Reading, sending and checking\u2026'));
     try {
-      const query = new URLSearchParams(chosen.map((name) => ['main', name]));
-      const answer = await fetch(`/v1/scenes${query.size ? `?${query}` : ''}`, { method: 'POST', body, headers: { 'Content-Type': 'application/zip', Accept: 'application/json' } });
+      const query = new URLSearchParams([...chosen.map((name) => ['main', name]), ...this.choices]);
+      const answer = await fetch(`/v1/scenes${query.size ? `?${query}` : ''}`, { method: 'POST', body, headers: { 'Content-Type': type, Accept: 'application/json' } });
       const scene = await answer.json();
       if (!answer.ok) throw new Problem(answer.status, scene);
       await this.#show(scene);
@@ -114,8 +115,25 @@ export class NewPage {
       h('p', { class: 'quiet' }, 'Files of the folder that make the scene. They are read in the order that their names need.'), boxes, h('button', { type: 'button', onclick: again }, 'Read these'));
   }
 
+  // Of a Honeybee project: a state of each group of windows, and one of its skies, of several.
+  #projectPart({ states, skies, left_out: leftOut }) {
+    const choices = Object.entries(states).map(([group, { chosen, of }]) => ({ label: group, chosen, of, choice: (value) => ['state', `${group}=${value}`] }));
+    const sky = this.choices.find(([name]) => name === 'sky')?.[1];
+    if (skies.length > 1) choices.push({ label: 'Sky of the project', chosen: sky || '', of: ['', ...skies], choice: (value) => ['sky', value] });
+    const several = choices.filter(({ of }) => of.length > 1);
+    const again = () => {
+      this.choices = selects.map((select, i) => several[i].choice(select.value)).filter(([, value]) => value);
+      this.#send();
+    };
+    const selects = several.map(({ chosen, of }, i) => h('select', { id: `choice-${i}`, disabled: !this.dropped, onchange: again }, of.map((name) => h('option', { value: name, selected: name === chosen }, name || 'None'))));
+    const more = leftOut.length - 8;
+    return [selects.length > 0 && h('div', { class: 'fields' }, selects.map((select, i) => h('div', { class: 'field' }, h('label', { for: select.id }, several[i].label), select))),
+      leftOut.length > 0 && h('p', { class: 'quiet' }, `Left out: ${leftOut.slice(0, 8).map(({ file, why }) => `${file} (${why})`).join(', ')}${more > 0 ? ` and ${more} more` : ''}`)];
+  }
+
   async #choose(id) {
     this.dropped = null;
+    this.choices = [];
     this.#say('');
     try {
       this.names = [];
@@ -127,11 +145,11 @@ export class NewPage {
 
   async #show(scene) {
     this.scene = scene;
-    const { surfaces, materials, sources, bsdfs, bounds, referenced, main = [], unread = [] } = scene.summary;
+    const { surfaces, materials, sources, bsdfs, bounds, referenced, main = [], unread = [], project } = scene.summary;
     const extent = bounds.min.every(Number.isFinite) ? bounds.min.map((low, i) => number(bounds.max[i] - low)).join(' \u00d7 ') : '';
     this.outline = extent ? new Outline(scene, (change) => this.#place(change)) : null;
     this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'found' },
-      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), this.dropped && main.length + unread.length > 1 && this.#mains(main, unread), parts.facts([
+      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), project ? this.#projectPart(project) : this.dropped && main.length + unread.length > 1 && this.#mains(main, unread), parts.facts([
         ['Read', main.length === 1 && !unread.length ? main[0] : null], ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', bsdfs ? this.#bsdfs(scene) : '0'], ['Suns, skies', count(sources)], ['Extent', extent],
         ['Refers to', referenced.length ? referenced.slice(0, 12).join(', ') + (referenced.length > 12 ? ` and ${referenced.length - 12} more` : '') : null], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]])),
       this.outline?.node)));
@@ -177,6 +195,7 @@ export class NewPage {
   // area: x and y from and to, that sensors are to fill.
   #fields(own, area, height) {
     this.usual = height;
+    const { grids = [], views = [] } = this.scene.summary.project || {};
     const [min, max] = [area.slice(0, 2), area.slice(2)];
     const size = Math.max(max[0] - min[0], max[1] - min[1]) || 4;
     const spacing = Number((size / 12).toPrecision(1));
@@ -188,13 +207,17 @@ export class NewPage {
       this.#skyPart(own),
       parts.section('sensors-asked', 'Illuminance', h('div', { class: 'fields' },
         h('div', { class: 'field' }, h('label', { for: 'f-sensors' }, 'Sensors'), h('select', { id: 'f-sensors', name: 'sensors' },
+          grids.length > 0 && h('option', { value: 'project' }, grids.length === 1 ? `The project\u2019s grid, ${grids[0].name}` : `The project\u2019s ${grids.length} grids`),
           h('option', { value: 'grid' }, 'On a grid over the scene'), h('option', { value: 'rows' }, 'These'), h('option', { value: 'none' }, 'None'))),
         when('sensors', 'grid', field('spacing', 'Apart', spacing, { min: 0.01 }), field('height', 'At height', height),
           field('left', 'x from', edge(min[0])), field('right', 'x to', edge(max[0])), field('low', 'y from', edge(min[1])), field('high', 'y to', edge(max[1]))),
         when('sensors', 'rows', h('div', { class: 'field wide' }, h('label', { for: 'f-rows' }, 'x y z dx dy dz, a line each'), h('textarea', { id: 'f-rows', name: 'rows', rows: 4, required: true }))))),
       parts.section('view-asked', 'View', h('div', { class: 'fields' }, h('label', { class: 'check' }, h('input', { type: 'checkbox', name: 'with_view', id: 'with-view', checked: true }), 'Render a view'),
-        when('with_view', 'on', h('div', { class: 'field' }, h('label', { for: 'f-view-name' }, 'Name'), h('input', { id: 'f-view-name', name: 'view_name', type: 'text', required: true, value: 'view' })),
-          field('width', 'Width', 480, { min: 1, max: 16384, step: 1 }), field('view_height', 'Height', 360, { min: 1, max: 16384, step: 1 }),
+        when('with_view', 'on', views.length > 0 ? h('div', { class: 'field' }, h('label', { for: 'f-views' }, 'Views'), h('select', { id: 'f-views', name: 'views' },
+          h('option', { value: 'project' }, views.length === 1 ? `The project\u2019s, ${views[0].name}` : `The project\u2019s ${views.length}`), h('option', { value: 'own' }, 'This one')))
+          : h('input', { type: 'hidden', name: 'views', value: 'own' })),
+        when('with_view', 'on', field('width', 'Width', 480, { min: 1, max: 16384, step: 1 }), field('view_height', 'Height', 360, { min: 1, max: 16384, step: 1 })),
+        when('views', 'own', h('div', { class: 'field' }, h('label', { for: 'f-view-name' }, 'Name'), h('input', { id: 'f-view-name', name: 'view_name', type: 'text', required: true, value: 'view' })),
           h('div', { class: 'field wide' }, h('label', { for: 'f-view' }, 'Radiance view'), h('input', { id: 'f-view', name: 'view', type: 'text', required: true, value: `-vtv -vp ${eye} -vd 0 1 0 -vh 75 -vv 60` }))))),
       parts.section('goal-asked', 'Accuracy', h('div', { class: 'fields' },
         h('div', { class: 'pair-of' }, radio('goal', 'error', 'An error', true), radio('goal', 'deadline', 'A time', false)),
@@ -208,11 +231,11 @@ export class NewPage {
 
   // What the choices leave to be filled in.
   #settle() {
-    const form = new FormData(this.form);
     for (const part of this.form.querySelectorAll('.when')) {
-      const on = part.dataset.values.split(' ').includes(String(form.get(part.dataset.name)));
-      part.hidden = part.disabled = !on;
+      const chosen = String(new FormData(this.form).get(part.dataset.name)); // of those above that are shown
+      part.hidden = part.disabled = !part.dataset.values.split(' ').includes(chosen);
     }
+    const form = new FormData(this.form);
     const asked = documentOf(form, this.scene);
     this.outline?.show({ sensors: asked.sensors, view: asked.views?.[0].view, height: Number(form.get('height')) || this.usual });
     setText(this.counted, form.get('sensors') === 'grid' ? `${count(gridOf(form).length)} sensors` : '');
