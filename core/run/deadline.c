@@ -10,6 +10,19 @@ static const double room = 1.075, room_of_views = 1.5;
 /* Less than this share of the deadline is not worth a round; so much over it is still kept. */
 static const double crumbs = 0.04, tolerance = 0.1;
 
+/* Of a first round that is thought to be the only one: nothing of it was measured yet. */
+static const double only_fill = 0.85;
+
+double orl_deadline_first(const struct orl_work *work, double photons_s, double render_s,
+                          double left_s)
+{
+    const double smallest = render_s + photons_s * work->least / ORL_DEFAULT_GATHER_SAMPLES;
+    if (!orl_work_renders_alike(work) || 2 * smallest <= only_fill * left_s || !(photons_s > 0))
+        return work->least;
+    const double samples = (only_fill * left_s - render_s) / photons_s * ORL_DEFAULT_GATHER_SAMPLES;
+    return ORL_MAP_BATCHES * floor(fmin(fmax(samples, work->least), work->most) / ORL_MAP_BATCHES);
+}
+
 /* Samples that the next round may have. Views by maps begin with a quarter of the usual photons. */
 static double most_samples(const struct orl_pace *pace, const struct orl_work *work)
 {

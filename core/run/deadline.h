@@ -27,6 +27,12 @@ struct orl_deadline_next {
     double least_s; /* what the smallest round is thought to take */
 };
 
+/* Samples of the first round: the least, or, of views that are rendered as a whole each time, where
+ * a second round would not fit, as many as fill most of what is left. photons_s, render_s: what
+ * ORL_DEFAULT_GATHER_SAMPLES' worth of photons, and the views, are thought to take. */
+double orl_deadline_first(const struct orl_work *work, double photons_s, double render_s,
+                          double left_s);
+
 struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const struct orl_work *work,
                                            double deadline_s, double left_s);
 

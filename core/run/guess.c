@@ -18,7 +18,7 @@ static const double view_us = 5.5e5;
 static const double write_us = 0.08;
 /* Of a pixel, by technique. */
 static const double pixel_us[] = {[ORL_TECHNIQUE_AUTO] = 20,
-                                  [ORL_TECHNIQUE_DIRECT] = 20,
+                                  [ORL_TECHNIQUE_DIRECT] = 15,
                                   [ORL_TECHNIQUE_PRECOMPUTED] = 9,
                                   [ORL_TECHNIQUE_GATHER] = 7};
 

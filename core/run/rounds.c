@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "run/curve.h"
+#include "run/deadline.h"
 #include "run/goals.h"
 #include "run/pieces.h"
 #include "run/sample_allocation.h"
@@ -31,8 +32,13 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
         r->planned = orl_run_batches(state);
         r->samples = ceil((double)ORL_DEFAULT_GATHER_SAMPLES / r->planned);
     }
-    r->wanted = orl_rounds_guess_wanted(r);
     memcpy(r->guessed_s, state->cost_s, sizeof r->guessed_s);
+    if (state->job->goal.deadline_s > 0)
+        r->samples = orl_deadline_first(
+            &r->work, r->guessed_s[ORL_STAGE_PHOTONS] + r->guessed_s[ORL_STAGE_MAPS],
+            r->guessed_s[ORL_STAGE_RENDER],
+            state->job->goal.deadline_s - (orl_rounds_now(r) - state->started_s));
+    r->wanted = orl_rounds_guess_wanted(r);
     orl_rounds_foresee(r);
     orl_run_enter(state, ORL_STAGE_PHOTONS);
     if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not with every photon */

@@ -425,6 +425,38 @@ static void test_views_by_maps(void **state)
 }
 
 /*
+ * Views that are rendered as a whole, so long that no second round fits: the first one's photons
+ * fill 85 % of the time as costs are thought to be, or as many are made as views are worth; what is
+ * thought a tenth too low ends in time all the same.
+ */
+static void test_only_round(void **state)
+{
+    const double left = 20, usual = 4096;
+    const struct orl_work work = {.technique = ORL_TECHNIQUE_DIRECT,
+                                  .of_views = true,
+                                  .photons = {1000000, 1000000},
+                                  .least = 1024,
+                                  .most = 4 * 4096};
+    (void)state;
+    for (double render_s = 1; render_s < 30; render_s *= 1.2)
+        for (double photon_s = 1; photon_s < 20; photon_s *= 1.5) {
+            const double samples = orl_deadline_first(&work, photon_s, render_s, left);
+            const double all = render_s + photon_s * samples / usual;
+            const double one = render_s + photon_s * work.least / usual;
+            assert_true(samples >= work.least && samples <= work.most);
+            if (2 * one <= 0.85 * left)
+                assert_true(samples == work.least);
+            else if (samples > work.least)
+                assert_true(all <= 0.85 * left && 1.1 * all < left);
+            if (2 * one > 0.85 * left && one < 0.84 * left && samples < work.most)
+                assert_true(all > 0.84 * left);
+        }
+    struct orl_work of_sensors = work;
+    of_sensors.of_views = false;
+    assert_true(orl_deadline_first(&of_sensors, 1, 15, left) == work.least);
+}
+
+/*
  * Views by a final gather, whose rays go by samples as their photons do: nine tenths of any time
  * are used that holds two of the smallest rounds, whether a fifth more or less of a round goes by
  * samples than is thought; or what is left holds no other round, and that is less than a fifth.
@@ -491,6 +523,7 @@ int main(void)
                                        cmocka_unit_test(test_what_is_left_of_a_deadline),
                                        cmocka_unit_test(test_no_room),
                                        cmocka_unit_test(test_views_by_maps),
+                                       cmocka_unit_test(test_only_round),
                                        cmocka_unit_test(test_views_by_rays)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
