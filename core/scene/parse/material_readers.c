@@ -102,7 +102,8 @@ static int check_index(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* ---- Materials ------------------------------------------------------------------------------- */
 
-/* What rounding and white paint may exceed 1 by; beyond, it is a mistake. */
+/* What rounding and white paint may exceed 1 by, and colours made of spectra be below 0; beyond, it
+ * is a mistake. */
 static const double slack = 0.01;
 /* All that a surface may return: a thousand reflections, and light ends. */
 static const double most_returned = 0.999;
@@ -120,6 +121,20 @@ static bool bound_rgb(struct orl_rgb *c, double from, double most)
 {
     const bool r = bound(&c->r, from, most), g = bound(&c->g, from, most);
     return bound(&c->b, from, most) || r || g;
+}
+
+static bool lift(double *share)
+{
+    const bool below = *share < 0 && *share >= -slack;
+    *share = below ? 0 : *share;
+    return below;
+}
+
+static void lift_rgb(struct orl_parser *parser, const struct orl_scope *scope, struct orl_rgb *c)
+{
+    const bool r = lift(&c->r), g = lift(&c->g);
+    if (lift(&c->b) || r || g)
+        orl_parser_count(parser, scope, &parser->below);
 }
 
 /* Light that is all passed on, straight, comes out somewhere; what is all returned may never end.
@@ -144,6 +159,7 @@ static void bound_reflector(struct orl_parser *parser, const struct orl_scope *s
 static void bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_rgb *share)
 {
+    lift_rgb(parser, scope, share);
     if (bound_rgb(share, nextafter(1, 2), 1))
         orl_parser_count(parser, scope, &parser->white);
 }
@@ -153,6 +169,7 @@ static void bound_clear(struct orl_parser *parser, const struct orl_scope *scope
 int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *m, struct orl_error *err)
 {
+    lift_rgb(parser, scope, &m->color);
     bound_reflector(parser, scope, m);
     int code = orl_material_share(parser, scope, m->color, true, "reflectance", err);
     if (code == 0)

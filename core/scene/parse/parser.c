@@ -102,6 +102,7 @@ void orl_parser_report(struct orl_parser *parser)
     report(parser, &parser->white,
            "returns all light that it gets, or more: 0.999 of it are taken, so that light ends "
            "(of what only mirrors or lets pass, all)");
+    report(parser, &parser->below, "a share of light is a little below 0: 0 is taken");
 }
 
 int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,

@@ -42,7 +42,7 @@ struct orl_parser {
     struct orl_refusals refusals;
     struct orl_deferred deferred;
     bool cut_short; /* what was refused could not be read past */
-    struct orl_warning_tally degenerate, bent, unmodified, white;
+    struct orl_warning_tally degenerate, bent, unmodified, white, below;
 };
 
 /* Where text stands: what is applied to its surfaces, and where file names are looked up. */
