@@ -215,8 +215,8 @@ export class NewPage {
       parts.section('view-asked', 'View', h('div', { class: 'fields' }, h('label', { class: 'check' }, h('input', { type: 'checkbox', name: 'with_view', id: 'with-view', checked: true }), 'Render a view'),
         when('with_view', 'on', views.length > 0 ? h('div', { class: 'field' }, h('label', { for: 'f-views' }, 'Views'), h('select', { id: 'f-views', name: 'views' },
           h('option', { value: 'project' }, views.length === 1 ? `The project\u2019s, ${views[0].name}` : `The project\u2019s ${views.length}`), h('option', { value: 'own' }, 'This one')))
-          : h('input', { type: 'hidden', name: 'views', value: 'own' })),
-        when('with_view', 'on', field('width', 'Width', 480, { min: 1, max: 16384, step: 1 }), field('view_height', 'Height', 360, { min: 1, max: 16384, step: 1 })),
+          : h('input', { type: 'hidden', name: 'views', value: 'own' }),
+        field('width', 'Width', 480, { min: 1, max: 16384, step: 1 }), field('view_height', 'Height', 360, { min: 1, max: 16384, step: 1 })),
         when('views', 'own', h('div', { class: 'field' }, h('label', { for: 'f-view-name' }, 'Name'), h('input', { id: 'f-view-name', name: 'view_name', type: 'text', required: true, value: 'view' })),
           h('div', { class: 'field wide' }, h('label', { for: 'f-view' }, 'Radiance view'), h('input', { id: 'f-view', name: 'view', type: 'text', required: true, value: `-vtv -vp ${eye} -vd 0 1 0 -vh 75 -vv 60` }))))),
       parts.section('goal-asked', 'Accuracy', h('div', { class: 'fields' },
