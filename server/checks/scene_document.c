@@ -114,14 +114,40 @@ static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, j
     return rc;
 }
 
+/* A model, and files that it comes with: weather, say. */
+static int read_model_and_files(const json_t *doc, const struct orl_incoming_sink *sink,
+                                json_t **ret_rest, struct orl_error *err)
+{
+    static const struct orl_json_member members[] = {{.name = "model"}, {.name = "files"}, {0}};
+    const json_t *model = json_object_get(doc, "model"), *files = json_object_get(doc, "files");
+    json_t *resources = json_array(), *rest = NULL;
+    int rc = orl_json_members(doc, "", members, err);
+    if (rc == 0 && !orl_hbjson_is_model(model))
+        rc = orl_json_fail(err, ORL_ERR_INVALID, "model",
+                           "a Honeybee model is wanted: an object of \"type\": \"Model\"");
+    if (rc == 0 && files)
+        rc = orl_json_array(files, "files", ORL_LIMIT_SCENE_FILES, err);
+    if (rc == 0)
+        rc = read_model(model, sink, &rest, err);
+    for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
+        rc = read_file(json_array_get(files, i), i, sink, resources, err);
+    json_decref(resources); /* none of them is of the scene: the model is */
+    if (rc == 0)
+        *ret_rest = rest;
+    else
+        json_decref(rest);
+    return rc;
+}
+
 int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
                             json_t **ret_rest, struct orl_error *err)
 {
     json_t *doc = NULL;
     int rc = orl_json_parse(NULL, document->data, document->size, &doc, err);
     if (rc == 0)
-        rc = orl_hbjson_is_model(doc) ? read_model(doc, sink, ret_rest, err)
-                                      : read_files(doc, sink, ret_rest, err);
+        rc = orl_hbjson_is_model(doc)        ? read_model(doc, sink, ret_rest, err)
+             : json_object_get(doc, "model") ? read_model_and_files(doc, sink, ret_rest, err)
+                                             : read_files(doc, sink, ret_rest, err);
     json_decref(doc);
     return rc;
 }

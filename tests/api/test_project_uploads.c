@@ -115,6 +115,42 @@ static void test_mistakes_are_told_by_their_place(void **state)
     free(text);
 }
 
+/* Weather comes beside a model, and jobs of the scene name it. */
+static void test_a_model_comes_with_files(void **state)
+{
+    char *model = read_model(), *text = NULL, *job = NULL;
+    json_t *weather = json_string(
+        "LOCATION,Here,-,-,made up,000000,38.42,27.14,2.0,25.0\nDESIGN CONDITIONS,0\n"
+        "TYPICAL/EXTREME PERIODS,0\nGROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\n"
+        "COMMENTS 1,one hour\nCOMMENTS 2,\nDATA PERIODS,1,1,Data,Sunday,3/22,3/22\n"
+        "2020,3,22,12,0,none,15,7,60,101300,9999,9999,300,600,500,200,999999,999999,99999\n");
+    char *quoted = json_dumps(weather, JSON_ENCODE_ANY);
+    struct reply reply;
+    assert_true(asprintf(&text,
+                         "{\"model\": %s, \"files\": [{\"name\": \"place.epw\", \"text\": %s}]}",
+                         model, quoted) > 0);
+    post_model(*state, "", text, &reply);
+    expect_model(&reply, "0_south_glass");
+    assert_true(asprintf(&job,
+                         "{\"kind\": \"render\", \"scene\": \"%s\", \"technique\": \"backward\","
+                         " \"gather_samples\": 64, \"sensors\": [[1, 1, 1, 0, 0, 1]], \"sky\":"
+                         " {\"weather\": {\"file\": \"place.epw\", \"month\": 3, \"day\": 22,"
+                         " \"hour\": 11.5}}}",
+                         reply_text(&reply, "id")) > 0);
+    reply_done(&reply);
+    daemon_post_json(*state, "/v1/jobs", job, &reply);
+    if (reply.status != 202)
+        fail_msg("%ld %s", reply.status, reply.body);
+    reply_done(&reply);
+    expect_refusal(*state, "", "{\"model\": {\"type\": \"Room\"}}", "a Honeybee model is wanted");
+    expect_refusal(*state, "", "{\"model\": {\"type\": \"Model\"}, \"weather\": 1}", "weather");
+    json_decref(weather);
+    free(quoted);
+    free(model);
+    free(text);
+    free(job);
+}
+
 /* The folder's own name stays: its texts say model/bsdf/NAME.xml. */
 static void test_a_folder_comes_as_a_zip(void **state)
 {
@@ -146,6 +182,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_model_becomes_a_scene),
         cmocka_unit_test(test_mistakes_are_told_by_their_place),
+        cmocka_unit_test(test_a_model_comes_with_files),
         cmocka_unit_test(test_a_folder_comes_as_a_zip),
     };
     return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);

@@ -206,7 +206,7 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
 
 test('a Honeybee model that is dropped brings its grids, its view and its states', () => visit({ path: '/#/new' }, async (page) => {
   await page.locator('.drop').waitFor();
-  await drop(page, [['two_rooms.hbjson', readFileSync('tests/fixtures/honeybee/two_rooms.hbjson', 'utf8')]]);
+  await drop(page, [['two_rooms.hbjson', readFileSync('tests/fixtures/honeybee/two_rooms.hbjson', 'utf8')], ['place.epw', readFileSync('tests/fixtures/weather.epw', 'latin1')]]);
   await page.getByRole('heading', { name: 'Sky' }).waitFor();
   const states = page.getByLabel('south_glass'), [first, second] = await states.locator('option').allInnerTexts();
   assert.equal(await states.inputValue(), first);
@@ -219,6 +219,9 @@ test('a Honeybee model that is dropped brings its grids, its view and its states
   assert.ok(!await page.getByLabel('Radiance view').isVisible());
   assert.deepEqual(await browser.audit(page), []);
   await browser.keep(page, 'new-model');
+  await page.getByLabel('Light from').selectOption('weather');
+  assert.equal(await page.getByLabel('File', { exact: true }).inputValue(), 'place.epw');
+  await page.getByLabel('Light from').selectOption('overcast');
   await page.getByLabel('Width').fill('32');
   await page.getByLabel('Height', { exact: true }).fill('24');
   await page.getByLabel('Relative error').fill('40');

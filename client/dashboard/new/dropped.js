@@ -24,11 +24,26 @@ export async function ofDrop(transfer) {
 
 export const ofChoice = (files) => [...files].map((file) => ({ name: file.webkitRelativePath || file.name, file }));
 
+// A model with what lies beside it: weather, say.
+async function withFiles(model, others) {
+  const files = [];
+  for (const { name, file } of others) {
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    let text = '';
+    for (let i = 0; i < bytes.length; i += 0x8000) text += String.fromCharCode(...bytes.subarray(i, i + 0x8000));
+    files.push({ name: name.split('/').pop(), base64: btoa(text) });
+  }
+  const body = new Blob([`{"model": ${await model.file.text()}, "files": ${JSON.stringify(files)}}`]);
+  return { body, type: 'application/json', names: files.map(({ name }) => name), mains: null };
+}
+
 // {body, type, names, mains}: names as the service will know them, without a folder that holds all; mains
 // as mains.js has candidates, null of a zip or a model.
 export async function upload(found) {
   if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, type: 'application/zip', names: [], mains: null };
   if (found.length === 1 && /\.(hbjson|json)$/i.test(found[0].name)) return { body: found[0].file, type: 'application/json', names: [], mains: null };
+  const models = found.filter(({ name }) => /\.hbjson$/i.test(name)), others = found.filter((one) => !models.includes(one));
+  if (models.length === 1 && !others.some(({ name }) => /\.rad$/i.test(name))) return withFiles(models[0], others);
   const files = [];
   for (const { name, file } of found) files.push({ name, bytes: new Uint8Array(await file.arrayBuffer()) });
   const top = files[0].name.split('/')[0];
