@@ -36,7 +36,7 @@ void daemon_start(struct daemon *daemon, const char *const *extra);
 /* Again on the same data folder, after daemon_end. */
 void daemon_restart(struct daemon *daemon, const char *const *extra);
 /* Sends the signal and waits. Returns the exit status, or -1 when a signal ended it. */
-int daemon_end(struct daemon *daemon, int signum);
+int daemon_end(struct daemon *daemon, int signum); /* -1 too when none runs */
 /* The same of one that has been told to end. */
 int daemon_wait_end(struct daemon *daemon);
 /* Ends it by SIGTERM if it runs, expects status 0, and removes its folder. */
