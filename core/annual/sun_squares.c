@@ -12,7 +12,8 @@ struct layout {
 static struct layout layout_of(const struct orl_geometry *g, const struct orl_facet *f,
                                struct orl_vec3 along)
 {
-    return (struct layout){g->triangles[f->first_triangle].a, {along, orl_cross(f->normal, along)}};
+    return (struct layout){orl_triangle_of(g, f->first_triangle).a,
+                           {along, orl_cross(f->normal, along)}};
 }
 
 static struct layout layout_by(const struct orl_sun_squares *s, const struct orl_facet *f,
@@ -31,10 +32,9 @@ static void place_on(const struct layout *layout, struct orl_vec3 point, double 
 }
 
 /* Of the first triangle the side of middling length: of a right angle a leg. */
-static struct orl_vec3 axis_of(const struct orl_triangle *t)
+static struct orl_vec3 axis_of(struct orl_triangle t)
 {
-    const struct orl_vec3 sides[3] = {orl_sub(t->b, t->a), orl_sub(t->c, t->b),
-                                      orl_sub(t->a, t->c)};
+    const struct orl_vec3 sides[3] = {orl_sub(t.b, t.a), orl_sub(t.c, t.b), orl_sub(t.a, t.c)};
     int middle = 0;
     for (int i = 0; i < 3; i++) {
         const double here = orl_length(sides[i]);
@@ -66,13 +66,13 @@ static double count_along(double extent, double other, double width)
 static struct orl_sun_sheet sheet_of(const struct orl_geometry *g, const struct orl_facet *f,
                                      double width)
 {
-    const struct orl_vec3 along = axis_of(&g->triangles[f->first_triangle]);
+    const struct orl_vec3 along = axis_of(orl_triangle_of(g, f->first_triangle));
     const struct layout layout = layout_of(g, f, along);
     struct orl_sun_sheet sheet = {.along = {(float)along.x, (float)along.y, (float)along.z}};
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle *t = &g->triangles[f->first_triangle + i];
-        const struct orl_vec3 corners[3] = {t->a, t->b, t->c};
+        const struct orl_triangle t = orl_triangle_of(g, f->first_triangle + i);
+        const struct orl_vec3 corners[3] = {t.a, t.b, t.c};
         for (int k = 0; k < 3; k++) {
             double at[2];
             place_on(&layout, corners[k], at);
@@ -201,11 +201,11 @@ double orl_sun_square_area(const struct orl_sun_squares *s, const struct orl_hit
     const struct orl_sun_sheet *sheet = &s->sheets[hit->facet];
     const struct layout layout = layout_by(s, f, sheet);
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle *t = &g->triangles[f->first_triangle + i];
+        const struct orl_triangle t = orl_triangle_of(g, f->first_triangle + i);
         struct outline o = {.n = 3};
-        place_on(&layout, t->a, o.at[0]);
-        place_on(&layout, t->b, o.at[1]);
-        place_on(&layout, t->c, o.at[2]);
+        place_on(&layout, t.a, o.at[0]);
+        place_on(&layout, t.b, o.at[1]);
+        place_on(&layout, t.c, o.at[2]);
         for (int axis = 0; axis < 2; axis++) {
             const double low = (double)sheet->low[axis], step = (double)sheet->step[axis];
             cut(&o, axis, low + (double)cell[axis] * step, 1);

@@ -15,10 +15,9 @@ static void widen(struct orl_window *w, struct orl_vec3 corner)
 static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet)
 {
     const struct orl_facet *f = &g->facets[facet];
-    const struct orl_triangle *t = &g->triangles[f->first_triangle];
-    const struct orl_vec3 sides[3] = {orl_sub(t->b, t->a), orl_sub(t->c, t->b),
-                                      orl_sub(t->a, t->c)};
-    struct orl_window w = {.facet = facet, .corner = t->a, .normal = f->normal};
+    const struct orl_triangle t = orl_triangle_of(g, f->first_triangle);
+    const struct orl_vec3 sides[3] = {orl_sub(t.b, t.a), orl_sub(t.c, t.b), orl_sub(t.a, t.c)};
+    struct orl_window w = {.facet = facet, .corner = t.a, .normal = f->normal};
     /* The middle one: of a right angle the longer leg, never its diagonal. */
     int order[3] = {0, 1, 2};
     for (int i = 0; i < 2; i++)
@@ -31,10 +30,10 @@ static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet
     w.along[0] = orl_normalize(sides[order[1]]);
     w.along[1] = orl_cross(w.normal, w.along[0]);
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle *part = &g->triangles[f->first_triangle + i];
-        widen(&w, part->a);
-        widen(&w, part->b);
-        widen(&w, part->c);
+        const struct orl_triangle part = orl_triangle_of(g, f->first_triangle + i);
+        widen(&w, part.a);
+        widen(&w, part.b);
+        widen(&w, part.c);
     }
     return w;
 }

@@ -80,11 +80,11 @@ static void draw_facet(struct drawing *d, const struct orl_facet *f,
         return;
     }
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle *t = &d->geometry->triangles[f->first_triangle + i];
+        const struct orl_triangle t = orl_triangle_of(d->geometry, f->first_triangle + i);
         struct box part = nothing;
-        add_point(&part, d->frame, t->a);
-        add_point(&part, d->frame, t->b);
-        add_point(&part, d->frame, t->c);
+        add_point(&part, d->frame, t.a);
+        add_point(&part, d->frame, t.b);
+        add_point(&part, d->frame, t.c);
         grow(&part, d->margin);
         take(d, &part);
     }

@@ -10,12 +10,12 @@
 #include "scene/material/pattern.h"
 
 /*
- * Of a triangle and a facet, with their share of the hierarchy. With the surfaces themselves, and
- * what is round twice, this is 1.03 to 1.16 of what 300 000 loose quadrangles, triangles or spheres
- * hold, 1.02 of 20 000 polygons of forty corners, 0.82 of 10 000 quadrangles (resident memory after
- * orl_scene_new less that before).
+ * Of a triangle, a corner of some and a facet, with their share of the hierarchy. With the surfaces
+ * themselves, and what is round twice, this is 1.04 to 1.10 of what 300 000 loose quadrangles or
+ * triangles, or a mesh of a million triangles, hold (resident memory after orl_scene_new less that
+ * before).
  */
-enum { BYTES_A_TRIANGLE = 240, BYTES_A_FACET = 256 };
+enum { BYTES_A_TRIANGLE = 128, BYTES_A_CORNER = 36, BYTES_A_FACET = 160 };
 
 static int list_shining(struct orl_scene *scene)
 {
@@ -124,6 +124,7 @@ uint64_t orl_scene_bytes(const struct orl_scene *scene)
     for (size_t i = 0; i < PARTS; i++)
         if (parts[i])
             bytes += parts[i]->n_triangles * (uint64_t)BYTES_A_TRIANGLE +
+                     parts[i]->n_corners * (uint64_t)BYTES_A_CORNER +
                      parts[i]->n_facets * (uint64_t)BYTES_A_FACET +
                      parts[i]->n_rounds * 2 * sizeof(struct orl_curved);
     for (size_t i = 0; i < scene->description.n_grids; i++)

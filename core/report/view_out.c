@@ -229,9 +229,9 @@ static void find_extent(const struct orl_openings *o, struct orl_vec3 eye, struc
         const struct orl_facet *f = &g->facets[facet];
         for (uint32_t t = f->first_triangle;
              o->clear[facet] && t < f->first_triangle + f->n_triangles; t++) {
-            const struct orl_vec3 corners[3] = {orl_sub(g->triangles[t].a, eye),
-                                                orl_sub(g->triangles[t].b, eye),
-                                                orl_sub(g->triangles[t].c, eye)};
+            const struct orl_triangle at = orl_triangle_of(g, t);
+            const struct orl_vec3 corners[3] = {orl_sub(at.a, eye), orl_sub(at.b, eye),
+                                                orl_sub(at.c, eye)};
             mark_triangle(extent, corners);
         }
     }

@@ -62,7 +62,8 @@ struct orl_vec3 mesh_direction(struct orl_random *random)
 static struct orl_vec3 edge_point(const struct orl_geometry *g, struct orl_random *random)
 {
     const size_t i = (size_t)(orl_random_uniform(random) * (double)g->n_triangles);
-    const struct orl_vec3 c[3] = {g->triangles[i].a, g->triangles[i].b, g->triangles[i].c};
+    const struct orl_triangle triangle = orl_triangle_of(g, i);
+    const struct orl_vec3 c[3] = {triangle.a, triangle.b, triangle.c};
     const int k = (int)(3 * orl_random_uniform(random));
     const double t = orl_random_uniform(random);
     /* Every eighth goes for the corner itself. */

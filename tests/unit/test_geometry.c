@@ -312,10 +312,10 @@ static void check_shares(const struct orl_geometry *g, const struct orl_hit *hit
 {
     double uv[2];
     orl_hit_uv(g, hit, uv);
-    const struct orl_triangle *t = &g->triangles[hit->triangle];
-    const struct orl_vec3 there = orl_add(orl_scale(t->a, 1 - uv[0] - uv[1]),
-                                          orl_add(orl_scale(t->b, uv[0]), orl_scale(t->c, uv[1])));
-    assert_int_equal(t->facet, hit->facet);
+    const struct orl_triangle t = orl_triangle_of(g, hit->triangle);
+    const struct orl_vec3 there = orl_add(orl_scale(t.a, 1 - uv[0] - uv[1]),
+                                          orl_add(orl_scale(t.b, uv[0]), orl_scale(t.c, uv[1])));
+    assert_int_equal(g->triangles[hit->triangle].facet, hit->facet);
     assert_true(uv[0] > -1e-6 && uv[1] > -1e-6 && uv[0] + uv[1] < 1 + 1e-6);
     assert_true(orl_length(orl_sub(there, hit->point)) < 1e-12);
     assert_int_equal(hit->instance, 0);
@@ -351,6 +351,43 @@ static void test_triangle_shares(void **state)
     orl_description_done(&d);
 }
 
+/* A field of squares, each of two triangles: their corners stand once, where they were written. */
+static void test_shared_corners(void **state)
+{
+    enum { ACROSS = 40, SQUARES = ACROSS * ACROSS };
+    static char text[SQUARES * 2 * 80];
+    char *end = text + sprintf(text, "%s", GREY);
+    for (int i = 0; i < SQUARES; i++) {
+        const int x = i % ACROSS, y = i / ACROSS;
+        const int z[4] = {x * y % 7, (x + 1) * y % 7, (x + 1) * (y + 1) % 7, x * (y + 1) % 7};
+        end += sprintf(end, "m polygon a 0 0 9 %d %d %d %d %d %d %d %d %d\n", x, y, z[0], x + 1, y,
+                       z[1], x + 1, y + 1, z[2]);
+        end += sprintf(end, "m polygon b 0 0 9 %d %d %d %d %d %d %d %d %d\n", x, y, z[0], x + 1,
+                       y + 1, z[2], x, y + 1, z[3]);
+    }
+    struct orl_description d = scene_parse_text(text, NULL, NULL);
+    struct orl_geometry *g = NULL;
+    assert_int_equal(orl_geometry_new(&d, &g, NULL), 0);
+    assert_int_equal(g->n_triangles, 2 * SQUARES);
+    assert_true(g->n_corners >= (ACROSS + 1) * (ACROSS + 1));
+    assert_true(g->n_corners < 1.1 * (ACROSS + 1) * (ACROSS + 1)); /* a few are not found again */
+    for (size_t i = 0; i < g->n_triangles; i++) {
+        const struct orl_surface *s = &d.surfaces[g->facets[g->triangles[i].facet].surface];
+        double nearest[3] = {INFINITY, INFINITY, INFINITY};
+        const struct orl_triangle t = orl_triangle_of(g, i);
+        const struct orl_vec3 corners[3] = {t.a, t.b, t.c};
+        for (int k = 0; k < 9; k++)
+            nearest[k / 3] =
+                fmin(nearest[k / 3],
+                     orl_length(orl_sub(orl_sub(s->vertices[k % 3], g->center), corners[k / 3])));
+        for (int k = 0; k < 3; k++)
+            assert_true(nearest[k] == 0);
+    }
+    orl_geometry_free(g);
+    orl_description_done(&d);
+    (void)state;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -363,6 +400,7 @@ int main(void)
         cmocka_unit_test(test_slivers),
         cmocka_unit_test(test_tiny_beside_huge),
         cmocka_unit_test(test_triangle_shares),
+        cmocka_unit_test(test_shared_corners),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

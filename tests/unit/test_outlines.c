@@ -379,8 +379,8 @@ static void test_no_leaks(void **state)
         char *text = scene_of(&o, &frame);
         struct orl_geometry *g = scene_geometry(text);
         for (size_t i = 0; i < 30 * g->n_triangles; i++) {
-            const struct orl_triangle *t = &g->triangles[i / 30];
-            const struct orl_vec3 a = i % 3 == 0 ? t->a : t->b, b = i % 3 == 1 ? t->c : t->a;
+            const struct orl_triangle t = orl_triangle_of(g, i / 30);
+            const struct orl_vec3 a = i % 3 == 0 ? t.a : t.b, b = i % 3 == 1 ? t.c : t.a;
             const double share = i % 5 == 0 ? 0 : uniform(&random);
             const struct orl_vec3 p = orl_madd(a, orl_sub(b, a), share);
             const struct orl_vec3 place = orl_to_local(&frame, orl_add(p, g->center));

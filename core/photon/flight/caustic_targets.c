@@ -22,9 +22,9 @@ static void locate(const struct orl_geometry *g, const struct orl_facet *f, stru
     double below = 0, best = -INFINITY;
     ret_u[0] = ret_u[1] = 0;
     for (uint32_t i = f->first_triangle; i < f->first_triangle + f->n_triangles; i++) {
-        const struct orl_triangle *t = &g->triangles[i];
-        const struct orl_vec3 ab = orl_sub(t->b, t->a), ac = orl_sub(t->c, t->a);
-        const struct orl_vec3 ap = orl_sub(point, t->a), n = orl_cross(ab, ac);
+        const struct orl_triangle t = orl_triangle_of(g, i);
+        const struct orl_vec3 ab = orl_sub(t.b, t.a), ac = orl_sub(t.c, t.a);
+        const struct orl_vec3 ap = orl_sub(point, t.a), n = orl_cross(ab, ac);
         const double n2 = orl_dot(n, n), area = 0.5 * sqrt(n2);
         const double b = n2 > 0 ? orl_dot(orl_cross(ap, ac), n) / n2 : 0;
         const double c = n2 > 0 ? orl_dot(orl_cross(ab, ap), n) / n2 : 0;

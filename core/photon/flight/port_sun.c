@@ -41,10 +41,9 @@ static void cast_point(const struct casting *c, struct orl_vec3 point, struct or
 }
 
 /* What of a triangle is before the plane: its corners there, and where its edges pass through. */
-static void cast_triangle(const struct casting *c, const struct orl_triangle *t,
-                          struct orl_shade *shade)
+static void cast_triangle(const struct casting *c, struct orl_triangle t, struct orl_shade *shade)
 {
-    const struct orl_vec3 corner[3] = {t->a, t->b, t->c};
+    const struct orl_vec3 corner[3] = {t.a, t.b, t.c};
     for (int k = 0; k < 3; k++) {
         const struct orl_vec3 p = corner[k], q = corner[(k + 1) % 3];
         const double from = orl_dot(p, c->outward) - c->plane;
@@ -80,8 +79,8 @@ static double reach(const struct casting *c, const struct orl_facet *facet)
                fmax(low.z * o.z, high.z * o.z) - c->plane;
     }
     for (uint32_t i = facet->first_triangle; i < facet->first_triangle + facet->n_triangles; i++) {
-        const struct orl_triangle *t = &c->geometry->triangles[i];
-        most = fmax(most, fmax(orl_dot(t->a, o), fmax(orl_dot(t->b, o), orl_dot(t->c, o))));
+        const struct orl_triangle t = orl_triangle_of(c->geometry, i);
+        most = fmax(most, fmax(orl_dot(t.a, o), fmax(orl_dot(t.b, o), orl_dot(t.c, o))));
     }
     return most - c->plane;
 }
@@ -93,7 +92,7 @@ static struct orl_shade shade_of(const struct casting *c, const struct orl_facet
         cast_curved(c, facet, &shade);
     for (uint32_t i = facet->first_triangle; i < facet->first_triangle + facet->n_triangles; i++)
         if (facet->kind == ORL_SURFACE_POLYGON)
-            cast_triangle(c, &c->geometry->triangles[i], &shade);
+            cast_triangle(c, orl_triangle_of(c->geometry, i), &shade);
     return shade;
 }
 
@@ -105,10 +104,10 @@ static struct orl_shade pane_of(const struct casting *c, const struct orl_facet 
     still.slide = still.outward;
     still.spread = 0;
     for (uint32_t i = facet->first_triangle; i < facet->first_triangle + facet->n_triangles; i++) {
-        const struct orl_triangle *t = &c->geometry->triangles[i];
-        cast_point(&still, t->a, &pane);
-        cast_point(&still, t->b, &pane);
-        cast_point(&still, t->c, &pane);
+        const struct orl_triangle t = orl_triangle_of(c->geometry, i);
+        cast_point(&still, t.a, &pane);
+        cast_point(&still, t.b, &pane);
+        cast_point(&still, t.c, &pane);
     }
     return pane;
 }

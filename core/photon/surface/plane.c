@@ -2,9 +2,9 @@
 
 #include <stdlib.h>
 
-static struct orl_vec3 vertex_of(const struct orl_triangle *t, int i)
+static struct orl_vec3 corner_of(const struct orl_geometry *g, uint32_t triangle, uint32_t k)
 {
-    return i == 0 ? t->a : i == 1 ? t->b : t->c;
+    return g->corners[g->triangles[triangle].corners[k]];
 }
 
 static void lay_out(struct orl_planes *planes, uint32_t facet)
@@ -20,7 +20,7 @@ static void lay_out(struct orl_planes *planes, uint32_t facet)
     if (!planes->has[facet])
         return;
     for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
-        const struct orl_vec3 a = vertex_of(&g->triangles[f->first_triangle + i / 3], (int)(i % 3));
+        const struct orl_vec3 a = corner_of(g, f->first_triangle + i / 3, i % 3);
         const double x = orl_dot(a, plane->frame.u), y = orl_dot(a, plane->frame.v);
         low[0] = fmin(low[0], x);
         low[1] = fmin(low[1], y);
@@ -29,14 +29,14 @@ static void lay_out(struct orl_planes *planes, uint32_t facet)
     }
     plane->wide = high[0] - low[0];
     plane->high = high[1] - low[1];
-    const double level = orl_dot(g->triangles[f->first_triangle].a, f->normal);
+    const double level = orl_dot(corner_of(g, f->first_triangle, 0), f->normal);
     plane->origin =
         orl_add(orl_scale(f->normal, level),
                 orl_add(orl_scale(plane->frame.u, low[0]), orl_scale(plane->frame.v, low[1])));
     for (uint32_t i = 0; i < f->n_triangles; i++)
-        for (int k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++)
             planes->flats[f->first_triangle + i].corners[k] =
-                orl_plane_corner(plane, vertex_of(&g->triangles[f->first_triangle + i], k));
+                orl_plane_corner(plane, corner_of(g, f->first_triangle + i, k));
 }
 
 bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geometry)

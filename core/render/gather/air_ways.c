@@ -20,9 +20,9 @@ static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_face
                              const struct orl_facet *b)
 {
     const struct orl_vec3 at =
-        a->n_triangles > 0 ? g->triangles[a->first_triangle].a : a->round->center[0];
+        a->n_triangles > 0 ? orl_triangle_of(g, a->first_triangle).a : a->round->center[0];
     const struct orl_vec3 to =
-        b->n_triangles > 0 ? g->triangles[b->first_triangle].a : b->round->center[0];
+        b->n_triangles > 0 ? orl_triangle_of(g, b->first_triangle).a : b->round->center[0];
     return fabs(orl_dot(a->normal, b->normal)) > 1 - 1e-9 &&
            fabs(orl_dot(orl_sub(to, at), a->normal)) <= a->offset;
 }

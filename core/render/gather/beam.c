@@ -157,8 +157,8 @@ struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct 
         high_v = low_v + 2 * fmax(f->round->radius[0], f->round->radius[1]);
     }
     for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
-        const struct orl_triangle *t = &geometry->triangles[f->first_triangle + i / 3];
-        corner = i % 3 == 0 ? t->a : i % 3 == 1 ? t->b : t->c;
+        const struct orl_triangle t = orl_triangle_of(geometry, f->first_triangle + i / 3);
+        corner = i % 3 == 0 ? t.a : i % 3 == 1 ? t.b : t.c;
         low_u = fmin(low_u, orl_dot(corner, beam->frame.u));
         high_u = fmax(high_u, orl_dot(corner, beam->frame.u));
         low_v = fmin(low_v, orl_dot(corner, beam->frame.v));

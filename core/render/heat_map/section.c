@@ -85,10 +85,10 @@ void orl_section_cut(const struct orl_geometry *geometry, const struct orl_senso
                             plane->offset - orl_dot(plane->normal, geometry->center) +
                                 hair * geometry->radius,
                             piece, ctx};
-    for (size_t i = 0; i < geometry->n_triangles; i++)
-        cut_triangle(&cut,
-                     (const struct orl_vec3[3]){geometry->triangles[i].a, geometry->triangles[i].b,
-                                                geometry->triangles[i].c});
+    for (size_t i = 0; i < geometry->n_triangles; i++) {
+        const struct orl_triangle t = orl_triangle_of(geometry, i);
+        cut_triangle(&cut, (const struct orl_vec3[3]){t.a, t.b, t.c});
+    }
     for (size_t i = 0; i < geometry->n_facets; i++) {
         const struct orl_facet *facet = &geometry->facets[i];
         if (facet->kind == ORL_SURFACE_SPHERE || facet->kind == ORL_SURFACE_BUBBLE)

@@ -20,9 +20,10 @@ static void bound(struct orl_geometry *g)
     g->low = orl_v3(INFINITY, INFINITY, INFINITY);
     g->high = orl_neg(g->low);
     for (size_t i = 0; i < g->n_triangles; i++) {
-        include(g, g->triangles[i].a);
-        include(g, g->triangles[i].b);
-        include(g, g->triangles[i].c);
+        const struct orl_triangle t = orl_triangle_of(g, i);
+        include(g, t.a);
+        include(g, t.b);
+        include(g, t.c);
     }
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_vec3 low, high;

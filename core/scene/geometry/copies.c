@@ -21,8 +21,11 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
     g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
-    if (!g->facets || !g->rounds || !g->triangles || !g->rivals)
+    g->corners = malloc((g->n_corners + 1) * sizeof *g->corners);
+    if (!g->facets || !g->rounds || !g->triangles || !g->corners || !g->rivals)
         goto done;
+    if (g->n_corners > 0)
+        memcpy(g->corners, whole->corners, g->n_corners * sizeof *g->corners);
     if (g->n_rivals > 0)
         memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
     memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
@@ -59,6 +62,7 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry->facets);
     free(geometry->rounds);
     free(geometry->triangles);
+    free(geometry->corners);
     free(geometry->rivals);
     free(geometry);
 }

@@ -1,5 +1,6 @@
 #include "scene/geometry/embree.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -62,25 +63,21 @@ static void curved_occluded(const struct RTCOccludedFunctionNArguments *args)
 static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
 {
     RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    const size_t n = geometry->n_triangles;
+    const size_t n = geometry->n_corners;
     float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), 3 * n);
-    unsigned *indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                3 * sizeof(unsigned), n);
-    if (n > 0 && (!vertices || !indices)) {
+                                              3 * sizeof(float), n);
+    if (!vertices) {
         rtcReleaseGeometry(mesh);
         return ORL_ERR_NOMEM;
     }
     for (size_t i = 0; i < n; i++) {
-        const struct orl_triangle *t = &geometry->triangles[i];
-        const struct orl_vec3 corners[3] = {t->a, t->b, t->c};
-        for (size_t k = 0; k < 3; k++) {
-            vertices[9 * i + 3 * k] = (float)corners[k].x;
-            vertices[9 * i + 3 * k + 1] = (float)corners[k].y;
-            vertices[9 * i + 3 * k + 2] = (float)corners[k].z;
-            indices[3 * i + k] = (unsigned)(3 * i + k);
-        }
+        vertices[3 * i] = (float)geometry->corners[i].x;
+        vertices[3 * i + 1] = (float)geometry->corners[i].y;
+        vertices[3 * i + 2] = (float)geometry->corners[i].z;
     }
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               geometry->triangles, offsetof(struct orl_triple, corners),
+                               sizeof(struct orl_triple), geometry->n_triangles);
     rtcCommitGeometry(mesh);
     rtcAttachGeometryByID(scene, mesh, GEOMETRY_TRIANGLES);
     rtcReleaseGeometry(mesh);

@@ -7,6 +7,7 @@
 #include <oriel/limits.h>
 
 #include "scene/geometry/antimatter.h"
+#include "scene/geometry/corners.h"
 #include "scene/geometry/embree.h"
 #include "scene/geometry/quadric.h"
 #include "scene/geometry/triangulate.h"
@@ -55,6 +56,7 @@ struct builder {
     const struct orl_description *description;
     struct orl_triangulation triangulation;
     size_t triangles_room;
+    struct orl_corners corners;
     struct orl_error *err;
 };
 
@@ -64,7 +66,7 @@ static bool make_room(struct builder *b, size_t more)
     if (wanted < b->triangles_room)
         return true;
     const size_t room = wanted + wanted / 2 + 1;
-    struct orl_triangle *grown = realloc(b->g->triangles, room * sizeof *grown);
+    struct orl_triple *grown = realloc(b->g->triangles, room * sizeof *grown);
     if (!grown)
         return false;
     b->g->triangles = grown;
@@ -89,6 +91,17 @@ static int refuse_outline(const struct builder *b, const struct orl_surface *sur
     return code;
 }
 
+static bool add_triangle(struct builder *b, const struct orl_triangle *t, uint32_t facet,
+                         double area)
+{
+    struct orl_triple *const triple = &b->g->triangles[b->g->n_triangles++];
+    triple->facet = facet;
+    triple->area = area;
+    return orl_corners_add(&b->corners, t->a, &triple->corners[0]) &&
+           orl_corners_add(&b->corners, t->b, &triple->corners[1]) &&
+           orl_corners_add(&b->corners, t->c, &triple->corners[2]);
+}
+
 /* Cuts a polygon into triangles, moved, and measures it. */
 static int add_polygon(struct builder *b, const struct orl_surface *surface, uint32_t facet)
 {
@@ -107,12 +120,13 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
     f->n_triangles = (uint32_t)cut->n_triples;
     for (size_t i = 0; i < cut->n_triples; i++) {
         const uint32_t *triple = cut->triples[i];
-        struct orl_triangle t = {orl_sub(cut->corners[triple[0]], g->center),
-                                 orl_sub(cut->corners[triple[1]], g->center),
-                                 orl_sub(cut->corners[triple[2]], g->center), facet, 0};
-        t.area = 0.5 * orl_length(orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a)));
-        g->triangles[g->n_triangles++] = t;
-        f->area += t.area;
+        const struct orl_triangle t = {orl_sub(cut->corners[triple[0]], g->center),
+                                       orl_sub(cut->corners[triple[1]], g->center),
+                                       orl_sub(cut->corners[triple[2]], g->center)};
+        const double area = 0.5 * orl_length(orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a)));
+        if (!add_triangle(b, &t, facet, area))
+            return ORL_ERR_NOMEM;
+        f->area += area;
         reach = fmax(reach, fmax(largest(t.a), fmax(largest(t.b), largest(t.c))));
         bend = fmax(bend, fmax(fabs(orl_dot(orl_sub(t.b, t.a), f->normal)),
                                fabs(orl_dot(orl_sub(t.c, t.a), f->normal))));
@@ -227,7 +241,8 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
     g->n_facets = description->n_surfaces;
     g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
-    if (!g->facets || !g->rounds || !make_room(&builder, description->n_surfaces))
+    if (!g->facets || !g->rounds || !make_room(&builder, description->n_surfaces) ||
+        !orl_corners_init(&builder.corners, g))
         goto done;
     code = add_facets(&builder);
     if (code == 0)
@@ -238,6 +253,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
         code = orl_holes_build(g, description, err);
 done:
     orl_triangulation_done(&builder.triangulation);
+    orl_corners_done(&builder.corners);
     if (code == 0)
         *ret_geometry = g;
     else

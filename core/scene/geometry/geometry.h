@@ -31,6 +31,7 @@
 /* A surface as it is shot at: the description's, moved, with what hits need at hand. */
 struct orl_facet {
     enum orl_surface_kind kind;
+    bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
     uint32_t material, surface;     /* indices into the description's */
     struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
     const struct orl_curved *round; /* all but polygons: in orl_geometry.rounds; never NULL */
@@ -40,13 +41,17 @@ struct orl_facet {
     uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
     uint32_t first_rival, n_rivals;       /* into orl_geometry.rivals: facets in the same place that
                                              face the other way */
-    bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
+};
+
+/* A triangle's corners, in orl_geometry.corners: triangles that meet there share them. */
+struct orl_triple {
+    uint32_t corners[3]; /* first: Embree reads them in place */
+    uint32_t facet;
+    double area;
 };
 
 struct orl_triangle {
     struct orl_vec3 a, b, c;
-    uint32_t facet;
-    double area;
 };
 
 struct orl_holes;
@@ -59,8 +64,10 @@ struct orl_geometry {
     size_t n_facets;
     struct orl_curved *rounds; /* of the facets that are not polygons, from the last one back */
     size_t n_rounds;
-    struct orl_triangle *triangles;
+    struct orl_triple *triangles;
     size_t n_triangles;
+    struct orl_vec3 *corners;
+    size_t n_corners;
     uint32_t *rivals;
     size_t n_rivals;
     bool curved;             /* it has facets that are not polygons */
@@ -90,6 +97,13 @@ static inline struct orl_hit orl_hit_anywhere(struct orl_vec3 normal, bool front
 static inline bool orl_hit_is_anywhere(const struct orl_hit *hit)
 {
     return hit->instance == UINT32_MAX;
+}
+
+static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geometry, size_t index)
+{
+    const uint32_t *const at = geometry->triangles[index].corners;
+    return (struct orl_triangle){geometry->corners[at[0]], geometry->corners[at[1]],
+                                 geometry->corners[at[2]]};
 }
 
 /* See orl_prepare_thread (oriel/run.h). */

@@ -69,9 +69,9 @@ void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, 
         orl_quadric_uv(facet, hit->point, ret_uv);
         return;
     }
-    const struct orl_triangle *t = &geometry->triangles[hit->triangle];
-    const struct orl_vec3 ab = orl_sub(t->b, t->a), ac = orl_sub(t->c, t->a);
-    const struct orl_vec3 ap = orl_sub(hit->point, t->a), n = orl_cross(ab, ac);
+    const struct orl_triangle t = orl_triangle_of(geometry, hit->triangle);
+    const struct orl_vec3 ab = orl_sub(t.b, t.a), ac = orl_sub(t.c, t.a);
+    const struct orl_vec3 ap = orl_sub(hit->point, t.a), n = orl_cross(ab, ac);
     const double n2 = orl_dot(n, n);
     ret_uv[0] = n2 > 0 ? orl_dot(orl_cross(ap, ac), n) / n2 : 0;
     ret_uv[1] = n2 > 0 ? orl_dot(orl_cross(ab, ap), n) / n2 : 0;
@@ -81,19 +81,22 @@ void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, 
  * A triangle's point; left: what of the first number times the facet's area is the triangle's own,
  * stretched to serve again.
  */
-static inline struct orl_vec3 triangle_point(const struct orl_triangle *t, double left, double v)
+static inline struct orl_vec3 triangle_point(const struct orl_geometry *geometry, size_t index,
+                                             double left, double v)
 {
-    const double share = t->area > 0 && left > 0 ? left / t->area : 0;
+    const struct orl_triangle t = orl_triangle_of(geometry, index);
+    const double area = geometry->triangles[index].area;
+    const double share = area > 0 && left > 0 ? left / area : 0;
     const double s = sqrt(share < 1 ? share : 1);
-    return orl_add(orl_add(orl_scale(t->a, 1 - s), orl_scale(t->b, s * (1 - v))),
-                   orl_scale(t->c, s * v));
+    return orl_add(orl_add(orl_scale(t.a, 1 - s), orl_scale(t.b, s * (1 - v))),
+                   orl_scale(t.c, s * v));
 }
 
 /* The first coordinate picks the triangle by area. Which of two it is, is chance, and no branch. */
 static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
                                             const struct orl_facet *f, const double u[2])
 {
-    const struct orl_triangle *triangles = &geometry->triangles[f->first_triangle];
+    const struct orl_triple *triangles = &geometry->triangles[f->first_triangle];
     double left = u[0] * f->area;
     uint32_t chosen = 0, on = 1;
     for (uint32_t i = 0; i + 1 < f->n_triangles && on; i++) {
@@ -101,7 +104,7 @@ static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
         left -= on ? triangles[i].area : 0;
         chosen += on;
     }
-    return triangle_point(&triangles[chosen], left, u[1]);
+    return triangle_point(geometry, f->first_triangle + chosen, left, u[1]);
 }
 
 void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,

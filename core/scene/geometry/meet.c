@@ -8,9 +8,9 @@ static bool holds(const struct orl_geometry *geometry, const struct orl_facet *f
 {
     const double slack = -facet->offset;
     for (uint32_t i = 0; i < facet->n_triangles; i++) {
-        const struct orl_triangle *t = &geometry->triangles[facet->first_triangle + i];
+        const struct orl_triangle t = orl_triangle_of(geometry, facet->first_triangle + i);
         *ret_triangle = facet->first_triangle + i;
-        const struct orl_vec3 corners[4] = {t->a, t->b, t->c, t->a};
+        const struct orl_vec3 corners[4] = {t.a, t.b, t.c, t.a};
         bool inside = true;
         for (int k = 0; k < 3 && inside; k++) {
             const struct orl_vec3 side = orl_sub(corners[k + 1], corners[k]);
@@ -60,10 +60,10 @@ void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
-        const struct orl_triangle *triangle = &geometry->triangles[e->index];
-        const struct orl_vec3 plane = plane_of(facet, triangle);
+        const struct orl_triangle triangle = orl_triangle_of(geometry, e->index);
+        const struct orl_vec3 plane = plane_of(facet, &triangle);
         const double slope = orl_dot(direction, plane);
-        const double exact = orl_dot(orl_sub(triangle->a, origin), plane) / slope;
+        const double exact = orl_dot(orl_sub(triangle.a, origin), plane) / slope;
         if (fabs(exact - t) <= 1e-3 * t + facet->offset)
             t = exact;
     }
