@@ -1,6 +1,7 @@
 #include "base/arena.h"
 
 #include <stdalign.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,7 @@ enum { BLOCK_BYTES = 1 << 20, LARGE_BYTES = BLOCK_BYTES / 4 };
 
 struct block {
     struct block *next;
-    alignas(max_align_t) char bytes[];
+    alignas(double) char bytes[];
 };
 
 struct orl_arena {
@@ -48,20 +49,30 @@ static struct block *add_block(struct orl_arena *arena, size_t bytes)
     return block;
 }
 
-/* bytes is rounded up to keep what follows aligned; large pieces get a block of their own. */
-static void *take(struct orl_arena *arena, size_t bytes)
+/* Sees to room for a small piece in the newest block; a large one gets a block of its own. */
+static bool make_room(struct orl_arena *arena, size_t bytes, void **ret_own)
 {
-    struct block *block;
-    void *taken;
-    if (bytes > arena->left) {
-        block = add_block(arena, bytes > LARGE_BYTES ? bytes : BLOCK_BYTES);
-        if (!block)
-            return NULL;
-        if (bytes > LARGE_BYTES)
-            return block->bytes;
+    *ret_own = NULL;
+    if (bytes <= arena->left)
+        return true;
+    struct block *const block = add_block(arena, bytes > LARGE_BYTES ? bytes : BLOCK_BYTES);
+    if (!block)
+        return false;
+    if (bytes > LARGE_BYTES) {
+        *ret_own = block->bytes;
+    } else {
         arena->at = block->bytes;
         arena->left = BLOCK_BYTES;
     }
+    return true;
+}
+
+/* From the front; bytes is rounded up to keep what follows aligned. */
+static void *take(struct orl_arena *arena, size_t bytes)
+{
+    void *taken;
+    if (!make_room(arena, bytes, &taken) || taken)
+        return taken;
     taken = arena->at;
     arena->at += bytes;
     arena->left -= bytes;
@@ -70,15 +81,25 @@ static void *take(struct orl_arena *arena, size_t bytes)
 
 void *orl_arena_take(struct orl_arena *arena, size_t size)
 {
-    const size_t align = alignof(max_align_t);
+    const size_t align = alignof(double);
     if (size > SIZE_MAX - align)
         return NULL;
     return take(arena, (size + align - 1) / align * align);
 }
 
+/* From the back, where nothing has to be aligned. */
+char *orl_arena_letters(struct orl_arena *arena, size_t size)
+{
+    void *taken;
+    if (!make_room(arena, size, &taken) || taken)
+        return taken;
+    arena->left -= size;
+    return arena->at + arena->left;
+}
+
 char *orl_arena_text(struct orl_arena *arena, const char *text, size_t length)
 {
-    char *copy = length < SIZE_MAX ? orl_arena_take(arena, length + 1) : NULL;
+    char *copy = length < SIZE_MAX ? orl_arena_letters(arena, length + 1) : NULL;
     if (copy) {
         memcpy(copy, text, length);
         copy[length] = '\0';

@@ -15,8 +15,12 @@ struct orl_arena;
 struct orl_arena *orl_arena_new(void);        /* NULL when out of memory */
 void orl_arena_free(struct orl_arena *arena); /* NULL is allowed */
 
-/* size bytes, aligned for any type, not cleared. NULL when out of memory. */
+/* size bytes, aligned for numbers and pointers and what is made of them, not cleared. NULL when out
+ * of memory. */
 void *orl_arena_take(struct orl_arena *arena, size_t size);
+
+/* The same for letters, which are packed. */
+char *orl_arena_letters(struct orl_arena *arena, size_t size);
 
 /* A NUL-terminated copy of length bytes. NULL when out of memory. */
 char *orl_arena_text(struct orl_arena *arena, const char *text, size_t length);

@@ -120,18 +120,18 @@ extern const struct orl_curved orl_curved_none; /* all 0: of polygons */
 
 struct orl_surface {
     enum orl_surface_kind kind;
+    bool has_places;  /* polygon of a mesh: orl_surface_places */
+    bool has_normals; /* polygon of a mesh: orl_surface_normals */
     uint32_t material;
     uint32_t modifier_order; /* of its modifier's definition among all: later ones are larger */
+    uint32_t n_vertices;     /* 0: no polygon, or one that others have cut away */
     int line;
     char *name;
-    const char *file; /* points into orl_description.files */
-    /* polygon */
-    struct orl_vec3 *vertices;
-    uint32_t n_vertices;
-    bool has_places;  /* of a mesh: orl_surface_places */
-    bool has_normals; /* of a mesh: orl_surface_normals */
-    /* the others, in the arena; never NULL */
-    const struct orl_curved *round;
+    const char *file;                   /* points into orl_description.files */
+    union {                             /* in the arena */
+        struct orl_vec3 *vertices;      /* polygon */
+        const struct orl_curved *round; /* the others; never NULL */
+    };
     struct orl_vec3 normal; /* ring; for polygons the unit normal by Newell's method */
 };
 

@@ -101,7 +101,7 @@ static int make_name(struct orl_parser *parser, const struct orl_scope *scope, c
         orl_error_hint(err, "Shorter names do, or fewer copies by xform -a");
         return ORL_ERR_LIMIT;
     }
-    char *name = orl_arena_take(parser->out->arena, front + length + 1);
+    char *name = orl_arena_letters(parser->out->arena, front + length + 1);
     if (!name)
         return out_of_memory(parser, scope, err);
     if (front > 0) {
@@ -453,8 +453,7 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
     const struct surface_type *type = find_type(parser->primitive.type);
-    struct orl_surface surface = {
-        .file = scope->file, .line = parser->primitive.line, .round = &orl_curved_none};
+    struct orl_surface surface = {.file = scope->file, .line = parser->primitive.line};
     bool keep = true;
     int code;
     if (!type)
