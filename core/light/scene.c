@@ -13,7 +13,7 @@
  * Of a triangle, a corner of some and a facet, with their share of the hierarchy. With the surfaces
  * themselves, and what is round twice, this is 1.04 to 1.10 of what 300 000 loose quadrangles or
  * triangles, or a mesh of a million triangles, hold (resident memory after orl_scene_new less that
- * before).
+ * before); 0.94 of what 300 000 spheres do.
  */
 enum { BYTES_A_TRIANGLE = 128, BYTES_A_CORNER = 36, BYTES_A_FACET = 160 };
 
