@@ -334,7 +334,7 @@ static void test_refusals_alike(void **state)
 static void test_unused(void **state)
 {
     static const char text[] =
-        "void plastic bad 0 0 5 -.0013 .1 .1 0 0\n"
+        "void plastic bad 0 0 5 -.13 .1 .1 0 0\n"
         "void WGMDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
         "paint alias other paint\n"
         "void WGMDfunc bumps 4 dx dy dz bumps.cal 0 0\n"
@@ -347,7 +347,7 @@ static void test_unused(void **state)
     assert_int_equal(d.n_warnings, 1);
     assert_string_equal(d.warnings[0],
                         "plastic bad at scene.rad:1 is passed over, for nothing uses it, and 3 "
-                        "others like it: its reflectance (-0.0013 0.1 0.1) is not from 0 to 1");
+                        "others like it: its reflectance (-0.13 0.1 0.1) is not from 0 to 1");
     orl_description_done(&d);
 }
 
