@@ -173,7 +173,7 @@ static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
                                   const struct orl_material *material,
                                   const struct orl_lamp_aim *aim, struct orl_vec3 from)
 {
-    if (!material->pattern)
+    if (!orl_material_radiance_varies(material))
         return emitter->radiance;
     const struct orl_hit hit = {.point = orl_madd(from, aim->light, aim->distance),
                                 .normal = aim->normal,

@@ -22,11 +22,15 @@
 static const struct kind {
     const char *text;
     double slack;
+    bool directed; /* its shares depend on the eye's direction */
 } kinds[] = {
-    {TWO "void mixfunc m 4 p g .3 . 0 0\n", 0.003},
-    {TWO "void mixfunc m 4 p b .6 . 0 0\n", 0.004},
-    {TWO "void mixfunc m 4 t void .7 . 0 0\n", 0.004},
-    {TWO "void mixfunc n 4 t r .5 . 0 0\nvoid mixfunc m 4 n b .4 . 0 0\n", 0.004},
+    {TWO "void mixfunc m 4 p g .3 . 0 0\n", 0.003, false},
+    {TWO "void mixfunc m 4 p b .6 . 0 0\n", 0.004, false},
+    {TWO "void mixfunc m 4 t void .7 . 0 0\n", 0.004, false},
+    {TWO "void mixfunc n 4 t r .5 . 0 0\nvoid mixfunc m 4 n b .4 . 0 0\n", 0.004, false},
+    {TWO "void mixfunc m 4 p b abs(Rdot) . 0 0\n", 0.004, true},
+    {TWO "void plastic q 0 0 5 .2 .3 .4 0 0\nvoid mixfunc m 4 r q (1-abs(Rdot))^2 . 0 0\n", 0.003,
+     true},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
@@ -45,9 +49,12 @@ static void test_draws(void **state)
             const uint64_t seed = (uint64_t)(100 + 20 * k + 2 * i);
             subject_check_lobe(&s, from, transport, kinds[k].slack, seed);
             subject_check_pdf(&s, from, transport, ORL_LOBE_ALL, kinds[k].slack, seed + 1000);
-            subject_check_pdf(&s, from, transport, ORL_LOBE_DIFFUSE, kinds[k].slack, seed + 2000);
+            if (!kinds[k].directed)
+                subject_check_pdf(&s, from, transport, ORL_LOBE_DIFFUSE, kinds[k].slack,
+                                  seed + 2000);
         }
-        subject_check_reciprocity(&s, (uint64_t)(400 + k));
+        if (!kinds[k].directed)
+            subject_check_reciprocity(&s, (uint64_t)(400 + k));
         subject_done(&s);
     }
 }
@@ -79,6 +86,27 @@ static void test_shares(void **state)
     subject_done(&glass);
 }
 
+/* Where the eye looks at 60 degrees half is paint, half steel; photon maps keep nothing of it. */
+static void test_directed(void **state)
+{
+    struct subject s = subject_of(kinds[4].text, NULL, NULL);
+    const struct orl_vec3 eye = subject_direction(&s, 60, 10);
+    const struct orl_vec3 light = subject_direction(&s, 20, 200);
+    const struct orl_material *m = s.material->mixed;
+    const double sum =
+        .5 * (orl_scatter_eval_lobes(&m[0], &s.hit, light, eye).g +
+              orl_scatter_eval_lobes(&m[1], &s.hit, light, eye).g) +
+        .5 * (orl_material_diffuse(&m[0], &s.hit).g + orl_material_diffuse(&m[1], &s.hit).g) /
+            ORL_PI;
+    (void)state;
+    assert_true(fabs(orl_scatter_eval_lobes(s.material, &s.hit, light, eye).g - sum) < 1e-12);
+    assert_true(orl_rgb_max(orl_material_diffuse(s.material, &s.hit)) == 0);
+    assert_true(orl_material_diffuse_most(s.material) == 0 && orl_material_has_lobes(s.material));
+    assert_true(orl_material_lobes_most(s.material, true, .5) >=
+                orl_rgb_max(orl_material_albedo(s.material, &s.hit, eye, ORL_LOBE_ALL)) - 1e-12);
+    subject_done(&s);
+}
+
 /* What is all void lets all through, and mirrors nothing. */
 static void test_void(void **state)
 {
@@ -99,6 +127,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_draws),
         cmocka_unit_test(test_shares),
+        cmocka_unit_test(test_directed),
         cmocka_unit_test(test_void),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

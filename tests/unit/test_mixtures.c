@@ -101,6 +101,37 @@ static void test_floor(void **state)
     check(mixed, split, ORL_TECHNIQUE_GATHER, 2);
 }
 
+/* A wall half of which glows: found by chance, and by photons. */
+static void test_glow(void **state)
+{
+#define DARK                                                                                       \
+    "void plastic wall 0 0 5 .6 .6 .6 0 0\nvoid glow lit 0 0 4 20 15 10 0\n"                       \
+    "wall polygon w 0 0 12 0 0 0 0 0 3 0 5 3 0 5 0\nwall polygon e 0 0 12 4 0 0 4 5 0 4 5 3 4 0 "  \
+    "3\nwall polygon n 0 0 12 0 5 0 0 5 3 4 5 3 4 5 0\nwall polygon u 0 0 12 0 0 3 4 0 3 4 5 3 "   \
+    "0 5 3\nwall " FLOOR
+#define SOUTH_IN "polygon s 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"
+    static const char split[] = DARK "wall polygon l 0 0 12 0 0 0 0 0 3 2 0 3 2 0 0\n"
+                                     "lit polygon r 0 0 12 2 0 0 2 0 3 4 0 3 4 0 0\n";
+    static const char mixed[] =
+        DARK "void mixfunc half 4 lit wall if(Px-2,1,0) . 0 0\nhalf " SOUTH_IN;
+    (void)state;
+    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    check(mixed, split, ORL_TECHNIQUE_DIRECT, SENSORS);
+}
+
+/* Shares that only seem to depend on the eye: what they were when they did not. */
+static void test_directed(void **state)
+{
+    static const char same[] =
+        ROOM WINDOW "void mixfunc half 4 steel wall .4 . 0 0\nhalf " FLOOR;
+    static const char directed[] =
+        ROOM WINDOW "void mixfunc half 4 steel wall if(-Rdot,.4,.9) . 0 0\nhalf " FLOOR;
+    (void)state;
+    check(directed, same, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(directed, same, ORL_TECHNIQUE_GATHER, 2);
+}
+
 /* ---- Files ------------------------------------------------------------------------------------
  */
 
@@ -123,11 +154,13 @@ static void test_refused(void **state)
     static const struct {
         const char *text, *message;
     } cases[] = {
-        {MATERIALS "void mixfunc m 4 p g .5 . 0 0\nm " FLOOR, "mixtures of unlike materials"},
+        {MATERIALS "void light l 0 0 3 1 1 1\nvoid mixfunc m 4 p l .5 . 0 0\nm " FLOOR,
+         "mixtures of unlike materials"},
         {MATERIALS "void mixfunc m 4 d p .5 . 0 0\nm " FLOOR, "mixtures of unlike materials"},
         {MATERIALS "void mixfunc m 4 rough b .5 . 0 0\nm " FLOOR, "one texture"},
-        {MATERIALS "void mixfunc m 4 p b Rdot . 0 0\nm " FLOOR, "asks for the ray's direction"},
-        {MATERIALS "void mixfunc m 4 p b .5 . 0 0\nm texfunc x 4 0 0 0 . 0 0\nx " FLOOR,
+        {MATERIALS "void mixfunc m 4 p b Dx . 0 0\nm " FLOOR, "asks for the ray's direction"},
+        {MATERIALS "void mixfunc m 4 p void Rdot . 0 0\nm " FLOOR, "asks for the ray's direction"},
+        {MATERIALS "void mixfunc m 4 p b .5 . 0 0\nm colorfunc x 4 1 1 1 . 0 0\nx " FLOOR,
          "mixes unlike materials"},
         {MATERIALS "void mixfunc m 4 p b .5 . 0 0\nt alias x m\nx " FLOOR, "has no pattern"},
     };
@@ -140,6 +173,26 @@ static void test_refused(void **state)
             fail_msg("case %zu: %d %s", i, code, err.message);
         orl_description_done(&description);
     }
+}
+
+/* A texture between a mixture and a surface is all that it mixes has. */
+static void test_texture(void **state)
+{
+    struct orl_description description = {0};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse(MATERIALS "void mixfunc m 4 b g .5 . 0 0\nvoid mixfunc n 4 m p .5 . 0 0\n"
+                                     "n texfunc x 4 0 0 .1 . 0 0\nx " FLOOR,
+                           &description, &err),
+                     0);
+    const struct orl_material *const x =
+        &description.materials[description.surfaces[0].material];
+    assert_non_null(x->texture);
+    assert_ptr_equal(x->mixed[0].texture, x->texture);
+    assert_ptr_equal(x->mixed[0].mixed[0].texture, x->texture);
+    assert_null(x->mixed[0].mixed[1].texture);
+    assert_ptr_equal(x->mixed[1].texture, x->texture);
+    orl_description_done(&description);
 }
 
 /* Nine of them are too many; eight are not. In arrays one stays one. */
@@ -168,7 +221,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_facade),  cmocka_unit_test(test_screen), cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_glow), cmocka_unit_test(test_directed),
         cmocka_unit_test(test_refused), cmocka_unit_test(test_bounds),
+        cmocka_unit_test(test_texture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 #include "scene/material/bounds.h"
 
-#include "scene/material/pattern.h"
+#include "scene/material/kinds.h"
 
 static const struct orl_vec3 up = {0, 0, 1};
 
@@ -22,6 +22,8 @@ static struct orl_material at_most(const struct orl_material *material)
 /* Of a mixture it is the larger of what both are, whatever their shares. */
 double orl_material_diffuse_most(const struct orl_material *material)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE && material->mix->directed)
+        return 0;
     if (material->kind == ORL_MATERIAL_MIXTURE)
         return fmax(orl_material_diffuse_most(&material->mixed[0]),
                     orl_material_diffuse_most(&material->mixed[1]));
@@ -33,9 +35,11 @@ double orl_material_diffuse_most(const struct orl_material *material)
 double orl_material_albedo_most(const struct orl_material *material, bool front, double cosine,
                                 enum orl_lobes lobes)
 {
-    if (material->kind == ORL_MATERIAL_MIXTURE)
-        return fmax(orl_material_albedo_most(&material->mixed[0], front, cosine, lobes),
-                    orl_material_albedo_most(&material->mixed[1], front, cosine, lobes));
+    if (material->kind == ORL_MATERIAL_MIXTURE) {
+        const enum orl_lobes within = orl_mixture_lobes_within(material, lobes);
+        return fmax(orl_material_albedo_most(&material->mixed[0], front, cosine, within),
+                    orl_material_albedo_most(&material->mixed[1], front, cosine, within));
+    }
     const struct orl_hit hit = orl_hit_anywhere(up, front);
     const struct orl_material most = at_most(material);
     return orl_rgb_max(orl_material_albedo(&most, &hit, direction_at(front, cosine), lobes));
@@ -66,14 +70,30 @@ bool orl_material_is_mirror(const struct orl_material *material)
     return orl_material_mirrored_most(material, true, 0.5) > 0;
 }
 
+/* Of a mixture as if its shares and what its materials send had nothing to do with each other. */
 struct orl_rgb orl_material_radiance_mean(const struct orl_material *material)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE) {
+        const double first = orl_smaller(material->mix->mean.r, 1);
+        return orl_rgb_add(
+            orl_rgb_scale(orl_material_radiance_mean(&material->mixed[0]), first),
+            orl_rgb_scale(orl_material_radiance_mean(&material->mixed[1]), 1 - first));
+    }
+    if (!orl_material_shines(material))
+        return orl_gray(0);
     return material->pattern ? orl_rgb_mul(material->color, material->pattern->mean)
                              : material->color;
 }
 
 struct orl_rgb orl_material_radiance_most(const struct orl_material *material)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE) {
+        const struct orl_rgb a = orl_material_radiance_most(&material->mixed[0]);
+        const struct orl_rgb b = orl_material_radiance_most(&material->mixed[1]);
+        return (struct orl_rgb){fmax(a.r, b.r), fmax(a.g, b.g), fmax(a.b, b.b)};
+    }
+    if (!orl_material_shines(material))
+        return orl_gray(0);
     return material->pattern ? orl_rgb_mul(material->color, material->pattern->most)
                              : material->color;
 }

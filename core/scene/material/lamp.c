@@ -1,15 +1,17 @@
 /*
- * Surfaces that shine, from their front: light, illum, spotlight within its cone, glow.
+ * Surfaces that shine, from their front: light, illum, spotlight within its cone, glow; of mixtures
+ * the share that glows.
  *
  * A spotlight's irradiance falls off as if its beam started `focus` behind the lamp: a point at
  * distance d gets (d / (d + focus))^2 of what an even lamp's beam would bring there (spotout and
  * srcray of Radiance's rt/source.c). To a view the lamp is equally bright wherever it is seen.
  */
-#include "scene/material/color_at.h"
-#include "scene/material/scatter.h"
+#include "scene/material/kinds.h"
 
 bool orl_material_shines(const struct orl_material *material)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return orl_mixture_either(material, orl_material_shines);
     return orl_material_is_lamp(material) || material->kind == ORL_MATERIAL_GLOW;
 }
 
@@ -21,6 +23,8 @@ bool orl_material_is_lamp(const struct orl_material *material)
 
 bool orl_material_glows(const struct orl_material *material)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return orl_mixture_either(material, orl_material_glows);
     return material->kind == ORL_MATERIAL_GLOW && material->max_radius >= 0;
 }
 
@@ -33,6 +37,8 @@ bool orl_material_beams(const struct orl_material *material, struct orl_vec3 tow
 struct orl_rgb orl_material_emission(const struct orl_material *material, const struct orl_hit *hit,
                                      struct orl_vec3 towards)
 {
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return orl_mixture_emission(material, hit, towards);
     const bool shines = orl_material_shines(material) && orl_dot(towards, hit->normal) > 0;
     if (!shines || !orl_material_beams(material, towards))
         return orl_gray(0);

@@ -13,54 +13,6 @@ static bool is_mixture(const struct orl_material *material)
     return material->kind == ORL_MATERIAL_MIXTURE;
 }
 
-/* Whether one of a mixture's is so. */
-static bool either(const struct orl_material *material,
-                   bool (*is)(const struct orl_material *material))
-{
-    return is(&material->mixed[0]) || is(&material->mixed[1]);
-}
-
-/* ---- Mixtures --------------------------------------------------------------------------------
- */
-
-enum part { DIFFUSE, STRAIGHT, MIRRORED, ALBEDO, LOBES };
-
-struct question {
-    enum part part;
-    struct orl_vec3 from, eye;
-    enum orl_lobes lobes;
-};
-
-static struct orl_rgb answer(const struct orl_material *m, const struct orl_hit *hit,
-                             const struct question *q)
-{
-    switch (q->part) {
-    case DIFFUSE:
-        return orl_material_diffuse(m, hit);
-    case STRAIGHT:
-        return orl_material_straight(m, hit, q->from);
-    case MIRRORED:
-        return orl_material_mirrored(m, hit, q->from);
-    case ALBEDO:
-        return orl_material_albedo(m, hit, q->from, q->lobes);
-    case LOBES:
-        return orl_scatter_eval_lobes(m, hit, q->from, q->eye);
-    }
-    return orl_gray(0);
-}
-
-/* One that has no share is not asked. */
-static struct orl_rgb mixed(const struct orl_material *material, const struct orl_hit *hit,
-                            const struct question *q)
-{
-    const double first = orl_share_at(material, hit), shares[2] = {first, 1 - first};
-    struct orl_rgb sum = orl_gray(0);
-    for (int i = 0; i < 2; i++)
-        if (shares[i] > 0)
-            sum = orl_rgb_add(sum, orl_rgb_scale(answer(&material->mixed[i], hit, q), shares[i]));
-    return sum;
-}
-
 /* ---- Shares -----------------------------------------------------------------------------------
  */
 
@@ -79,7 +31,7 @@ bool orl_material_is_window(const struct orl_material *material)
     case ORL_MATERIAL_GLAZING:
         return orl_glazing_is_window(material);
     case ORL_MATERIAL_MIXTURE:
-        return either(material, orl_material_is_window);
+        return orl_mixture_either(material, orl_material_is_window);
     default:
         return false;
     }
@@ -90,7 +42,7 @@ struct orl_rgb orl_material_diffuse(const struct orl_material *material, const s
     if (is_reflector(material))
         return orl_reflector_diffuse(material, hit);
     if (is_mixture(material))
-        return mixed(material, hit, &(struct question){.part = DIFFUSE});
+        return orl_mixture_diffuse(material, hit);
     if (material->kind == ORL_MATERIAL_LOBED)
         return orl_lobed_diffuse(material, hit);
     return material->kind == ORL_MATERIAL_ASHIKHMIN ? orl_ashikhmin_diffuse(material, hit)
@@ -111,7 +63,7 @@ bool orl_material_has_lobes(const struct orl_material *material)
     case ORL_MATERIAL_GLAZING:
         return orl_glazing_has_lobes(material);
     case ORL_MATERIAL_MIXTURE:
-        return either(material, orl_material_has_lobes);
+        return orl_mixture_has_lobes(material);
     default:
         return material->kind == ORL_MATERIAL_BSDF;
     }
@@ -120,7 +72,7 @@ bool orl_material_has_lobes(const struct orl_material *material)
 bool orl_material_transmits_lobes(const struct orl_material *material)
 {
     if (is_mixture(material))
-        return either(material, orl_material_transmits_lobes);
+        return orl_mixture_either(material, orl_material_transmits_lobes);
     if (material->kind == ORL_MATERIAL_LOBED)
         return orl_lobed_transmits(material);
     if (material->kind == ORL_MATERIAL_GLAZING)
@@ -139,7 +91,7 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_straight(material, hit, from);
     if (is_mixture(material))
-        return mixed(material, hit, &(struct question){.part = STRAIGHT, .from = from});
+        return orl_mixture_straight(material, hit, from);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
                                                : orl_gray(0);
 }
@@ -157,9 +109,7 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
         return orl_gray(orl_dielectric_reflectance(material, hit, from));
     if (is_reflector(material) && !(material->roughness[0] > 0))
         return orl_reflector_specular(material, hit);
-    return is_mixture(material)
-               ? mixed(material, hit, &(struct question){.part = MIRRORED, .from = from})
-               : orl_gray(0);
+    return is_mixture(material) ? orl_mixture_mirrored(material, hit, from) : orl_gray(0);
 }
 
 int orl_material_bent_ways(const struct orl_material *material, const struct orl_hit *hit,
@@ -198,7 +148,7 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     if (material->kind == ORL_MATERIAL_PRISM)
         return orl_prism_albedo(material, hit, light, lobes);
     if (is_mixture(material))
-        return mixed(material, hit, &(struct question){ALBEDO, light, light, lobes});
+        return orl_mixture_albedo(material, hit, light, lobes);
     if (lobes & ORL_LOBE_DIFFUSE)
         sum = orl_rgb_add(sum, orl_material_diffuse(material, hit));
     if (lobes & ORL_LOBE_REFLECTED)
@@ -209,51 +159,6 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
         sum = orl_rgb_add(sum, orl_ashikhmin_gloss(material, hit, light));
     if (lobes & ORL_LOBE_TRANSMITTED)
         sum = orl_rgb_add(sum, transmitted(material, hit, light));
-    return sum;
-}
-
-/* The first's chance of being drawn; false when neither sends anything on. */
-static bool weigh(const struct orl_draw *draw, double ret_shares[2], double *ret_chance)
-{
-    double sent[2];
-    ret_shares[0] = orl_share_at(draw->material, draw->hit);
-    ret_shares[1] = 1 - ret_shares[0];
-    for (int i = 0; i < 2; i++) {
-        const double share = ret_shares[i];
-        sent[i] = share > 0
-                      ? share * orl_luma(orl_material_albedo(&draw->material->mixed[i], draw->hit,
-                                                             draw->from, draw->lobes))
-                      : 0;
-    }
-    *ret_chance = sent[0] / (sent[0] + sent[1]);
-    return sent[0] + sent[1] > 0;
-}
-
-static struct orl_scatter sample_mixed(const struct orl_draw *draw, const double u[3])
-{
-    double shares[2], first;
-    if (!weigh(draw, shares, &first))
-        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
-    const int which = u[2] < first ? 0 : 1;
-    const double chance = which == 0 ? first : 1 - first;
-    const double left = which == 0 ? u[2] / first : (u[2] - first) / (1 - first);
-    const double rest[3] = {u[0], u[1], orl_smaller(left, 1 - 0x1p-53)};
-    struct orl_scatter s = orl_scatter_sample_at(&draw->material->mixed[which], draw->hit,
-                                                 draw->from, draw->transport, draw->lobes, rest);
-    s.weight = orl_rgb_scale(s.weight, shares[which] / chance);
-    return s;
-}
-
-static double mixed_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
-{
-    double shares[2], first, sum = 0;
-    if (!weigh(draw, shares, &first))
-        return 0;
-    const double chances[2] = {first, 1 - first};
-    for (int i = 0; i < 2; i++)
-        if (chances[i] > 0)
-            sum += chances[i] * orl_scatter_pdf(&draw->material->mixed[i], draw->hit, draw->from,
-                                                draw->transport, draw->lobes, towards);
     return sum;
 }
 
@@ -281,7 +186,7 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
     case ORL_MATERIAL_MIRROR:
         return orl_mirror_sample(draw);
     case ORL_MATERIAL_MIXTURE:
-        return sample_mixed(draw, u);
+        return orl_mixture_sample(draw, u);
     case ORL_MATERIAL_VOID:
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:
@@ -350,7 +255,7 @@ double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_pdf(&draw, towards);
     if (is_mixture(material))
-        return mixed_pdf(&draw, towards);
+        return orl_mixture_pdf(&draw, towards);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_pdf(&draw, towards) : 0;
 }
 
@@ -368,7 +273,5 @@ struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
         return orl_lobed_lobes(material, hit, light, eye);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_lobes(material, hit, light, eye);
-    return is_mixture(material)
-               ? mixed(material, hit, &(struct question){LOBES, light, eye, ORL_LOBE_ALL})
-               : orl_gray(0);
+    return is_mixture(material) ? orl_mixture_lobes(material, hit, light, eye) : orl_gray(0);
 }

@@ -24,8 +24,9 @@
  * Glazing is what functions of the angle say (glazing.c). Where its two ways through differ, "to or
  * from" below is to.
  *
- * Of a mixture of unlike materials a share of the light, by a pattern, meets the first, the rest
- * the second: all that is asked is the sum of both, draws choose one by how much it would send on.
+ * Of a mixture of unlike materials (mixture.c) a share of the light, by a pattern, meets the first,
+ * the rest the second: all that is asked is the sum of both, draws choose one by how much it would
+ * send on. Shares by the eye's direction make it neither reciprocal nor diffuse, as in Radiance.
  * What is void in one is a pane of nothing: glass of index 1 that takes no light.
  *
  * Known difference: to smooth plastic, metal and trans of a specularity from 0.018 on, rpict adds
@@ -205,6 +206,12 @@ bool orl_material_is_window(const struct orl_material *material);
 bool orl_material_shines(const struct orl_material *material);
 bool orl_material_is_lamp(const struct orl_material *material);
 bool orl_material_glows(const struct orl_material *material);
+
+/* Whether its radiance is not the same all over it and in all its beam. */
+static inline bool orl_material_radiance_varies(const struct orl_material *material)
+{
+    return material->pattern || material->kind == ORL_MATERIAL_MIXTURE;
+}
 
 /* Whether that direction, away from it, is in its beam: spotlights. */
 bool orl_material_beams(const struct orl_material *material, struct orl_vec3 towards);

@@ -36,6 +36,9 @@ int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scop
 /* mixtures.c: mixfunc, mixdata, mixpict of materials; kind as well. */
 int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
                    struct orl_material *ret_material, struct orl_error *err);
+/* What the mixture mixes gets its texture, in copies of its own. */
+int orl_parser_mix_under(struct orl_parser *parser, const struct orl_scope *scope,
+                         struct orl_material *mixture, struct orl_error *err);
 
 /* glazing_material.c */
 int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,

@@ -177,13 +177,6 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
         orl_error_hint(err, "write void in its place");
         return ORL_ERR_UNSUPPORTED;
     }
-    if (material->mix && material->mix->directed) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function asks for the ray's direction: mixtures of unlike materials "
-                        "are simulated by place and normal");
-        orl_error_hint(err, "name one of the materials instead");
-        return ORL_ERR_UNSUPPORTED;
-    }
     if (material->texture &&
         (material->kind == ORL_MATERIAL_BSDF || material->kind == ORL_MATERIAL_GLAZING ||
          material->kind == ORL_MATERIAL_PRISM || material->kind == ORL_MATERIAL_LOBED ||
@@ -227,7 +220,8 @@ static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, ui
 {
     struct orl_material material = parser->out->materials[index];
     const char *const id = parser->primitive.id;
-    if (material.sky >= 0 || material.mix)
+    const bool texture = strncmp(parser->primitive.type, "tex", 3) == 0;
+    if (material.sky >= 0 || (material.mix && !texture))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "'%.200s', which it lies on, %s", parser->primitive.modifier,
                                material.mix ? "mixes unlike materials"
@@ -244,7 +238,9 @@ static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, ui
     } else {
         material.pattern = parser->out->patterns[made->index];
     }
-    code = check_lit(parser, scope, &material, err);
+    code = material.mix ? orl_parser_mix_under(parser, scope, &material, err) : 0;
+    if (code == 0)
+        code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;
     material.bsdf = material.bsdf ? orl_bsdf_ref(material.bsdf) : NULL;

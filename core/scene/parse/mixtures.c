@@ -4,7 +4,9 @@
  */
 #include <string.h>
 
+#include "function/ray_names.h"
 #include "scene/material/pattern.h"
+#include "scene/material/scatter.h"
 #include "scene/parse/material_readers.h"
 
 /* One of the materials that the primitive at hand mixes. */
@@ -46,6 +48,7 @@ static bool is_mixable(enum orl_material_kind kind)
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_GLAZING:
     case ORL_MATERIAL_MIRROR:
+    case ORL_MATERIAL_GLOW:
     case ORL_MATERIAL_MIXTURE:
         return true;
     default:
@@ -61,17 +64,42 @@ static int count_leaves(const struct orl_material *m)
 static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_material two[2], struct orl_error *err)
 {
+    const bool either_glows =
+        two[0].kind == ORL_MATERIAL_GLOW || two[1].kind == ORL_MATERIAL_GLOW;
     const char *what = NULL;
     if (!is_mixable(two[0].kind) || !is_mixable(two[1].kind))
         what = "mixtures of unlike materials are simulated of plastic, metal, trans, "
-               "those by functions, ashik2, glass, BRTDfunc, mirror and void";
-    else if (two[0].texture != two[1].texture)
+               "those by functions, ashik2, glass, BRTDfunc, mirror, glow and void";
+    else if (two[0].sky >= 0 || two[1].sky >= 0)
+        what = "a glow that a sky modifies cannot be mixed";
+    else if (two[0].texture != two[1].texture && !either_glows)
         what = "mixtures of unlike materials are simulated where both have one texture, or none";
     else if (count_leaves(&two[0]) + count_leaves(&two[1]) > ORL_MIXED_MOST)
         what = "with all that it mixes it is more than eight materials";
     if (!what)
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED, "%s", what);
+    orl_error_hint(err, "name one of the materials instead");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+/* Whether more of the direction than its angle to the normal counts. */
+static bool asks_for_azimuth(const struct orl_pattern *pattern)
+{
+    const uint64_t inputs = pattern->function ? orl_function_inputs(pattern->function) : 0;
+    return (inputs >> ORL_RAY_DX & 7) != 0;
+}
+
+static int check_direction(struct orl_parser *parser, const struct orl_scope *scope,
+                           const struct orl_pattern *mix, const struct orl_material two[2],
+                           struct orl_error *err)
+{
+    if (!mix->directed || (!asks_for_azimuth(mix) && !orl_material_is_window(&two[0]) &&
+                           !orl_material_is_window(&two[1])))
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                    "its function asks for the ray's direction: so mixtures of unlike materials "
+                    "are simulated by Rdot alone, and of what lets no light through");
     orl_error_hint(err, "name one of the materials instead");
     return ORL_ERR_UNSUPPORTED;
 }
@@ -83,6 +111,8 @@ static int mix_unlike(struct orl_parser *parser, const struct orl_scope *scope,
     int code = check_unlike(parser, scope, two, err);
     if (code == 0)
         code = orl_parser_mixture(parser, scope, NULL, &ret_material->mix, err);
+    if (code == 0)
+        code = check_direction(parser, scope, ret_material->mix, two, err);
     if (code < 0)
         return code;
     struct orl_material *const kept = orl_arena_take(parser->out->arena, 2 * sizeof *kept);
@@ -91,7 +121,37 @@ static int mix_unlike(struct orl_parser *parser, const struct orl_scope *scope,
     memcpy(kept, two, 2 * sizeof *kept);
     ret_material->mixed = kept;
     ret_material->kind = ORL_MATERIAL_MIXTURE;
-    ret_material->texture = two[0].texture;
+    ret_material->texture = two[two[0].kind == ORL_MATERIAL_GLOW].texture;
+    return 0;
+}
+
+/* What has a texture. */
+static bool can_be_turned(enum orl_material_kind kind)
+{
+    return kind != ORL_MATERIAL_LOBED && kind != ORL_MATERIAL_GLAZING;
+}
+
+int orl_parser_mix_under(struct orl_parser *parser, const struct orl_scope *scope,
+                         struct orl_material *mixture, struct orl_error *err)
+{
+    struct orl_material *const turned = orl_arena_take(parser->out->arena, 2 * sizeof *turned);
+    if (!turned)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+    memcpy(turned, mixture->mixed, 2 * sizeof *turned);
+    mixture->mixed = turned;
+    for (int i = 0; i < 2; i++) {
+        if (turned[i].kind == ORL_MATERIAL_GLOW)
+            continue;
+        if (!can_be_turned(turned[i].kind))
+            return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                                   "'%.200s', which it lies on, mixes BRTDfunc or lobes by "
+                                   "functions or data: textures are not simulated on these",
+                                   parser->primitive.modifier);
+        turned[i].texture = mixture->texture;
+        const int code = turned[i].mixed ? orl_parser_mix_under(parser, scope, &turned[i], err) : 0;
+        if (code < 0)
+            return code;
+    }
     return 0;
 }
 

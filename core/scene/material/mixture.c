@@ -1,0 +1,192 @@
+/*
+ * Mixtures of two unlike materials. All that is asked of one is the sum of both, by their shares.
+ *
+ * Shares that depend on the ray's direction are the eye's, as in Radiance: reflectance then differs
+ * with who looks, so such a mixture has no diffuse part that photon maps could keep. What its
+ * materials reflect evenly is a lobe of it, as wide as the hemisphere; with a texture, light
+ * arrives there by the cosine to the turned normal.
+ */
+#include "scene/material/kinds.h"
+
+static bool is_directed(const struct orl_material *material)
+{
+    return material->mix->directed;
+}
+
+bool orl_mixture_either(const struct orl_material *material,
+                        bool (*is)(const struct orl_material *material))
+{
+    return is(&material->mixed[0]) || is(&material->mixed[1]);
+}
+
+bool orl_mixture_has_lobes(const struct orl_material *material)
+{
+    return is_directed(material) || orl_mixture_either(material, orl_material_has_lobes);
+}
+
+enum part { DIFFUSE, STRAIGHT, MIRRORED, ALBEDO, LOBES, EMISSION };
+
+struct question {
+    enum part part;
+    struct orl_vec3 from, eye;
+    enum orl_lobes lobes;
+};
+
+static struct orl_rgb answer(const struct orl_material *m, const struct orl_hit *hit,
+                             const struct question *q)
+{
+    switch (q->part) {
+    case DIFFUSE:
+        return orl_material_diffuse(m, hit);
+    case STRAIGHT:
+        return orl_material_straight(m, hit, q->from);
+    case MIRRORED:
+        return orl_material_mirrored(m, hit, q->from);
+    case ALBEDO:
+        return orl_material_albedo(m, hit, q->from, q->lobes);
+    case LOBES:
+        return orl_scatter_eval_lobes(m, hit, q->from, q->eye);
+    case EMISSION:
+        return orl_material_emission(m, hit, q->eye);
+    }
+    return orl_gray(0);
+}
+
+/* One that has no share is not asked. */
+static struct orl_rgb sum_of(const struct orl_material *material, const struct orl_hit *hit,
+                             const struct question *q)
+{
+    const double first = orl_share_at(material, hit, q->eye), shares[2] = {first, 1 - first};
+    struct orl_rgb sum = orl_gray(0);
+    for (int i = 0; i < 2; i++)
+        if (shares[i] > 0)
+            sum = orl_rgb_add(sum, orl_rgb_scale(answer(&material->mixed[i], hit, q), shares[i]));
+    return sum;
+}
+
+/* What is asked of its materials where that is asked of it: where even reflection is a lobe, both
+ * or neither. */
+enum orl_lobes orl_mixture_lobes_within(const struct orl_material *material, enum orl_lobes lobes)
+{
+    if (!is_directed(material))
+        return lobes;
+    return (enum orl_lobes)(lobes & ORL_LOBE_REFLECTED ? lobes | ORL_LOBE_DIFFUSE
+                                                       : lobes & ORL_LOBE_TRANSMITTED);
+}
+
+/* Of light from there towards an eye on the same side: by the turned normal's cosine in place of
+ * the true one's. */
+static double turned_by(const struct orl_material *material, const struct orl_hit *hit,
+                        struct orl_vec3 light, struct orl_vec3 eye)
+{
+    if (!material->texture)
+        return 1;
+    const double cosine = fabs(orl_dot(light, hit->normal));
+    return fmax(orl_dot(light, orl_normal_at(material, hit, eye)), 0) / cosine;
+}
+
+struct orl_rgb orl_mixture_diffuse(const struct orl_material *material, const struct orl_hit *hit)
+{
+    if (is_directed(material))
+        return orl_gray(0);
+    return sum_of(material, hit, &(struct question){.part = DIFFUSE, .eye = hit->normal});
+}
+
+struct orl_rgb orl_mixture_straight(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 from)
+{
+    return sum_of(material, hit, &(struct question){.part = STRAIGHT, .from = from, .eye = from});
+}
+
+struct orl_rgb orl_mixture_mirrored(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 from)
+{
+    return sum_of(material, hit, &(struct question){.part = MIRRORED, .from = from, .eye = from});
+}
+
+struct orl_rgb orl_mixture_albedo(const struct orl_material *material, const struct orl_hit *hit,
+                                  struct orl_vec3 light, enum orl_lobes lobes)
+{
+    const enum orl_lobes within = orl_mixture_lobes_within(material, lobes);
+    return sum_of(material, hit, &(struct question){ALBEDO, light, light, within});
+}
+
+struct orl_rgb orl_mixture_lobes(const struct orl_material *material, const struct orl_hit *hit,
+                                 struct orl_vec3 light, struct orl_vec3 eye)
+{
+    const struct question lobes = {LOBES, light, eye, ORL_LOBE_ALL};
+    const struct orl_rgb sum = sum_of(material, hit, &lobes);
+    if (!is_directed(material) || !(orl_dot(light, hit->normal) * orl_dot(eye, hit->normal) > 0))
+        return sum;
+    const struct orl_rgb even =
+        sum_of(material, hit, &(struct question){.part = DIFFUSE, .eye = eye});
+    return orl_rgb_add(
+        sum, orl_rgb_scale(even, turned_by(material, hit, light, eye) / ORL_PI));
+}
+
+struct orl_rgb orl_mixture_emission(const struct orl_material *material, const struct orl_hit *hit,
+                                    struct orl_vec3 towards)
+{
+    return sum_of(material, hit, &(struct question){.part = EMISSION, .eye = towards});
+}
+
+/*
+ * The first's share and chance of being drawn; false when neither sends anything on. Shares that depend on
+ * where light goes to are not known before: then half of the chance is by even shares.
+ */
+static bool weigh(const struct orl_draw *draw, enum orl_lobes within, double *ret_share,
+                  double *ret_chance)
+{
+    const struct orl_material *const m = draw->material;
+    const bool unknown = is_directed(m) && draw->transport == ORL_TRANSPORT_LIGHT;
+    *ret_share = orl_share_at(m, draw->hit, draw->from);
+    double sent[2] = {unknown ? (*ret_share + 0.5) / 2 : *ret_share};
+    sent[1] = 1 - sent[0];
+    for (int i = 0; i < 2; i++)
+        if (sent[i] > 0)
+            sent[i] *= orl_luma(orl_material_albedo(&m->mixed[i], draw->hit, draw->from, within));
+    *ret_chance = sent[0] / (sent[0] + sent[1]);
+    return sent[0] + sent[1] > 0;
+}
+
+struct orl_scatter orl_mixture_sample(const struct orl_draw *draw, const double u[3])
+{
+    const struct orl_material *const m = draw->material;
+    const enum orl_lobes within = orl_mixture_lobes_within(m, draw->lobes);
+    double share, first;
+    if (!weigh(draw, within, &share, &first))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    const int which = u[2] < first ? 0 : 1;
+    const double chance = which == 0 ? first : 1 - first;
+    const double left = which == 0 ? u[2] / first : (u[2] - first) / (1 - first);
+    const double rest[3] = {u[0], u[1], orl_smaller(left, 1 - 0x1p-53)};
+    struct orl_scatter s = orl_scatter_sample_at(&m->mixed[which], draw->hit, draw->from,
+                                                 draw->transport, within, rest);
+    if (s.event == ORL_EVENT_ABSORBED)
+        return s;
+    const bool backwards = draw->transport == ORL_TRANSPORT_EYE;
+    const struct orl_vec3 eye = backwards ? draw->from : s.direction;
+    const struct orl_vec3 light = backwards ? s.direction : draw->from;
+    if (is_directed(m) && !backwards)
+        share = orl_share_at(m, draw->hit, eye);
+    s.weight = orl_rgb_scale(s.weight, (which == 0 ? share : 1 - share) / chance);
+    if (is_directed(m) && s.event == ORL_EVENT_DIFFUSE) {
+        s.event = ORL_EVENT_GLOSSY;
+        s.weight = orl_rgb_scale(s.weight, turned_by(m, draw->hit, light, eye));
+    }
+    return s;
+}
+
+double orl_mixture_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+{
+    const enum orl_lobes within = orl_mixture_lobes_within(draw->material, draw->lobes);
+    double share, first, sum = 0;
+    if (!weigh(draw, within, &share, &first))
+        return 0;
+    const double chances[2] = {first, 1 - first};
+    for (int i = 0; i < 2; i++)
+        if (chances[i] > 0)
+            sum += chances[i] * orl_scatter_pdf(&draw->material->mixed[i], draw->hit, draw->from,
+                                                draw->transport, within, towards);
+    return sum;
+}
