@@ -52,12 +52,17 @@ struct orl_medium {
     double ior;
 };
 
+/* Whose light a surface scatters evenly: what meets that side of it. */
+enum orl_evenly { ORL_EVENLY_BOTH, ORL_EVENLY_FRONT, ORL_EVENLY_BACK };
+
 struct orl_material {
     enum orl_material_kind kind;
     char *name;
     struct orl_rgb color;  /* reflectors: reflectance as written; lights: radiance */
     double specular;       /* reflectors: share of color, or of white for plastic and trans */
     double roughness[2];   /* reflectors: rms slope along grain and across; equal: isotropic */
+    struct orl_pattern *rough; /* reflectors: factors of both roughnesses over the surface; or NULL */
+    enum orl_evenly side;        /* plastic, as a part of a sum */
     struct orl_vec3 grain; /* plastic2 and the like: as written, not projected */
     bool tinted;           /* lobed: what is reflected by lobes has the colour (metfunc) */
     struct orl_rgb gloss;  /* ashik2: specular reflectance at the normal */
@@ -84,7 +89,8 @@ struct orl_material {
     struct orl_pattern *angles;  /* glazing: six functions of the angle (material/glazing.c) */
     struct orl_pattern *ways;    /* prism: where it sends to (material/own.h) */
     struct orl_pattern *lobes;   /* lobed: values by the directions (material/own.h) */
-    struct orl_pattern *mix;     /* mixture: the first's share (of pattern.h, a factor of 1) */
+    struct orl_pattern *mix; /* mixture: the first's share (of pattern.h, a factor of 1); NULL: the
+                                sum of both */
     const struct orl_material *mixed; /* mixture: two, in the arena; with no BSDFs among them */
     const uint32_t *cut;              /* antimatter: materials of which it is free, in the arena */
     size_t n_cut;

@@ -1,5 +1,5 @@
 /*
- * Mixtures of unlike materials: draws against densities, weights against values in both ways of
+ * Mixtures of unlike materials, and sums of such (WGMDfunc): draws against densities, weights against values in both ways of
  * transport, reciprocity, and every part as the sum of both by their shares.
  */
 #include <setjmp.h>
@@ -31,6 +31,11 @@ static const struct kind {
     {TWO "void mixfunc m 4 p b abs(Rdot) . 0 0\n", 0.004, true},
     {TWO "void plastic q 0 0 5 .2 .3 .4 0 0\nvoid mixfunc m 4 r q (1-abs(Rdot))^2 . 0 0\n", 0.003,
      true},
+    {"void WGMDfunc m 13 void .2 .15 .15 void .3 .1 .2 void 1 0 0 . 0 9 .2 .1 .1 .2 .1 .1 .1 .1 .2\n",
+     0.004, false},
+    {"void brightfunc half 2 .5 . 0 0\n"
+     "void WGMDfunc m 13 half .4+.2 .2+Px-Px .1 void 0 0 0 void 1 1 0 . 0 9 .3 .3 .3 .3 .3 .3 0 0 0\n",
+     0.004, false},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
@@ -107,6 +112,30 @@ static void test_directed(void **state)
     subject_done(&s);
 }
 
+/* WGMDfunc: every part is where its own material has it; sides differ in what they scatter. */
+static void test_sum(void **state)
+{
+    struct subject s = subject_of(
+        "void WGMDfunc m 13 void .2 0 0 void .3 0 0 void 1 0 0 . 0 9 .2 .1 .1 .1 .3 .1 .1 .1 .2\n",
+        NULL, NULL);
+    const struct orl_vec3 from = subject_direction(&s, 50, 10);
+    struct orl_hit behind = s.hit;
+    (void)state;
+    behind.front = !s.hit.front;
+    const struct orl_hit *const front = s.hit.front ? &s.hit : &behind;
+    const struct orl_hit *const back = s.hit.front ? &behind : &s.hit;
+    assert_true(fabs(orl_material_diffuse(s.material, front).r - .2) < 1e-12);
+    assert_true(fabs(orl_material_diffuse(s.material, back).g - .3) < 1e-12);
+    assert_true(fabs(orl_material_mirrored(s.material, &s.hit, from).r - .2) < 1e-12);
+    assert_true(fabs(orl_material_straight(s.material, &s.hit, from).r - .3) < 1e-12);
+    const struct orl_rgb all = orl_material_albedo(s.material, front, from, ORL_LOBE_ALL);
+    assert_true(fabs(all.b - (.1 + .2 + .3 + .2)) < 1e-12);
+    assert_true(orl_material_albedo_most(s.material, true, .5, ORL_LOBE_ALL) >= orl_rgb_max(all));
+    assert_true(orl_material_transmits_lobes(s.material) && orl_material_is_window(s.material));
+    assert_false(orl_material_is_matt(s.material));
+    subject_done(&s);
+}
+
 /* What is all void lets all through, and mirrors nothing. */
 static void test_void(void **state)
 {
@@ -128,6 +157,7 @@ int main(void)
         cmocka_unit_test(test_draws),
         cmocka_unit_test(test_shares),
         cmocka_unit_test(test_directed),
+        cmocka_unit_test(test_sum),
         cmocka_unit_test(test_void),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -163,6 +163,17 @@ static void test_refused(void **state)
         {MATERIALS "void mixfunc m 4 p b .5 . 0 0\nm colorfunc x 4 1 1 1 . 0 0\nx " FLOOR,
          "mixes unlike materials"},
         {MATERIALS "void mixfunc m 4 p b .5 . 0 0\nt alias x m\nx " FLOOR, "has no pattern"},
+        {"void WGMDfunc m 12 void .2 0 0 void 0 0 0 void 0 0 1 0 9 0 0 0 0 0 0 0 0 0\nm " FLOOR,
+         "WGMDfunc takes"},
+        {"void WGMDfunc m 13 gone .2 0 0 void 0 0 0 void 0 0 1 . 0 9 0 0 0 0 0 0 0 0 0\nm " FLOOR,
+         "'gone', which modifies a part of it, is not defined"},
+        {"void texfunc t 4 Nx 0 0 . 0 0\n"
+         "void WGMDfunc m 13 t .2 0 0 void 0 0 0 void 0 0 1 . 0 9 .1 .1 .1 0 0 0 0 0 0\nm " FLOOR,
+         "textures that differ"},
+        {"void WGMDfunc m 13 void 1.2 0 0 void 0 0 0 void 0 0 1 . 0 9 0 0 0 0 0 0 0 0 0\nm " FLOOR,
+         "1.2"},
+        {"void WGMDfunc m 13 void .2 2 2 void 0 0 0 void 0 0 1 . 0 9 0 0 0 0 0 0 0 0 0\nm " FLOOR,
+         "roughness 2"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

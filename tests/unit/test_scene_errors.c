@@ -294,7 +294,7 @@ static void test_missing_main_file(void **state)
  * not told as an error of its own. */
 static void test_refusals_together(void **state)
 {
-    static const char text[] = "void WGMDfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+    static const char text[] = "void BRTDfunc bumps\n10 0 0 0 0 0 0 r r r .\n0\n9 0 0 0 0 0 0 0 0 0\n"
                                "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
                                "void mist cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
                                "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
@@ -308,11 +308,11 @@ static void test_refusals_together(void **state)
     assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
     assert_string_equal(err.file, "a.rad");
     assert_int_equal(err.line, 1);
-    assert_string_equal(err.primitive, "WGMDfunc bumps");
+    assert_string_equal(err.primitive, "BRTDfunc bumps");
     assert_string_equal(err.message,
-                        "not simulated: 1 x WGMDfunc (first at a.rad:1), 1 x !gencatenary (first "
+                        "not simulated: 1 x BRTDfunc (first at a.rad:1), 1 x !gencatenary (first "
                         "at a.rad:12), 1 x mist (first at a.rad:6)");
-    assert_non_null(strstr(err.hint, "WGMDfunc: describe it as a BSDF"));
+    assert_non_null(strstr(err.hint, "BRTDfunc: describe it as a BSDF"));
 }
 
 /* Of one kind: as one alone is told, and how many. */
@@ -335,9 +335,9 @@ static void test_unused(void **state)
 {
     static const char text[] =
         "void plastic bad 0 0 5 -.13 .1 .1 0 0\n"
-        "void WGMDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void BRTDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
         "paint alias other paint\n"
-        "void WGMDfunc bumps 4 dx dy dz bumps.cal 0 0\n"
+        "void BRTDfunc bumps 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void BSDF blind 6 0 gone.xml 0 0 1 . 0 0\n"
         "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere s 0 0 4 0 0 0 1\n";
@@ -377,10 +377,10 @@ static void test_windows_paths(void **state)
 static void test_refusals_unused(void **state)
 {
     static const char library[] =
-        "void WGMDfunc bumps\n4 dx dy dz bumps.cal\n0\n1 .5\n"
+        "void BRTDfunc bumps\n10 0 0 0 0 0 0 r r r .\n0\n9 0 0 0 0 0 0 0 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void alias coarse rough\n"
-        "void WGMDfunc pane 10 0 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void BRTDfunc pane 10 0 0 0 0 0 0 r 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
         "void brightfunc dirt 2 Px*T . 0 0\n"
         "dirt glow lamp 0 0 4 1 1 1 0\n"
         "void illum window 1 pane 0 3 1 1 1\n" RED;

@@ -42,7 +42,7 @@ bool orl_materials_alike(const struct orl_material *a, const struct orl_material
     return a == b ||
            (a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
             a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
-            same_vec(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
+            a->rough == b->rough && a->side == b->side && same_vec(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
             a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
             a->transmitted == b->transmitted &&
             a->transmitted_specular == b->transmitted_specular &&
@@ -53,7 +53,7 @@ bool orl_materials_alike(const struct orl_material *a, const struct orl_material
             same_rgb(a->through, b->through) && same_vec(a->aim, b->aim) &&
             a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
             a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture &&
-            a->mix == b->mix &&
+            a->mix == b->mix && !a->mixed == !b->mixed &&
             (!a->mixed || (orl_materials_alike(&a->mixed[0], &b->mixed[0]) &&
                            orl_materials_alike(&a->mixed[1], &b->mixed[1]))));
 }

@@ -19,15 +19,20 @@ static struct orl_material at_most(const struct orl_material *material)
     return most;
 }
 
-/* Of a mixture it is the larger of what both are, whatever their shares. */
+/* Of a mixture the larger of what both are, whatever their shares; of a sum their sum. */
+static double both_most(const struct orl_material *mixture, double first, double second)
+{
+    return mixture->mix ? fmax(first, second) : fmin(first + second, 1);
+}
+
 double orl_material_diffuse_most(const struct orl_material *material)
 {
-    if (material->kind == ORL_MATERIAL_MIXTURE && material->mix->directed)
+    if (material->kind == ORL_MATERIAL_MIXTURE && orl_mixture_is_directed(material))
         return 0;
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return fmax(orl_material_diffuse_most(&material->mixed[0]),
-                    orl_material_diffuse_most(&material->mixed[1]));
-    const struct orl_hit hit = orl_hit_anywhere(up, true);
+        return both_most(material, orl_material_diffuse_most(&material->mixed[0]),
+                         orl_material_diffuse_most(&material->mixed[1]));
+    const struct orl_hit hit = orl_hit_anywhere(up, material->side != ORL_EVENLY_BACK);
     const struct orl_material most = at_most(material);
     return orl_rgb_max(orl_material_diffuse(&most, &hit));
 }
@@ -37,8 +42,9 @@ double orl_material_albedo_most(const struct orl_material *material, bool front,
 {
     if (material->kind == ORL_MATERIAL_MIXTURE) {
         const enum orl_lobes within = orl_mixture_lobes_within(material, lobes);
-        return fmax(orl_material_albedo_most(&material->mixed[0], front, cosine, within),
-                    orl_material_albedo_most(&material->mixed[1], front, cosine, within));
+        return both_most(
+            material, orl_material_albedo_most(&material->mixed[0], front, cosine, within),
+            orl_material_albedo_most(&material->mixed[1], front, cosine, within));
     }
     const struct orl_hit hit = orl_hit_anywhere(up, front);
     const struct orl_material most = at_most(material);
@@ -48,8 +54,9 @@ double orl_material_albedo_most(const struct orl_material *material, bool front,
 double orl_material_mirrored_most(const struct orl_material *material, bool front, double cosine)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return fmax(orl_material_mirrored_most(&material->mixed[0], front, cosine),
-                    orl_material_mirrored_most(&material->mixed[1], front, cosine));
+        return both_most(material,
+                         orl_material_mirrored_most(&material->mixed[0], front, cosine),
+                         orl_material_mirrored_most(&material->mixed[1], front, cosine));
     const struct orl_hit hit = orl_hit_anywhere(up, front);
     const struct orl_material most = at_most(material);
     return orl_rgb_max(orl_material_mirrored(&most, &hit, direction_at(front, cosine)));

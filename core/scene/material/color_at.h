@@ -17,13 +17,6 @@ static inline struct orl_rgb orl_color_at(const struct orl_material *material,
     return material->color;
 }
 
-/* Of a mixture: how much of the light towards there the first of both sends. */
-static inline double orl_share_at(const struct orl_material *material, const struct orl_hit *hit,
-                                  struct orl_vec3 towards)
-{
-    return orl_smaller(orl_pattern_towards(material->mix, hit, towards).r, 1);
-}
-
 /* Of glass: what its pattern leaves of the light that it lets through. */
 static inline struct orl_rgb orl_left_at(const struct orl_material *material,
                                          const struct orl_hit *hit)

@@ -89,6 +89,7 @@ double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 /* mixture.c: two unlike materials, by shares. */
 bool orl_mixture_either(const struct orl_material *material,
                         bool (*is)(const struct orl_material *material));
+bool orl_mixture_is_directed(const struct orl_material *material);
 enum orl_lobes orl_mixture_lobes_within(const struct orl_material *material, enum orl_lobes lobes);
 bool orl_mixture_has_lobes(const struct orl_material *material);
 struct orl_rgb orl_mixture_diffuse(const struct orl_material *material, const struct orl_hit *hit);

@@ -1,5 +1,6 @@
 /*
- * Mixtures of two unlike materials. All that is asked of one is the sum of both, by their shares.
+ * Mixtures of two unlike materials. All that is asked of one is the sum of both, by their shares;
+ * or the plain sum of both, where they are parts of one material (WGMDfunc).
  *
  * Shares that depend on the ray's direction are the eye's, as in Radiance: reflectance then differs
  * with who looks, so such a mixture has no diffuse part that photon maps could keep. What its
@@ -8,9 +9,9 @@
  */
 #include "scene/material/kinds.h"
 
-static bool is_directed(const struct orl_material *material)
+bool orl_mixture_is_directed(const struct orl_material *material)
 {
-    return material->mix->directed;
+    return material->mix && material->mix->directed;
 }
 
 bool orl_mixture_either(const struct orl_material *material,
@@ -21,7 +22,18 @@ bool orl_mixture_either(const struct orl_material *material,
 
 bool orl_mixture_has_lobes(const struct orl_material *material)
 {
-    return is_directed(material) || orl_mixture_either(material, orl_material_has_lobes);
+    return orl_mixture_is_directed(material) || orl_mixture_either(material, orl_material_has_lobes);
+}
+
+/* Of light towards there. */
+static void shares_of(const struct orl_material *material, const struct orl_hit *hit,
+                      struct orl_vec3 towards, double ret_shares[2])
+{
+    ret_shares[0] = ret_shares[1] = 1;
+    if (!material->mix)
+        return;
+    ret_shares[0] = orl_smaller(orl_pattern_towards(material->mix, hit, towards).r, 1);
+    ret_shares[1] = 1 - ret_shares[0];
 }
 
 enum part { DIFFUSE, STRAIGHT, MIRRORED, ALBEDO, LOBES, EMISSION };
@@ -56,8 +68,9 @@ static struct orl_rgb answer(const struct orl_material *m, const struct orl_hit 
 static struct orl_rgb sum_of(const struct orl_material *material, const struct orl_hit *hit,
                              const struct question *q)
 {
-    const double first = orl_share_at(material, hit, q->eye), shares[2] = {first, 1 - first};
+    double shares[2];
     struct orl_rgb sum = orl_gray(0);
+    shares_of(material, hit, q->eye, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
             sum = orl_rgb_add(sum, orl_rgb_scale(answer(&material->mixed[i], hit, q), shares[i]));
@@ -68,7 +81,7 @@ static struct orl_rgb sum_of(const struct orl_material *material, const struct o
  * or neither. */
 enum orl_lobes orl_mixture_lobes_within(const struct orl_material *material, enum orl_lobes lobes)
 {
-    if (!is_directed(material))
+    if (!orl_mixture_is_directed(material))
         return lobes;
     return (enum orl_lobes)(lobes & ORL_LOBE_REFLECTED ? lobes | ORL_LOBE_DIFFUSE
                                                        : lobes & ORL_LOBE_TRANSMITTED);
@@ -87,7 +100,7 @@ static double turned_by(const struct orl_material *material, const struct orl_hi
 
 struct orl_rgb orl_mixture_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
-    if (is_directed(material))
+    if (orl_mixture_is_directed(material))
         return orl_gray(0);
     return sum_of(material, hit, &(struct question){.part = DIFFUSE, .eye = hit->normal});
 }
@@ -116,7 +129,7 @@ struct orl_rgb orl_mixture_lobes(const struct orl_material *material, const stru
 {
     const struct question lobes = {LOBES, light, eye, ORL_LOBE_ALL};
     const struct orl_rgb sum = sum_of(material, hit, &lobes);
-    if (!is_directed(material) || !(orl_dot(light, hit->normal) * orl_dot(eye, hit->normal) > 0))
+    if (!orl_mixture_is_directed(material) || !(orl_dot(light, hit->normal) * orl_dot(eye, hit->normal) > 0))
         return sum;
     const struct orl_rgb even =
         sum_of(material, hit, &(struct question){.part = DIFFUSE, .eye = eye});
@@ -131,20 +144,21 @@ struct orl_rgb orl_mixture_emission(const struct orl_material *material, const s
 }
 
 /*
- * The first's share and chance of being drawn; false when neither sends anything on. Shares that depend on
+ * Shares, and the first's chance of being drawn; false when neither sends anything on. Shares that depend on
  * where light goes to are not known before: then half of the chance is by even shares.
  */
-static bool weigh(const struct orl_draw *draw, enum orl_lobes within, double *ret_share,
+static bool weigh(const struct orl_draw *draw, enum orl_lobes within, double ret_shares[2],
                   double *ret_chance)
 {
     const struct orl_material *const m = draw->material;
-    const bool unknown = is_directed(m) && draw->transport == ORL_TRANSPORT_LIGHT;
-    *ret_share = orl_share_at(m, draw->hit, draw->from);
-    double sent[2] = {unknown ? (*ret_share + 0.5) / 2 : *ret_share};
-    sent[1] = 1 - sent[0];
-    for (int i = 0; i < 2; i++)
+    const bool unknown = orl_mixture_is_directed(m) && draw->transport == ORL_TRANSPORT_LIGHT;
+    double sent[2];
+    shares_of(m, draw->hit, draw->from, ret_shares);
+    for (int i = 0; i < 2; i++) {
+        sent[i] = unknown ? (ret_shares[i] + 0.5) / 2 : ret_shares[i];
         if (sent[i] > 0)
             sent[i] *= orl_luma(orl_material_albedo(&m->mixed[i], draw->hit, draw->from, within));
+    }
     *ret_chance = sent[0] / (sent[0] + sent[1]);
     return sent[0] + sent[1] > 0;
 }
@@ -153,8 +167,8 @@ struct orl_scatter orl_mixture_sample(const struct orl_draw *draw, const double 
 {
     const struct orl_material *const m = draw->material;
     const enum orl_lobes within = orl_mixture_lobes_within(m, draw->lobes);
-    double share, first;
-    if (!weigh(draw, within, &share, &first))
+    double shares[2], first;
+    if (!weigh(draw, within, shares, &first))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     const int which = u[2] < first ? 0 : 1;
     const double chance = which == 0 ? first : 1 - first;
@@ -167,10 +181,10 @@ struct orl_scatter orl_mixture_sample(const struct orl_draw *draw, const double 
     const bool backwards = draw->transport == ORL_TRANSPORT_EYE;
     const struct orl_vec3 eye = backwards ? draw->from : s.direction;
     const struct orl_vec3 light = backwards ? s.direction : draw->from;
-    if (is_directed(m) && !backwards)
-        share = orl_share_at(m, draw->hit, eye);
-    s.weight = orl_rgb_scale(s.weight, (which == 0 ? share : 1 - share) / chance);
-    if (is_directed(m) && s.event == ORL_EVENT_DIFFUSE) {
+    if (orl_mixture_is_directed(m) && !backwards)
+        shares_of(m, draw->hit, eye, shares);
+    s.weight = orl_rgb_scale(s.weight, shares[which] / chance);
+    if (orl_mixture_is_directed(m) && s.event == ORL_EVENT_DIFFUSE) {
         s.event = ORL_EVENT_GLOSSY;
         s.weight = orl_rgb_scale(s.weight, turned_by(m, draw->hit, light, eye));
     }
@@ -180,8 +194,8 @@ struct orl_scatter orl_mixture_sample(const struct orl_draw *draw, const double 
 double orl_mixture_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
 {
     const enum orl_lobes within = orl_mixture_lobes_within(draw->material, draw->lobes);
-    double share, first, sum = 0;
-    if (!weigh(draw, within, &share, &first))
+    double shares[2], first, sum = 0;
+    if (!weigh(draw, within, shares, &first))
         return 0;
     const double chances[2] = {first, 1 - first};
     for (int i = 0; i < 2; i++)

@@ -22,8 +22,9 @@ void orl_pattern_free(struct orl_pattern *pattern)
 size_t orl_patterns_of(const struct orl_material *material,
                        struct orl_pattern *ret_patterns[ORL_MATERIAL_PATTERNS])
 {
-    enum { OWN = 3 };
-    struct orl_pattern *const own[OWN] = {material->pattern, material->texture, material->mix};
+    enum { OWN = 4 };
+    struct orl_pattern *const own[OWN] = {material->pattern, material->texture, material->mix,
+                                          material->rough};
     size_t n = 0;
     for (size_t i = 0; i < OWN; i++)
         if (own[i])

@@ -106,7 +106,7 @@ struct orl_pattern {
 void orl_pattern_free(struct orl_pattern *pattern); /* NULL is allowed */
 
 /* A material's patterns and textures, those of what it mixes too; how many. */
-enum { ORL_MIXED_MOST = 8, ORL_MATERIAL_PATTERNS = 4 * ORL_MIXED_MOST };
+enum { ORL_MIXED_MOST = 8, ORL_MATERIAL_PATTERNS = 5 * ORL_MIXED_MOST };
 size_t orl_patterns_of(const struct orl_material *material,
                        struct orl_pattern *ret_patterns[ORL_MATERIAL_PATTERNS]);
 

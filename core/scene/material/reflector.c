@@ -19,6 +19,8 @@ static bool is_rough(const struct orl_material *material)
 struct orl_rgb orl_reflector_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
     const double share = 1.0 - material->specular;
+    if (material->side != ORL_EVENLY_BOTH && hit->front != (material->side == ORL_EVENLY_FRONT))
+        return orl_gray(0);
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_rgb_scale(orl_color_at(material, hit), share);
     return orl_rgb_scale(orl_color_at(material, hit), share * (1 - material->transmitted));
@@ -117,7 +119,7 @@ static double send(struct orl_scatter *s, enum part part, const struct orl_draw 
         return 1;
     }
     const struct orl_ward ward =
-        orl_ward_at(m, part == SPECULAR ? orl_normal_at(m, draw->hit, from) : normal);
+        orl_ward_at(m, draw->hit, part == SPECULAR ? orl_normal_at(m, draw->hit, from) : normal);
     if (part == SPECULAR ? orl_ward_sample_reflected(&ward, from, u, &s->direction, &weight) &&
                                orl_dot(s->direction, normal) > 0
                          : orl_ward_sample_transmitted(&ward, from, u, &s->direction, &weight))
@@ -128,6 +130,7 @@ static double send(struct orl_scatter *s, enum part part, const struct orl_draw 
 bool orl_reflector_is_matt(const struct orl_draw *draw)
 {
     return orl_material_is_matt(draw->material) && draw->lobes & ORL_LOBE_DIFFUSE &&
+           draw->material->side == ORL_EVENLY_BOTH &&
            orl_luma(orl_color_at(draw->material, draw->hit)) > 0;
 }
 
@@ -209,11 +212,11 @@ double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     sum += luma[cosine > 0 ? DIFFUSE : SPREAD] * fabs(cosine) / ORL_PI;
     if (rough && cosine > 0 && luma[SPECULAR] > 0) {
         const struct orl_ward ward =
-            orl_ward_at(draw->material, orl_normal_at(draw->material, draw->hit, draw->from));
+            orl_ward_at(draw->material, draw->hit, orl_normal_at(draw->material, draw->hit, draw->from));
         sum += luma[SPECULAR] * orl_ward_pdf_reflected(&ward, draw->from, towards);
     }
     if (rough && cosine < 0 && luma[STRAIGHT] > 0) {
-        const struct orl_ward ward = orl_ward_at(draw->material, normal);
+        const struct orl_ward ward = orl_ward_at(draw->material, draw->hit, normal);
         sum += luma[STRAIGHT] * orl_ward_pdf_transmitted(&ward, draw->from, towards);
     }
     return sum / total;
@@ -255,7 +258,7 @@ static struct orl_rgb textured_gloss(const struct orl_material *material, const 
     const double turned = orl_dot(light, normal);
     if (!(turned > 0) || !(orl_dot(eye, normal) > 0))
         return orl_gray(0);
-    const struct orl_ward ward = orl_ward_at(material, normal);
+    const struct orl_ward ward = orl_ward_at(material, hit, normal);
     return orl_rgb_scale(orl_reflector_specular(material, hit),
                          orl_ward_reflected(&ward, light, eye) * turned / cos_light);
 }
@@ -270,7 +273,7 @@ struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const st
             return sum;
         if (material->texture)
             return textured_gloss(material, hit, light, eye, fabs(cos_light));
-        const struct orl_ward ward = orl_ward_at(material, hit->normal);
+        const struct orl_ward ward = orl_ward_at(material, hit, hit->normal);
         return orl_rgb_scale(orl_reflector_specular(material, hit),
                              orl_ward_reflected(&ward, light, eye));
     }
@@ -278,7 +281,7 @@ struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const st
         return sum;
     sum = orl_rgb_scale(orl_trans_spread(material, hit), 1 / ORL_PI);
     if (is_rough(material)) {
-        const struct orl_ward ward = orl_ward_at(material, hit->normal);
+        const struct orl_ward ward = orl_ward_at(material, hit, hit->normal);
         sum = orl_rgb_add(sum, orl_rgb_scale(orl_trans_straight(material, hit),
                                              orl_ward_transmitted(&ward, light, eye)));
     }

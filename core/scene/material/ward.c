@@ -1,13 +1,26 @@
 #include "scene/material/ward.h"
 
+#include "scene/material/pattern.h"
+
 static double square(double x)
 {
     return x * x;
 }
 
-struct orl_ward orl_ward_at(const struct orl_material *material, struct orl_vec3 normal)
+static double rough_by(double factor, double roughness)
 {
-    const double along = material->roughness[0], across = material->roughness[1];
+    return fmin(fmax(factor * roughness, ORL_WARD_LEAST), 1);
+}
+
+struct orl_ward orl_ward_at(const struct orl_material *material, const struct orl_hit *hit,
+                            struct orl_vec3 normal)
+{
+    double along = material->roughness[0], across = material->roughness[1];
+    if (material->rough) {
+        const struct orl_rgb factors = orl_pattern_at(material->rough, hit);
+        along = rough_by(factors.r, along);
+        across = rough_by(factors.g, across);
+    }
     struct orl_ward ward = {
         .normal = normal, .along = along, .across = across, .round = along == across};
     if (ward.round)

@@ -21,7 +21,7 @@
 
 #include <stdbool.h>
 
-#include "scene/description.h"
+#include "scene/geometry/geometry.h"
 
 /* A material's roughness where it is met. */
 struct orl_ward {
@@ -30,9 +30,13 @@ struct orl_ward {
     bool round;
 };
 
+/* Roughness by a function is no less than this, which is a twentieth of a degree. */
+#define ORL_WARD_LEAST 0.001
+
 /* The grain is projected into the surface; one that stands on it means nothing, and both
  * roughnesses are averaged. */
-struct orl_ward orl_ward_at(const struct orl_material *material, struct orl_vec3 normal);
+struct orl_ward orl_ward_at(const struct orl_material *material, const struct orl_hit *hit,
+                            struct orl_vec3 normal);
 
 /* f of the reflected lobe; both directions on one side. */
 double orl_ward_reflected(const struct orl_ward *ward, struct orl_vec3 a, struct orl_vec3 b);

@@ -23,6 +23,7 @@ static bool same_reflector(const struct orl_material *a, const struct orl_materi
 {
     return same_rgb(a->color, b->color) && a->specular == b->specular &&
            a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
+           a->rough == b->rough && a->side == b->side &&
            same_vec3(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
            a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
            a->ways == b->ways && a->lobes == b->lobes && a->transmitted == b->transmitted &&
@@ -58,6 +59,8 @@ static bool same_antimatter(const struct orl_material *a, const struct orl_mater
 /* Whether two materials of one name are the same: arrays read their materials again and again. */
 bool orl_material_same(const struct orl_material *a, const struct orl_material *b)
 {
+    if (!a->mixed != !b->mixed)
+        return false;
     for (int i = 0; i < 2 && a->mixed && b->mixed; i++)
         if (!orl_material_same(&a->mixed[i], &b->mixed[i]))
             return false;

@@ -23,6 +23,7 @@ static const struct material_type material_types[] = {
     {"metal2", ORL_MATERIAL_METAL, orl_material_read_grained},
     {"trans2", ORL_MATERIAL_TRANS, orl_material_read_grained},
     {"glass", ORL_MATERIAL_GLASS, orl_material_read_glass},
+    {"WGMDfunc", ORL_MATERIAL_MIXTURE, orl_material_read_wgmd},
     {"ashik2", ORL_MATERIAL_ASHIKHMIN, orl_material_read_ashikhmin},
     {"BRTDfunc", ORL_MATERIAL_GLAZING, orl_material_read_glazing},
     {"dielectric", ORL_MATERIAL_DIELECTRIC, orl_material_read_dielectric},
@@ -221,10 +222,10 @@ static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, ui
     struct orl_material material = parser->out->materials[index];
     const char *const id = parser->primitive.id;
     const bool texture = strncmp(parser->primitive.type, "tex", 3) == 0;
-    if (material.sky >= 0 || (material.mix && !texture))
+    if (material.sky >= 0 || (material.mixed && !texture))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "'%.200s', which it lies on, %s", parser->primitive.modifier,
-                               material.mix ? "mixes unlike materials"
+                               material.mixed ? "mixes unlike materials"
                                             : "shines by a sky's function");
     int code = orl_parser_pattern(parser, scope, material.pattern, material.texture, true, err);
     if (code < 0)
@@ -238,7 +239,7 @@ static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, ui
     } else {
         material.pattern = parser->out->patterns[made->index];
     }
-    code = material.mix ? orl_parser_mix_under(parser, scope, &material, err) : 0;
+    code = material.mixed ? orl_parser_mix_under(parser, scope, &material, err) : 0;
     if (code == 0)
         code = check_lit(parser, scope, &material, err);
     if (code < 0)
@@ -328,14 +329,14 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (symbol->kind != ORL_SYMBOL_MATERIAL)
         return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
-    const bool mixture = material.mix || (material.pattern && material.pattern->mixture);
-    if (mixture && (own.pattern || own.sky >= 0 || (material.mix && own.texture)))
+    const bool mixture = material.mixed || (material.pattern && material.pattern->mixture);
+    if (mixture && (own.pattern || own.sky >= 0 || (material.mixed && own.texture)))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "a mixture, '%.200s', has no pattern but those of what it mixes",
                                target);
     material.sky = inherit ? material.sky : own.sky;
     material.pattern = inherit || mixture ? material.pattern : own.pattern;
-    material.texture = inherit || material.mix ? material.texture : own.texture;
+    material.texture = inherit || material.mixed ? material.texture : own.texture;
     code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;

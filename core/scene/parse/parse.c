@@ -16,7 +16,6 @@ struct unsupported {
 
 static const struct unsupported unsupported_types[] = {
     {"mist", "leave it out"},
-    {"WGMDfunc", "describe it as a BSDF"},
     {"specpict", "give the material's colour as RGB"},
 };
 
