@@ -58,11 +58,12 @@ enum orl_evenly { ORL_EVENLY_BOTH, ORL_EVENLY_FRONT, ORL_EVENLY_BACK };
 struct orl_material {
     enum orl_material_kind kind;
     char *name;
-    struct orl_rgb color;  /* reflectors: reflectance as written; lights: radiance */
-    double specular;       /* reflectors: share of color, or of white for plastic and trans */
-    double roughness[2];   /* reflectors: rms slope along grain and across; equal: isotropic */
-    struct orl_pattern *rough; /* reflectors: factors of both roughnesses over the surface; or NULL */
-    enum orl_evenly side;        /* plastic, as a part of a sum */
+    struct orl_rgb color; /* reflectors: reflectance as written; lights: radiance */
+    double specular;      /* reflectors: share of color, or of white for plastic and trans */
+    double roughness[2];  /* reflectors: rms slope along grain and across; equal: isotropic */
+    struct orl_pattern
+        *rough;            /* reflectors: factors of both roughnesses over the surface; or NULL */
+    enum orl_evenly side;  /* plastic, as a part of a sum */
     struct orl_vec3 grain; /* plastic2 and the like: as written, not projected */
     bool tinted;           /* lobed: what is reflected by lobes has the colour (metfunc) */
     struct orl_rgb gloss;  /* ashik2: specular reflectance at the normal */

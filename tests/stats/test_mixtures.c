@@ -1,6 +1,7 @@
 /*
- * Mixtures of unlike materials, and sums of such (WGMDfunc): draws against densities, weights against values in both ways of
- * transport, reciprocity, and every part as the sum of both by their shares.
+ * Mixtures of unlike materials, and sums of such (WGMDfunc): draws against densities, weights
+ * against values in both ways of transport, reciprocity, and every part as the sum of both by their
+ * shares.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,10 +32,12 @@ static const struct kind {
     {TWO "void mixfunc m 4 p b abs(Rdot) . 0 0\n", 0.004, true},
     {TWO "void plastic q 0 0 5 .2 .3 .4 0 0\nvoid mixfunc m 4 r q (1-abs(Rdot))^2 . 0 0\n", 0.003,
      true},
-    {"void WGMDfunc m 13 void .2 .15 .15 void .3 .1 .2 void 1 0 0 . 0 9 .2 .1 .1 .2 .1 .1 .1 .1 .2\n",
+    {"void WGMDfunc m 13 void .2 .15 .15 void .3 .1 .2 void 1 0 0 . 0 9 .2 .1 .1 .2 .1 .1 .1 .1 "
+     ".2\n",
      0.004, false},
     {"void brightfunc half 2 .5 . 0 0\n"
-     "void WGMDfunc m 13 half .4+.2 .2+Px-Px .1 void 0 0 0 void 1 1 0 . 0 9 .3 .3 .3 .3 .3 .3 0 0 0\n",
+     "void WGMDfunc m 13 half .4+.2 .2+Px-Px .1 void 0 0 0 void 1 1 0 . 0 9 .3 .3 .3 .3 .3 .3 0 0 "
+     "0\n",
      0.004, false},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
@@ -154,10 +157,8 @@ static void test_void(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_draws),
-        cmocka_unit_test(test_shares),
-        cmocka_unit_test(test_directed),
-        cmocka_unit_test(test_sum),
+        cmocka_unit_test(test_draws),    cmocka_unit_test(test_shares),
+        cmocka_unit_test(test_directed), cmocka_unit_test(test_sum),
         cmocka_unit_test(test_void),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

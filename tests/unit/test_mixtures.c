@@ -123,8 +123,7 @@ static void test_glow(void **state)
 /* Shares that only seem to depend on the eye: what they were when they did not. */
 static void test_directed(void **state)
 {
-    static const char same[] =
-        ROOM WINDOW "void mixfunc half 4 steel wall .4 . 0 0\nhalf " FLOOR;
+    static const char same[] = ROOM WINDOW "void mixfunc half 4 steel wall .4 . 0 0\nhalf " FLOOR;
     static const char directed[] =
         ROOM WINDOW "void mixfunc half 4 steel wall if(-Rdot,.4,.9) . 0 0\nhalf " FLOOR;
     (void)state;
@@ -192,12 +191,12 @@ static void test_texture(void **state)
     struct orl_description description = {0};
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(parse(MATERIALS "void mixfunc m 4 b g .5 . 0 0\nvoid mixfunc n 4 m p .5 . 0 0\n"
-                                     "n texfunc x 4 0 0 .1 . 0 0\nx " FLOOR,
+    assert_int_equal(parse(MATERIALS
+                           "void mixfunc m 4 b g .5 . 0 0\nvoid mixfunc n 4 m p .5 . 0 0\n"
+                           "n texfunc x 4 0 0 .1 . 0 0\nx " FLOOR,
                            &description, &err),
                      0);
-    const struct orl_material *const x =
-        &description.materials[description.surfaces[0].material];
+    const struct orl_material *const x = &description.materials[description.surfaces[0].material];
     assert_non_null(x->texture);
     assert_ptr_equal(x->mixed[0].texture, x->texture);
     assert_ptr_equal(x->mixed[0].mixed[0].texture, x->texture);
@@ -231,10 +230,10 @@ static void test_bounds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_facade),  cmocka_unit_test(test_screen), cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_glow), cmocka_unit_test(test_directed),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_bounds),
-        cmocka_unit_test(test_texture),
+        cmocka_unit_test(test_facade),   cmocka_unit_test(test_screen),
+        cmocka_unit_test(test_floor),    cmocka_unit_test(test_glow),
+        cmocka_unit_test(test_directed), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_bounds),   cmocka_unit_test(test_texture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -294,15 +294,16 @@ static void test_missing_main_file(void **state)
  * not told as an error of its own. */
 static void test_refusals_together(void **state)
 {
-    static const char text[] = "void BRTDfunc bumps\n10 0 0 0 0 0 0 r r r .\n0\n9 0 0 0 0 0 0 0 0 0\n"
-                               "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-                               "void mist cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
-                               "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
-                               "void mist paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
-                               "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
-                               "void alias other rough\nother sphere s 0 0 4 0 0 0 1\n"
-                               "!gencatenary rough w 0 0 0 1 9\n"
-                               "dressed ring r 0 0 8 0 0 0 0 0 1 0 1\n";
+    static const char text[] =
+        "void BRTDfunc bumps\n10 0 0 0 0 0 0 r r r .\n0\n9 0 0 0 0 0 0 0 0 0\n"
+        "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
+        "void mist cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
+        "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
+        "void mist paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
+        "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
+        "void alias other rough\nother sphere s 0 0 4 0 0 0 1\n"
+        "!gencatenary rough w 0 0 0 1 9\n"
+        "dressed ring r 0 0 8 0 0 0 0 0 1 0 1\n";
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);

@@ -36,8 +36,8 @@ bool orl_emit_from_lamp(const struct orl_emission *e, const struct orl_stratum *
         return false;
     const struct orl_hit hit = {
         .point = point, .normal = normal, .facet = emitter->facet, .front = true};
-    const struct orl_rgb radiance =
-        orl_material_radiance_varies(m) ? orl_material_emission(m, &hit, ret_flight->direction)
+    const struct orl_rgb radiance = orl_material_radiance_varies(m)
+                                        ? orl_material_emission(m, &hit, ret_flight->direction)
                                         : emitter->radiance;
     ret_flight->flux = orl_rgb_scale(radiance, measure * facet->area);
     ret_flight->from_light = ret_flight->lamp = emitter->direct;

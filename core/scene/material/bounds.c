@@ -42,9 +42,9 @@ double orl_material_albedo_most(const struct orl_material *material, bool front,
 {
     if (material->kind == ORL_MATERIAL_MIXTURE) {
         const enum orl_lobes within = orl_mixture_lobes_within(material, lobes);
-        return both_most(
-            material, orl_material_albedo_most(&material->mixed[0], front, cosine, within),
-            orl_material_albedo_most(&material->mixed[1], front, cosine, within));
+        return both_most(material,
+                         orl_material_albedo_most(&material->mixed[0], front, cosine, within),
+                         orl_material_albedo_most(&material->mixed[1], front, cosine, within));
     }
     const struct orl_hit hit = orl_hit_anywhere(up, front);
     const struct orl_material most = at_most(material);
@@ -54,8 +54,7 @@ double orl_material_albedo_most(const struct orl_material *material, bool front,
 double orl_material_mirrored_most(const struct orl_material *material, bool front, double cosine)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return both_most(material,
-                         orl_material_mirrored_most(&material->mixed[0], front, cosine),
+        return both_most(material, orl_material_mirrored_most(&material->mixed[0], front, cosine),
                          orl_material_mirrored_most(&material->mixed[1], front, cosine));
     const struct orl_hit hit = orl_hit_anywhere(up, front);
     const struct orl_material most = at_most(material);

@@ -22,7 +22,8 @@ bool orl_mixture_either(const struct orl_material *material,
 
 bool orl_mixture_has_lobes(const struct orl_material *material)
 {
-    return orl_mixture_is_directed(material) || orl_mixture_either(material, orl_material_has_lobes);
+    return orl_mixture_is_directed(material) ||
+           orl_mixture_either(material, orl_material_has_lobes);
 }
 
 /* Of light towards there. */
@@ -129,12 +130,12 @@ struct orl_rgb orl_mixture_lobes(const struct orl_material *material, const stru
 {
     const struct question lobes = {LOBES, light, eye, ORL_LOBE_ALL};
     const struct orl_rgb sum = sum_of(material, hit, &lobes);
-    if (!orl_mixture_is_directed(material) || !(orl_dot(light, hit->normal) * orl_dot(eye, hit->normal) > 0))
+    if (!orl_mixture_is_directed(material) ||
+        !(orl_dot(light, hit->normal) * orl_dot(eye, hit->normal) > 0))
         return sum;
     const struct orl_rgb even =
         sum_of(material, hit, &(struct question){.part = DIFFUSE, .eye = eye});
-    return orl_rgb_add(
-        sum, orl_rgb_scale(even, turned_by(material, hit, light, eye) / ORL_PI));
+    return orl_rgb_add(sum, orl_rgb_scale(even, turned_by(material, hit, light, eye) / ORL_PI));
 }
 
 struct orl_rgb orl_mixture_emission(const struct orl_material *material, const struct orl_hit *hit,
@@ -144,8 +145,8 @@ struct orl_rgb orl_mixture_emission(const struct orl_material *material, const s
 }
 
 /*
- * Shares, and the first's chance of being drawn; false when neither sends anything on. Shares that depend on
- * where light goes to are not known before: then half of the chance is by even shares.
+ * Shares, and the first's chance of being drawn; false when neither sends anything on. Shares that
+ * depend on where light goes to are not known before: then half of the chance is by even shares.
  */
 static bool weigh(const struct orl_draw *draw, enum orl_lobes within, double ret_shares[2],
                   double *ret_chance)

@@ -211,8 +211,8 @@ double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
         return 0;
     sum += luma[cosine > 0 ? DIFFUSE : SPREAD] * fabs(cosine) / ORL_PI;
     if (rough && cosine > 0 && luma[SPECULAR] > 0) {
-        const struct orl_ward ward =
-            orl_ward_at(draw->material, draw->hit, orl_normal_at(draw->material, draw->hit, draw->from));
+        const struct orl_ward ward = orl_ward_at(
+            draw->material, draw->hit, orl_normal_at(draw->material, draw->hit, draw->from));
         sum += luma[SPECULAR] * orl_ward_pdf_reflected(&ward, draw->from, towards);
     }
     if (rough && cosine < 0 && luma[STRAIGHT] > 0) {

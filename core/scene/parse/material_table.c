@@ -23,10 +23,10 @@ static bool same_reflector(const struct orl_material *a, const struct orl_materi
 {
     return same_rgb(a->color, b->color) && a->specular == b->specular &&
            a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
-           a->rough == b->rough && a->side == b->side &&
-           same_vec3(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
-           a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
-           a->ways == b->ways && a->lobes == b->lobes && a->transmitted == b->transmitted &&
+           a->rough == b->rough && a->side == b->side && same_vec3(a->grain, b->grain) &&
+           same_rgb(a->gloss, b->gloss) && a->power[0] == b->power[0] &&
+           a->power[1] == b->power[1] && a->angles == b->angles && a->ways == b->ways &&
+           a->lobes == b->lobes && a->transmitted == b->transmitted &&
            a->transmitted_specular == b->transmitted_specular;
 }
 

@@ -226,7 +226,7 @@ static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, ui
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "'%.200s', which it lies on, %s", parser->primitive.modifier,
                                material.mixed ? "mixes unlike materials"
-                                            : "shines by a sky's function");
+                                              : "shines by a sky's function");
     int code = orl_parser_pattern(parser, scope, material.pattern, material.texture, true, err);
     if (code < 0)
         return code;

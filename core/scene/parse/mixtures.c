@@ -64,8 +64,7 @@ static int count_leaves(const struct orl_material *m)
 static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_material two[2], struct orl_error *err)
 {
-    const bool either_glows =
-        two[0].kind == ORL_MATERIAL_GLOW || two[1].kind == ORL_MATERIAL_GLOW;
+    const bool either_glows = two[0].kind == ORL_MATERIAL_GLOW || two[1].kind == ORL_MATERIAL_GLOW;
     const char *what = NULL;
     if (!is_mixable(two[0].kind) || !is_mixable(two[1].kind))
         what = "mixtures of unlike materials are simulated of plastic, metal, trans, "
