@@ -19,9 +19,19 @@ static int refuse(const struct orl_world *world, uint32_t facet, struct orl_erro
     return ORL_ERR_UNSUPPORTED;
 }
 
+static int refuse_mist(const struct orl_world *world, struct orl_error *err)
+{
+    uint32_t facet = 0;
+    while (!(world->scene->mist->facets[facet].area > 0))
+        facet++;
+    return refuse(world, facet, err, "light through mist");
+}
+
 int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
 {
     int class = -1;
+    if (world->scene->mist)
+        return refuse_mist(world, err);
     bool panels = false;
     uint32_t mirror = UINT32_MAX;
     for (size_t i = 0; i < world->geometry->n_facets; i++) {

@@ -1,11 +1,13 @@
 #include "light/direct.h"
 
+#include "light/mist.h"
 #include "light/path.h"
 
 enum { MOST_PANES = 64 };
 
-struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
-                                 struct orl_vec3 direction, double max_distance, bool through_ports)
+static struct orl_rgb through_panes(const struct orl_world *world, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, double max_distance,
+                                    bool through_ports)
 {
     struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
@@ -25,9 +27,22 @@ struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 
     return orl_gray(0);
 }
 
+struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                 struct orl_vec3 direction, double max_distance, bool through_ports)
+{
+    const struct orl_rgb share =
+        through_panes(world, origin, direction, max_distance, through_ports);
+    if (!world->scene->mist || !(orl_rgb_max(share) > 0))
+        return share;
+    return orl_rgb_mul(share,
+                       orl_mist_transmittance(world->scene, origin, direction, max_distance));
+}
+
 /* cos as irradiance, or lobes towards the eye as radiance. */
 static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
 {
+    if (query->mist)
+        return orl_gray(orl_phase(query->forward, -orl_dot(light, query->eye)));
     const double cosine = orl_dot(light, query->normal);
     if (!(cosine > 0))
         return orl_gray(0);

@@ -28,6 +28,8 @@ struct orl_direct_query {
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;
+    bool mist;       /* not a surface: scattered towards eye by the phase function (mist.h) of */
+    double forward;
     bool mirrored;   /* with the suns' images in flat mirrors */
     const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
 };

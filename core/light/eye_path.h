@@ -3,6 +3,7 @@
  * sink what they add. What a path has seen is a sum of radiance, each part by the path's weight
  * where it was found:
  *   - the domes, where nothing is met any more; here
+ *   - in mist, what suns and lamps send there; here
  *   - light outdoors, where a sealed building is left: the sink's `outdoors`
  *   - at each surface what it shines and reflects: the sink's `met`
  * Lamps are counted twice where shadow rays look for them too; chance (direct.h) says what is left.
@@ -16,6 +17,7 @@
 #include <oriel/health.h>
 
 #include "light/direct.h"
+#include "light/mist.h"
 #include "light/path.h"
 
 enum { ORL_EYE_PATH_MOST = 64 }; /* surfaces; what goes on then is cut, and counted as capped */
@@ -43,6 +45,8 @@ struct orl_eye_sink {
     /* Draws a way on; NULL: by the path's own random numbers. */
     struct orl_scatter (*draw)(struct orl_eye_path *p, const struct orl_material *material,
                                enum orl_lobes lobes);
+    /* Scattered by mist, and on its new way. False: it ends here. NULL: it goes on. */
+    bool (*scattered)(struct orl_eye_path *p);
     /* Drawn, weighed, and not yet on its way. Sets what it may still count; false: it ends here. */
     bool (*sent_on)(struct orl_eye_path *p, const struct orl_scatter *scatter);
 };
@@ -68,6 +72,25 @@ static inline void orl_eye_path_cross(struct orl_eye_path *p, const struct orl_s
     p->clear = scatter->transmitted && orl_world_leaves_clear(p->world, &p->hit);
 }
 
+/* What mist makes of its way ahead: true when it is scattered, and on another. */
+static inline bool orl_eye_path_scatters(struct orl_eye_path *p)
+{
+    const struct orl_world *const world = p->world;
+    const struct orl_mist_event event =
+        orl_mist_meet(world->scene, p->path.origin, p->path.direction,
+                      p->met ? p->hit.distance : INFINITY, p->random);
+    p->path.weight = orl_rgb_mul(p->path.weight, event.weight);
+    if (!event.scattered)
+        return false;
+    p->path.origin = orl_madd(p->path.origin, p->path.direction, event.distance);
+    orl_eye_path_see(
+        p, orl_mist_direct(world, p->path.origin, p->path.direction, event.forward, p->random));
+    const double u0 = orl_random_uniform(p->random), u[2] = {u0, orl_random_uniform(p->random)};
+    p->path.direction = orl_phase_sample(event.forward, p->path.direction, u);
+    p->chance = orl_chance_found();
+    return true;
+}
+
 /* Follows it to its end; paths that are cut are counted into health. */
 static inline __attribute__((always_inline)) void
 orl_eye_path_follow(struct orl_eye_path *p, const struct orl_eye_sink *sink,
@@ -75,7 +98,7 @@ orl_eye_path_follow(struct orl_eye_path *p, const struct orl_eye_sink *sink,
 {
     const struct orl_world *world = p->world;
     for (; p->bounce < ORL_EYE_PATH_MOST; p->bounce++) {
-        if (p->clear) {
+        if (p->clear && !world->scene->mist) {
             orl_eye_path_see(p, orl_world_dome_radiance(world, p->path.direction));
             return;
         }
@@ -84,6 +107,11 @@ orl_eye_path_follow(struct orl_eye_path *p, const struct orl_eye_sink *sink,
         if (!p->looked)
             p->met = orl_path_meet(world, &p->path, &p->hit);
         p->looked = false;
+        if (world->scene->mist && orl_eye_path_scatters(p)) {
+            if (!(orl_rgb_max(p->path.weight) > 0) || (sink->scattered && !sink->scattered(p)))
+                return;
+            continue;
+        }
         if (!p->met) {
             orl_path_escape(&p->path);
             orl_eye_path_see(p, orl_world_dome_radiance(world, p->path.direction));

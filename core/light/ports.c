@@ -148,7 +148,8 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     int code = ORL_ERR_NOMEM;
     if (!candidates)
         goto done;
-    const size_t n = list_candidates(scene, candidates);
+    /* Light is split by windows where there is nothing but surfaces to follow it to. */
+    const size_t n = scene->mist ? 0 : list_candidates(scene, candidates);
     found = calloc(n + 1, sizeof *found);
     scene->port_of_facet = malloc((n_facets + 1) * sizeof *scene->port_of_facet);
     if (!found || !scene->port_of_facet)

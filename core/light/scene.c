@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/mist.h"
 #include "light/proxies.h"
 #include "scene/geometry/coincident.h"
 #include "scene/material/bounds.h"
@@ -32,6 +33,38 @@ static int list_shining(struct orl_scene *scene)
     return 0;
 }
 
+/* Which of two surfaces in one place light meets; mist, which is none, stays as it is. */
+static int settle(struct orl_description *d, struct orl_error *err)
+{
+    size_t n = 0, kept = 0;
+    for (size_t i = 0; i < d->n_surfaces; i++)
+        n += d->materials[d->surfaces[i].material].kind == ORL_MATERIAL_MIST;
+    if (n == 0)
+        return orl_coincident_settle(d, err);
+    struct orl_surface *const mist = malloc(n * sizeof *mist);
+    if (!mist)
+        return ORL_ERR_NOMEM;
+    n = 0;
+    for (size_t i = 0; i < d->n_surfaces; i++)
+        if (d->materials[d->surfaces[i].material].kind == ORL_MATERIAL_MIST)
+            mist[n++] = d->surfaces[i];
+        else
+            d->surfaces[kept++] = d->surfaces[i];
+    d->n_surfaces = kept;
+    int code = orl_coincident_settle(d, err);
+    struct orl_surface *const grown =
+        realloc(d->surfaces, (d->n_surfaces + n) * sizeof *d->surfaces);
+    if (grown) {
+        d->surfaces = grown;
+        memcpy(d->surfaces + d->n_surfaces, mist, n * sizeof *mist);
+        d->n_surfaces += n;
+    } else if (code == 0) {
+        code = ORL_ERR_NOMEM;
+    }
+    free(mist);
+    return code;
+}
+
 int orl_scene_new(struct orl_description *description, struct orl_scene **ret_scene,
                   struct orl_error *err)
 {
@@ -45,13 +78,15 @@ int orl_scene_new(struct orl_description *description, struct orl_scene **ret_sc
     scene->description = *description;
     memset(description, 0, sizeof *description);
     scene->n_read = scene->description.n_surfaces + scene->description.n_degenerate;
-    code = orl_coincident_settle(&scene->description, err);
+    code = settle(&scene->description, err);
     if (code == 0)
         code = orl_geometry_new(&scene->description, &scene->geometry, err);
     if (code == 0 && scene->description.n_patterns > 0)
         code = orl_patterns_settle(&scene->description, scene->geometry, err);
     if (code == 0)
         code = orl_own_settle(&scene->description, scene->geometry, err);
+    if (code == 0)
+        code = orl_mist_part(scene, err);
     if (code == 0)
         code = orl_proxies_part(scene, err);
     if (code == 0)
@@ -79,6 +114,7 @@ void orl_scene_release(struct orl_scene *scene)
         return;
     orl_geometry_free(scene->geometry);
     orl_geometry_free(scene->seen);
+    orl_geometry_free(scene->mist);
     orl_geometry_free(scene->proxies);
     orl_description_done(&scene->description);
     free(scene->hidden);
@@ -118,8 +154,9 @@ static uint64_t bsdf_bytes(const struct orl_description *d)
 
 uint64_t orl_scene_bytes(const struct orl_scene *scene)
 {
-    enum { PARTS = 3 };
-    const struct orl_geometry *const parts[PARTS] = {scene->geometry, scene->seen, scene->proxies};
+    enum { PARTS = 4 };
+    const struct orl_geometry *const parts[PARTS] = {scene->geometry, scene->seen, scene->proxies,
+                                                     scene->mist};
     uint64_t bytes = sizeof *scene + scene->description.n_materials * sizeof(struct orl_material);
     for (size_t i = 0; i < PARTS; i++)
         if (parts[i])

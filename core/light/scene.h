@@ -44,6 +44,7 @@ struct orl_scene {
     struct orl_geometry *geometry;      /* owned; what light meets */
     struct orl_geometry *seen;          /* owned: what views meet, or NULL for the same */
     struct orl_geometry *proxies;       /* owned: BSDFs that stand for geometry, or NULL */
+    struct orl_geometry *mist;          /* owned: the surfaces of mist.h's volumes, or NULL */
     bool *hidden;                       /* per facet: there for views alone; or NULL. proxies.h */
     size_t n_hidden;
     struct orl_pairing paired, not_paired; /* taken as one though neither reaches the other; as two

@@ -15,6 +15,10 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                                     char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
+    if (survey->world->scene->mist) {
+        snprintf(ret_why, ORL_WHY_MAX, "there is mist: paths are scattered by it, photons are not");
+        return ORL_TECHNIQUE_BACKWARD;
+    }
     if (orl_job_asks_for_glare(job) && !orl_lit_by_chance(lit, &survey->world->images)) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "views ask for their glare: paths have no bias, and their batches tell its error");
@@ -178,7 +182,7 @@ static uint64_t lamps(const struct orl_survey *survey)
 static uint64_t global_photons(const struct orl_survey *survey, const struct orl_plan *plan)
 {
     const uint64_t asked = survey->request->job->photons_global;
-    if (survey->world->omit.most_reflections == 0)
+    if (survey->world->omit.most_reflections == 0 || survey->world->scene->mist)
         return 0;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD)
         return lamps(survey);

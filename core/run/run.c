@@ -46,6 +46,27 @@ static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
     return 0;
 }
 
+/* Mist is for paths. */
+static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
+{
+    const struct orl_scene *const scene = state->world->scene;
+    uint32_t facet = 0;
+    if (!scene->mist || state->result->plan.technique == ORL_TECHNIQUE_BACKWARD)
+        return 0;
+    while (!(scene->mist->facets[facet].area > 0))
+        facet++;
+    const struct orl_surface *const surface =
+        &scene->description.surfaces[scene->mist->facets[facet].surface];
+    orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                  "the technique %s does not follow light through mist, which the surface '%.100s' "
+                  "is of",
+                  orl_technique_name(state->result->plan.technique),
+                  orl_scene_name_of(scene, facet));
+    orl_error_at(err, surface->file, surface->line, NULL);
+    orl_error_hint(err, "use the technique backward, which is chosen where the job names none");
+    return ORL_ERR_UNSUPPORTED;
+}
+
 /* What a job and its plan have in common: everything before photons. */
 static int prepare(struct orl_run_state *state, struct orl_error *err)
 {
@@ -67,6 +88,8 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
     code = orl_run_plan(state, err);
     if (code == 0)
         code = admit_goal(state, err);
+    if (code == 0)
+        code = admit_mist(state, err);
     return code == 0 && orl_crew_cancelled(state->env->crew)
                ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while planning")
                : code;

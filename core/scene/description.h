@@ -42,6 +42,7 @@ enum orl_material_kind {
     ORL_MATERIAL_SPOTLIGHT,  /* a light that shines within a cone: spot */
     ORL_MATERIAL_MIXTURE,    /* mixed, mix: of unlike materials (material/scatter.h) */
     ORL_MATERIAL_ILLUM,      /* a light that views see as what it stands for: seen_as */
+    ORL_MATERIAL_MIST,       /* extinction, scattered, forward: within it (light/mist.h) */
     ORL_MATERIAL_ANTIMATTER, /* what is not there within: cut, lining (geometry/antimatter.h) */
 };
 
@@ -83,6 +84,8 @@ struct orl_material {
     struct orl_vec3 aim;                 /* spotlight: unit; zero: shines evenly */
     double cos_cone;                     /* spotlight: of the half angle */
     double focus;                        /* spotlight: how far behind the lamp its beam starts */
+    struct orl_rgb extinction, scattered; /* mist: 1/m */
+    double forward;                       /* mist: of its phase function (light/mist.h) */
     int32_t seen_as;                     /* illum: material that views see, or orl_seen_as */
     struct orl_pattern *pattern; /* factor of color, of glass of what passes (material/pattern.h);
                                     or NULL */

@@ -146,8 +146,20 @@ static bool come_back(struct orl_eye_path *p)
     return orl_exterior_pass(p, w->tracer->health);
 }
 
-static const struct orl_eye_sink sink = {
-    .outdoors = come_back, .escaped = add_sun, .met = meet, .sent_on = note_event};
+/* By mist: suns and lamps have been looked for there. */
+static bool scattered(struct orl_eye_path *p)
+{
+    struct walk *w = walk_of(p);
+    w->straight = false;
+    w->trail = orl_image_trail_from(p->path.direction);
+    return survives(w);
+}
+
+static const struct orl_eye_sink sink = {.outdoors = come_back,
+                                         .escaped = add_sun,
+                                         .met = meet,
+                                         .scattered = scattered,
+                                         .sent_on = note_event};
 
 /* Follows the path to its end; returns what it saw. */
 static struct orl_rgb follow(struct walk *w)
@@ -293,7 +305,7 @@ static struct orl_rgb light_at(struct orl_tracer *tracer, const struct stop *sto
     struct orl_rgb sum = direct_light(tracer, stop);
     if (stop->place.outside)
         return orl_rgb_add(sum, light_outside(tracer, stop));
-    if (stop->reflections < most)
+    if (stop->reflections < most && !tracer->backward->world->scene->mist)
         sum = orl_rgb_add(sum, some_lamps(tracer, stop));
     return orl_rgb_add(sum, aimed_light(tracer, stop));
 }

@@ -109,7 +109,8 @@ int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world, struct o
     if (code)
         return code;
     const double near = count > 0 ? near_share * typical_distance(vpls, count) : 1;
-    vpls->most_sr_m2 = near > 0 ? 1 / (near * near) : INFINITY;
+    /* Where there are no lamps all is left to paths. */
+    vpls->most_sr_m2 = count == 0 ? 0 : near > 0 ? 1 / (near * near) : INFINITY;
     return orl_vpl_plant(vpls, crew);
 }
 

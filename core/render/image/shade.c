@@ -1,5 +1,6 @@
 #include "render/image/shade.h"
 
+#include "light/mist.h"
 #include "light/proxies.h"
 #include "scene/material/texture.h"
 
@@ -271,6 +272,28 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
         look->shaded->vertices[i].weight = orl_gray(1);
 }
 
+/* What mist sends along, and dims; false: the branch ends in it, one path of many going on. */
+static bool passes_mist(struct look *look, struct branch *at, double distance)
+{
+    const struct orl_world *const world = look->shader->world;
+    const struct orl_mist_event event =
+        orl_mist_meet(world->scene, at->path.origin, at->path.direction, distance, look->random);
+    at->path.weight = orl_rgb_mul(at->path.weight, event.weight);
+    if (!event.scattered)
+        return true;
+    const struct orl_vec3 point = orl_madd(at->path.origin, at->path.direction, event.distance);
+    const struct orl_rgb direct =
+        orl_mist_direct(world, point, at->path.direction, event.forward, look->random);
+    const double u0 = orl_random_uniform(look->random),
+                 u[2] = {u0, orl_random_uniform(look->random)};
+    const struct orl_lobe_ray ray = {point, orl_phase_sample(event.forward, at->path.direction, u),
+                                     orl_chance_found(), orl_rgb_max(at->path.weight), at->outside};
+    add(look, at->path.weight,
+        orl_rgb_add(direct,
+                    look->shader->radiance(look->shader->ctx, &ray, look->random, look->search)));
+    return false;
+}
+
 static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
 {
     const struct orl_material *m = seen_at(look, hit);
@@ -347,6 +370,8 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         search->health.rays++;
         const bool met = orl_path_meet(world, &at.path, &hit);
         pass_proxies(world, hit.distance, &at);
+        if (world->scene->mist && !shader->irradiance && !passes_mist(&look, &at, hit.distance))
+            continue;
         if (met) {
             meet(&look, &at, &hit);
             continue;

@@ -193,6 +193,7 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
     case ORL_MATERIAL_SPOTLIGHT:
     case ORL_MATERIAL_ILLUM:
     case ORL_MATERIAL_ANTIMATTER:
+    case ORL_MATERIAL_MIST:
         break;
     }
     return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};

@@ -343,6 +343,35 @@ int orl_material_read_interface(struct orl_parser *parser, const struct orl_scop
     return code;
 }
 
+/* Extinction, albedo and what goes forward, of all light: the sources that it may name are those
+ * for which Radiance would look. Lengths may be scaled by a transform. */
+int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *material, struct orl_error *err)
+{
+    const size_t n = parser->primitive.n_reals;
+    const double per_length = 1 / scope->xform.scale;
+    if (n != 0 && n != 3 && n != 6 && n != 7)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "mist takes no numbers, or three of extinction, then perhaps three "
+                               "of albedo, and one of what is scattered forward; here are %zu",
+                               n);
+    const struct orl_rgb extinction = n >= 3 ? orl_material_rgb(parser, 0) : orl_gray(0);
+    const struct orl_rgb albedo = n >= 6 ? orl_material_rgb(parser, 3) : orl_gray(0);
+    material->forward = n == 7 ? parser->primitive.reals[6] : 0;
+    if (!(rgb_min(extinction) >= 0) || !(orl_rgb_max(extinction) * per_length <= 1e9))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its extinction is not from 0 to 1e9 per unit of length");
+    const int code = orl_material_share(parser, scope, albedo, true, "albedo", err);
+    if (code < 0)
+        return code;
+    if (!(fabs(material->forward) < 1))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its eccentricity %g is not between -1 and 1", material->forward);
+    material->extinction = orl_rgb_scale(extinction, per_length);
+    material->scattered = orl_rgb_mul(material->extinction, albedo);
+    return 0;
+}
+
 int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
                              struct orl_material *material, struct orl_error *err)
 {

@@ -40,6 +40,9 @@ int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
 int orl_parser_mix_under(struct orl_parser *parser, const struct orl_scope *scope,
                          struct orl_material *mixture, struct orl_error *err);
 
+int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *material, struct orl_error *err);
+
 /* wgmd_material.c */
 int orl_material_read_wgmd(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err);

@@ -27,7 +27,9 @@ static bool same_reflector(const struct orl_material *a, const struct orl_materi
            same_rgb(a->gloss, b->gloss) && a->power[0] == b->power[0] &&
            a->power[1] == b->power[1] && a->angles == b->angles && a->ways == b->ways &&
            a->lobes == b->lobes && a->transmitted == b->transmitted &&
-           a->transmitted_specular == b->transmitted_specular;
+           a->transmitted_specular == b->transmitted_specular &&
+           same_rgb(a->extinction, b->extinction) && same_rgb(a->scattered, b->scattered) &&
+           a->forward == b->forward;
 }
 
 static bool same_clear(const struct orl_material *a, const struct orl_material *b)

@@ -43,6 +43,7 @@ static const struct material_type material_types[] = {
     {"glow", ORL_MATERIAL_GLOW, orl_material_read_light},
     {"spotlight", ORL_MATERIAL_SPOTLIGHT, orl_material_read_spotlight},
     {"illum", ORL_MATERIAL_ILLUM, orl_material_read_illum},
+    {"mist", ORL_MATERIAL_MIST, orl_material_read_mist},
     {"antimatter", ORL_MATERIAL_ANTIMATTER, orl_material_read_antimatter},
 };
 

@@ -15,7 +15,6 @@ struct unsupported {
 };
 
 static const struct unsupported unsupported_types[] = {
-    {"mist", "leave it out"},
     {"specpict", "give the material's colour as RGB"},
 };
 
