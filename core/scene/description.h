@@ -25,7 +25,7 @@ struct orl_grid;
 struct orl_pattern;
 
 enum orl_material_kind {
-    ORL_MATERIAL_VOID,       /* a surface modified by void: black, absorbs (Radiance ignores it) */
+    ORL_MATERIAL_VOID,       /* what void or a refused modifier stands for while files are read */
     ORL_MATERIAL_PLASTIC,    /* color, specular, roughness, grain (plastic2) */
     ORL_MATERIAL_METAL,      /* color, specular, roughness, grain (metal2) */
     ORL_MATERIAL_TRANS,      /* the same (trans2), transmitted, transmitted_specular */

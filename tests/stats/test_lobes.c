@@ -199,7 +199,7 @@ static void test_peaks(void **state)
 static void test_grain_direction(void **state)
 {
     struct subject s = subject_of("void metal2 m 4 1 0 0 . 0 6 .9 .9 .9 1 .4 .05\n", NULL, NULL);
-    const struct orl_ward ward = orl_ward_at(s.material, s.hit.normal);
+    const struct orl_ward ward = orl_ward_at(s.material, &s.hit, s.hit.normal);
     const struct orl_vec3 across = orl_cross(s.hit.normal, ward.grain), n = s.hit.normal;
     const struct orl_vec3 lean_along = orl_normalize(orl_madd(n, ward.grain, .4));
     const struct orl_vec3 lean_across = orl_normalize(orl_madd(n, across, .4));
@@ -214,7 +214,7 @@ static void test_grain_direction(void **state)
 static void test_standing_grain(void **state)
 {
     struct subject s = subject_of("void metal2 m 4 .2 -.7 .5 . 0 6 .9 .9 .9 1 .3 .1\n", NULL, NULL);
-    const struct orl_ward ward = orl_ward_at(s.material, s.hit.normal);
+    const struct orl_ward ward = orl_ward_at(s.material, &s.hit, s.hit.normal);
     (void)state;
     assert_true(ward.round && fabs(ward.along - sqrt(.05)) < 1e-12);
     subject_done(&s);

@@ -127,8 +127,8 @@ static int expected(const struct shape *shapes, int n, const double p[2], bool f
 {
     int best = -1;
     for (int i = 0; i < n; i++) {
-        if (!is_in(&shapes[i], p, near))
-            continue;
+        if (!is_in(&shapes[i], p, near) || kinds[shapes[i].kind].class == 0)
+            continue; /* what void modifies is not there */
         const int mine[3] = {kinds[shapes[i].kind].class, shapes[i].up == from_above,
                              kinds[shapes[i].kind].order};
         int better = best < 0;

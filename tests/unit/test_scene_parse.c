@@ -88,7 +88,7 @@ static const struct good good_scenes[] = {
     {"closed by hand", RED "red polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 0 0", 1, 1, 0, 0, 0},
     {"degenerate", RED "red polygon p 0 0 9 0 0 0 1 1 1 2 2 2", 0, 1, 0, 0, 1},
     {"bent", RED "red polygon p 0 0 12 0 0 0 1 0 0 1 1 .1 0 1 0", 1, 1, 0, 0, 1},
-    {"no material", "void" SQUARE, 1, 1, 0, 0, 1},
+    {"no material", "void" SQUARE, 0, 1, 0, 0, 1},
     {"round",
      RED "red sphere a 0 0 4 0 0 0 1\nred bubble b 0 0 4 0 0 0 1\n"
          "red cylinder c 0 0 7 0 0 0 0 0 1 1\nred tube d 0 0 7 0 0 0 0 0 1 1\n"

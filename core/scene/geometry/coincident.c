@@ -26,8 +26,6 @@ struct settling {
 static int class_of(const struct orl_material *m)
 {
     switch (m->kind) {
-    case ORL_MATERIAL_VOID:
-        return 0;
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_GLASS:
     case ORL_MATERIAL_GLAZING:
@@ -67,8 +65,7 @@ static bool is_two_sided(const struct orl_material *m)
         return is_two_sided(&m->mixed[0]) && is_two_sided(&m->mixed[1]);
     return m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL ||
            m->kind == ORL_MATERIAL_TRANS || m->kind == ORL_MATERIAL_GLASS ||
-           m->kind == ORL_MATERIAL_ASHIKHMIN || m->kind == ORL_MATERIAL_LOBED ||
-           m->kind == ORL_MATERIAL_VOID;
+           m->kind == ORL_MATERIAL_ASHIKHMIN || m->kind == ORL_MATERIAL_LOBED;
 }
 
 static bool are_alike(const struct orl_description *d, const struct orl_surface *a,

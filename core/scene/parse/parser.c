@@ -98,7 +98,7 @@ void orl_parser_report(struct orl_parser *parser)
     report(parser, &parser->degenerate, "has no area and was dropped");
     report(parser, &parser->bent, "its corners do not lie in one plane");
     report(parser, &parser->unmodified,
-           "has no material (its modifier is void): it is taken as black");
+           "has no material (its modifier is void): light passes as if it were not there");
     report(parser, &parser->white,
            "returns all light that it gets, or more: 0.999 of it are taken, so that light ends "
            "(of what only mirrors or lets pass, all)");

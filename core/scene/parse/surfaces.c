@@ -369,11 +369,13 @@ static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope
     code = make_name(parser, scope, &surface->name, err);
     if (code < 0)
         return code;
+    if (out->materials[surface->material].kind == ORL_MATERIAL_VOID) {
+        orl_parser_count(parser, scope, &parser->unmodified);
+        return 0;
+    }
     if (!orl_grow(&out->surfaces, &parser->surfaces_room, out->n_surfaces, sizeof *out->surfaces))
         return out_of_memory(parser, scope, err);
     out->surfaces[out->n_surfaces++] = *surface;
-    if (out->materials[surface->material].kind == ORL_MATERIAL_VOID)
-        orl_parser_count(parser, scope, &parser->unmodified);
     return 0;
 }
 
