@@ -102,7 +102,7 @@ static void test_warnings(void **state)
     static const char *const texts[3][2] = {
         {"void dielectric d 0 0 5 1 1 1 1.5 8e5\n", "dispersion"},
         {"void plastic p 0 0 5 0 0 0 0 0\nvoid mirror m 1 p 0 3 .9 .8 1\n", "not 'p'"},
-        {"void illum i 0 0 3 1 1 1\n", "no other light passes"}};
+        {"void illum i 0 0 3 1 1 1\n", "suns and lamps alone pass"}};
     (void)state;
     for (int i = 0; i < 3; i++) {
         struct orl_description d = scene_parse_text(texts[i][0], NULL, NULL);

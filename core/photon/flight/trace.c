@@ -114,6 +114,13 @@ static void fly_by(const struct tracing *t, const struct course *c, const struct
         orl_discs_note(t->discs, &stretch, &deposits->passes);
 }
 
+/* By what it may be sent on: illums let pass what comes straight from suns and lamps. */
+static enum orl_lobes lobes_for(const struct tracing *t, const struct course *c)
+{
+    const bool straight = c->class == ORL_PHOTON_LIGHT && c->reflections == 0;
+    return straight ? (enum orl_lobes)(t->lobes | ORL_LOBE_ILLUM) : t->lobes;
+}
+
 static struct tracing tracing_of(const struct orl_world *world, bool caustic)
 {
     const uint32_t most = world->omit.most_reflections;
@@ -233,7 +240,7 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
         if (!land(&t, &c, met ? &hit : NULL, deposits))
             return;
         s = orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&c.path),
-                               ORL_TRANSPORT_LIGHT, t.lobes, random);
+                               ORL_TRANSPORT_LIGHT, lobes_for(&t, &c), random);
     } while (goes_on(&t, &c, &hit, &s, deposits));
 }
 
@@ -286,9 +293,9 @@ static size_t scatter_all(struct wave *w)
             continue;
         for (int k = 0; k < 3; k++)
             w->u[n][k] = orl_random_uniform(random);
-        w->draws[n] =
-            (struct orl_draw){orl_world_material(w->tracing.world, hit), hit,
-                              orl_path_back(&c->path), ORL_TRANSPORT_LIGHT, w->tracing.lobes};
+        w->draws[n] = (struct orl_draw){orl_world_material(w->tracing.world, hit), hit,
+                                        orl_path_back(&c->path), ORL_TRANSPORT_LIGHT,
+                                        lobes_for(&w->tracing, c)};
         w->scattered[n++] = (uint16_t)i;
     }
     orl_scatter_sample_many(w->draws, (const double(*)[3])w->u, n, w->scatters);

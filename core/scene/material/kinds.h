@@ -16,6 +16,13 @@ struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const 
                                      double cosine);
 struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3]);
 
+/* lamp.c: what an illum lets straight through, of light that is let through at all. */
+static inline bool orl_illum_passes(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_ILLUM && orl_rgb_max(material->transmissivity) > 0;
+}
+struct orl_scatter orl_illum_sample(const struct orl_draw *draw);
+
 /* reflector.c: plastic, metal, trans. Diffuse and specular reflectance, and what trans lets
  * through: spread evenly, or straight (about straight, when rough). */
 struct orl_rgb orl_reflector_diffuse(const struct orl_material *material,

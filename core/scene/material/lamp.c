@@ -46,3 +46,14 @@ struct orl_rgb orl_material_emission(const struct orl_material *material, const 
                ? orl_rgb_mul(material->color, orl_pattern_towards(material->pattern, hit, towards))
                : material->color;
 }
+
+struct orl_scatter orl_illum_sample(const struct orl_draw *draw)
+{
+    const struct orl_rgb share = orl_material_straight(draw->material, draw->hit, draw->from);
+    if (!(draw->lobes & ORL_LOBE_ILLUM) || !(orl_rgb_max(share) > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    return (struct orl_scatter){.event = ORL_EVENT_STRAIGHT,
+                                .transmitted = true,
+                                .direction = orl_neg(draw->from),
+                                .weight = share};
+}

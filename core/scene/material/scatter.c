@@ -84,7 +84,7 @@ bool orl_material_transmits_lobes(const struct orl_material *material)
 struct orl_rgb orl_material_straight(const struct orl_material *material, const struct orl_hit *hit,
                                      struct orl_vec3 from)
 {
-    if (material->kind == ORL_MATERIAL_GLASS)
+    if (material->kind == ORL_MATERIAL_GLASS || orl_illum_passes(material))
         return orl_glass_transmittance(material, hit, orl_cosine_at(material, hit, from));
     if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
         return orl_trans_straight(material, hit);
@@ -187,11 +187,12 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
         return orl_mirror_sample(draw);
     case ORL_MATERIAL_MIXTURE:
         return orl_mixture_sample(draw, u);
+    case ORL_MATERIAL_ILLUM:
+        return orl_illum_sample(draw);
     case ORL_MATERIAL_VOID:
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:
     case ORL_MATERIAL_SPOTLIGHT:
-    case ORL_MATERIAL_ILLUM:
     case ORL_MATERIAL_ANTIMATTER:
     case ORL_MATERIAL_MIST:
         break;

@@ -429,10 +429,16 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     if (code < 0)
         return code;
     material->color = orl_material_rgb(parser, 0);
+    const struct orl_material *const seen =
+        material->seen_as >= 0 ? &parser->out->materials[material->seen_as] : NULL;
+    const bool glass = seen && seen->kind == ORL_MATERIAL_GLASS;
+    material->transmissivity = glass ? seen->transmissivity : orl_gray(seen ? 0 : 1);
+    material->ior = glass ? seen->ior : 1;
     orl_parser_warn(parser,
-                    "illum %.100s at %.200s:%d: it shines like a light, and no other light passes "
-                    "it: sun and sky behind it are hidden",
-                    parser->primitive.id, scope->file, parser->primitive.line);
+                    "illum %.100s at %.200s:%d: it shines in place of the sky and all else behind "
+                    "it, of which %s",
+                    parser->primitive.id, scope->file, parser->primitive.line,
+                    seen && !glass ? "nothing passes" : "suns and lamps alone pass");
     return check_radiance(parser, scope, material->color, err);
 }
 

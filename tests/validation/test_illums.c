@@ -1,0 +1,109 @@
+/*
+ * Illums: what shines in place of a window lets suns through, and nothing else that is behind it,
+ * by all techniques; by a material that is neither void nor glass nothing passes.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "support/scene_text.h"
+
+#define SKY "void glow sky 0 0 4 100 90 80 0\nsky source s 0 0 4 0 0 1 360\n"
+#define SUN "void light sun 0 0 3 4e6 4e6 4e6\nsun source d 0 0 4 .2 -.7 .6 .533\n"
+#define GLASS "void glass pane 0 0 3 .8 .8 .8\n"
+#define ROOM(rho)                                                                                  \
+    "void plastic wall 0 0 5 " rho " " rho " " rho " 0 0\n"                                        \
+    "wall polygon w 0 0 12 0 0 0 0 0 3 0 5 3 0 5 0\n"                                              \
+    "wall polygon e 0 0 12 4 0 0 4 5 0 4 5 3 4 0 3\n"                                              \
+    "wall polygon n 0 0 12 0 5 0 0 5 3 4 5 3 4 5 0\n"                                              \
+    "wall polygon u 0 0 12 0 0 3 4 0 3 4 5 3 0 5 3\n"                                              \
+    "wall polygon f 0 0 12 0 0 0 0 5 0 4 5 0 4 0 0\n"
+#define WINDOW "win polygon s 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"
+
+static const double lumens = 179;
+
+static double run(const char *scene, enum orl_technique technique, double *ret_error)
+{
+    static const struct orl_sensor sensor = {{1.5, 1, .8}, {0, 0, 1}};
+    const struct scene_run job = {.scene = scene,
+                                  .sensors = &sensor,
+                                  .n_sensors = 1,
+                                  .technique = technique,
+                                  .wishes = scene_wish_maps,
+                                  .samples = 2048,
+                                  .global = 200000,
+                                  .threads = 2,
+                                  .dark_is_error = false};
+    struct orl_result result = scene_run(&job);
+    const double lx = result.illuminance_lx[0];
+    *ret_error = result.standard_error_lx[0];
+    orl_result_done(&result);
+    return lx;
+}
+
+/* Of a black room: the sun's disc on the plane, times what a pane lets through at its angle. */
+static void check_sun(const char *illum, double transmitted)
+{
+    const double cosine = .6 / sqrt(.04 + .49 + .36);
+    const double sun = 4e6 * 2 * ORL_PI * (1 - cos(.533 / 2 * ORL_PI / 180)) * cosine * lumens;
+    char with[2048], without[2048];
+    double error[2];
+    snprintf(with, sizeof with, "%s%s", illum, SKY SUN ROOM("0") WINDOW);
+    snprintf(without, sizeof without, "%s%s", illum, SKY ROOM("0") WINDOW);
+    const double a = run(with, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double b = run(without, ORL_TECHNIQUE_BACKWARD, &error[1]);
+    const double tolerance = 4 * hypot(error[0], error[1]) + 1e-3 * sun;
+    if (!(b > 1000 && fabs(a - b - transmitted * sun) < tolerance))
+        fail_msg("%g lx with the sun, %g without: %g more, not %g", a, b, a - b, transmitted * sun);
+}
+
+static void test_sun_passes(void **state)
+{
+    (void)state;
+    check_sun("void illum win 0 0 3 60 50 40\n", 1);
+    check_sun("void illum win 1 void 0 3 60 50 40\n", 1);
+    check_sun("void plastic paint 0 0 5 .5 .5 .5 0 0\nvoid illum win 1 paint 0 3 60 50 40\n", 0);
+}
+
+/* By the fraction that the same pane lets through where it is no illum. */
+static void test_by_glass(void **state)
+{
+    double error[2];
+    (void)state;
+    const double bare = run(SUN ROOM("0"), ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double paned =
+        run(SUN GLASS "void alias win pane\n" ROOM("0") WINDOW, ORL_TECHNIQUE_BACKWARD, &error[1]);
+    assert_true(paned > 0 && paned < .9 * bare);
+    check_sun(GLASS "void illum win 1 pane 0 3 60 50 40\n", paned / bare);
+}
+
+/* What the sun makes of a bright room, by photons and by paths. */
+static void test_techniques(void **state)
+{
+    static const char scene[] =
+        SKY SUN GLASS "void illum win 1 pane 0 3 60 50 40\n" ROOM(".6") WINDOW;
+    static const enum orl_technique techniques[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_DIRECT};
+    double error[2];
+    const double paths = run(scene, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    (void)state;
+    for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
+        const double maps = run(scene, techniques[i], &error[1]);
+        if (!(fabs(maps - paths) < 4 * hypot(error[0], error[1]) && error[1] < .03 * paths))
+            fail_msg("technique %zu: %g +- %g lx, not %g", i, maps, error[1], paths);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sun_passes),
+        cmocka_unit_test(test_by_glass),
+        cmocka_unit_test(test_techniques),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
