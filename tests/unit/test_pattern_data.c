@@ -299,7 +299,7 @@ static void test_mixtures(void **state)
 {
     static const struct {
         const char *second, *words;
-    } cases[] = {{"void glow b 0 0 4 .2 .2 .2 0", "of unlike materials"},
+    } cases[] = {{"void light b 0 0 3 .2 .2 .2", "of unlike materials"},
                  {"void dielectric b 0 0 5 .2 .2 .2 1.5 0", "of unlike materials"},
                  {"void brightfunc b 2 Px . 0 0", "'b' is none"}};
     struct orl_description d = {0};

@@ -49,7 +49,6 @@ static const struct bad bad_scenes[] = {
     {"\n5 0 0\n", ORL_ERR_SYNTAX, 2, "0 0", "no type"},
     /* types and names */
     {"\nvoid plastik m 0 0 5 0 0 0 0 0", ORL_ERR_SYNTAX, 2, "plastik m", "no type"},
-    {"void specpict t 0 0 0", ORL_ERR_UNSUPPORTED, 1, "specpict t", "type specpict"},
     {"void mesh t 1 x.rtm 0 0", ORL_ERR_NOT_FOUND, 1, "mesh t", "x.rtm"},
     {"void mixfunc t 4 a b .5 . 0 0", ORL_ERR_NOT_FOUND, 1, "mixfunc t", "which it mixes"},
     {"void mixtext t 4 a b helvet.fnt c.txt 0 9 0 0 0 1 0 0 0 -1 0", ORL_ERR_NOT_FOUND, 1,
@@ -297,9 +296,9 @@ static void test_refusals_together(void **state)
     static const char text[] =
         "void BRTDfunc bumps\n10 0 0 0 0 0 0 r r r .\n0\n9 0 0 0 0 0 0 0 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-        "void specpict cloth 2 helvet.fnt c.txt 0 6 0 0 0 1 1 1\n"
+        "void brightfunc cloth 2 Px*T . 0 0\n"
         "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
-        "void specpict paper 2 helvet.fnt p.txt 0 6 0 0 0 1 1 1\n"
+        "void brightfunc paper 2 Px*T . 0 0\n"
         "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
         "void alias other rough\nother sphere s 0 0 4 0 0 0 1\n"
         "!gencatenary rough w 0 0 0 1 9\n"
@@ -312,23 +311,24 @@ static void test_refusals_together(void **state)
     assert_string_equal(err.primitive, "BRTDfunc bumps");
     assert_string_equal(err.message,
                         "not simulated: 1 x BRTDfunc (first at a.rad:1), 1 x !gencatenary (first "
-                        "at a.rad:12), 1 x specpict (first at a.rad:6)");
+                        "at a.rad:12), 1 x brightfunc (first at a.rad:6)");
     assert_non_null(strstr(err.hint, "BRTDfunc: describe it as a BSDF"));
 }
 
 /* Of one kind: as one alone is told, and how many. */
 static void test_refusals_alike(void **state)
 {
-    static const char text[] = "void specpict a 0 0 0\nvoid specpict b 0 0 0\n"
+    static const char text[] = "void brightfunc p 2 T . 0 0\np plastic a 0 0 5 .1 .1 .1 0 0\n"
+                               "void brightfunc q 2 2*T . 0 0\nq plastic b 0 0 5 .1 .1 .1 0 0\n"
                                "a sphere s 0 0 4 0 0 0 1\nb sphere t 0 0 4 3 0 0 1\n"
                                "b sphere u 0 0 4 6 0 0 1\n"
                                "nothing polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n";
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
-    assert_string_equal(err.message,
-                        "primitives of type specpict are not simulated; there are 2 of them");
-    assert_string_equal(err.primitive, "specpict a");
+    assert_non_null(strstr(err.message, "its function asks for T"));
+    assert_non_null(strstr(err.message, "; there are 2 of them"));
+    assert_string_equal(err.primitive, "brightfunc p");
 }
 
 /* What no surface is of spoils nothing, and is told in one line. */

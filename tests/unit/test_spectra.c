@@ -30,8 +30,8 @@
 
 static int parse(const char *text, struct orl_description *ret, struct orl_error *err)
 {
-    static const char *const names[] = {"a.rad",    "d65.dat",    "tent.dat",
-                                        "tent.cal", "places.dat", "flat.dat"};
+    static const char *const names[] = {"a.rad",    "d65.dat", "tent.dat", "tent.cal", "places.dat",
+                                        "flat.dat", "two.hsr", "two.dat",  "cut.hsr"};
     static const char d65[] = "1\n380 780 41\n" D65;
     static const char tent[] = "1\n0 0 3 700 560 410\n0 1 0\n";
     static const char cal[] =
@@ -41,10 +41,20 @@ static int parse(const char *text, struct orl_description *ret, struct orl_error
         "hole(nm) = if(nm-500, 1/0, 1);";
     static const char places[] = "2\n0 4 2\n380 780 5\n1 1 1 1 1  0 .25 .5 .75 1\n";
     static const char flat[] = "2\n0 4 2\n0 4 2\n1 1 1 1\n";
+    /* Two pixels of five bands twice: (m + .5) / 256. */
+    static const char two[] = "#?RADIANCE\nNCOMP=5\nWAVELENGTH_SPLITS= 380 480 580 780\n"
+                              "FORMAT=Radiance_spectra\n\n-Y 2 +X 2\n"
+                              "\x7f\x7f\x7f\x7f\x7f\x80\x19\x4c\x7f\xb2\xe5\x80"
+                              "\x7f\x7f\x7f\x7f\x7f\x80\x19\x4c\x7f\xb2\xe5\x80";
+    static const char same[] =
+        "2\n0 1 2\n420 740 5\n.498046875 .498046875 .498046875 .498046875 .498046875\n"
+        ".099609375 .298828125 .498046875 .697265625 .896484375\n";
     const struct orl_file contents[] = {
         {text, strlen(text), NULL},        {d65, sizeof d65 - 1, NULL},
         {tent, sizeof tent - 1, NULL},     {cal, sizeof cal - 1, NULL},
-        {places, sizeof places - 1, NULL}, {flat, sizeof flat - 1, NULL}};
+        {places, sizeof places - 1, NULL}, {flat, sizeof flat - 1, NULL},
+        {two, sizeof two - 1, NULL},       {same, sizeof same - 1, NULL},
+        {two, sizeof two - 2, NULL}};
     struct orl_memory_files memory = {names, contents, sizeof names / sizeof *names};
     const struct orl_files files = orl_files_from_memory(&memory);
     return orl_scene_parse(names, 1, &files, ret, err);
@@ -167,6 +177,15 @@ static void test_places(void **state)
     check(seen("void specfunc s 2 hole tent.cal 0 2 380 780\ns" LAMP, 2), orl_gray(1), 0);
 }
 
+/* A picture of spectra is data of the same values, its pixels' middles at the ends. */
+static void test_picture(void **state)
+{
+    (void)state;
+    for (double x = 0; x <= 4; x += .5)
+        check(seen("void specpict s 5 keep two.hsr tent.cal x/4 .5 0 0\ns" LAMP, x),
+              seen("void specdata s 4 keep two.dat tent.cal x/4 0 0\ns" LAMP, x), 1e-6);
+}
+
 static void test_errors(void **state)
 {
     static const struct {
@@ -178,6 +197,8 @@ static void test_errors(void **state)
         {"void specfile s 0 0 0\ns" LAMP, "takes 1 string"},
         {"void specfile s 1 flat.dat 0 0\ns" LAMP, "has 2 axes"},
         {"void specdata s 3 keep d65.dat tent.cal 0 0\ns" LAMP, "wavelengths are one more"},
+        {"void specpict s 4 keep two.hsr tent.cal x 0 0\ns" LAMP, "2 coordinates"},
+        {"void specpict s 5 keep cut.hsr tent.cal x 0 0 0\ns" LAMP, "ends before its last pixel"},
         {"void specfunc s 2 tent tent.cal 0 1 380\ns" LAMP, "first two numbers"},
         {"void specfunc s 2 tent tent.cal 0 2 900 800\ns" LAMP, "none is visible"},
     };
@@ -209,7 +230,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_illuminants), cmocka_unit_test(test_triangle),
         cmocka_unit_test(test_ways),        cmocka_unit_test(test_places),
-        cmocka_unit_test(test_errors),      cmocka_unit_test(test_warning),
+        cmocka_unit_test(test_picture),     cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

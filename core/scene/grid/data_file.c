@@ -138,6 +138,8 @@ static int read_grid(struct reading *r, struct orl_error *err)
 int orl_grid_read_data(const char *name, const char *text, size_t size, struct orl_grid **ret_grid,
                        struct orl_error *err)
 {
+    if (size >= 2 && memcmp(text, "#?", 2) == 0)
+        return orl_grid_read_spectra(name, text, size, ret_grid, err);
     struct reading r = {.name = name, .at = text, .end = text + size, .line = 1};
     r.grid = calloc(1, sizeof *r.grid);
     if (!r.grid)

@@ -42,7 +42,7 @@ struct orl_grid {
     size_t source; /* which of the scene's files it is; its reader's */
 };
 
-/* A data file. ORL_ERR_SYNTAX, with file and line; ORL_ERR_LIMIT, _NOMEM. */
+/* A data file, or a picture of spectra. ORL_ERR_SYNTAX, with file and line; ORL_ERR_LIMIT, _NOMEM. */
 int orl_grid_read_data(const char *name, const char *text, size_t size, struct orl_grid **ret_grid,
                        struct orl_error *err);
 
@@ -63,6 +63,11 @@ int orl_grid_read_png(const char *name, const void *data, size_t size, struct or
                       struct orl_error *err);
 int orl_grid_read_exr(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
                       struct orl_error *err);
+
+/* picture_spectra.c: a picture of spectra, as a grid of one channel: to the right, upwards, by
+ * wavelength in nm. */
+int orl_grid_read_spectra(const char *name, const void *data, size_t size,
+                          struct orl_grid **ret_grid, struct orl_error *err);
 
 void orl_grid_free(struct orl_grid *grid); /* NULL is allowed */
 size_t orl_grid_bytes(const struct orl_grid *grid);

@@ -9,27 +9,10 @@
 #include "scene/parse/markers.h"
 #include "scene/parse/objects.h"
 
-/* Types that Radiance knows and Oriel does not simulate, and what to do about them. */
-struct unsupported {
-    const char *type, *hint;
-};
-
-static const struct unsupported unsupported_types[] = {
-    {"specpict", "give the material's colour as RGB"},
-};
-
 static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
     const char *type = parser->primitive.type;
-    for (size_t i = 0; i < sizeof unsupported_types / sizeof *unsupported_types; i++) {
-        if (strcmp(unsupported_types[i].type, type) == 0) {
-            orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                            "primitives of type %s are not simulated", type);
-            orl_error_hint(err, "%s", unsupported_types[i].hint);
-            return ORL_ERR_UNSUPPORTED;
-        }
-    }
     orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%.60s' is no type of primitive", type);
     orl_error_hint(err, "a primitive is: modifier type identifier, then three counts with their "
                         "arguments; is the count before this one right?");

@@ -1,10 +1,11 @@
 /*
  * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; spectra (spectra.h):
- * spectrum, specfile, specfunc, specdata; texts (texts.h): brighttext, colortext; textures:
- * texfunc, texdata; and mixtures of materials: mixfunc, mixdata, mixpict, mixtext. Strings: of
- * mixtures, two materials; one function, or three; of grids, their files; the function file or '.';
- * of grids, an expression for each coordinate; and the transform from the function's coordinates.
- * Numbers are arg(1) and on. Reference: "The RADIANCE Synthetic Imaging System", section 2.1.4.
+ * spectrum, specfile, specfunc, specdata, specpict; texts (texts.h): brighttext, colortext;
+ * textures: texfunc, texdata; and mixtures of materials: mixfunc, mixdata, mixpict, mixtext.
+ * Strings: of mixtures, two materials; one function, or three; of grids, their files; the function
+ * file or '.'; of grids, an expression for each coordinate; and the transform from the function's
+ * coordinates. Numbers are arg(1) and on. Reference: "The RADIANCE Synthetic Imaging System",
+ * section 2.1.4.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,6 +39,7 @@ static const struct pattern_type pattern_types[] = {
     {.name = "specfile", .n_files = 1, .spectral = true},
     {.name = "specfunc", .n_functions = 1, .spectral = true},
     {.name = "specdata", .n_functions = 1, .n_files = 1, .spectral = true},
+    {.name = "specpict", .n_functions = 1, .n_files = 1, .spectral = true},
     {.name = "mixfunc", .n_functions = 1, .n_materials = 2},
     {.name = "mixdata", .n_functions = 1, .n_files = 1, .n_materials = 2},
     {.name = "mixpict", .n_functions = 1, .n_files = 1, .picture = true, .n_materials = 2},
