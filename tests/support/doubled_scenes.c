@@ -335,8 +335,10 @@ static void write_shares(FILE *f, size_t n)
                 "void BRTDfunc g%zu 10 .1 .1 .1 .8 .8 .8 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
                 "void mixfunc x%zu 4 a%zu g%zu Px . 0 0\nx%zu sphere b%zu 0 0 4 %zu 0 0 .4\n"
                 "void prism1 p%zu 5 .5 Dx Dy Dz . 0 0\n"
-                "void plasfunc f%zu 2 floor . 0 4 .5 .5 .5 0\n",
-                i, i, i, i, i, i, i, i, i, i, i, i);
+                "void plasfunc f%zu 2 floor . 0 4 .5 .5 .5 0\n"
+                "void WGMDfunc d%zu 13 s%zu Px/9 .1+Py/99 .1 void 0 0 0 void 0 0 1 . 0 9 .1 .1 .1 "
+                ".1 .1 .1 0 0 0\n",
+                i, i, i, i, i, i, i, i, i, i, i, i, i, i);
 }
 
 /* Volumes that each cut what the one before does, and a wall more. */
@@ -347,6 +349,14 @@ static void write_antimatters(FILE *f, size_t n)
                 "void plastic w%zu 0 0 5 .5 .5 .5 0 0\nvoid antimatter a%zu 2 w%zu w%zu 0 0\n"
                 "!genbox w%zu b%zu 1 1 1 | xform -t 0 0 %zu\na%zu sphere s%zu 0 0 4 .5 .5 %zu .3\n",
                 i, i, i, i ? i - 1 : 0, i, i, i, i, i, i);
+}
+
+/* Volumes that overlap the next. */
+static void write_mists(FILE *f, size_t n)
+{
+    fprintf(f, "void mist fog 0 0 7 .1 .2 .3 .5 .5 .5 .5\n");
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "fog sphere s%zu 0 0 4 0 0 %zu 1\n", i, i);
 }
 
 /* ---- The table ------------------------------------------------------------------------------- */
@@ -406,6 +416,7 @@ const struct doubled doubled_scenes[] = {
     SCENE(patterns, 200),
     SCENE(shares, 100),
     SCENE(antimatters, 30),
+    SCENE(mists, 500),
     SCENE(includes, 500),
     SCENE(pipes, 30),
     SCENE(strings, 3000),
@@ -427,6 +438,7 @@ const struct doubled doubled_scenes[] = {
     WORLD(patterns, 40),
     WORLD(shares, 20),
     WORLD(antimatters, 15),
+    WORLD(mists, 200),
     WORLD(disc, 500),
     WORLD(star, 200),
     WORLD(comb, 100),

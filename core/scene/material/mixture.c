@@ -96,7 +96,8 @@ static double turned_by(const struct orl_material *material, const struct orl_hi
     if (!material->texture)
         return 1;
     const double cosine = fabs(orl_dot(light, hit->normal));
-    return fmax(orl_dot(light, orl_normal_at(material, hit, eye)), 0) / cosine;
+    const double turned = fmax(orl_dot(light, orl_normal_at(material, hit, eye)), 0);
+    return cosine > 1e-9 ? turned / cosine : 0;
 }
 
 struct orl_rgb orl_mixture_diffuse(const struct orl_material *material, const struct orl_hit *hit)
