@@ -24,7 +24,7 @@ static const struct orl_subcommand commands[] = {
      "thread), and why. The job's \"effects\" can force or skip each. Then, from two small rounds\n"
      "by paths, the seconds that jobs for an accuracy would take here.",
      orl_cmd_plan},
-    {"project", "MODEL.hbjson|FOLDER|FILE.rif [-o DIR]",
+    {"project", "MODEL.hbjson|FOLDER|FILE.rif|FILE.cfg [-o DIR]",
      "Show what a Honeybee model or folder holds: scene, grids, views, skies, states",
      "Prints, as JSON, which files make the scene, in their order; the names of its grids, views "
      "and\n"

@@ -10,6 +10,7 @@
 #include <oriel/files.h>
 
 #include "decode.h"
+#include "frads.h"
 #include "honeybee/hbjson.h"
 #include "honeybee/project.h"
 #include "parts/files.h"
@@ -26,9 +27,15 @@ static bool ends_with(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
+/* A file that names a scene's files: of rad, or of frads. */
+static bool is_list(const char *path)
+{
+    return ends_with(path, ".rif") || ends_with(path, ".cfg");
+}
+
 bool orl_project_is_one(const char *path)
 {
-    return orl_is_folder(path) || ends_with(path, ".hbjson") || ends_with(path, ".rif");
+    return orl_is_folder(path) || ends_with(path, ".hbjson") || is_list(path);
 }
 
 /* ---- Models ---------------------------------------------------------------------------------- */
@@ -100,7 +107,7 @@ static int lay_out_folder(const char *path, const char *place, struct orl_names 
     return rc ? rc : orl_names_list(path, "model/", 0, names, err);
 }
 
-/* Commands in a file of rad become scene files. */
+/* Commands in a file of rad, and windows of BSDFs, become scene files. */
 static int write_commands(const struct orl_project_place *place, struct orl_error *err)
 {
     const json_t *command;
@@ -120,7 +127,7 @@ static int write_commands(const struct orl_project_place *place, struct orl_erro
 }
 
 /* Its names are relative to the folder that it lies in. */
-static int lay_out_rif(const char *path, struct orl_project_place *place, struct orl_error *err)
+static int lay_out_list(const char *path, struct orl_project_place *place, struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
     const char *slash = strrchr(path, '/');
@@ -131,7 +138,8 @@ static int lay_out_rif(const char *path, struct orl_project_place *place, struct
     if (rc)
         return rc;
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
-    rc = orl_rif_read(path, text.data, text.size, &place->project, err);
+    rc = ends_with(path, ".cfg") ? orl_frads_read(path, text.data, text.size, &place->project, err)
+                                 : orl_rif_read(path, text.data, text.size, &place->project, err);
     here.close(here.ctx, &text);
     if (rc == 0)
         rc = write_commands(place, err);
@@ -165,8 +173,8 @@ int orl_project_open(const json_t *scene, const char *path, const char *beside,
     struct orl_names names = {0};
     int rc = orl_place_make(place.folder, err);
 
-    if (rc == 0 && ends_with(path, ".rif"))
-        rc = lay_out_rif(path, &place, err);
+    if (rc == 0 && is_list(path))
+        rc = lay_out_list(path, &place, err);
     else if (rc == 0)
         rc = orl_is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
                                  : translate(path, place.folder, &names, err);
@@ -191,7 +199,7 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
     int rc = 0;
 
     snprintf(place.folder, sizeof place.folder, "%s", into);
-    if (orl_is_folder(path) || ends_with(path, ".rif")) {
+    if (orl_is_folder(path) || is_list(path)) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "is no model to be written: its files are there");
         orl_error_at(err, path, 0, NULL);
     }

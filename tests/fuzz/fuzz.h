@@ -14,6 +14,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <jansson.h>
+
 #include <oriel/error.h>
 #include <oriel/vec.h>
 
@@ -31,6 +33,7 @@ bool fuzz_occupancy(const uint8_t *data, size_t size);
 bool fuzz_schedule(const uint8_t *data, size_t size);
 bool fuzz_measured(const uint8_t *data, size_t size);
 bool fuzz_matrix(const uint8_t *data, size_t size);
+bool fuzz_frads(const uint8_t *data, size_t size);
 bool fuzz_rif(const uint8_t *data, size_t size);
 bool fuzz_function(const uint8_t *data, size_t size);
 bool fuzz_grid(const uint8_t *data, size_t size);
@@ -57,6 +60,8 @@ void fuzz_promise(bool holds, const char *what, const char *file, int line);
  * What every failure promises: a code of the enum that the error repeats, a message, terminated
  * texts, and that the HTTP layer can make a problem document of it.
  */
+/* Of files that name a scene's: what rif.h and frads.h say. */
+void fuzz_check_project(const json_t *project);
 void fuzz_check_error(int code, const struct orl_error *err);
 
 /* A sky that can be computed with: finite, nowhere negative. */

@@ -71,3 +71,36 @@ void fuzz_check_daylight(const struct orl_daylight *daylight)
         FUZZ_PROMISE(daylight->sun_angle_deg > 0 && daylight->sun_angle_deg < 10);
     }
 }
+
+/* ---- Projects ---------------------------------------------------------------------------------
+ */
+
+static bool has_file(const json_t *project, const char *name)
+{
+    const json_t *file;
+    size_t i;
+    json_array_foreach(json_object_get(project, "files"), i, file)
+    {
+        if (strcmp(json_string_value(file), name) == 0)
+            return true;
+    }
+    return false;
+}
+
+void fuzz_check_project(const json_t *project)
+{
+    static const char *const lists[] = {"files", "grids", "views", "skies", "left_out", "commands"};
+    const json_t *each;
+    size_t i;
+    for (i = 0; i < sizeof lists / sizeof *lists; i++)
+        FUZZ_PROMISE(json_is_array(json_object_get(project, lists[i])));
+    json_array_foreach(json_object_get(project, "files"), i, each)
+        FUZZ_PROMISE(json_string_length(each) > 0);
+    json_array_foreach(json_object_get(project, "views"), i, each)
+    {
+        FUZZ_PROMISE(json_string_length(json_object_get(each, "name")) > 0);
+        FUZZ_PROMISE(json_object_get(each, "view") || json_object_get(each, "file"));
+    }
+    json_array_foreach(json_object_get(project, "commands"), i, each)
+        FUZZ_PROMISE(has_file(project, json_string_value(json_object_get(each, "name"))));
+}

@@ -181,6 +181,8 @@ static void test_rif(void **state)
     (void)state;
     repeat_all("tests/fuzz/corpus/rif", fuzz_rif);
     repeat_trifles(fuzz_rif);
+    repeat_all("tests/fuzz/corpus/frads", fuzz_frads);
+    repeat_trifles(fuzz_frads);
 }
 
 static void test_zip(void **state)
