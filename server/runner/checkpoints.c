@@ -42,7 +42,7 @@ void orl_checkpoint_key(const char *program, const char *asked, const char *scen
 {
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
-    add_text(&hash, "oriel parts 2");
+    add_text(&hash, "oriel parts 3");
     add_text(&hash, program);
     add_text(&hash, asked);
     add_text(&hash, scene);
