@@ -313,3 +313,16 @@ struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct o
     }
     return sum;
 }
+
+struct orl_rgb orl_direct_in_mist(const struct orl_world *world, struct orl_vec3 point,
+                                  struct orl_vec3 along, double forward, struct orl_random *random)
+{
+    const struct orl_direct_query query = {.point = point,
+                                           .normal = along,
+                                           .through_ports = true,
+                                           .eye = orl_neg(along),
+                                           .mist = true,
+                                           .forward = forward,
+                                           .mirrored = true};
+    return orl_direct_light(world, &query, random);
+}

@@ -28,7 +28,7 @@ struct orl_direct_query {
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;
-    bool mist;       /* not a surface: scattered towards eye by the phase function (mist.h) of */
+    bool mist; /* not a surface: scattered towards eye by the phase function (mist.h) of */
     double forward;
     bool mirrored;   /* with the suns' images in flat mirrors */
     const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
@@ -50,6 +50,11 @@ bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitt
 struct orl_rgb orl_direct_by_images(const struct orl_world *world,
                                     const struct orl_direct_query *query,
                                     struct orl_random *random);
+
+/* Radiance of suns and lamps that mist scatters there, by that phase function (mist.h), towards an
+ * eye whose ray goes along that direction: one shadow ray each. */
+struct orl_rgb orl_direct_in_mist(const struct orl_world *world, struct orl_vec3 point,
+                                  struct orl_vec3 along, double forward, struct orl_random *random);
 
 /*
  * Radiance of suns (images in flat mirrors included) and lights that the lobes of material at that

@@ -84,7 +84,7 @@ static inline bool orl_eye_path_scatters(struct orl_eye_path *p)
         return false;
     p->path.origin = orl_madd(p->path.origin, p->path.direction, event.distance);
     orl_eye_path_see(
-        p, orl_mist_direct(world, p->path.origin, p->path.direction, event.forward, p->random));
+        p, orl_direct_in_mist(world, p->path.origin, p->path.direction, event.forward, p->random));
     const double u0 = orl_random_uniform(p->random), u[2] = {u0, orl_random_uniform(p->random)};
     p->path.direction = orl_phase_sample(event.forward, p->path.direction, u);
     p->chance = orl_chance_found();

@@ -107,7 +107,7 @@ static void find_way(const struct orl_scene *scene, struct orl_vec3 origin,
                      struct orl_vec3 direction, struct way *ret)
 {
     double at = 0;
-    ret->n = ret->n_mists = 0;
+    *ret = (struct way){.n = 0};
     while (ret->n < MOST_CROSSINGS) {
         struct orl_hit hit;
         if (!orl_geometry_intersect(scene->mist, orl_madd(origin, direction, at), direction,
@@ -257,17 +257,4 @@ struct orl_vec3 orl_phase_sample(double forward, struct orl_vec3 along, const do
     cosine = fmin(fmax(cosine, -1), 1);
     const double sine = sqrt(fmax(0, 1 - cosine * cosine)), phi = 2 * ORL_PI * u[1];
     return orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
-}
-
-struct orl_rgb orl_mist_direct(const struct orl_world *world, struct orl_vec3 point,
-                               struct orl_vec3 along, double forward, struct orl_random *random)
-{
-    const struct orl_direct_query query = {.point = point,
-                                           .normal = along,
-                                           .through_ports = true,
-                                           .eye = orl_neg(along),
-                                           .mist = true,
-                                           .forward = forward,
-                                           .mirrored = true};
-    return orl_direct_light(world, &query, random);
 }

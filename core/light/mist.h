@@ -14,7 +14,8 @@
 #ifndef ORL_LIGHT_MIST_H
 #define ORL_LIGHT_MIST_H
 
-#include "light/direct.h"
+#include "base/random.h"
+#include "light/scene.h"
 
 /* The surfaces of mist leave the scene's geometry for one of their own. Returns 0, ORL_ERR_NOMEM,
  * or ORL_ERR_LIMIT. */
@@ -37,10 +38,5 @@ struct orl_mist_event orl_mist_meet(const struct orl_scene *scene, struct orl_ve
 /* The density per steradian of light that goes on at that cosine to its way; and a direction. */
 double orl_phase(double forward, double cosine);
 struct orl_vec3 orl_phase_sample(double forward, struct orl_vec3 along, const double u[2]);
-
-/* Radiance of suns and lamps that is scattered there towards an eye whose ray goes along that
- * direction: one shadow ray each. */
-struct orl_rgb orl_mist_direct(const struct orl_world *world, struct orl_vec3 point,
-                               struct orl_vec3 along, double forward, struct orl_random *random);
 
 #endif

@@ -80,13 +80,13 @@ struct orl_material {
     double thickness;              /* BSDF: as written, signed */
     struct orl_vec3 up;            /* BSDF: as written, not projected */
     bool peak;                     /* aBSDF: what goes nearly straight through goes straight */
-    struct orl_rgb front, back, through; /* BSDF: additional diffuse of 3, 6 or 9 reals */
-    struct orl_vec3 aim;                 /* spotlight: unit; zero: shines evenly */
-    double cos_cone;                     /* spotlight: of the half angle */
-    double focus;                        /* spotlight: how far behind the lamp its beam starts */
+    struct orl_rgb front, back, through;  /* BSDF: additional diffuse of 3, 6 or 9 reals */
+    struct orl_vec3 aim;                  /* spotlight: unit; zero: shines evenly */
+    double cos_cone;                      /* spotlight: of the half angle */
+    double focus;                         /* spotlight: how far behind the lamp its beam starts */
     struct orl_rgb extinction, scattered; /* mist: 1/m */
     double forward;                       /* mist: of its phase function (light/mist.h) */
-    int32_t seen_as;                     /* illum: material that views see, or orl_seen_as */
+    int32_t seen_as;                      /* illum: material that views see, or orl_seen_as */
     struct orl_pattern *pattern; /* factor of color, of glass of what passes (material/pattern.h);
                                     or NULL */
     struct orl_pattern *texture; /* turns the normal (material/texture.h); or NULL */

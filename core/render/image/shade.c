@@ -283,7 +283,7 @@ static bool passes_mist(struct look *look, struct branch *at, double distance)
         return true;
     const struct orl_vec3 point = orl_madd(at->path.origin, at->path.direction, event.distance);
     const struct orl_rgb direct =
-        orl_mist_direct(world, point, at->path.direction, event.forward, look->random);
+        orl_direct_in_mist(world, point, at->path.direction, event.forward, look->random);
     const double u0 = orl_random_uniform(look->random),
                  u[2] = {u0, orl_random_uniform(look->random)};
     const struct orl_lobe_ray ray = {point, orl_phase_sample(event.forward, at->path.direction, u),

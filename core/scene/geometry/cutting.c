@@ -43,9 +43,9 @@ bool orl_materials_alike(const struct orl_material *a, const struct orl_material
            (a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
             a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
             same_rgb(a->extinction, b->extinction) && same_rgb(a->scattered, b->scattered) &&
-            a->forward == b->forward && a->rough == b->rough && a->side == b->side && same_vec(a->grain, b->grain) &&
-            same_rgb(a->gloss, b->gloss) && a->power[0] == b->power[0] &&
-            a->power[1] == b->power[1] && a->angles == b->angles &&
+            a->forward == b->forward && a->rough == b->rough && a->side == b->side &&
+            same_vec(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
+            a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
             a->transmitted == b->transmitted &&
             a->transmitted_specular == b->transmitted_specular &&
             same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&

@@ -17,6 +17,17 @@ static inline struct orl_rgb orl_color_at(const struct orl_material *material,
     return material->color;
 }
 
+/* Of a mixture: how much of the light towards there each of both sends; of a sum all. */
+static inline void orl_shares_at(const struct orl_material *material, const struct orl_hit *hit,
+                                 struct orl_vec3 towards, double ret_shares[2])
+{
+    ret_shares[0] = ret_shares[1] = 1;
+    if (!material->mix)
+        return;
+    ret_shares[0] = orl_smaller(orl_pattern_towards(material->mix, hit, towards).r, 1);
+    ret_shares[1] = 1 - ret_shares[0];
+}
+
 /* Of glass: what its pattern leaves of the light that it lets through. */
 static inline struct orl_rgb orl_left_at(const struct orl_material *material,
                                          const struct orl_hit *hit)

@@ -21,7 +21,6 @@ static inline bool orl_illum_passes(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_ILLUM && orl_rgb_max(material->transmissivity) > 0;
 }
-struct orl_scatter orl_illum_sample(const struct orl_draw *draw);
 
 /* reflector.c: plastic, metal, trans. Diffuse and specular reflectance, and what trans lets
  * through: spread evenly, or straight (about straight, when rough). */
@@ -93,25 +92,47 @@ struct orl_rgb orl_lobed_lobes(const struct orl_material *material, const struct
 struct orl_scatter orl_lobed_sample(const struct orl_draw *draw, const double u[3]);
 double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
-/* mixture.c: two unlike materials, by shares. */
+/* mixture.c: two unlike materials, by shares, or summed. What it asks of both are scatter.h's
+ * functions. */
+struct orl_mixed_asks {
+    struct orl_rgb (*diffuse)(const struct orl_material *material, const struct orl_hit *hit);
+    struct orl_rgb (*straight)(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 from);
+    struct orl_rgb (*mirrored)(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 from);
+    struct orl_rgb (*albedo)(const struct orl_material *material, const struct orl_hit *hit,
+                             struct orl_vec3 light, enum orl_lobes lobes);
+    struct orl_rgb (*lobes)(const struct orl_material *material, const struct orl_hit *hit,
+                            struct orl_vec3 light, struct orl_vec3 eye);
+    struct orl_scatter (*sample)(const struct orl_material *material, const struct orl_hit *hit,
+                                 struct orl_vec3 from, enum orl_transport transport,
+                                 enum orl_lobes lobes, const double u[3]);
+    double (*pdf)(const struct orl_material *material, const struct orl_hit *hit,
+                  struct orl_vec3 from, enum orl_transport transport, enum orl_lobes lobes,
+                  struct orl_vec3 towards);
+};
 bool orl_mixture_either(const struct orl_material *material,
                         bool (*is)(const struct orl_material *material));
 bool orl_mixture_is_directed(const struct orl_material *material);
 enum orl_lobes orl_mixture_lobes_within(const struct orl_material *material, enum orl_lobes lobes);
-bool orl_mixture_has_lobes(const struct orl_material *material);
-struct orl_rgb orl_mixture_diffuse(const struct orl_material *material, const struct orl_hit *hit);
-struct orl_rgb orl_mixture_straight(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_diffuse(const struct orl_mixed_asks *asks,
+                                   const struct orl_material *material, const struct orl_hit *hit);
+struct orl_rgb orl_mixture_straight(const struct orl_mixed_asks *asks,
+                                    const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from);
-struct orl_rgb orl_mixture_mirrored(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_mirrored(const struct orl_mixed_asks *asks,
+                                    const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from);
-struct orl_rgb orl_mixture_albedo(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_albedo(const struct orl_mixed_asks *asks,
+                                  const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 light, enum orl_lobes lobes);
-struct orl_rgb orl_mixture_lobes(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_lobes(const struct orl_mixed_asks *asks,
+                                 const struct orl_material *material, const struct orl_hit *hit,
                                  struct orl_vec3 light, struct orl_vec3 eye);
-struct orl_rgb orl_mixture_emission(const struct orl_material *material, const struct orl_hit *hit,
-                                    struct orl_vec3 towards);
-struct orl_scatter orl_mixture_sample(const struct orl_draw *draw, const double u[3]);
-double orl_mixture_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
+struct orl_scatter orl_mixture_sample(const struct orl_mixed_asks *asks,
+                                      const struct orl_draw *draw, const double u[3]);
+double orl_mixture_pdf(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
+                       struct orl_vec3 towards);
 
 /* mirror.c */
 struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,

@@ -34,26 +34,29 @@ bool orl_material_beams(const struct orl_material *material, struct orl_vec3 tow
            orl_dot(towards, material->aim) >= material->cos_cone;
 }
 
+static struct orl_rgb mixed_emission(const struct orl_material *material, const struct orl_hit *hit,
+                                     struct orl_vec3 towards)
+{
+    struct orl_rgb sum = orl_gray(0);
+    double shares[2];
+    orl_shares_at(material, hit, towards, shares);
+    for (int i = 0; i < 2; i++)
+        if (shares[i] > 0)
+            sum = orl_rgb_add(
+                sum,
+                orl_rgb_scale(orl_material_emission(&material->mixed[i], hit, towards), shares[i]));
+    return sum;
+}
+
 struct orl_rgb orl_material_emission(const struct orl_material *material, const struct orl_hit *hit,
                                      struct orl_vec3 towards)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return orl_mixture_emission(material, hit, towards);
+        return mixed_emission(material, hit, towards);
     const bool shines = orl_material_shines(material) && orl_dot(towards, hit->normal) > 0;
     if (!shines || !orl_material_beams(material, towards))
         return orl_gray(0);
     return material->pattern
                ? orl_rgb_mul(material->color, orl_pattern_towards(material->pattern, hit, towards))
                : material->color;
-}
-
-struct orl_scatter orl_illum_sample(const struct orl_draw *draw)
-{
-    const struct orl_rgb share = orl_material_straight(draw->material, draw->hit, draw->from);
-    if (!(draw->lobes & ORL_LOBE_ILLUM) || !(orl_rgb_max(share) > 0))
-        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
-    return (struct orl_scatter){.event = ORL_EVENT_STRAIGHT,
-                                .transmitted = true,
-                                .direction = orl_neg(draw->from),
-                                .weight = share};
 }

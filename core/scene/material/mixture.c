@@ -20,24 +20,7 @@ bool orl_mixture_either(const struct orl_material *material,
     return is(&material->mixed[0]) || is(&material->mixed[1]);
 }
 
-bool orl_mixture_has_lobes(const struct orl_material *material)
-{
-    return orl_mixture_is_directed(material) ||
-           orl_mixture_either(material, orl_material_has_lobes);
-}
-
-/* Of light towards there. */
-static void shares_of(const struct orl_material *material, const struct orl_hit *hit,
-                      struct orl_vec3 towards, double ret_shares[2])
-{
-    ret_shares[0] = ret_shares[1] = 1;
-    if (!material->mix)
-        return;
-    ret_shares[0] = orl_smaller(orl_pattern_towards(material->mix, hit, towards).r, 1);
-    ret_shares[1] = 1 - ret_shares[0];
-}
-
-enum part { DIFFUSE, STRAIGHT, MIRRORED, ALBEDO, LOBES, EMISSION };
+enum part { DIFFUSE, STRAIGHT, MIRRORED, ALBEDO, LOBES };
 
 struct question {
     enum part part;
@@ -45,36 +28,35 @@ struct question {
     enum orl_lobes lobes;
 };
 
-static struct orl_rgb answer(const struct orl_material *m, const struct orl_hit *hit,
-                             const struct question *q)
+static struct orl_rgb answer(const struct orl_mixed_asks *asks, const struct orl_material *m,
+                             const struct orl_hit *hit, const struct question *q)
 {
     switch (q->part) {
     case DIFFUSE:
-        return orl_material_diffuse(m, hit);
+        return asks->diffuse(m, hit);
     case STRAIGHT:
-        return orl_material_straight(m, hit, q->from);
+        return asks->straight(m, hit, q->from);
     case MIRRORED:
-        return orl_material_mirrored(m, hit, q->from);
+        return asks->mirrored(m, hit, q->from);
     case ALBEDO:
-        return orl_material_albedo(m, hit, q->from, q->lobes);
+        return asks->albedo(m, hit, q->from, q->lobes);
     case LOBES:
-        return orl_scatter_eval_lobes(m, hit, q->from, q->eye);
-    case EMISSION:
-        return orl_material_emission(m, hit, q->eye);
+        return asks->lobes(m, hit, q->from, q->eye);
     }
     return orl_gray(0);
 }
 
 /* One that has no share is not asked. */
-static struct orl_rgb sum_of(const struct orl_material *material, const struct orl_hit *hit,
-                             const struct question *q)
+static struct orl_rgb sum_of(const struct orl_mixed_asks *asks, const struct orl_material *material,
+                             const struct orl_hit *hit, const struct question *q)
 {
     double shares[2];
     struct orl_rgb sum = orl_gray(0);
-    shares_of(material, hit, q->eye, shares);
+    orl_shares_at(material, hit, q->eye, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
-            sum = orl_rgb_add(sum, orl_rgb_scale(answer(&material->mixed[i], hit, q), shares[i]));
+            sum = orl_rgb_add(sum,
+                              orl_rgb_scale(answer(asks, &material->mixed[i], hit, q), shares[i]));
     return sum;
 }
 
@@ -100,91 +82,93 @@ static double turned_by(const struct orl_material *material, const struct orl_hi
     return cosine > 1e-9 ? turned / cosine : 0;
 }
 
-struct orl_rgb orl_mixture_diffuse(const struct orl_material *material, const struct orl_hit *hit)
+struct orl_rgb orl_mixture_diffuse(const struct orl_mixed_asks *asks,
+                                   const struct orl_material *material, const struct orl_hit *hit)
 {
     if (orl_mixture_is_directed(material))
         return orl_gray(0);
-    return sum_of(material, hit, &(struct question){.part = DIFFUSE, .eye = hit->normal});
+    return sum_of(asks, material, hit, &(struct question){.part = DIFFUSE, .eye = hit->normal});
 }
 
-struct orl_rgb orl_mixture_straight(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_straight(const struct orl_mixed_asks *asks,
+                                    const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from)
 {
-    return sum_of(material, hit, &(struct question){.part = STRAIGHT, .from = from, .eye = from});
+    return sum_of(asks, material, hit,
+                  &(struct question){.part = STRAIGHT, .from = from, .eye = from});
 }
 
-struct orl_rgb orl_mixture_mirrored(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_mirrored(const struct orl_mixed_asks *asks,
+                                    const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from)
 {
-    return sum_of(material, hit, &(struct question){.part = MIRRORED, .from = from, .eye = from});
+    return sum_of(asks, material, hit,
+                  &(struct question){.part = MIRRORED, .from = from, .eye = from});
 }
 
-struct orl_rgb orl_mixture_albedo(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_albedo(const struct orl_mixed_asks *asks,
+                                  const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 light, enum orl_lobes lobes)
 {
     const enum orl_lobes within = orl_mixture_lobes_within(material, lobes);
-    return sum_of(material, hit, &(struct question){ALBEDO, light, light, within});
+    return sum_of(asks, material, hit, &(struct question){ALBEDO, light, light, within});
 }
 
-struct orl_rgb orl_mixture_lobes(const struct orl_material *material, const struct orl_hit *hit,
+struct orl_rgb orl_mixture_lobes(const struct orl_mixed_asks *asks,
+                                 const struct orl_material *material, const struct orl_hit *hit,
                                  struct orl_vec3 light, struct orl_vec3 eye)
 {
     const struct question lobes = {LOBES, light, eye, ORL_LOBE_ALL};
-    const struct orl_rgb sum = sum_of(material, hit, &lobes);
+    const struct orl_rgb sum = sum_of(asks, material, hit, &lobes);
     if (!orl_mixture_is_directed(material) ||
         !(orl_dot(light, hit->normal) * orl_dot(eye, hit->normal) > 0))
         return sum;
     const struct orl_rgb even =
-        sum_of(material, hit, &(struct question){.part = DIFFUSE, .eye = eye});
+        sum_of(asks, material, hit, &(struct question){.part = DIFFUSE, .eye = eye});
     return orl_rgb_add(sum, orl_rgb_scale(even, turned_by(material, hit, light, eye) / ORL_PI));
-}
-
-struct orl_rgb orl_mixture_emission(const struct orl_material *material, const struct orl_hit *hit,
-                                    struct orl_vec3 towards)
-{
-    return sum_of(material, hit, &(struct question){.part = EMISSION, .eye = towards});
 }
 
 /*
  * Shares, and the first's chance of being drawn; false when neither sends anything on. Shares that
  * depend on where light goes to are not known before: then half of the chance is by even shares.
  */
-static bool weigh(const struct orl_draw *draw, enum orl_lobes within, double ret_shares[2],
-                  double *ret_chance)
+static bool weigh(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
+                  enum orl_lobes within, double ret_shares[2], double *ret_chance)
 {
     const struct orl_material *const m = draw->material;
     const bool unknown = orl_mixture_is_directed(m) && draw->transport == ORL_TRANSPORT_LIGHT;
     double sent[2];
-    shares_of(m, draw->hit, draw->from, ret_shares);
+    orl_shares_at(m, draw->hit, draw->from, ret_shares);
     for (int i = 0; i < 2; i++) {
         sent[i] = unknown ? (ret_shares[i] + 0.5) / 2 : ret_shares[i];
         if (sent[i] > 0)
-            sent[i] *= orl_luma(orl_material_albedo(&m->mixed[i], draw->hit, draw->from, within));
+            sent[i] *= orl_luma(asks->albedo(&m->mixed[i], draw->hit, draw->from, within));
     }
     *ret_chance = sent[0] / (sent[0] + sent[1]);
     return sent[0] + sent[1] > 0;
 }
 
-struct orl_scatter orl_mixture_sample(const struct orl_draw *draw, const double u[3])
+struct orl_scatter orl_mixture_sample(const struct orl_mixed_asks *asks,
+                                      const struct orl_draw *draw, const double u[3])
 {
     const struct orl_material *const m = draw->material;
     const enum orl_lobes within = orl_mixture_lobes_within(m, draw->lobes);
     double shares[2], first;
-    if (!weigh(draw, within, shares, &first))
+    if (!weigh(asks, draw, within, shares, &first))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     const int which = u[2] < first ? 0 : 1;
     const double chance = which == 0 ? first : 1 - first;
     const double left = which == 0 ? u[2] / first : (u[2] - first) / (1 - first);
     const double rest[3] = {u[0], u[1], orl_smaller(left, 1 - 0x1p-53)};
-    struct orl_scatter s = orl_scatter_sample_at(&m->mixed[which], draw->hit, draw->from,
-                                                 draw->transport, within, rest);
+    struct orl_scatter s =
+        asks->sample(&m->mixed[which], draw->hit, draw->from, draw->transport, within, rest);
     if (s.event == ORL_EVENT_ABSORBED)
         return s;
     const bool backwards = draw->transport == ORL_TRANSPORT_EYE;
     const struct orl_vec3 eye = backwards ? draw->from : s.direction;
     const struct orl_vec3 light = backwards ? s.direction : draw->from;
     if (orl_mixture_is_directed(m) && !backwards)
-        shares_of(m, draw->hit, eye, shares);
+        orl_shares_at(m, draw->hit, eye, shares);
     s.weight = orl_rgb_scale(s.weight, shares[which] / chance);
     if (orl_mixture_is_directed(m) && s.event == ORL_EVENT_DIFFUSE) {
         s.event = ORL_EVENT_GLOSSY;
@@ -193,16 +177,17 @@ struct orl_scatter orl_mixture_sample(const struct orl_draw *draw, const double 
     return s;
 }
 
-double orl_mixture_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+double orl_mixture_pdf(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
+                       struct orl_vec3 towards)
 {
     const enum orl_lobes within = orl_mixture_lobes_within(draw->material, draw->lobes);
     double shares[2], first, sum = 0;
-    if (!weigh(draw, within, shares, &first))
+    if (!weigh(asks, draw, within, shares, &first))
         return 0;
     const double chances[2] = {first, 1 - first};
     for (int i = 0; i < 2; i++)
         if (chances[i] > 0)
-            sum += chances[i] * orl_scatter_pdf(&draw->material->mixed[i], draw->hit, draw->from,
-                                                draw->transport, within, towards);
+            sum += chances[i] * asks->pdf(&draw->material->mixed[i], draw->hit, draw->from,
+                                          draw->transport, within, towards);
     return sum;
 }

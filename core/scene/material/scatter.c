@@ -13,6 +13,10 @@ static bool is_mixture(const struct orl_material *material)
     return material->kind == ORL_MATERIAL_MIXTURE;
 }
 
+static const struct orl_mixed_asks asks = {
+    orl_material_diffuse,   orl_material_straight, orl_material_mirrored, orl_material_albedo,
+    orl_scatter_eval_lobes, orl_scatter_sample_at, orl_scatter_pdf};
+
 /* ---- Shares -----------------------------------------------------------------------------------
  */
 
@@ -42,7 +46,7 @@ struct orl_rgb orl_material_diffuse(const struct orl_material *material, const s
     if (is_reflector(material))
         return orl_reflector_diffuse(material, hit);
     if (is_mixture(material))
-        return orl_mixture_diffuse(material, hit);
+        return orl_mixture_diffuse(&asks, material, hit);
     if (material->kind == ORL_MATERIAL_LOBED)
         return orl_lobed_diffuse(material, hit);
     return material->kind == ORL_MATERIAL_ASHIKHMIN ? orl_ashikhmin_diffuse(material, hit)
@@ -63,7 +67,8 @@ bool orl_material_has_lobes(const struct orl_material *material)
     case ORL_MATERIAL_GLAZING:
         return orl_glazing_has_lobes(material);
     case ORL_MATERIAL_MIXTURE:
-        return orl_mixture_has_lobes(material);
+        return orl_mixture_is_directed(material) ||
+               orl_mixture_either(material, orl_material_has_lobes);
     default:
         return material->kind == ORL_MATERIAL_BSDF;
     }
@@ -91,7 +96,7 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_straight(material, hit, from);
     if (is_mixture(material))
-        return orl_mixture_straight(material, hit, from);
+        return orl_mixture_straight(&asks, material, hit, from);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_straight(material, hit, from)
                                                : orl_gray(0);
 }
@@ -109,7 +114,7 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
         return orl_gray(orl_dielectric_reflectance(material, hit, from));
     if (is_reflector(material) && !(material->roughness[0] > 0))
         return orl_reflector_specular(material, hit);
-    return is_mixture(material) ? orl_mixture_mirrored(material, hit, from) : orl_gray(0);
+    return is_mixture(material) ? orl_mixture_mirrored(&asks, material, hit, from) : orl_gray(0);
 }
 
 int orl_material_bent_ways(const struct orl_material *material, const struct orl_hit *hit,
@@ -148,7 +153,7 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     if (material->kind == ORL_MATERIAL_PRISM)
         return orl_prism_albedo(material, hit, light, lobes);
     if (is_mixture(material))
-        return orl_mixture_albedo(material, hit, light, lobes);
+        return orl_mixture_albedo(&asks, material, hit, light, lobes);
     if (lobes & ORL_LOBE_DIFFUSE)
         sum = orl_rgb_add(sum, orl_material_diffuse(material, hit));
     if (lobes & ORL_LOBE_REFLECTED)
@@ -160,6 +165,17 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     if (lobes & ORL_LOBE_TRANSMITTED)
         sum = orl_rgb_add(sum, transmitted(material, hit, light));
     return sum;
+}
+
+static struct orl_scatter sample_illum(const struct orl_draw *draw)
+{
+    const struct orl_rgb share = orl_material_straight(draw->material, draw->hit, draw->from);
+    if (!(draw->lobes & ORL_LOBE_ILLUM) || !(orl_rgb_max(share) > 0))
+        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    return (struct orl_scatter){.event = ORL_EVENT_STRAIGHT,
+                                .transmitted = true,
+                                .direction = orl_neg(draw->from),
+                                .weight = share};
 }
 
 static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
@@ -186,9 +202,9 @@ static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
     case ORL_MATERIAL_MIRROR:
         return orl_mirror_sample(draw);
     case ORL_MATERIAL_MIXTURE:
-        return orl_mixture_sample(draw, u);
+        return orl_mixture_sample(&asks, draw, u);
     case ORL_MATERIAL_ILLUM:
-        return orl_illum_sample(draw);
+        return sample_illum(draw);
     case ORL_MATERIAL_VOID:
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:
@@ -257,7 +273,7 @@ double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_pdf(&draw, towards);
     if (is_mixture(material))
-        return orl_mixture_pdf(&draw, towards);
+        return orl_mixture_pdf(&asks, &draw, towards);
     return material->kind == ORL_MATERIAL_BSDF ? orl_panel_pdf(&draw, towards) : 0;
 }
 
@@ -275,5 +291,5 @@ struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
         return orl_lobed_lobes(material, hit, light, eye);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_lobes(material, hit, light, eye);
-    return is_mixture(material) ? orl_mixture_lobes(material, hit, light, eye) : orl_gray(0);
+    return is_mixture(material) ? orl_mixture_lobes(&asks, material, hit, light, eye) : orl_gray(0);
 }

@@ -173,7 +173,7 @@ static int read_roughness(struct reading *r, size_t first, struct orl_material *
 static int read_grain(struct reading *r)
 {
     struct orl_xform xform;
-    double grain[3];
+    double grain[3] = {0, 0, 0};
     int code = orl_parser_string_xform(r->parser, r->scope, STRINGS, &xform, r->err);
     for (size_t i = 0; i < 3 && code == 0; i++)
         code = orl_material_number(r->parser, r->scope, GRAIN + i, grain + i, r->err);
