@@ -24,15 +24,38 @@ enum orl_part_state {
     ORL_PART_GONE /* not under way: ended, or lost */
 };
 
+/* What Slurm is to hold a part to; 0: to nothing but its own. */
+struct orl_part_limits {
+    uint32_t minutes, mib;
+};
+
+/* A part to be started. */
+struct orl_part_order {
+    uint32_t number;
+    struct orl_part_limits limits;
+};
+
+/* What its runner knows of one. */
+struct orl_part_seen {
+    enum orl_part_state state;
+    uint32_t task; /* of Slurm: the number of its array job; 0: none, or not known */
+    struct orl_part_limits limits; /* that it was handed in with: no more than Slurm gives */
+};
+
+/* How one that is gone has ended, as far as that is known. */
+enum orl_part_end { ORL_PART_ENDED, ORL_PART_OUT_OF_TIME, ORL_PART_OUT_OF_MEMORY };
+
 struct orl_runner {
     void *ctx;
     double settle_s; /* what a part that is gone has written may take so long to be seen */
     /* Starts these parts of a wave, numbers below n_all. */
-    int (*start)(void *ctx, const char *wave, const uint32_t *numbers, size_t n, size_t n_all,
-                 struct orl_error *err);
+    int (*start)(void *ctx, const char *wave, const struct orl_part_order *orders, size_t n,
+                 size_t n_all, struct orl_error *err);
     /* Of each of so many parts of the wave, by number. */
-    int (*look)(void *ctx, const char *wave, enum orl_part_state *ret_states, size_t n,
+    int (*look)(void *ctx, const char *wave, struct orl_part_seen *ret_seen, size_t n,
                 struct orl_error *err);
+    /* Of one that is gone. NULL: of this runner nobody knows. */
+    enum orl_part_end (*end)(void *ctx, const char *wave, uint32_t number);
     /* Ends all of the wave that are under way; an error: some may still be. */
     int (*cancel)(void *ctx, const char *wave, struct orl_error *err);
     void (*done)(void *ctx);

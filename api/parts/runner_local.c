@@ -71,8 +71,8 @@ static int turn_over(struct local *local, struct orl_error *err)
     return rc;
 }
 
-static int local_start(void *ctx, const char *wave, const uint32_t *numbers, size_t n, size_t n_all,
-                       struct orl_error *err)
+static int local_start(void *ctx, const char *wave, const struct orl_part_order *orders, size_t n,
+                       size_t n_all, struct orl_error *err)
 {
     struct local *local = ctx;
     struct task *grown = realloc(local->tasks, (local->n_tasks + n) * sizeof *grown);
@@ -83,11 +83,11 @@ static int local_start(void *ctx, const char *wave, const uint32_t *numbers, siz
     local->tasks = grown;
     snprintf(local->wave, sizeof local->wave, "%s", wave);
     for (size_t i = 0; i < n; i++)
-        local->tasks[local->n_tasks++] = (struct task){numbers[i], 0};
+        local->tasks[local->n_tasks++] = (struct task){orders[i].number, 0};
     return turn_over(local, err);
 }
 
-static int local_look(void *ctx, const char *wave, enum orl_part_state *ret_states, size_t n,
+static int local_look(void *ctx, const char *wave, struct orl_part_seen *ret_seen, size_t n,
                       struct orl_error *err)
 {
     struct local *local = ctx;
@@ -95,10 +95,10 @@ static int local_look(void *ctx, const char *wave, enum orl_part_state *ret_stat
 
     (void)wave; /* there is one at a time */
     for (size_t i = 0; i < n; i++)
-        ret_states[i] = ORL_PART_GONE;
+        ret_seen[i] = (struct orl_part_seen){.state = ORL_PART_GONE};
     for (size_t i = 0; i < local->n_tasks; i++)
         if (local->tasks[i].number < n)
-            ret_states[local->tasks[i].number] =
+            ret_seen[local->tasks[i].number].state =
                 local->tasks[i].pid > 0 ? ORL_PART_RUNNING : ORL_PART_WAITING;
     return rc;
 }
@@ -135,8 +135,12 @@ int orl_runner_local(const struct orl_runner_spec *spec, struct orl_runner *ret_
     if (!local)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     local->spec = *spec;
-    *ret_runner =
-        (struct orl_runner){local, 0.2, local_start, local_look, local_cancel, local_done};
+    *ret_runner = (struct orl_runner){.ctx = local,
+                                      .settle_s = 0.2,
+                                      .start = local_start,
+                                      .look = local_look,
+                                      .cancel = local_cancel,
+                                      .done = local_done};
     return 0;
 }
 

@@ -16,6 +16,7 @@
 
 #include "parts/command.h"
 #include "parts/files.h"
+#include "parts/slurm_facts.h"
 
 /* Slurm is asked about a wave after so many seconds, at first, and then ever more rarely: after
  * a share of its age, which bounds how often it is asked in all. */
@@ -29,16 +30,21 @@ static const char script[] = "#!/bin/sh\n"
                              "# One part of a job: the program, the shared folder, the wave.\n"
                              "exec \"$1\" part \"$2/$3-$SLURM_ARRAY_TASK_ID.json\"\n";
 
+struct slurm_part {
+    struct orl_part_seen seen;     /* as it stood when Slurm was asked last */
+    struct orl_part_limits limits; /* that are asked for */
+    bool unsent;                   /* Slurm is still to be given it */
+};
+
 struct slurm {
     struct orl_runner_spec spec;
     char script[4200];
     char wave[ORL_WAVE_NAME];
     double began_s, asked_s, answered_s;
-    /* Of the wave: how its parts stood when Slurm was asked last (NULL: not yet), and those that
-     * Slurm is still to be given. */
-    enum orl_part_state *states;
-    bool *unsent;
+    struct orl_slurm_bounds bounds;
+    struct slurm_part *parts; /* of the wave */
     size_t n;
+    bool known;    /* how they stand: Slurm was asked since the last was handed in */
     bool in_doubt; /* whether sbatch has handed in what is unsent */
 };
 
@@ -56,18 +62,16 @@ static void name_tasks(const char *job, const char *wave, char ret_name[128])
 /* Room for a wave, should it be another than before. */
 static int begin_wave(struct slurm *slurm, const char *wave, size_t n, struct orl_error *err)
 {
-    if (slurm->unsent && strcmp(slurm->wave, wave) == 0)
+    if (slurm->parts && strcmp(slurm->wave, wave) == 0)
         return 0;
-    free(slurm->states);
-    free(slurm->unsent);
-    slurm->states = NULL;
-    slurm->unsent = calloc(n + 1, sizeof *slurm->unsent);
+    free(slurm->parts);
+    slurm->parts = calloc(n + 1, sizeof *slurm->parts);
     slurm->n = n;
-    slurm->in_doubt = false;
+    slurm->in_doubt = slurm->known = false;
     slurm->began_s = slurm->answered_s = now_s(slurm);
     slurm->asked_s = -asked_most_s;
     snprintf(slurm->wave, sizeof slurm->wave, "%s", wave);
-    return slurm->unsent ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return slurm->parts ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 /* Its first line that is no warning, for messages. */
@@ -82,8 +86,19 @@ static const char *first_line(char *text)
 
 /* ---- Handing in ------------------------------------------------------------------------------ */
 
+static bool is_same(struct orl_part_limits a, struct orl_part_limits b)
+{
+    return a.minutes == b.minutes && a.mib == b.mib;
+}
+
+/* Goes with those that are asked for with these limits. */
+static bool is_next(const struct slurm *slurm, size_t i, struct orl_part_limits limits)
+{
+    return i < slurm->n && slurm->parts[i].unsent && is_same(slurm->parts[i].limits, limits);
+}
+
 /* "--array=0-7,9%64": owned. */
-static char *list_unsent(const struct slurm *slurm)
+static char *list_unsent(const struct slurm *slurm, struct orl_part_limits limits)
 {
     const size_t room = 12 * (slurm->n + 3);
     char *text = malloc(room);
@@ -92,9 +107,9 @@ static char *list_unsent(const struct slurm *slurm)
     for (size_t i = 0; text && i < slurm->n; i++) {
         size_t last = i;
 
-        if (!slurm->unsent[i])
+        if (!is_next(slurm, i, limits))
             continue;
-        while (last + 1 < slurm->n && slurm->unsent[last + 1])
+        while (is_next(slurm, last + 1, limits))
             last++;
         at += (size_t)snprintf(text + at, room - at, listed++ > 0 ? ",%zu" : "%zu", i);
         if (last > i)
@@ -106,32 +121,13 @@ static char *list_unsent(const struct slurm *slurm)
     return text;
 }
 
-/* What sbatch says where another try may go better. Its exit status is always the same. */
-static bool is_passing(const char *output)
+/* limits: as Slurm gives them. */
+static int run_sbatch(const struct slurm *slurm, char *array, struct orl_part_limits limits,
+                      char ret_output[ORL_COMMAND_OUTPUT], struct orl_error *err)
 {
-    static const char *const passing[] = {"Unable to contact",
-                                          "timed out",
-                                          "Connection refused",
-                                          "Connection reset",
-                                          "connect failure",
-                                          "standby mode",
-                                          "Zero Bytes were transmitted",
-                                          "temporarily unavailable",
-                                          "temporarily unable",
-                                          "AssocMaxSubmitJobLimit",
-                                          "QOSMaxSubmitJobPerUserLimit"};
-
-    for (size_t i = 0; i < sizeof passing / sizeof *passing; i++)
-        if (strcasestr(output, passing[i]))
-            return true;
-    return false;
-}
-
-static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[ORL_COMMAND_OUTPUT],
-                      struct orl_error *err)
-{
+    char time[32], memory[32];
     char cpus[48], chdir_to[4200], tasks[128], name[160], program[4096], folder[4096], wave[64];
-    char *argv[ORL_SLURM_WORDS + 16];
+    char *argv[ORL_SLURM_WORDS + 18];
     size_t n = 0;
 
     name_tasks(slurm->spec.job, slurm->wave, tasks);
@@ -141,6 +137,8 @@ static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[OR
     snprintf(program, sizeof program, "%s", slurm->spec.program);
     snprintf(folder, sizeof folder, "%s", slurm->spec.folder);
     snprintf(wave, sizeof wave, "%s", slurm->wave);
+    snprintf(time, sizeof time, "--time=%u", limits.minutes);
+    snprintf(memory, sizeof memory, "--mem=%uM", limits.mib);
     argv[n++] = (char *)"sbatch";
     argv[n++] = (char *)"--parsable";
     argv[n++] = name;
@@ -150,6 +148,10 @@ static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[OR
     argv[n++] = cpus;
     argv[n++] = chdir_to;
     argv[n++] = array;
+    if (limits.minutes > 0)
+        argv[n++] = time;
+    if (limits.mib > 0)
+        argv[n++] = memory;
     for (size_t i = 0; i < slurm->spec.n_words; i++)
         argv[n++] = (char *)(uintptr_t)slurm->spec.words[i];
     argv[n++] = (char *)(uintptr_t)slurm->script;
@@ -162,7 +164,7 @@ static int run_sbatch(const struct slurm *slurm, char *array, char ret_output[OR
 }
 
 /* The number that Slurm gave it, for who looks into a cluster's log. */
-static void note_number(const struct slurm *slurm, char *output)
+static uint32_t note_number(const struct slurm *slurm, char *output)
 {
     char path[4300];
     FILE *file;
@@ -170,24 +172,36 @@ static void note_number(const struct slurm *slurm, char *output)
     output[strspn(output, "0123456789")] = '\0'; /* "ID;CLUSTER" */
     snprintf(path, sizeof path, "%s/%s.slurm", slurm->spec.folder, slurm->wave);
     file = fopen(path, "a");
-    if (!file)
-        return;
-    fprintf(file, "%s\n", output);
-    fclose(file);
+    if (file) {
+        fprintf(file, "%s\n", output);
+        fclose(file);
+    }
+    return (uint32_t)strtoul(output, NULL, 10);
 }
 
-/* Those that are unsent, where there are any. Where Slurm is away they stay so. */
-static int hand_in(struct slurm *slurm, struct orl_error *err)
+/* They have become tasks of that number. */
+static void mark_sent(struct slurm *slurm, struct orl_part_limits asked,
+                      struct orl_part_limits given, uint32_t task)
 {
-    char *array = list_unsent(slurm), output[ORL_COMMAND_OUTPUT] = "";
-    int rc = array ? run_sbatch(slurm, array, output, err)
+    for (size_t i = 0; i < slurm->n; i++)
+        if (is_next(slurm, i, asked)) {
+            slurm->parts[i].unsent = false;
+            slurm->parts[i].seen = (struct orl_part_seen){ORL_PART_UNKNOWN, task, given};
+        }
+}
+
+/* Those that are asked for with these limits. */
+static int hand_in_group(struct slurm *slurm, struct orl_part_limits limits, struct orl_error *err)
+{
+    const struct orl_part_limits given = orl_slurm_bounded(&slurm->bounds, limits);
+    char *array = list_unsent(slurm, limits), output[ORL_COMMAND_OUTPUT] = "";
+    int rc = array ? run_sbatch(slurm, array, given, output, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 
     free(array);
     if (rc == 0 && isdigit((unsigned char)output[0])) {
-        memset(slurm->unsent, 0, slurm->n * sizeof *slurm->unsent);
-        note_number(slurm, output);
-    } else if (rc == ORL_ERR_IO || (rc >= 0 && is_passing(output))) {
+        mark_sent(slurm, limits, given, note_number(slurm, output));
+    } else if (rc == ORL_ERR_IO || (rc >= 0 && orl_slurm_is_passing(output))) {
         slurm->in_doubt = true;
         rc = 0;
     } else if (rc >= 0) {
@@ -198,21 +212,35 @@ static int hand_in(struct slurm *slurm, struct orl_error *err)
     return rc;
 }
 
-static int slurm_start(void *ctx, const char *wave, const uint32_t *numbers, size_t n, size_t n_all,
-                       struct orl_error *err)
+/* All that are unsent, in as many arrays as they have limits. Where Slurm is away they stay so. */
+static int hand_in(struct slurm *slurm, struct orl_error *err)
+{
+    int rc = 0;
+
+    if (!slurm->bounds.known)
+        orl_slurm_bounds_ask(&slurm->spec, &slurm->bounds);
+    for (size_t i = 0; i < slurm->n && rc == 0 && !slurm->in_doubt; i++)
+        if (slurm->parts[i].unsent)
+            rc = hand_in_group(slurm, slurm->parts[i].limits, err);
+    return rc;
+}
+
+static int slurm_start(void *ctx, const char *wave, const struct orl_part_order *orders, size_t n,
+                       size_t n_all, struct orl_error *err)
 {
     struct slurm *slurm = ctx;
     int rc = begin_wave(slurm, wave, n_all, err);
 
     if (rc)
         return rc;
-    for (size_t i = 0; i < n; i++)
-        slurm->unsent[numbers[i]] = true;
+    for (size_t i = 0; i < n; i++) {
+        slurm->parts[orders[i].number].unsent = true;
+        slurm->parts[orders[i].number].limits = orders[i].limits;
+    }
     if (!slurm->in_doubt)
         rc = hand_in(slurm, err);
     slurm->asked_s = now_s(slurm); /* it takes a moment until Slurm tells of them */
-    free(slurm->states);
-    slurm->states = NULL;
+    slurm->known = false;
     return rc;
 }
 
@@ -230,7 +258,7 @@ static enum orl_part_state state_of(const char *code)
                : ORL_PART_GONE;
 }
 
-/* Lines "NUMBER|STATE". What is there was handed in. */
+/* Lines "NUMBER|STATE|TASK". What is there was handed in. */
 static void read_states(struct slurm *slurm, char *text)
 {
     char *rest = text, *line;
@@ -241,12 +269,17 @@ static void read_states(struct slurm *slurm, char *text)
 
         if (!bar || end == line || end != bar || number >= slurm->n)
             continue;
-        bar[1 + strcspn(bar + 1, " ")] = '\0';
+        struct slurm_part *part = &slurm->parts[number];
+        const char *task = strchr(bar + 1, '|');
+        const unsigned long its_task = task ? strtoul(task + 1, NULL, 10) : 0;
+        bar[1 + strcspn(bar + 1, " |")] = '\0';
         const enum orl_part_state state = state_of(bar + 1);
         if (state == ORL_PART_GONE)
             continue;
-        slurm->states[number] = state;
-        slurm->unsent[number] = false;
+        part->seen.state = state;
+        part->unsent = false;
+        if (its_task > 0)
+            part->seen.task = (uint32_t)its_task;
     }
 }
 
@@ -259,7 +292,7 @@ static int run_squeue(const char *tasks, double limit_s, const atomic_bool *canc
                     (char *)"--noheader",
                     (char *)"--array",
                     (char *)"--me",
-                    (char *)"--format=%K|%t",
+                    (char *)"--format=%K|%t|%F",
                     name,
                     NULL};
 
@@ -273,7 +306,7 @@ static int be_patient(struct slurm *slurm, const char *says, struct orl_error *e
     const double patience = slurm->spec.patience_s;
 
     for (size_t i = 0; i < slurm->n; i++)
-        slurm->states[i] = ORL_PART_UNKNOWN;
+        slurm->parts[i].seen.state = ORL_PART_UNKNOWN;
     if (now_s(slurm) - slurm->answered_s < patience)
         return 0;
     orl_error_set(err, ORL_ERR_IO, "Slurm has not answered for %.0f s: %.200s", patience, says);
@@ -301,10 +334,11 @@ static int ask(struct slurm *slurm, struct orl_error *err)
         return rc;
     }
     for (size_t i = 0; i < slurm->n; i++)
-        slurm->states[i] = ORL_PART_GONE;
+        slurm->parts[i].seen.state = ORL_PART_GONE;
     read_states(slurm, output);
     slurm->answered_s = now_s(slurm);
     slurm->in_doubt = false;
+    slurm->known = true;
     return 0;
 }
 
@@ -313,26 +347,21 @@ static bool any_unsent(const struct slurm *slurm)
     bool any = false;
 
     for (size_t i = 0; i < slurm->n; i++)
-        any = any || slurm->unsent[i];
+        any = any || slurm->parts[i].unsent;
     return any;
 }
 
 static int look_again(struct slurm *slurm, struct orl_error *err)
 {
-    int rc = 0;
+    int rc = ask(slurm, err);
 
-    if (!slurm->states)
-        slurm->states = calloc(slurm->n + 1, sizeof *slurm->states);
-    if (!slurm->states)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    rc = ask(slurm, err);
     if (rc == 0 && !slurm->in_doubt && any_unsent(slurm))
         rc = hand_in(slurm, err);
     slurm->asked_s = now_s(slurm);
     return rc;
 }
 
-static int slurm_look(void *ctx, const char *wave, enum orl_part_state *ret_states, size_t n,
+static int slurm_look(void *ctx, const char *wave, struct orl_part_seen *ret_seen, size_t n,
                       struct orl_error *err)
 {
     struct slurm *slurm = ctx;
@@ -346,11 +375,27 @@ static int slurm_look(void *ctx, const char *wave, enum orl_part_state *ret_stat
                                                 : share;
     if (now - slurm->asked_s >= every)
         rc = look_again(slurm, err);
-    for (size_t i = 0; i < n; i++)
-        ret_states[i] = slurm->unsent[i] ? ORL_PART_WAITING
-                        : slurm->states  ? slurm->states[i]
-                                         : ORL_PART_UNKNOWN;
+    for (size_t i = 0; i < n; i++) {
+        const struct slurm_part *part = &slurm->parts[i];
+
+        ret_seen[i] = part->seen;
+        if (part->unsent)
+            ret_seen[i].state = ORL_PART_WAITING;
+        else if (!slurm->known)
+            ret_seen[i].state = ORL_PART_UNKNOWN;
+    }
     return rc;
+}
+
+static enum orl_part_end slurm_end(void *ctx, const char *wave, uint32_t number)
+{
+    const struct slurm *slurm = ctx;
+    char tasks[128];
+
+    name_tasks(slurm->spec.job, wave, tasks);
+    return number < slurm->n
+               ? orl_slurm_end(&slurm->spec, tasks, slurm->parts[number].seen.task, number)
+               : ORL_PART_ENDED;
 }
 
 /* ---- Cancelling ------------------------------------------------------------------------------ */
@@ -404,8 +449,7 @@ static void slurm_done(void *ctx)
 {
     struct slurm *slurm = ctx;
 
-    free(slurm->states);
-    free(slurm->unsent);
+    free(slurm->parts);
     free(slurm);
 }
 
@@ -432,6 +476,12 @@ int orl_runner_slurm(const struct orl_runner_spec *spec, struct orl_runner *ret_
         slurm_done(slurm);
         return rc;
     }
-    *ret_runner = (struct orl_runner){slurm, 5, slurm_start, slurm_look, slurm_cancel, slurm_done};
+    *ret_runner = (struct orl_runner){.ctx = slurm,
+                                      .settle_s = 5,
+                                      .start = slurm_start,
+                                      .look = slurm_look,
+                                      .end = slurm_end,
+                                      .cancel = slurm_cancel,
+                                      .done = slurm_done};
     return 0;
 }

@@ -68,7 +68,8 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_spec 
 {
     int rc;
 
-    *sharing = (struct orl_sharing){.spec = *spec, .began = time(NULL)};
+    *sharing =
+        (struct orl_sharing){.spec = *spec, .began = time(NULL), .opened_s = spec->now_s(NULL)};
     rc = orl_shared_folder_make(spec->folder, spec->doc, spec->files, spec->n_files, sharing->job,
                                 &sharing->earlier, err);
     if (rc)

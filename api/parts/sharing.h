@@ -5,7 +5,9 @@
  *
  * A wave is what a run asks for at a time: its pieces are shared out to parts of about equal work,
  * by their order, which is a function of the job and the number of parts alone. A part that is
- * lost, or fails, is tried three times; then the job ends with that part's own error. A run that
+ * lost, or fails, is tried three times; then the job ends with that part's own error. One that
+ * comes up against Slurm's limit of time or memory is started with twice as much, five times at the
+ * most, which are no tries (limits.h). A run that
  * was stopped leaves the folder: the next one of the same job, by the same version, takes up its
  * pieces, and waits for those of its parts that are still under way.
  */
@@ -41,6 +43,7 @@ struct orl_sharing_spec {
     size_t n_files;
     uint32_t threads;         /* of a part */
     uint32_t most;            /* parts of a wave, and at once */
+    uint64_t memory_bytes;    /* that the job is thought to take; 0: not known (limits.h) */
     const char *program;      /* oriel */
     bool slurm;               /* else processes of this machine, */
     uint32_t abreast;         /* so many at once */
@@ -64,7 +67,9 @@ struct orl_sharing {
     size_t earlier; /* pieces of an earlier run that serve again */
     time_t began;
     struct orl_parts_count count, told;
-    uint64_t parts; /* that were started, each time counted */
+    uint64_t parts;            /* that were started, each time counted */
+    double opened_s, load_s;   /* when; and how long until the first wave; 0: there was none */
+    double foreseen_s, took_s; /* of parts that have ended, and how long those did run */
 };
 
 /* Lays it all out. The caller ends it with orl_sharing_done, after an error, too. */

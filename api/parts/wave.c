@@ -7,10 +7,11 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "parts/limits.h"
 #include "parts/wave_files.h"
 #include "problem.h"
 
-enum { MOST_TRIES = 3 };
+enum { MOST_TRIES = 3, MOST_RAISED = 5 };
 
 /* How often parts are looked at: ever more rarely, after a share of the wave's age. */
 static const double look_least_s = 0.05, look_most_s = 1, look_share = 0.005;
@@ -18,12 +19,14 @@ static const double look_least_s = 0.05, look_most_s = 1, look_share = 0.005;
 static const double full_s = 10;
 
 struct part {
-    bool done, due; /* due: to be started */
-    unsigned tries;
+    bool done, due;         /* due: to be started */
+    unsigned tries, raised; /* raised: times that its limits were */
     enum orl_part_state state;
-    double gone_s; /* since when its runner has had it no more; 0: it has */
-    double runs_s; /* since when it runs; 0: it does not */
-    double held_s; /* until when it is held back; 0: it is not */
+    struct orl_part_needs needs;
+    struct orl_part_limits limits; /* that are asked for */
+    double gone_s;                 /* since when its runner has had it no more; 0: it has */
+    double runs_s;                 /* since when it runs; 0: it does not */
+    double held_s;                 /* until when it is held back; 0: it is not */
 };
 
 /* Parts of a wave, and how they stand. */
@@ -31,8 +34,8 @@ struct wave {
     char name[ORL_WAVE_NAME];
     size_t n;
     struct part *parts;
-    enum orl_part_state *states; /* as its runner tells */
-    uint32_t *numbers;           /* room for all */
+    struct orl_part_seen *seen;    /* as its runner tells */
+    struct orl_part_order *orders; /* room for all */
     double began_s;
 };
 
@@ -97,6 +100,19 @@ static void tell_wave(struct orl_sharing *sharing, const struct wave *wave, uint
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
+/* Of its first try: by what is known of the job by now. */
+static struct orl_part_limits first_limits(const struct orl_sharing *sharing,
+                                           const struct part *part)
+{
+    const struct orl_limit_basis basis = {
+        .load_s = sharing->load_s,
+        .pace = sharing->foreseen_s > 0 ? sharing->took_s / sharing->foreseen_s : 1,
+        .threads = sharing->spec.threads,
+        .memory_bytes = sharing->spec.memory_bytes};
+
+    return orl_part_limits(&part->needs, &basis);
+}
+
 /* Those that are due, all at once. */
 static int start_due(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
 {
@@ -107,7 +123,9 @@ static int start_due(struct orl_sharing *sharing, struct wave *wave, struct orl_
 
         if (!part->due)
             continue;
-        wave->numbers[n++] = (uint32_t)i;
+        if (part->limits.mib == 0)
+            part->limits = first_limits(sharing, part);
+        wave->orders[n++] = (struct orl_part_order){(uint32_t)i, part->limits};
         part->due = false;
         part->tries++;
         part->gone_s = part->held_s = 0;
@@ -115,8 +133,8 @@ static int start_due(struct orl_sharing *sharing, struct wave *wave, struct orl_
         sharing->parts++;
     }
     return n == 0 ? 0
-                  : sharing->runner.start(sharing->runner.ctx, wave->name, wave->numbers, n,
-                                          wave->n, err);
+                  : sharing->runner.start(sharing->runner.ctx, wave->name, wave->orders, n, wave->n,
+                                          err);
 }
 
 /* What a part that failed says. */
@@ -139,19 +157,55 @@ static void hold(const struct orl_sharing *sharing, struct part *part)
     part->state = ORL_PART_WAITING;
 }
 
-/* One that has left an error, or nothing: once more, or never again. */
-static int try_again(struct orl_sharing *sharing, struct part *part, const char *error_path,
-                     struct orl_error *err)
+/* Whether it came up against a limit that was ours to raise, and is: it is started with more. */
+static bool raise_limits(struct part *part, const struct orl_part_seen *seen, enum orl_part_end end)
 {
-    struct orl_error said;
+    const bool of_time = end == ORL_PART_OUT_OF_TIME;
+    const uint32_t asked = of_time ? part->limits.minutes : part->limits.mib;
+    const uint32_t given = of_time ? seen->limits.minutes : seen->limits.mib;
+
+    if (end == ORL_PART_ENDED || asked == 0 || given < asked || part->raised == MOST_RAISED)
+        return false;
+    part->limits = orl_part_limits_raised(part->limits, end);
+    part->raised++;
+    part->tries--;
+    return true;
+}
+
+/* Why there is nothing of a part. */
+static void say_end(const struct orl_sharing *sharing, const struct part *part,
+                    const struct orl_part_seen *seen, enum orl_part_end end,
+                    struct orl_error *ret_said)
+{
+    if (end == ORL_PART_OUT_OF_TIME)
+        orl_error_set(ret_said, ORL_ERR_LIMIT,
+                      "a part of the job ran out of its time, %u minutes in the end",
+                      seen->limits.minutes);
+    else if (end == ORL_PART_OUT_OF_MEMORY)
+        orl_error_set(ret_said, ORL_ERR_LIMIT,
+                      "a part of the job ran out of its memory, %u MiB in the end",
+                      seen->limits.mib);
+    else
+        orl_error_set(ret_said, ORL_ERR_INTERNAL,
+                      "a part of the job ended %u times without a word: it was killed, or its node "
+                      "was lost; its log is in '%s'",
+                      part->tries, sharing->folder);
+}
+
+/* One that has left an error, or nothing: once more, or never again. */
+static int try_again(struct orl_sharing *sharing, struct wave *wave, size_t i,
+                     const char *error_path, struct orl_error *err)
+{
+    struct part *part = &wave->parts[i];
+    enum orl_part_end end = ORL_PART_ENDED;
+    struct orl_error said = {.code = 0};
 
     if (error_path)
         read_error(error_path, &said);
-    else
-        orl_error_set(&said, ORL_ERR_INTERNAL,
-                      "a part of the job ended %d times without a word: it was killed, or ran out "
-                      "of memory or time; its log is in '%s'",
-                      MOST_TRIES, sharing->folder);
+    if ((!error_path || said.code == ORL_ERR_CANCELLED) && sharing->runner.end)
+        end = sharing->runner.end(sharing->runner.ctx, wave->name, (uint32_t)i);
+    if (!error_path || end != ORL_PART_ENDED)
+        say_end(sharing, part, &wave->seen[i], end, &said);
     if (error_path)
         unlink(error_path);
     if (said.code == ORL_ERR_FULL || !orl_wave_has_room(sharing->folder)) {
@@ -160,7 +214,7 @@ static int try_again(struct orl_sharing *sharing, struct part *part, const char 
         hold(sharing, part);
         return 0;
     }
-    part->due = part->tries < MOST_TRIES;
+    part->due = raise_limits(part, &wave->seen[i], end) || part->tries < MOST_TRIES;
     if (part->due)
         count_lost(sharing, part);
     else if (err)
@@ -177,14 +231,24 @@ static void look_at_held(const struct orl_sharing *sharing, struct part *part)
         hold(sharing, part);
 }
 
+/* How long it took is known where it was seen to run. */
+static void end_well(struct orl_sharing *sharing, struct part *part)
+{
+    part->done = true;
+    part->held_s = 0;
+    if (part->runs_s > 0 && part->needs.core_s > 0) {
+        sharing->took_s += now_s(sharing) - part->runs_s;
+        sharing->foreseen_s += part->needs.core_s / fmax(sharing->spec.threads, 1);
+    }
+}
+
 static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, struct orl_error *err)
 {
     struct part *part = &wave->parts[i];
     char path[ORL_PART_PATH];
 
     if (orl_part_file(sharing->folder, wave->name, i, "done", path)) {
-        part->done = true;
-        part->held_s = 0;
+        end_well(sharing, part);
         return 0;
     }
     if (part->held_s > 0) {
@@ -192,9 +256,9 @@ static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, str
         return 0;
     }
     if (orl_part_file(sharing->folder, wave->name, i, "error", path))
-        return try_again(sharing, part, path, err);
-    take_state(sharing, part, wave->states[i]);
-    if (wave->states[i] != ORL_PART_GONE) {
+        return try_again(sharing, wave, i, path, err);
+    take_state(sharing, part, wave->seen[i].state);
+    if (wave->seen[i].state != ORL_PART_GONE) {
         part->gone_s = 0;
         return 0;
     }
@@ -203,7 +267,7 @@ static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, str
         part->gone_s = now_s(sharing);
     return now_s(sharing) - part->gone_s < sharing->runner.settle_s
                ? 0
-               : try_again(sharing, part, NULL, err);
+               : try_again(sharing, wave, i, NULL, err);
 }
 
 /* ---- The wave -------------------------------------------------------------------------------- */
@@ -226,7 +290,7 @@ static int wait_for(struct orl_sharing *sharing, struct wave *wave, struct orl_e
     int rc = 0;
 
     while (left > 0 && rc == 0) {
-        rc = sharing->runner.look(sharing->runner.ctx, wave->name, wave->states, wave->n, err);
+        rc = sharing->runner.look(sharing->runner.ctx, wave->name, wave->seen, wave->n, err);
         left = 0;
         for (size_t i = 0; i < wave->n && rc == 0; i++) {
             if (!wave->parts[i].done)
@@ -260,19 +324,21 @@ static void end_wave(struct orl_sharing *sharing, struct wave *wave, int rc, str
 static void wave_done(struct wave *wave)
 {
     free(wave->parts);
-    free(wave->states);
-    free(wave->numbers);
+    free(wave->seen);
+    free(wave->orders);
 }
 
 static int make_tables(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
 {
     wave->parts = calloc(wave->n + 1, sizeof *wave->parts);
-    wave->states = calloc(wave->n + 1, sizeof *wave->states);
-    wave->numbers = calloc(wave->n + 1, sizeof *wave->numbers);
+    wave->seen = calloc(wave->n + 1, sizeof *wave->seen);
+    wave->orders = calloc(wave->n + 1, sizeof *wave->orders);
     wave->began_s = now_s(sharing);
-    return wave->parts && wave->states && wave->numbers
-               ? 0
-               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (!wave->parts || !wave->seen || !wave->orders)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < wave->n; i++)
+        wave->parts[i].needs = orl_wave_needs(sharing->folder, wave->name, i);
+    return 0;
 }
 
 /* Its files, once the disk has room for them. */
@@ -301,6 +367,8 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
     struct wave wave = {.n = 0};
     int rc;
 
+    if (sharing->load_s <= 0)
+        sharing->load_s = now_s(sharing) - sharing->opened_s;
     /* Tasks of an earlier run may still leave their files here. */
     snprintf(wave.name, sizeof wave.name, "%lx.%lx-wave%u", (long)sharing->began, (long)getpid(),
              ++sharing->count.waves);

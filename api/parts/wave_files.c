@@ -31,16 +31,33 @@ static uint32_t part_of(double before, double work, double all, uint32_t n)
     return at < n ? (uint32_t)at : n - 1;
 }
 
+static struct orl_part_needs needs_of(const struct orl_piece *pieces, size_t count)
+{
+    struct orl_part_needs needs = {.core_s = 0};
+    bool known = true;
+
+    for (size_t i = 0; i < count; i++) {
+        known = known && pieces[i].core_s > 0;
+        needs.core_s += pieces[i].core_s;
+        needs.bytes = pieces[i].bytes > needs.bytes ? pieces[i].bytes : needs.bytes;
+    }
+    if (!known)
+        needs.core_s = 0;
+    return needs;
+}
+
 static json_t *part_to_json(const struct orl_sharing *sharing, const struct orl_piece *pieces,
                             size_t first, size_t count)
 {
+    const struct orl_part_needs needs = needs_of(pieces + first, count);
     json_t *list = json_array();
 
     for (size_t i = 0; i < count; i++)
         json_array_append_new(list, json_pack("{s:s, s:s}", "kind", pieces[first + i].kind, "key",
                                               pieces[first + i].key));
-    return json_pack("{s:s, s:I, s:o}", "job", sharing->job, "threads",
-                     (json_int_t)sharing->spec.threads, "pieces", list);
+    return json_pack("{s:s, s:I, s:f, s:I, s:o}", "job", sharing->job, "threads",
+                     (json_int_t)sharing->spec.threads, "core_s", needs.core_s, "bytes",
+                     (json_int_t)needs.bytes, "pieces", list);
 }
 
 /* Writes the wave's parts; *ret_n: how many there are, for empty ones are none. */
@@ -144,6 +161,18 @@ size_t orl_wave_parts(const char *folder, const char *wave)
     const json_int_t n = json_integer_value(json_object_get(note, "parts"));
     json_decref(note);
     return n > 0 && n <= ORL_PARTS_MOST ? (size_t)n : 0;
+}
+
+struct orl_part_needs orl_wave_needs(const char *folder, const char *wave, size_t number)
+{
+    char path[ORL_PART_PATH];
+    json_t *part =
+        orl_part_file(folder, wave, number, "json", path) ? json_load_file(path, 0, NULL) : NULL;
+    const double core_s = json_number_value(json_object_get(part, "core_s"));
+    const json_int_t bytes = json_integer_value(json_object_get(part, "bytes"));
+
+    json_decref(part);
+    return (struct orl_part_needs){core_s > 0 ? core_s : 0, bytes > 0 ? (uint64_t)bytes : 0};
 }
 
 static void mark(const json_t *part, const struct orl_piece *pieces, size_t n, bool *ret_made)

@@ -5,6 +5,7 @@
 #ifndef ORL_PARTS_WAVE_FILES_H
 #define ORL_PARTS_WAVE_FILES_H
 
+#include "parts/limits.h"
 #include "parts/sharing.h"
 
 enum { ORL_PART_PATH = 4300 };
@@ -20,6 +21,8 @@ bool orl_wave_find(const char *folder, char ret_wave[ORL_WAVE_NAME]);
 bool orl_wave_forget(const char *folder, const char *wave);
 /* The parts of one that has not; 0: that cannot be read. */
 size_t orl_wave_parts(const char *folder, const char *wave);
+/* What a part is thought to take; all zero where that cannot be read. */
+struct orl_part_needs orl_wave_needs(const char *folder, const char *wave, size_t number);
 /* Sets ret_made of those of the pieces that its parts are to make. */
 void orl_wave_mark(const char *folder, const char *wave, size_t n_parts,
                    const struct orl_piece *pieces, size_t n, bool *ret_made);

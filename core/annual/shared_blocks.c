@@ -10,6 +10,23 @@ static void choose_block(struct orl_year *y, size_t index)
     y->count = n - y->first < ORL_YEAR_BLOCK ? n - y->first : ORL_YEAR_BLOCK;
 }
 
+/* A path with its sunlight, in a room of a dozen surfaces. */
+static const double path_s = 1e-5;
+
+/* Of one core, for the block at hand. */
+static double block_s(const struct orl_year *y)
+{
+    return path_s * (double)y->count * (double)y->batch_samples * ORL_ANNUAL_BATCHES;
+}
+
+/* Of the sums of its batches. */
+static uint64_t block_bytes(const struct orl_year *y)
+{
+    const uint64_t of_batch = y->n_sun * sizeof *y->sun_sums + ORL_BINS * sizeof *y->bin_sums +
+                              ORL_SUN_MAP_LOTS * y->n_beams * sizeof *y->lot_sums;
+    return of_batch * y->count * ORL_ANNUAL_BATCHES;
+}
+
 /* Whether the store has all of the block at hand; its key is that of its paths. */
 static bool is_made(struct orl_year *y, struct orl_piece *ret_piece)
 {
@@ -19,7 +36,8 @@ static bool is_made(struct orl_year *y, struct orl_piece *ret_piece)
                                 .samples = y->result->samples},
                        sun = {.what = ORL_YEARS_SUN, .first = y->first, .count = y->count};
     const bool has_paths = orl_keep_has(&y->keep, &paths), has_sun = orl_keep_has(&y->keep, &sun);
-    *ret_piece = (struct orl_piece){.kind = "rows", .work = (double)y->count};
+    *ret_piece = (struct orl_piece){
+        .kind = "rows", .work = (double)y->count, .core_s = block_s(y), .bytes = block_bytes(y)};
     memcpy(ret_piece->key, paths.key, sizeof ret_piece->key);
     return has_paths && has_sun;
 }

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "run/curve.h"
-#include "run/stages.h"
+#include "run/pieces.h"
 
 /* Rough costs, microseconds on one core: a photon traced (where no pilot has told), one of a
  * virtual lamp, one indexed, one among the records made of its map; a gather ray, what one reads of
@@ -131,6 +131,45 @@ void orl_run_know_reads(struct orl_run_state *state, double share)
 bool orl_run_is_measured(const struct orl_run_state *state)
 {
     return state->env->part_stages_s && !orl_goal_is_set(&state->job->goal);
+}
+
+/* Those of the plan. */
+static double photons_us(const struct orl_plan *plan, double photons)
+{
+    const bool lamps = plan->technique == ORL_TECHNIQUE_BACKWARD;
+    const bool records = plan->technique == ORL_TECHNIQUE_PRECOMPUTED;
+    return lamps ? photons * lamp_us
+                 : photons * (photon_us + index_us) +
+                       (records ? (double)plan->photons_global * record_us : 0);
+}
+
+static uint64_t target_of(uint64_t photons)
+{
+    return photons == ORL_PHOTONS_BY_PLAN ? ORL_DEFAULT_PHOTONS : photons;
+}
+
+uint64_t orl_run_guess_bytes(const struct orl_job *job)
+{
+    uint64_t pixels = 0;
+    for (size_t i = 0; i < job->n_views; i++) {
+        const uint64_t own = (uint64_t)job->views[i].width * job->views[i].height;
+        pixels = own > pixels ? own : pixels;
+    }
+    return ORL_PIXEL_BYTES * pixels +
+           ORL_PHOTON_BYTES * (target_of(job->photons_global) + target_of(job->photons_caustic));
+}
+
+double orl_run_guess_core_s(const struct orl_job *job)
+{
+    const double start_us = 5e5; /* what every run begins with */
+    struct orl_result result = {.n_sensors = job->n_sensors};
+    const struct orl_run_state state = {.job = job, .result = &result, .n_sensors = job->n_sensors};
+    struct orl_plan *plan = &result.plan;
+    plan->technique = job->technique == ORL_TECHNIQUE_AUTO ? ORL_TECHNIQUE_GATHER : job->technique;
+    plan->photons_global = target_of(job->photons_global);
+    plan->photons_caustic = target_of(job->photons_caustic);
+    const double photons = (double)(plan->photons_global + plan->photons_caustic);
+    return 1e-6 * (start_us + photons_us(plan, photons) + sensors_us(&state) + views_us(&state));
 }
 
 void orl_run_guess_costs(struct orl_run_state *state)

@@ -339,12 +339,17 @@ static int share_missing(struct orl_run_state *state, struct map_work *work, str
     const struct orl_pieces *shared = state->env->pieces;
     struct orl_piece pieces[ORL_MAP_KINDS];
     bool here[ORL_MAP_KINDS] = {false};
+    /* Each takes all photons: both kinds come of the same paths. */
+    const double core_s = (state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS]) *
+                          orl_crew_size(state->env->crew);
     size_t n = 0;
     for (int k = 0; k < ORL_MAP_KINDS; k++) {
         if (!is_missing(&work[k]))
             continue;
         struct orl_piece *piece = &pieces[n++];
-        *piece = (struct orl_piece){.work = (double)work[k].target};
+        *piece = (struct orl_piece){.work = (double)work[k].target,
+                                    .core_s = core_s,
+                                    .bytes = ORL_PHOTON_BYTES * work[k].target};
         snprintf(piece->kind, sizeof piece->kind, "%s", orl_map_kind_name((enum orl_map_kind)k));
         memcpy(piece->key, state->keys[k], sizeof piece->key);
         store->abandon(store->ctx, piece->kind, piece->key);

@@ -43,6 +43,18 @@ void orl_piece_key_end(struct orl_sha256 *hash, char ret_key[ORL_PIECE_KEY])
     sodium_bin2hex(ret_key, ORL_PIECE_KEY, digest, sizeof digest);
 }
 
+void orl_pieces_foresee(const struct orl_run_state *state, struct orl_piece_work *work,
+                        double share)
+{
+    const double crew = orl_crew_size(state->env->crew);
+    const double core_s = crew * share * state->cost_s[ORL_STAGE_RENDER];
+    double all = 0;
+    for (size_t i = 0; i < work->n; i++)
+        all += work->pieces[i].work;
+    for (size_t i = 0; i < work->n && all > 0; i++)
+        work->pieces[i].core_s = core_s * work->pieces[i].work / all;
+}
+
 /* ---- Pieces ---------------------------------------------------------------------------------- */
 
 /* Takes it where the store has it whole. */

@@ -10,6 +10,10 @@
 
 #include "run/stages.h"
 
+/* Of memory: a photon while its map is built; a pixel with its error, and what its files are made
+ * of. */
+enum { ORL_PHOTON_BYTES = 60, ORL_PIXEL_BYTES = 64 };
+
 /* Pieces of one stage, none of which needs another. */
 struct orl_piece_work {
     struct orl_piece *pieces;
@@ -26,6 +30,11 @@ struct orl_piece_work {
 /* Makes or takes all of them. Of a run that is shared. */
 int orl_run_pieces(const struct orl_run_env *env, const struct orl_piece_work *work,
                    struct orl_error *err);
+
+/* Of pieces that come to that share of what the stage under way is foreseen to take: the seconds of
+ * each, by its work. */
+void orl_pieces_foresee(const struct orl_run_state *state, struct orl_piece_work *work,
+                        double share);
 
 /* Whether the run is shared; a pilot never is. */
 bool orl_run_is_shared(const struct orl_run_state *state);

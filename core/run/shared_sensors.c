@@ -115,6 +115,7 @@ int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
     for (size_t i = 0; i < work.n; i++)
         name_stretch(rendering, i * ORL_STRETCH, &work.pieces[i]);
+    orl_pieces_foresee(state, &work, rendering->share);
     const int code = orl_run_pieces(state->env, &work, err);
     free(work.pieces);
     return code;

@@ -107,6 +107,7 @@ static void name_view(const struct orl_run_state *state, size_t index, struct or
     orl_piece_key_end(&hash, piece->key);
     snprintf(piece->kind, sizeof piece->kind, "view");
     piece->work = (double)view->width * view->height;
+    piece->bytes = ORL_PIXEL_BYTES * (uint64_t)view->width * view->height;
 }
 
 int orl_share_views(struct orl_rendering *rendering, const size_t *views, size_t n,
@@ -119,6 +120,7 @@ int orl_share_views(struct orl_rendering *rendering, const size_t *views, size_t
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
     for (size_t i = 0; i < n; i++)
         name_view(rendering->state, views[i], &work.pieces[i]);
+    orl_pieces_foresee(rendering->state, &work, 1 - rendering->share);
     const int code = orl_run_pieces(rendering->state->env, &work, err);
     free(work.pieces);
     return code;

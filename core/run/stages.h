@@ -208,6 +208,12 @@ int orl_run_render(struct orl_run_state *state, const struct orl_renderer *rende
  * leaves out. */
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 
+/* Seconds of one core that the job is going to take, roughly, by itself alone: nothing of its scene
+ * is known. Not for one whose sensors are in a file, as long as they are not read. */
+double orl_run_guess_core_s(const struct orl_job *job);
+/* And bytes of memory beside the scene. */
+uint64_t orl_run_guess_bytes(const struct orl_job *job);
+
 /* What the job is going to cost, roughly, once its sensors are known; and again when its photons
  * are: into state->cost_s. */
 void orl_run_guess_costs(struct orl_run_state *state);

@@ -269,6 +269,7 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
         .maps = orl_map_cache_store(jobs->env.maps),
         .shelf = jobs->env.shelf,
         .place = jobs->env.place,
+        .memory_bytes = job->row.memory_bytes,
         .threads = jobs->env.threads / jobs->env.at_once,
         .done = job_done,
         .ctx = job,

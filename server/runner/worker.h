@@ -67,6 +67,7 @@ struct orl_worker_spec {
     struct orl_map_store maps;
     struct orl_shelf *shelf;              /* borrowed; or NULL */
     const struct orl_shared_place *place; /* borrowed; NULL: no job goes in parts */
+    uint64_t memory_bytes; /* that it is thought to take: job_memory.h */
     uint32_t threads;
     /* On the loop thread, once, when no pool thread works for the job any more. */
     void (*done)(void *ctx, const struct orl_worker_outcome *outcome);

@@ -54,6 +54,7 @@ static int lay_out(struct orl_worker *worker, const json_t *doc, struct orl_erro
                                           .n_files = bundle->count,
                                           .threads = place->part_threads,
                                           .most = place->parts,
+                                          .memory_bytes = worker->spec.memory_bytes,
                                           .program = place->program,
                                           .slurm = true,
                                           .words = place->words,

@@ -89,7 +89,7 @@ static void find_done(const char *folder, char ret_stem[128])
     *ret_stem = '\0';
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
         const char *ending = strstr(entry->d_name, ".done");
-        if (ending)
+        if (ending && strcmp(ending, ".done") == 0) /* and not one that is still being written */
             snprintf(ret_stem, 128, "%.*s", (int)(ending - entry->d_name), entry->d_name);
     }
     if (entries)

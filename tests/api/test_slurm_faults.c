@@ -174,6 +174,55 @@ static void test_output_is_truncated(void **state)
     parted_compare_daemons(f, parted_long, path);
 }
 
+/* A program in oriel's place, beside a copy of the daemon: where there is a file "hungry" its part
+ * takes 700 MiB and waits. Each hunger is stilled once. */
+static void set_up_hunger(struct parted_daemon *f, char ret_folder[160])
+{
+    const char *build = getenv("ORIEL_BUILD");
+    char command[1400];
+    snprintf(ret_folder, 160, "%s/bin", f->desk->folder);
+    snprintf(command, sizeof command,
+             "build=$(realpath %s) && mkdir %s && cp $build/orield %s && cat >%s/oriel <<END\n"
+             "#!/bin/sh\n"
+             "for i in 1 2; do\n"
+             "    if [ \\$1 = part ] && mv %s/hungry\\$i %s/stilled\\$i 2>/dev/null; then\n"
+             "        { head -c 700M /dev/zero; sleep 30; } | tail | wc -c\n"
+             "        exit 1\n"
+             "    fi\n"
+             "done\n"
+             "exec $build/oriel \"\\$@\"\n"
+             "END\n"
+             "chmod 700 %s/oriel",
+             build ? build : "build", ret_folder, ret_folder, ret_folder, ret_folder, ret_folder,
+             ret_folder);
+    cluster_command(command);
+}
+
+/* Slurm kills a part that takes more memory than it was given: it gets twice as much, and twice
+ * that. */
+static void test_a_part_runs_out_of_memory(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80], folder[160], command[400];
+    struct reply reply;
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    set_up_hunger(f, folder);
+    char *build = getenv("ORIEL_BUILD"), *kept = build ? strdup(build) : NULL;
+    setenv("ORIEL_BUILD", folder, 1);
+    parted_restart(f);
+    snprintf(command, sizeof command, "touch %s/hungry1 %s/hungry2", folder, folder);
+    cluster_command(command);
+    parted_submit(f, parted_skies, path);
+    parted_wait(f, path);
+    setenv("ORIEL_BUILD", kept ? kept : "build", 1);
+    free(kept);
+    daemon_get(&f->daemon, path, &reply);
+    assert_true(reply_number(&reply, "runner.parts.again") == 2);
+    reply_done(&reply);
+    cluster_command("squeue --noheader --array --states=all --format=%m | grep -qx 512M");
+    parted_compare_daemons(f, parted_skies, path);
+}
+
 /* There is no slurmctld when the job is to be handed in, and none for a while. */
 static void test_slurmctld_is_killed(void **state)
 {
@@ -229,6 +278,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_output_is_truncated, parted_daemon_set_up,
                                         parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_cancels_at_any_moment, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_part_runs_out_of_memory, parted_daemon_set_up,
                                         parted_daemon_tear_down),
         /* The last one: what Slurm had not noted down then it takes for under way for a while. */
         cmocka_unit_test_setup_teardown(test_slurmctld_is_killed, parted_daemon_set_up,

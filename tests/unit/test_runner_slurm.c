@@ -26,6 +26,9 @@ static const char squeue[] = "#!/bin/sh\n"
                              "cd \"${0%/*}\" && echo \"$@\" >>squeue.args\n"
                              "[ ! -e squeue.says ] || { cat squeue.says >&2; exit 1; }\n"
                              "[ ! -e queue ] || cat queue\n";
+static const char sinfo[] = "#!/bin/sh\n"
+                            "cd \"${0%/*}\" && echo \"$@\" >>sinfo.args\n"
+                            "cat partitions\n";
 /* Its first try does nothing where it is told so. */
 static const char scancel[] = "#!/bin/sh\n"
                               "cd \"${0%/*}\" && echo \"$@\" >>scancel.args\n"
@@ -58,6 +61,25 @@ static void write_command(const struct fixture *f, const char *name, const char 
     assert_int_equal(chmod(path, 0700), 0);
 }
 
+static const char *const usual_words[] = {"--partition=long; touch x"};
+
+static void open_runner(struct fixture *f, const char *const *words, size_t n_words)
+{
+    const struct orl_runner_spec spec = {.folder = f->shared,
+                                         .job = job,
+                                         .program = "/opt/oriel/bin/oriel",
+                                         .threads = 2,
+                                         .most = 4,
+                                         .words = words,
+                                         .n_words = n_words,
+                                         .now_s = now_s,
+                                         .patience_s = 100,
+                                         .command_s = 0.5};
+    if (f->runner.done)
+        f->runner.done(f->runner.ctx);
+    assert_int_equal(orl_runner_slurm(&spec, &f->runner, &f->err), 0);
+}
+
 static int set_up(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
@@ -69,22 +91,13 @@ static int set_up(void **state)
     write_command(f, "sbatch", sbatch);
     write_command(f, "squeue", squeue);
     write_command(f, "scancel", scancel);
+    write_command(f, "sinfo", sinfo);
+    cli_write_file(f->folder, "partitions", "short|10:00|1000\nlong*|1-02:00:00|2000+\n");
     snprintf(path, sizeof path, "%s:/usr/bin:/bin", f->folder);
     setenv("PATH", path, 1);
     clock_s = 1000;
     tick_s = 0;
-    static const char *const words[] = {"--partition=long; touch x"};
-    const struct orl_runner_spec spec = {.folder = f->shared,
-                                         .job = job,
-                                         .program = "/opt/oriel/bin/oriel",
-                                         .threads = 2,
-                                         .most = 4,
-                                         .words = words,
-                                         .n_words = 1,
-                                         .now_s = now_s,
-                                         .patience_s = 100,
-                                         .command_s = 0.5};
-    assert_int_equal(orl_runner_slurm(&spec, &f->runner, &f->err), 0);
+    open_runner(f, usual_words, 1);
     *state = f;
     return 0;
 }
@@ -100,26 +113,26 @@ static int tear_down(void **state)
 
 static int start(struct fixture *f)
 {
-    static const uint32_t numbers[] = {0, 1, 2};
-    return f->runner.start(f->runner.ctx, "wave1", numbers, 3, 3, &f->err);
+    static const struct orl_part_order orders[] = {{0, {30, 512}}, {1, {30, 512}}, {2, {60, 512}}};
+    return f->runner.start(f->runner.ctx, "wave1", orders, 3, 3, &f->err);
 }
 
-static int look(struct fixture *f, enum orl_part_state states[3])
+static int look(struct fixture *f, struct orl_part_seen seen[3])
 {
-    return f->runner.look(f->runner.ctx, "wave1", states, 3, &f->err);
+    return f->runner.look(f->runner.ctx, "wave1", seen, 3, &f->err);
 }
 
 /* A second later, so that Slurm is asked. */
 static void assert_states(struct fixture *f, enum orl_part_state a, enum orl_part_state b,
                           enum orl_part_state c)
 {
-    enum orl_part_state states[3];
+    struct orl_part_seen seen[3];
     clock_s += 1.1;
-    if (look(f, states))
+    if (look(f, seen))
         fail_msg("%s", f->err.message);
-    assert_int_equal(states[0], a);
-    assert_int_equal(states[1], b);
-    assert_int_equal(states[2], c);
+    assert_int_equal(seen[0].state, a);
+    assert_int_equal(seen[1].state, b);
+    assert_int_equal(seen[2].state, c);
 }
 
 static int count_lines(const struct fixture *f, const char *name)
@@ -154,13 +167,63 @@ static void test_what_is_handed_in(void **state)
     assert_int_equal(start(f), 0);
     assert_holds(f, "sbatch.args", "--job-name=oriel-0123456789ab-wave1 ");
     assert_holds(f, "sbatch.args", "--cpus-per-task=2 ");
-    assert_holds(f, "sbatch.args", "--array=0-2%4 ");
+    assert_holds(f, "sbatch.args", "--array=0-1%4 --time=30 --mem=512M ");
+    assert_holds(f, "sbatch.args", "--array=2%4 --time=60 --mem=512M ");
     assert_holds(f, "sbatch.args", "/part.sh /opt/oriel/bin/oriel ");
     assert_holds(f, "sbatch.args", " --partition=long; touch x "); /* one word, for no shell */
     assert_int_equal(access("x", F_OK), -1);
     cli_write_file(f->folder, "queue", "0|R \n1|PD\n7|R\nN/A|R\n");
     assert_states(f, ORL_PART_RUNNING, ORL_PART_WAITING, ORL_PART_GONE);
     assert_holds(f, "squeue.args", "--name=oriel-0123456789ab-wave1");
+}
+
+/* No more than the partition gives, nothing that the options set, nor memory that no node tells. */
+static void test_limits_have_bounds(void **state)
+{
+    static const char *const short_words[] = {"--partition=short"};
+    static const char *const timed_words[] = {"--time=5", "-plong"};
+    struct fixture *f = *state;
+    struct orl_part_seen seen[3];
+    open_runner(f, short_words, 1);
+    cli_write_file(f->folder, "partitions", "short|10:00|1000\n");
+    assert_int_equal(start(f), 0);
+    assert_holds(f, "sinfo.args", "--partition=short");
+    assert_holds(f, "sbatch.args", "--array=0-1%4 --time=10 --mem=512M ");
+    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(seen[2].limits.minutes, 10);
+    assert_int_equal(seen[2].task, 77);
+    forget(f, "sbatch.args");
+    open_runner(f, timed_words, 2);
+    cli_write_file(f->folder, "partitions", "long|infinite|1\n");
+    assert_int_equal(start(f), 0);
+    assert_holds(f, "sbatch.args", "--array=0-1%4 --time=5 -plong ");
+    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(seen[2].limits.minutes, 0);
+}
+
+static enum orl_part_end end_of(struct fixture *f, uint32_t number)
+{
+    return f->runner.end(f->runner.ctx, "wave1", number);
+}
+
+static void test_what_a_part_came_up_against(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(start(f), 0);
+    cli_write_file(f->folder, "queue", "0|OOM |77\n1|TO|77\n2|TO|76\n");
+    assert_int_equal(end_of(f, 0), ORL_PART_OUT_OF_MEMORY);
+    assert_int_equal(end_of(f, 1), ORL_PART_OUT_OF_TIME);
+    assert_int_equal(end_of(f, 2), ORL_PART_ENDED); /* of an earlier try */
+    forget(f, "queue");
+    cli_write_file(f->shared, "slurm-77_0.log",
+                   "oriel: slurmstepd: DUE TO TIME LIMIT\n"
+                   "slurmstepd: error: Detected 1 oom-kill event(s) in StepId=1.batch.\n");
+    cli_write_file(f->shared, "slurm-77_1.log",
+                   "slurmstepd: error: *** JOB 1 ON n1 CANCELLED AT 1970 DUE TO TIME LIMIT ***\n");
+    cli_write_file(f->shared, "slurm-77_2.log", "oriel: DUE TO TIME LIMIT\n");
+    assert_int_equal(end_of(f, 0), ORL_PART_OUT_OF_MEMORY);
+    assert_int_equal(end_of(f, 1), ORL_PART_OUT_OF_TIME);
+    assert_int_equal(end_of(f, 2), ORL_PART_ENDED);
 }
 
 static void test_a_refusal_ends_it(void **state)
@@ -179,14 +242,14 @@ static void test_slurm_is_away_at_the_start(void **state)
     cli_write_file(f->folder, "squeue.says", away);
     assert_int_equal(start(f), 0);
     assert_states(f, ORL_PART_WAITING, ORL_PART_WAITING, ORL_PART_WAITING);
-    assert_int_equal(count_lines(f, "sbatch.args"), 1);
+    assert_int_equal(count_lines(f, "sbatch.args"), 1); /* the first says that Slurm is away */
     forget(f, "squeue.says");
     forget(f, "sbatch.says");
-    assert_states(f, ORL_PART_GONE, ORL_PART_GONE, ORL_PART_GONE);
-    assert_int_equal(count_lines(f, "sbatch.args"), 2);
+    assert_states(f, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN);
+    assert_int_equal(count_lines(f, "sbatch.args"), 3);
     cli_write_file(f->folder, "queue", "0|PD\n1|PD\n2|PD\n");
     assert_states(f, ORL_PART_WAITING, ORL_PART_WAITING, ORL_PART_WAITING);
-    assert_int_equal(count_lines(f, "sbatch.args"), 2);
+    assert_int_equal(count_lines(f, "sbatch.args"), 3);
 }
 
 /* One that is cut off may have handed in what it was to: that is not handed in twice. */
@@ -198,10 +261,10 @@ static void test_sbatch_hangs(void **state)
     forget(f, "sbatch.hangs");
     cli_write_file(f->folder, "queue", "0|R\n1|PD\n");
     clock_s += 1.1;
-    enum orl_part_state states[3];
-    assert_int_equal(look(f, states), 0);
-    assert_int_equal(states[0], ORL_PART_RUNNING);
-    assert_int_equal(states[1], ORL_PART_WAITING);
+    struct orl_part_seen seen[3];
+    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(seen[0].state, ORL_PART_RUNNING);
+    assert_int_equal(seen[1].state, ORL_PART_WAITING);
     assert_int_equal(count_lines(f, "sbatch.args"), 2);
     assert_holds(f, "sbatch.args", "--array=2%4 ");
 }
@@ -209,12 +272,12 @@ static void test_sbatch_hangs(void **state)
 static void test_patience_ends(void **state)
 {
     struct fixture *f = *state;
-    enum orl_part_state states[3];
+    struct orl_part_seen seen[3];
     assert_int_equal(start(f), 0);
     cli_write_file(f->folder, "squeue.says", away);
     assert_states(f, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN);
     clock_s += 101;
-    assert_int_equal(look(f, states), ORL_ERR_IO);
+    assert_int_equal(look(f, seen), ORL_ERR_IO);
     assert_non_null(strstr(f->err.message, "has not answered for 100 s: slurm_load_jobs error"));
     assert_non_null(strstr(f->err.hint, "scontrol ping"));
 }
@@ -223,11 +286,11 @@ static void test_patience_ends(void **state)
 static void test_slurm_is_not_asked_all_the_time(void **state)
 {
     struct fixture *f = *state;
-    enum orl_part_state states[3];
+    struct orl_part_seen seen[3];
     assert_int_equal(start(f), 0);
     for (int i = 0; i < 10000; i++) {
         clock_s += 0.1;
-        assert_int_equal(look(f, states), 0);
+        assert_int_equal(look(f, seen), 0);
     }
     const int asked = count_lines(f, "squeue.args");
     if (asked < 20 || asked > 210)
@@ -260,6 +323,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_what_is_handed_in, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_limits_have_bounds, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_what_a_part_came_up_against, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_refusal_ends_it, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_slurm_is_away_at_the_start, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_sbatch_hangs, set_up, tear_down),

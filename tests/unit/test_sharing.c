@@ -102,8 +102,9 @@ static int tear_down(void **state)
     return 0;
 }
 
-static const struct orl_piece pieces[] = {{"view", "a0", 1}, {"view", "a1", 1}, {"view", "a2", 1},
-                                          {"view", "a3", 1}, {"view", "a4", 1}, {"view", "a5", 1}};
+static const struct orl_piece pieces[] = {{"view", "a0", 1, 0, 0}, {"view", "a1", 1, 0, 0},
+                                          {"view", "a2", 1, 0, 0}, {"view", "a3", 1, 0, 0},
+                                          {"view", "a4", 1, 0, 0}, {"view", "a5", 1, 0, 0}};
 enum { PIECES = sizeof pieces / sizeof *pieces };
 
 static int divide(struct fixture *f)
@@ -215,6 +216,68 @@ static void test_a_folder_of_somebody_else(void **state)
     assert_int_equal(rmdir(f->job), 0);
 }
 
+/* Of a runner that holds parts to limits: those of the parts started last. */
+static struct orl_runner inner;
+static struct orl_part_order last_orders[PIECES];
+static size_t n_last;
+static enum orl_part_end says;
+
+static int start_held(void *ctx, const char *wave, const struct orl_part_order *orders, size_t n,
+                      size_t n_all, struct orl_error *err)
+{
+    n_last = n;
+    memcpy(last_orders, orders, n * sizeof *orders);
+    return inner.start(ctx, wave, orders, n, n_all, err);
+}
+
+static int look_held(void *ctx, const char *wave, struct orl_part_seen *ret_seen, size_t n,
+                     struct orl_error *err)
+{
+    const int rc = inner.look(ctx, wave, ret_seen, n, err);
+    for (size_t i = 0; i < n; i++)
+        ret_seen[i].limits = (struct orl_part_limits){UINT32_MAX, 900};
+    return rc;
+}
+
+static enum orl_part_end end_held(void *ctx, const char *wave, uint32_t number)
+{
+    (void)ctx, (void)wave, (void)number;
+    return says;
+}
+
+static void hold_to_limits(struct fixture *f, enum orl_part_end end)
+{
+    inner = f->sharing.runner;
+    f->sharing.runner.start = start_held;
+    f->sharing.runner.look = look_held;
+    f->sharing.runner.end = end_held;
+    says = end;
+}
+
+/* What came up against its memory is started with twice as much. */
+static void test_limits_are_raised(void **state)
+{
+    struct fixture *f = *state;
+    f->sharing.spec.memory_bytes = 1;
+    hold_to_limits(f, ORL_PART_OUT_OF_MEMORY);
+    cli_write_file(f->folder, "dies", "1\n");
+    assert_int_equal(divide(f), 0);
+    assert_int_equal(n_last, 1);
+    assert_int_equal(last_orders[0].limits.mib, 512);
+    assert_true(f->sharing.count.again == 1);
+}
+
+/* 1024 MiB are asked for at last, and there are 900: it is tried three times. */
+static void test_limits_that_cannot_be_raised(void **state)
+{
+    struct fixture *f = *state;
+    f->sharing.spec.memory_bytes = 1;
+    hold_to_limits(f, ORL_PART_OUT_OF_MEMORY);
+    cli_write_file(f->folder, "dies", "1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n");
+    assert_int_equal(divide(f), ORL_ERR_LIMIT);
+    assert_non_null(strstr(f->err.message, "ran out of its memory, 900 MiB"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -226,6 +289,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_wave_is_taken_up, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_cancelled_wave_is_forgotten, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_a_folder_of_somebody_else, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_limits_are_raised, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_limits_that_cannot_be_raised, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

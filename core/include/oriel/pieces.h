@@ -18,6 +18,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include <oriel/error.h>
 
@@ -27,6 +28,9 @@ struct orl_piece {
     char kind[ORL_PIECE_KIND]; /* "sensors", "view", "sky", "global", "annual", ... */
     char key[ORL_PIECE_KEY];   /* lower-case hex */
     double work;               /* how much it is to do beside others of the same call, above 0 */
+    double core_s;  /* that one core is thought to take for it, within a factor of several; 0: not
+                       known */
+    uint64_t bytes; /* of memory that making it takes beside the job itself; 0: little */
 };
 
 struct orl_pieces {

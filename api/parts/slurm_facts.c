@@ -1,0 +1,205 @@
+#include "parts/slurm_facts.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "parts/command.h"
+
+/* ---- What there is at the most --------------------------------------------------------------- */
+
+/* "minutes", "minutes:seconds", "hours:minutes:seconds", "days-hours..."; 0: no bound. */
+static uint32_t minutes_of(const char *text)
+{
+    unsigned long fields[3] = {0}, days = 0;
+    int n = 0;
+    char *end;
+    const char *dash = strchr(text, '-');
+
+    if (!isdigit((unsigned char)text[0]))
+        return 0; /* "infinite" */
+    if (dash) {
+        days = strtoul(text, NULL, 10);
+        text = dash + 1;
+    }
+    do {
+        fields[n++] = strtoul(text, &end, 10);
+        text = end + 1;
+    } while (*end == ':' && n < 3);
+    const unsigned long hours = n == 3 || dash ? fields[0] : 0;
+    const unsigned long minutes = n == 3 || dash ? fields[1] : fields[0];
+    const unsigned long all = (24 * days + hours) * 60 + minutes;
+    return all < UINT32_MAX ? (uint32_t)all : 0;
+}
+
+/* Whether the options set it: "--mem=4G", "--mem-per-cpu=1G", "-t60". */
+static bool has_word(const struct orl_runner_spec *spec, const char *name, const char *letter)
+{
+    for (size_t i = 0; i < spec->n_words; i++)
+        if (strncmp(spec->words[i], name, strlen(name)) == 0 ||
+            (letter && strncmp(spec->words[i], letter, strlen(letter)) == 0))
+            return true;
+    return false;
+}
+
+static const char *partition_of(const struct orl_runner_spec *spec)
+{
+    static const char name[] = "--partition=", letter[] = "-p";
+    const char *partition = NULL;
+
+    for (size_t i = 0; i < spec->n_words; i++) {
+        if (strncmp(spec->words[i], name, strlen(name)) == 0)
+            partition = spec->words[i] + strlen(name);
+        else if (strncmp(spec->words[i], letter, strlen(letter)) == 0)
+            partition = spec->words[i] + strlen(letter);
+    }
+    return partition;
+}
+
+/* Lines "PARTITION|TIME|MIB": of several the most counts. */
+static void read_bounds(char *text, bool usual_only, struct orl_part_limits *ret_most)
+{
+    char *rest = text, *line;
+    bool endless = false, any = false;
+
+    *ret_most = (struct orl_part_limits){0, 0};
+    while ((line = strsep(&rest, "\n")) != NULL) {
+        char *time = strchr(line, '|'), *memory = time ? strchr(time + 1, '|') : NULL;
+
+        if (!memory || (usual_only && !(time > line && time[-1] == '*')))
+            continue;
+        const uint32_t minutes = minutes_of(time + 1);
+        const unsigned long mib = strtoul(memory + 1, NULL, 10);
+        endless = endless || minutes == 0;
+        any = true;
+        ret_most->minutes = minutes > ret_most->minutes ? minutes : ret_most->minutes;
+        ret_most->mib = mib > ret_most->mib && mib < UINT32_MAX ? (uint32_t)mib : ret_most->mib;
+    }
+    if (endless || !any)
+        ret_most->minutes = UINT32_MAX;
+    if (ret_most->mib == 1) /* what Slurm says where slurm.conf says nothing */
+        ret_most->mib = 0;
+}
+
+void orl_slurm_bounds_ask(const struct orl_runner_spec *spec, struct orl_slurm_bounds *bounds)
+{
+    char output[ORL_COMMAND_OUTPUT], word[300];
+    const char *partition = partition_of(spec);
+    char *argv[] = {(char *)"sinfo", (char *)"--noheader", (char *)"--format=%P|%l|%m",
+                    partition ? word : NULL, NULL};
+
+    snprintf(word, sizeof word, "--partition=%.250s", partition ? partition : "");
+    if (orl_command_run(argv, spec->command_s, spec->cancel, output, NULL) != 0)
+        return;
+    bounds->known = true;
+    read_bounds(output, !partition, &bounds->most);
+    if (has_word(spec, "--time", "-t"))
+        bounds->most.minutes = 0;
+    if (has_word(spec, "--mem", NULL))
+        bounds->most.mib = 0;
+}
+
+struct orl_part_limits orl_slurm_bounded(const struct orl_slurm_bounds *bounds,
+                                         struct orl_part_limits limits)
+{
+    const struct orl_part_limits most = bounds->most;
+
+    if (!bounds->known)
+        return (struct orl_part_limits){0, 0};
+    return (struct orl_part_limits){limits.minutes < most.minutes ? limits.minutes : most.minutes,
+                                    limits.mib < most.mib ? limits.mib : most.mib};
+}
+
+/* ---- Whether it is away ---------------------------------------------------------------------- */
+
+/* What sbatch says where another try may go better. Its exit status is always the same. */
+bool orl_slurm_is_passing(const char *output)
+{
+    static const char *const passing[] = {"Unable to contact",
+                                          "timed out",
+                                          "Connection refused",
+                                          "Connection reset",
+                                          "connect failure",
+                                          "standby mode",
+                                          "Zero Bytes were transmitted",
+                                          "temporarily unavailable",
+                                          "temporarily unable",
+                                          "AssocMaxSubmitJobLimit",
+                                          "QOSMaxSubmitJobPerUserLimit"};
+
+    for (size_t i = 0; i < sizeof passing / sizeof *passing; i++)
+        if (strcasestr(output, passing[i]))
+            return true;
+    return false;
+}
+
+/* ---- How one has ended ----------------------------------------------------------------------- */
+
+/* Lines "NUMBER|STATE|TASK". */
+static enum orl_part_end find_end(char *text, uint32_t task, uint32_t number)
+{
+    char *rest = text, *line;
+
+    while ((line = strsep(&rest, "\n")) != NULL) {
+        char *state = strchr(line, '|'), *its_task = state ? strchr(state + 1, '|') : NULL;
+
+        if (!its_task || strtoul(line, NULL, 10) != number ||
+            strtoul(its_task + 1, NULL, 10) != task)
+            continue;
+        if (strncmp(state, "|TO", strlen("|TO")) == 0)
+            return ORL_PART_OUT_OF_TIME;
+        if (strncmp(state, "|OOM", strlen("|OOM")) == 0)
+            return ORL_PART_OUT_OF_MEMORY;
+    }
+    return ORL_PART_ENDED;
+}
+
+/* What slurmstepd writes there, in lines of its own. */
+static enum orl_part_end end_in_log(const struct orl_runner_spec *spec, uint32_t task,
+                                    uint32_t number)
+{
+    char path[4300], line[1000];
+    enum orl_part_end end = ORL_PART_ENDED;
+    FILE *log;
+
+    snprintf(path, sizeof path, "%s/slurm-%u_%u.log", spec->folder, task, number);
+    log = fopen(path, "r");
+    while (log && fgets(line, sizeof line, log)) {
+        if (strncmp(line, "slurmstepd", strlen("slurmstepd")) != 0)
+            continue;
+        if (strstr(line, "DUE TO TIME LIMIT"))
+            end = ORL_PART_OUT_OF_TIME;
+        else if (strstr(line, "oom-kill") || strstr(line, "oom_kill") ||
+                 strstr(line, "xceeded job memory limit"))
+            end = ORL_PART_OUT_OF_MEMORY;
+    }
+    if (log)
+        fclose(log);
+    return end;
+}
+
+enum orl_part_end orl_slurm_end(const struct orl_runner_spec *spec, const char *tasks,
+                                uint32_t task, uint32_t number)
+{
+    char name[160], output[ORL_COMMAND_OUTPUT];
+    char *argv[] = {(char *)"squeue",
+                    (char *)"--noheader",
+                    (char *)"--array",
+                    (char *)"--me",
+                    (char *)"--states=TIMEOUT,OUT_OF_MEMORY",
+                    (char *)"--format=%K|%t|%F",
+                    name,
+                    NULL};
+    enum orl_part_end end;
+
+    snprintf(name, sizeof name, "--name=%s", tasks);
+    if (task == 0)
+        return ORL_PART_ENDED;
+    end =
+        end_in_log(spec, task, number); /* many fail at once: each line of it is a question less */
+    if (end == ORL_PART_ENDED &&
+        orl_command_run(argv, spec->command_s, spec->cancel, output, NULL) == 0)
+        end = find_end(output, task, number);
+    return end;
+}
