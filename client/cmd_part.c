@@ -101,11 +101,12 @@ static bool is_last(const struct orl_piece *piece)
 
 /* Own pieces; and maps that own ones need, should they be missing. */
 static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  struct orl_error *err)
+                  const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct part *part = ctx;
     size_t mine = 0, last = 0;
 
+    (void)watch;
     for (size_t i = 0; i < n; i++) {
         ret_here[i] = is_mine(part, &pieces[i]);
         mine += ret_here[i];

@@ -30,7 +30,7 @@ static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces,
 
 /* Of a run that hands all pieces to others. */
 static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  struct orl_error *err)
+                  const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct orl_sharing *sharing = ctx;
     bool *made = calloc(n + 1, sizeof *made);
@@ -39,6 +39,7 @@ static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret
     (void)ret_here;
     if (!made)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    sharing->watch = watch;
     rc = orl_wave_adopt(sharing, pieces, n, made, err);
     if (rc == 0)
         rc = run_rest(sharing, pieces, n, made, err);

@@ -35,6 +35,16 @@ struct orl_parts_count {
     uint32_t waves;
 };
 
+/* What becomes of a part, for a log. All borrowed. */
+struct orl_part_news {
+    const char *what; /* "start", "end", "again", "failed" */
+    const char *wave;
+    uint32_t part, task; /* task: Slurm's number of its array job; 0: none, or not known */
+    double ran_s;        /* as long as it was seen to run */
+    struct orl_part_limits limits;
+    const char *why; /* again, or failed; else NULL */
+};
+
 /* All borrowed, until the end of it. */
 struct orl_sharing_spec {
     const char *folder; /* its own: made, or taken up */
@@ -54,6 +64,8 @@ struct orl_sharing_spec {
     double (*now_s)(void *ctx); /* a steady clock, of any ctx */
     /* Called by the lead when the count has changed. May be NULL. */
     void (*told)(void *ctx, const struct orl_parts_count *count);
+    /* Likewise, of each part. May be NULL. */
+    void (*part_told)(void *ctx, const struct orl_part_news *news);
     void *ctx;
 };
 
@@ -67,7 +79,8 @@ struct orl_sharing {
     size_t earlier; /* pieces of an earlier run that serve again */
     time_t began;
     struct orl_parts_count count, told;
-    uint64_t parts;            /* that were started, each time counted */
+    const struct orl_pieces_watch *watch; /* of the wave under way; or NULL */
+    uint64_t parts;                       /* that were started, each time counted */
     double opened_s, load_s;   /* when; and how long until the first wave; 0: there was none */
     double foreseen_s, took_s; /* of parts that have ended, and how long those did run */
 };

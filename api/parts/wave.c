@@ -9,6 +9,7 @@
 
 #include "parts/limits.h"
 #include "parts/wave_files.h"
+#include "parts/wave_told.h"
 #include "problem.h"
 
 enum { MOST_TRIES = 3, MOST_RAISED = 5 };
@@ -18,27 +19,6 @@ static const double look_least_s = 0.05, look_most_s = 1, look_share = 0.005;
 /* A disk that is full is looked at again after so long. */
 static const double full_s = 10;
 
-struct part {
-    bool done, due;         /* due: to be started */
-    unsigned tries, raised; /* raised: times that its limits were */
-    enum orl_part_state state;
-    struct orl_part_needs needs;
-    struct orl_part_limits limits; /* that are asked for */
-    double gone_s;                 /* since when its runner has had it no more; 0: it has */
-    double runs_s;                 /* since when it runs; 0: it does not */
-    double held_s;                 /* until when it is held back; 0: it is not */
-};
-
-/* Parts of a wave, and how they stand. */
-struct wave {
-    char name[ORL_WAVE_NAME];
-    size_t n;
-    struct part *parts;
-    struct orl_part_seen *seen;    /* as its runner tells */
-    struct orl_part_order *orders; /* room for all */
-    double began_s;
-};
-
 static double now_s(const struct orl_sharing *sharing)
 {
     return sharing->spec.now_s(NULL);
@@ -46,23 +26,32 @@ static double now_s(const struct orl_sharing *sharing)
 
 /* ---- Counts ---------------------------------------------------------------------------------- */
 
-static void count_lost(struct orl_sharing *sharing, struct part *part)
+static void count_lost(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
+                       const char *why)
 {
+    struct orl_part *part = &wave->parts[i];
+
+    orl_part_tell(sharing, wave, i, "again", why);
     sharing->count.again++;
-    if (part->runs_s > 0)
-        sharing->count.lost_s += now_s(sharing) - part->runs_s;
+    sharing->count.lost_s += orl_part_ran_s(sharing, part);
     part->runs_s = 0;
+    part->told = false;
 }
 
 /* What its runner tells of a part. One that ran and waits was put back by Slurm. */
-static void take_state(struct orl_sharing *sharing, struct part *part, enum orl_part_state state)
+static void take_state(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
 {
+    struct orl_part *part = &wave->parts[i];
+    const enum orl_part_state state = wave->seen[i].state;
+
     if (state == ORL_PART_UNKNOWN)
         return;
     if (part->runs_s > 0 && state == ORL_PART_WAITING)
-        count_lost(sharing, part);
-    if (state == ORL_PART_RUNNING && part->runs_s <= 0)
+        count_lost(sharing, wave, i, "Slurm has put it back");
+    if (state == ORL_PART_RUNNING && part->runs_s <= 0) {
         part->runs_s = now_s(sharing);
+        orl_part_tell_start(sharing, wave, i);
+    }
     part->state = state;
 }
 
@@ -81,14 +70,15 @@ static void tell(struct orl_sharing *sharing)
         sharing->spec.told(sharing->spec.ctx, &sharing->count);
 }
 
-static void tell_wave(struct orl_sharing *sharing, const struct wave *wave, uint64_t done_before)
+static void tell_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
+                      uint64_t done_before)
 {
     struct orl_parts_count *count = &sharing->count;
 
     count->waiting = count->running = count->held = 0;
     count->done = done_before;
     for (size_t i = 0; i < wave->n; i++) {
-        const struct part *part = &wave->parts[i];
+        const struct orl_part *part = &wave->parts[i];
 
         count->done += part->done;
         count->running += !part->done && part->state == ORL_PART_RUNNING;
@@ -102,7 +92,7 @@ static void tell_wave(struct orl_sharing *sharing, const struct wave *wave, uint
 
 /* Of its first try: by what is known of the job by now. */
 static struct orl_part_limits first_limits(const struct orl_sharing *sharing,
-                                           const struct part *part)
+                                           const struct orl_part *part)
 {
     const struct orl_limit_basis basis = {
         .load_s = sharing->load_s,
@@ -114,12 +104,12 @@ static struct orl_part_limits first_limits(const struct orl_sharing *sharing,
 }
 
 /* Those that are due, all at once. */
-static int start_due(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
+static int start_due(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     size_t n = 0;
 
     for (size_t i = 0; i < wave->n; i++) {
-        struct part *part = &wave->parts[i];
+        struct orl_part *part = &wave->parts[i];
 
         if (!part->due)
             continue;
@@ -151,14 +141,15 @@ static void read_error(const char *path, struct orl_error *ret_said)
 }
 
 /* Until there is room again; it is not the part's fault. */
-static void hold(const struct orl_sharing *sharing, struct part *part)
+static void hold(const struct orl_sharing *sharing, struct orl_part *part)
 {
     part->held_s = now_s(sharing) + full_s;
     part->state = ORL_PART_WAITING;
 }
 
 /* Whether it came up against a limit that was ours to raise, and is: it is started with more. */
-static bool raise_limits(struct part *part, const struct orl_part_seen *seen, enum orl_part_end end)
+static bool raise_limits(struct orl_part *part, const struct orl_part_seen *seen,
+                         enum orl_part_end end)
 {
     const bool of_time = end == ORL_PART_OUT_OF_TIME;
     const uint32_t asked = of_time ? part->limits.minutes : part->limits.mib;
@@ -173,7 +164,7 @@ static bool raise_limits(struct part *part, const struct orl_part_seen *seen, en
 }
 
 /* Why there is nothing of a part. */
-static void say_end(const struct orl_sharing *sharing, const struct part *part,
+static void say_end(const struct orl_sharing *sharing, const struct orl_part *part,
                     const struct orl_part_seen *seen, enum orl_part_end end,
                     struct orl_error *ret_said)
 {
@@ -193,10 +184,10 @@ static void say_end(const struct orl_sharing *sharing, const struct part *part,
 }
 
 /* One that has left an error, or nothing: once more, or never again. */
-static int try_again(struct orl_sharing *sharing, struct wave *wave, size_t i,
+static int try_again(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
                      const char *error_path, struct orl_error *err)
 {
-    struct part *part = &wave->parts[i];
+    struct orl_part *part = &wave->parts[i];
     enum orl_part_end end = ORL_PART_ENDED;
     struct orl_error said = {.code = 0};
 
@@ -209,20 +200,22 @@ static int try_again(struct orl_sharing *sharing, struct wave *wave, size_t i,
     if (error_path)
         unlink(error_path);
     if (said.code == ORL_ERR_FULL || !orl_wave_has_room(sharing->folder)) {
-        count_lost(sharing, part);
+        count_lost(sharing, wave, i, "the shared folder's disk is full");
         part->tries--;
         hold(sharing, part);
         return 0;
     }
     part->due = raise_limits(part, &wave->seen[i], end) || part->tries < MOST_TRIES;
     if (part->due)
-        count_lost(sharing, part);
-    else if (err)
+        count_lost(sharing, wave, i, said.message);
+    else
+        orl_part_tell(sharing, wave, i, "failed", said.message);
+    if (!part->due && err)
         *err = said;
     return part->due ? 0 : said.code;
 }
 
-static void look_at_held(const struct orl_sharing *sharing, struct part *part)
+static void look_at_held(const struct orl_sharing *sharing, struct orl_part *part)
 {
     if (now_s(sharing) < part->held_s)
         return;
@@ -231,24 +224,24 @@ static void look_at_held(const struct orl_sharing *sharing, struct part *part)
         hold(sharing, part);
 }
 
-/* How long it took is known where it was seen to run. */
-static void end_well(struct orl_sharing *sharing, struct part *part)
+static void end_well(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
 {
+    struct orl_part *part = &wave->parts[i];
+
+    orl_part_tell(sharing, wave, i, "end", NULL);
+    orl_wave_learn(sharing, wave, part);
     part->done = true;
     part->held_s = 0;
-    if (part->runs_s > 0 && part->needs.core_s > 0) {
-        sharing->took_s += now_s(sharing) - part->runs_s;
-        sharing->foreseen_s += part->needs.core_s / fmax(sharing->spec.threads, 1);
-    }
 }
 
-static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, struct orl_error *err)
+static int look_at(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
+                   struct orl_error *err)
 {
-    struct part *part = &wave->parts[i];
+    struct orl_part *part = &wave->parts[i];
     char path[ORL_PART_PATH];
 
     if (orl_part_file(sharing->folder, wave->name, i, "done", path)) {
-        end_well(sharing, part);
+        end_well(sharing, wave, i);
         return 0;
     }
     if (part->held_s > 0) {
@@ -257,7 +250,7 @@ static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, str
     }
     if (orl_part_file(sharing->folder, wave->name, i, "error", path))
         return try_again(sharing, wave, i, path, err);
-    take_state(sharing, part, wave->seen[i].state);
+    take_state(sharing, wave, i);
     if (wave->seen[i].state != ORL_PART_GONE) {
         part->gone_s = 0;
         return 0;
@@ -272,7 +265,7 @@ static int look_at(struct orl_sharing *sharing, struct wave *wave, size_t i, str
 
 /* ---- The wave -------------------------------------------------------------------------------- */
 
-static void rest(const struct orl_sharing *sharing, const struct wave *wave)
+static void rest(const struct orl_sharing *sharing, const struct orl_wave *wave)
 {
     const double share = look_share * (now_s(sharing) - wave->began_s);
     const double wait = share < look_least_s  ? look_least_s
@@ -283,7 +276,7 @@ static void rest(const struct orl_sharing *sharing, const struct wave *wave)
     nanosleep(&time, NULL);
 }
 
-static int wait_for(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
+static int wait_for(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     const uint64_t done_before = sharing->count.done;
     size_t left = wave->n;
@@ -300,6 +293,8 @@ static int wait_for(struct orl_sharing *sharing, struct wave *wave, struct orl_e
         if (rc == 0)
             rc = start_due(sharing, wave, err);
         tell_wave(sharing, wave, done_before);
+        if (rc == 0)
+            orl_wave_tell_share(sharing, wave);
         if (rc == 0 && left > 0 && atomic_load(sharing->spec.cancel))
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while others made parts of it");
         if (left > 0 && rc == 0)
@@ -309,7 +304,8 @@ static int wait_for(struct orl_sharing *sharing, struct wave *wave, struct orl_e
 }
 
 /* What is under way ends with the run, unless a run after it is to find it. */
-static void end_wave(struct orl_sharing *sharing, struct wave *wave, int rc, struct orl_error *err)
+static void end_wave(struct orl_sharing *sharing, struct orl_wave *wave, int rc,
+                     struct orl_error *err)
 {
     const atomic_bool *leaves = sharing->spec.leaves;
     struct orl_error second = {0};
@@ -321,14 +317,14 @@ static void end_wave(struct orl_sharing *sharing, struct wave *wave, int rc, str
     orl_wave_forget(sharing->folder, wave->name);
 }
 
-static void wave_done(struct wave *wave)
+static void wave_done(struct orl_wave *wave)
 {
     free(wave->parts);
     free(wave->seen);
     free(wave->orders);
 }
 
-static int make_tables(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
+static int make_tables(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     wave->parts = calloc(wave->n + 1, sizeof *wave->parts);
     wave->seen = calloc(wave->n + 1, sizeof *wave->seen);
@@ -342,7 +338,7 @@ static int make_tables(struct orl_sharing *sharing, struct wave *wave, struct or
 }
 
 /* Its files, once the disk has room for them. */
-static int write_wave(struct orl_sharing *sharing, struct wave *wave,
+static int write_wave(struct orl_sharing *sharing, struct orl_wave *wave,
                       const struct orl_piece *pieces, size_t n, struct orl_error *err)
 {
     int rc = orl_wave_write(sharing, wave->name, pieces, n, &wave->n, err);
@@ -364,7 +360,7 @@ static int write_wave(struct orl_sharing *sharing, struct wave *wave,
 int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
                  struct orl_error *err)
 {
-    struct wave wave = {.n = 0};
+    struct orl_wave wave = {.n = 0};
     int rc;
 
     if (sharing->load_s <= 0)
@@ -390,7 +386,7 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 /* ---- Waves of an earlier run ----------------------------------------------------------------- */
 
 /* Its parts count as tried once: whether they are under way will be seen. */
-static int finish_wave(struct orl_sharing *sharing, struct wave *wave, struct orl_error *err)
+static int finish_wave(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     int rc = make_tables(sharing, wave, err);
 
@@ -408,7 +404,7 @@ static int finish_wave(struct orl_sharing *sharing, struct wave *wave, struct or
 int orl_wave_adopt(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
                    bool *ret_made, struct orl_error *err)
 {
-    struct wave wave = {.n = 0};
+    struct orl_wave wave = {.n = 0};
     int rc = 0;
 
     while (rc == 0 && orl_wave_find(sharing->folder, wave.name)) {
@@ -417,7 +413,7 @@ int orl_wave_adopt(struct orl_sharing *sharing, const struct orl_piece *pieces, 
         if (rc == 0)
             orl_wave_mark(sharing->folder, wave.name, wave.n, pieces, n, ret_made);
         wave_done(&wave);
-        wave = (struct wave){.n = 0};
+        wave = (struct orl_wave){.n = 0};
     }
     return rc;
 }

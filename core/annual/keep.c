@@ -162,7 +162,7 @@ static int share(struct orl_keep *keep, struct orl_keeping *it, struct orl_error
         return 0;
     memcpy(piece.kind, kind, sizeof kind);
     memcpy(piece.key, it->key, sizeof piece.key);
-    return pieces->divide(pieces->ctx, &piece, 1, &here, err);
+    return pieces->divide(pieces->ctx, &piece, 1, &here, NULL, err);
 }
 
 int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)

@@ -60,17 +60,24 @@ struct wanting {
     bool *here;
 };
 
+static void tell_share(void *ctx, double share)
+{
+    struct orl_year *y = ctx;
+    orl_year_tell(y, ORL_STAGE_RENDER, share * (double)y->request->n_sensors);
+}
+
 /* Until the store has all blocks. What cannot be kept is made later, block by block. */
 static int share_wanting(struct orl_year *y, size_t n, const struct wanting *w,
                          orl_year_make_block *make, struct orl_error *err)
 {
     const struct orl_pieces *shared = y->env->run->pieces;
+    const struct orl_pieces_watch watch = {tell_share, y};
     size_t wanting = list_wanting(y, n, w->pieces, w->places), before = n + 1;
     int code = 0;
     while (code == 0 && wanting > 0 && wanting < before) {
         before = wanting;
         memset(w->here, 0, n * sizeof *w->here);
-        code = shared->divide(shared->ctx, w->pieces, wanting, w->here, err);
+        code = shared->divide(shared->ctx, w->pieces, wanting, w->here, &watch, err);
         for (size_t i = 0; i < wanting && code == 0; i++) {
             choose_block(y, w->places[i]);
             code = w->here[i] ? make(y, err) : 0;

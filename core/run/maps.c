@@ -332,12 +332,18 @@ static int acquire_all(struct orl_run_state *state, struct map_work *work, struc
     return code;
 }
 
+static void tell_share(void *ctx, double share)
+{
+    orl_run_progress(ctx, share);
+}
+
 /* Of a run that is shared: maps that are wanting others may make. */
 static int share_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_map_store *store = store_of(state);
     const struct orl_pieces *shared = state->env->pieces;
     struct orl_piece pieces[ORL_MAP_KINDS];
+    const struct orl_pieces_watch watch = {tell_share, state};
     bool here[ORL_MAP_KINDS] = {false};
     /* Each takes all photons: both kinds come of the same paths. */
     const double core_s = (state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS]) *
@@ -359,7 +365,7 @@ static int share_missing(struct orl_run_state *state, struct map_work *work, str
         return 0;
     orl_run_release_maps(state);
     memset(work, 0, ORL_MAP_KINDS * sizeof *work);
-    const int code = shared->divide(shared->ctx, pieces, n, here, err);
+    const int code = shared->divide(shared->ctx, pieces, n, here, &watch, err);
     return code < 0 ? code : acquire_all(state, work, err);
 }
 

@@ -161,7 +161,9 @@ static int look(const struct orl_run_env *env, const struct orl_piece_work *work
 static int share_out(const struct orl_run_env *env, const struct orl_piece_work *work,
                      struct wanting *w, struct orl_error *err)
 {
-    int code = env->pieces->divide(env->pieces->ctx, w->pieces, w->n, w->here, err);
+    const struct orl_pieces_watch watch = {work->told, work->ctx};
+    int code = env->pieces->divide(env->pieces->ctx, w->pieces, w->n, w->here,
+                                   work->told ? &watch : NULL, err);
     for (size_t i = 0; i < w->n && code == 0; i++)
         if (w->here[i]) {
             code = make(env, work, w->places[i], err);
@@ -229,7 +231,8 @@ static int take_counts(void *ctx, size_t index, const void *data, size_t size, b
 bool orl_run_add_counts(struct orl_run_state *state, const char *key)
 {
     struct orl_piece piece = counts_of(key);
-    const struct orl_piece_work work = {&piece, 1, state, NULL, take_counts};
+    const struct orl_piece_work work = {
+        .pieces = &piece, .n = 1, .ctx = state, .take = take_counts};
     bool found = false;
     find(state->env, &work, 0, &found, NULL);
     return found;

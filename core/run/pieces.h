@@ -25,6 +25,8 @@ struct orl_piece_work {
     /* Takes one that was found. *ret_taken: it is what it should be. */
     int (*take)(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
                 struct orl_error *err);
+    /* How much of those that others make is made. May be NULL. */
+    void (*told)(void *ctx, double share);
 };
 
 /* Makes or takes all of them. Of a run that is shared. */

@@ -1,5 +1,7 @@
 #include "run/rendering.h"
 
+#include <math.h>
+
 #include "run/cost.h"
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
@@ -13,7 +15,7 @@ static void tell_taken(const struct orl_rendering *rendering, double taken)
 
 void orl_tell_sensors(const struct orl_rendering *rendering)
 {
-    tell_taken(rendering, (double)atomic_load(&rendering->taken));
+    tell_taken(rendering, fmax((double)atomic_load(&rendering->taken), rendering->elsewhere));
 }
 
 /* When the lead has done a sensor of so many samples the others are within theirs: they have had

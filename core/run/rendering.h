@@ -30,6 +30,7 @@ struct orl_rendering {
     uint64_t samples;
     atomic_uint_fast64_t taken; /* of the sensors' samples */
     double by_lead;             /* of those: the crew's lead's */
+    double elsewhere;           /* samples that are taken, with those that others have made */
     struct orl_view_progress *views;
     struct orl_sensor_found found[ORL_STRETCH];
 };

@@ -103,13 +103,22 @@ static void name_stretch(const struct orl_rendering *rendering, size_t first,
     snprintf(piece->kind, sizeof piece->kind, "sensors");
 }
 
+static void tell_share(void *ctx, double share)
+{
+    struct orl_rendering *rendering = ctx;
+    const double taken = (double)atomic_load(&rendering->taken);
+    rendering->elsewhere = taken + share * ((double)rendering->samples - taken);
+    orl_tell_sensors(rendering);
+}
+
 int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err)
 {
     const struct orl_run_state *state = rendering->state;
     struct orl_piece_work work = {.n = (state->n_sensors + ORL_STRETCH - 1) / ORL_STRETCH,
                                   .ctx = rendering,
                                   .make = make_stretch,
-                                  .take = take_stretch};
+                                  .take = take_stretch,
+                                  .told = tell_share};
     work.pieces = calloc(work.n, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");

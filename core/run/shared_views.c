@@ -110,11 +110,18 @@ static void name_view(const struct orl_run_state *state, size_t index, struct or
     piece->bytes = ORL_PIXEL_BYTES * (uint64_t)view->width * view->height;
 }
 
+static void tell_share(void *ctx, double share)
+{
+    const struct orl_rendering *rendering = ((const struct shared *)ctx)->rendering;
+    orl_run_progress(rendering->state, rendering->share + share * (1 - rendering->share));
+}
+
 int orl_share_views(struct orl_rendering *rendering, const size_t *views, size_t n,
                     struct orl_error *err)
 {
     struct shared shared = {rendering, views};
-    struct orl_piece_work work = {.n = n, .ctx = &shared, .make = make, .take = take};
+    struct orl_piece_work work = {
+        .n = n, .ctx = &shared, .make = make, .take = take, .told = tell_share};
     work.pieces = calloc(n + 1, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");

@@ -1,6 +1,7 @@
 /* Several skies: the job under each of them, one after the other. */
 #include <oriel/skies.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +16,8 @@
 static const double dark_share = 0.1;
 /* So much a sky counts beside the next. */
 static const double kept = 0.9;
+/* Of a run that is shared: what others make, of the whole; the rest is put together from it. */
+static const double made_elsewhere = 0.95;
 /* A plan that takes as long is not made twice for a curve. */
 static const double long_plan_s = 20;
 
@@ -26,6 +29,7 @@ struct passage {
     struct orl_scene *scene; /* of all of them, once the first has read it */
     double *shares;          /* of each sky in the whole; sums to 1 */
     double before;           /* of those behind us */
+    double from;             /* of the whole, made elsewhere */
     /* Shares of those that were run, and the seconds of their stages: the last ones count most, for
      * a machine has more to do at times. */
     double ran, ran_s[ORL_STAGE_COUNT];
@@ -131,8 +135,8 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     char prefix[80];
     snprintf(prefix, sizeof prefix, "%s.", p->job.skies[index].name);
     env.file_prefix = prefix;
-    env.part_from = p->before;
-    env.part = p->shares[index];
+    env.part_from = p->from + (1 - p->from) * p->before;
+    env.part = (1 - p->from) * p->shares[index];
     if (p->ran > 0) {
         env.part_after_s = foresee(p, index, stages_s);
         env.part_stages_s = stages_s;
@@ -154,9 +158,9 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
 /* ---- Skies as pieces ------------------------------------------------------------------------- */
 
 static int make_all_here(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                         struct orl_error *err)
+                         const struct orl_pieces_watch *watch, struct orl_error *err)
 {
-    (void)ctx, (void)pieces, (void)err;
+    (void)ctx, (void)pieces, (void)watch, (void)err;
     for (size_t i = 0; i < n; i++)
         ret_here[i] = true;
     return 0;
@@ -199,6 +203,18 @@ static void name_sky(const struct passage *p, const char *job, size_t index,
     piece->bytes = orl_run_guess_bytes(&p->job);
 }
 
+/* Until all is made, and put together: by the time that it has taken so far. */
+static void tell_share(void *ctx, double share)
+{
+    const struct passage *p = ctx;
+    const struct orl_run_env *env = p->env;
+    const double done = made_elsewhere * share;
+    const double elapsed = env->now_s(env->ctx) - p->started_s;
+    if (env->progress)
+        env->progress(env->ctx, ORL_STAGE_RENDER, share, done,
+                      done > 0 ? elapsed * (1 - done) / done : (double)NAN);
+}
+
 /* Others make what is to be made under each sky; then all of it is found. */
 static int share_skies(struct passage *p, struct orl_pieces *here, struct orl_run_env *ret_env,
                        struct orl_error *err)
@@ -206,7 +222,7 @@ static int share_skies(struct passage *p, struct orl_pieces *here, struct orl_ru
     const struct orl_pieces *shared = p->env->pieces;
     const struct orl_run_env *env = p->env;
     struct orl_piece_work work = {
-        .n = p->job.n_skies, .ctx = p, .make = make_sky, .take = take_sky};
+        .n = p->job.n_skies, .ctx = p, .make = make_sky, .take = take_sky, .told = tell_share};
     work.pieces = calloc(work.n + 1, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
@@ -218,6 +234,7 @@ static int share_skies(struct passage *p, struct orl_pieces *here, struct orl_ru
     p->env = ret_env;
     const int code = orl_run_pieces(env, &work, err);
     free(work.pieces);
+    p->from = made_elsewhere;
     return code;
 }
 

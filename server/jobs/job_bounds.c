@@ -48,6 +48,8 @@ static void remove_old(struct orl_jobs *jobs)
 
 void orl_jobs_bound(struct orl_jobs *jobs)
 {
+    for (const struct orl_jobs_job *job = jobs->leaders; job; job = job->next_leader)
+        orl_runs_log_parts(job);
     stop_late(jobs);
     remove_old(jobs);
 }

@@ -239,6 +239,20 @@ static void end_worker(struct orl_jobs_job *job, const struct orl_worker_outcome
         finish(job, outcome, NULL);
 }
 
+void orl_runs_log_parts(const struct orl_jobs_job *job)
+{
+    const struct orl_log *log = job->jobs->env.log;
+    struct orl_worker_part_news news;
+    while (job->worker && orl_worker_part_news(job->worker, &news)) {
+        const bool failed = strcmp(news.what, "failed") == 0;
+        orl_log_event(log, failed ? ORL_LOG_WARN : ORL_LOG_INFO, "job-part", "sssisdiis", "job",
+                      job->row.id, "what", news.what, "wave", news.wave, "part", (int64_t)news.part,
+                      "slurm", *news.slurm ? news.slurm : NULL, "ran_s", news.ran_s, "minutes",
+                      (int64_t)news.limits.minutes, "mib", (int64_t)news.limits.mib, "why",
+                      *news.why ? news.why : NULL);
+    }
+}
+
 /* What its parts came to goes over to what is counted of jobs that have ended. */
 static void end_parts(const struct orl_jobs_job *job, const struct orl_parts_count *parts)
 {
@@ -253,6 +267,7 @@ static void end_parts(const struct orl_jobs_job *job, const struct orl_parts_cou
 static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
 {
     struct orl_jobs_job *job = ctx;
+    orl_runs_log_parts(job);
     job->worker = NULL;
     end_parts(job, &outcome->tally.parts);
     if (outcome->code == 0 && orl_job_bsdf_start(job, outcome, end_worker))

@@ -55,6 +55,8 @@ void orl_jobs_batch_end(struct orl_jobs *jobs);
 
 /* ---- job_runs.c ----------------------------------------------------------------------------- */
 
+/* What became of its parts since it was called last, into the log. */
+void orl_runs_log_parts(const struct orl_jobs_job *job);
 /* A queued job leads or follows; one for which there is no memory fails. */
 void orl_runs_enqueue(struct orl_jobs_job *job);
 /* Takes a leader off the list of those that wait or run. */

@@ -49,6 +49,7 @@ static void worker_free(struct orl_worker *worker)
     for (size_t i = 0; i < worker->n_warnings; i++)
         free(worker->warnings[i]);
     free(worker->points);
+    free(worker->news);
     free(worker->results);
     free(worker);
 }

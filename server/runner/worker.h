@@ -67,11 +67,19 @@ struct orl_worker_spec {
     struct orl_map_store maps;
     struct orl_shelf *shelf;              /* borrowed; or NULL */
     const struct orl_shared_place *place; /* borrowed; NULL: no job goes in parts */
-    uint64_t memory_bytes; /* that it is thought to take: job_memory.h */
+    uint64_t memory_bytes;                /* that it is thought to take: job_memory.h */
     uint32_t threads;
     /* On the loop thread, once, when no pool thread works for the job any more. */
     void (*done)(void *ctx, const struct orl_worker_outcome *outcome);
     void *ctx;
+};
+
+/* What became of a part, for the log. */
+struct orl_worker_part_news {
+    char what[8], wave[ORL_WAVE_NAME], slurm[32], why[200]; /* why: "" where there is none */
+    uint32_t part;
+    double ran_s;
+    struct orl_part_limits limits;
 };
 
 struct orl_job_progress {
@@ -107,6 +115,8 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
 void orl_worker_cancel(struct orl_worker *worker);
 /* The same, but what is done is kept for when it starts anew. */
 void orl_worker_stop(struct orl_worker *worker);
+/* The oldest since it was asked last; false: there is none. Loop thread. */
+bool orl_worker_part_news(struct orl_worker *worker, struct orl_worker_part_news *ret_news);
 void orl_worker_progress(struct orl_worker *worker, struct orl_job_progress *ret_progress);
 
 /*

@@ -14,7 +14,7 @@
 #include "runner/job_output.h"
 #include "runner/worker.h"
 
-enum { ORL_WORKER_WHOLE = 1000000 };
+enum { ORL_WORKER_WHOLE = 1000000, ORL_WORKER_NEWS = 4096 };
 
 /* The job being rendered: the document's, or that under one of its skies. */
 struct orl_worker_part {
@@ -55,6 +55,8 @@ struct orl_worker {
     bool in_parts;                     /* set before the run */
     char why_here[ORL_WHY_MAX];
     struct orl_parts_count parts;
+    struct orl_worker_part_news *news; /* owned: a ring of ORL_WORKER_NEWS; or NULL */
+    size_t n_news, first_news;
 };
 
 /* Everything the lead does; returns the job's code. */

@@ -22,6 +22,43 @@ static void on_told(void *ctx, const struct orl_parts_count *count)
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
+/* Where nobody takes them for long the oldest go. */
+static void on_part_told(void *ctx, const struct orl_part_news *told)
+{
+    struct orl_worker *worker = ctx;
+    struct orl_worker_part_news news = {
+        .part = told->part, .ran_s = told->ran_s, .limits = told->limits};
+    snprintf(news.what, sizeof news.what, "%s", told->what);
+    snprintf(news.wave, sizeof news.wave, "%s", told->wave);
+    snprintf(news.why, sizeof news.why, "%.*s", (int)sizeof news.why - 1,
+             told->why ? told->why : "");
+    if (told->task > 0)
+        snprintf(news.slurm, sizeof news.slurm, "%u_%u", told->task, told->part);
+    pthread_mutex_lock(&worker->news_mutex);
+    if (!worker->news)
+        worker->news = calloc(ORL_WORKER_NEWS, sizeof *worker->news);
+    if (worker->news && worker->n_news == ORL_WORKER_NEWS) {
+        worker->first_news = (worker->first_news + 1) % ORL_WORKER_NEWS;
+        worker->n_news--;
+    }
+    if (worker->news)
+        worker->news[(worker->first_news + worker->n_news++) % ORL_WORKER_NEWS] = news;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+bool orl_worker_part_news(struct orl_worker *worker, struct orl_worker_part_news *ret_news)
+{
+    pthread_mutex_lock(&worker->news_mutex);
+    const bool any = worker->n_news > 0;
+    if (any) {
+        *ret_news = worker->news[worker->first_news];
+        worker->first_news = (worker->first_news + 1) % ORL_WORKER_NEWS;
+        worker->n_news--;
+    }
+    pthread_mutex_unlock(&worker->news_mutex);
+    return any;
+}
+
 /* As the command would have it: with the names of its scene's files, which lie beside it. */
 static json_t *local_document(const struct orl_worker *worker)
 {
@@ -63,6 +100,7 @@ static int lay_out(struct orl_worker *worker, const json_t *doc, struct orl_erro
                                           .leaves = &worker->stopped,
                                           .now_s = now_s,
                                           .told = on_told,
+                                          .part_told = on_part_told,
                                           .ctx = worker};
     const int rc = orl_sharing_open(&worker->sharing, &spec, err);
     free(files);

@@ -59,6 +59,58 @@ static void test_parts_are_told_of(void **state)
     assert_true(daemon_metric(&f->daemon, "oriel_parts_done_total") == done);
 }
 
+/* Lines of the daemon's log that have all of these. */
+static int count_in_log(const struct parted_daemon *f, const char *const words[3])
+{
+    char path[80];
+    snprintf(path, sizeof path, "%.64s.log", f->daemon.root);
+    char *text = cli_read_file("/", path), *rest = text, *line;
+    int n = 0;
+    assert_non_null(text);
+    while ((line = strsep(&rest, "\n")) != NULL)
+        n += strstr(line, words[0]) && strstr(line, words[1]) && strstr(line, words[2]);
+    free(text);
+    return n;
+}
+
+/* How far the job is goes on while its one wave runs; and each part has its lines in the log, by
+ * which a cluster's user finds its task. */
+static void test_a_wave_moves(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80], job[96];
+    struct reply reply;
+    double last = -1;
+    int moves = 0, with_eta = 0;
+    parted_submit(f, parted_long, path);
+    for (int i = 0; i < 600; i++) {
+        daemon_get(&f->daemon, path, &reply);
+        const bool ended = strcmp(reply_text(&reply, "state"), "succeeded") == 0;
+        const double percent = reply_number(&reply, "percent");
+        if (!ended && reply_number(&reply, "runner.parts.running") > 0) {
+            assert_true(percent >= last && percent < 100);
+            moves += percent > last;
+            with_eta += percent > 0 && reply_number(&reply, "eta_s") > 0;
+            last = percent;
+        }
+        reply_done(&reply);
+        if (ended)
+            break;
+        cluster_rest(0.2);
+    }
+    if (moves < 3 || with_eta < 2)
+        fail_msg("%d moves, %d with an ETA", moves, with_eta);
+    daemon_get(&f->daemon, path, &reply);
+    const int done = (int)reply_number(&reply, "runner.parts.done");
+    reply_done(&reply);
+    snprintf(job, sizeof job, "job=%s", path + strlen("/v1/jobs/"));
+    assert_int_equal(count_in_log(f, (const char *const[3]){"event=job-part ", job, "what=start"}),
+                     done);
+    assert_int_equal(count_in_log(f, (const char *const[3]){"event=job-part ", job, "what=end"}),
+                     done);
+    assert_int_equal(count_in_log(f, (const char *const[3]){"what=end", job, "slurm=-"}), 0);
+}
+
 static void test_cancel_ends_all_tasks(void **state)
 {
     struct parted_daemon *f = *state;
@@ -140,6 +192,8 @@ int main(void)
                                         parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, parted_daemon_set_up, parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_parts_are_told_of, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_wave_moves, parted_daemon_set_up,
                                         parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_cancel_ends_all_tasks, parted_daemon_set_up,
                                         parted_daemon_tear_down),

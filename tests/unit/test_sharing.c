@@ -44,6 +44,8 @@ struct fixture {
     struct orl_sharing sharing;
     atomic_bool cancel, leaves;
     struct orl_parts_count told;
+    double share;
+    int n_news[3]; /* of parts: starts, ends, further tries */
     struct orl_error err;
 };
 
@@ -60,6 +62,14 @@ static void on_told(void *ctx, const struct orl_parts_count *count)
     ((struct fixture *)ctx)->told = *count;
 }
 
+static void on_part_told(void *ctx, const struct orl_part_news *news)
+{
+    struct fixture *f = ctx;
+    f->n_news[0] += strcmp(news->what, "start") == 0;
+    f->n_news[1] += strcmp(news->what, "end") == 0;
+    f->n_news[2] += strcmp(news->what, "again") == 0 && news->why;
+}
+
 static int open_sharing(struct fixture *f)
 {
     const struct orl_sharing_spec spec = {.folder = f->job,
@@ -72,6 +82,7 @@ static int open_sharing(struct fixture *f)
                                           .leaves = &f->leaves,
                                           .now_s = now_s,
                                           .told = on_told,
+                                          .part_told = on_part_told,
                                           .ctx = f};
     return orl_sharing_open(&f->sharing, &spec, &f->err);
 }
@@ -107,10 +118,19 @@ static const struct orl_piece pieces[] = {{"view", "a0", 1, 0, 0}, {"view", "a1"
                                           {"view", "a4", 1, 0, 0}, {"view", "a5", 1, 0, 0}};
 enum { PIECES = sizeof pieces / sizeof *pieces };
 
+static void on_share(void *ctx, double share)
+{
+    struct fixture *f = ctx;
+    assert_true(share >= f->share && share <= 1);
+    f->share = share;
+}
+
 static int divide(struct fixture *f)
 {
+    const struct orl_pieces_watch watch = {on_share, f};
+    f->share = 0;
     bool here[PIECES] = {false};
-    return f->sharing.pieces.divide(f->sharing.pieces.ctx, pieces, PIECES, here, &f->err);
+    return f->sharing.pieces.divide(f->sharing.pieces.ctx, pieces, PIECES, here, &watch, &f->err);
 }
 
 static int count_runs(const struct fixture *f)
@@ -131,6 +151,9 @@ static void test_each_part_runs_once(void **state)
     assert_int_equal(f->told.done, 3);
     assert_int_equal(f->told.waiting + f->told.running + f->told.again, 0);
     assert_int_equal(f->told.waves, 1);
+    assert_true(f->share == 1);
+    assert_int_equal(f->n_news[0], 3);
+    assert_int_equal(f->n_news[1], 3);
 }
 
 /* One that fails or dies is done once more, and counted. */
@@ -143,6 +166,8 @@ static void test_parts_are_tried_again(void **state)
     assert_int_equal(count_runs(f), 5);
     assert_int_equal(f->told.again, 2);
     assert_int_equal(f->told.done, 3);
+    assert_int_equal(f->n_news[0], 5);
+    assert_int_equal(f->n_news[2], 2);
 }
 
 static void test_a_part_fails_for_good(void **state)

@@ -33,6 +33,12 @@ struct orl_piece {
     uint64_t bytes; /* of memory that making it takes beside the job itself; 0: little */
 };
 
+/* Who is told how much of what others make is made, 0..1, while a run waits for it. By the lead. */
+struct orl_pieces_watch {
+    void (*told)(void *ctx, double share);
+    void *ctx;
+};
+
 struct orl_pieces {
     void *ctx;
     const char *job; /* a digest of the job and of all its files: goes into keys */
@@ -40,10 +46,10 @@ struct orl_pieces {
      * Pieces that the store has not; none of them needs another. Sets ret_here of those that this
      * run is to make, all false beforehand. When it returns 0 the others are in the store, or will
      * never be asked for. ORL_ERR_CANCELLED ends a run that has made what it was to make. Called by
-     * the lead.
+     * the lead. watch: NULL: nobody wants to know.
      */
     int (*divide)(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  struct orl_error *err);
+                  const struct orl_pieces_watch *watch, struct orl_error *err);
 };
 
 /*
