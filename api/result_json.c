@@ -132,6 +132,7 @@ static json_t *health_to_json(const struct orl_health *h)
         {"sparse_estimates", h->sparse},
         {"bsdf_values", h->bsdf_values},
         {"surfaces", h->surfaces},
+        {"instances", h->instances},
         {"photons", h->photons},
         {"paths", h->paths},
         {"rays", h->rays},

@@ -27,11 +27,12 @@ json_t *orl_scene_summary_to_json(const struct orl_scene_summary *summary)
             return NULL;
         }
     return json_pack(
-        "{s:I, s:I, s:I, s:I, s:I, s:{s:o, s:o}, s:s, s:o}", "surfaces",
-        (json_int_t)summary->surfaces, "materials", (json_int_t)summary->materials, "sources",
-        (json_int_t)summary->sources, "triangles", (json_int_t)summary->triangles, "bsdfs",
-        (json_int_t)summary->bsdfs, "bounds", "min", point_to_json(summary->bounds_min), "max",
-        point_to_json(summary->bounds_max), "digest", summary->digest, "referenced", referenced);
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:{s:o, s:o}, s:s, s:o}", "surfaces",
+        (json_int_t)summary->surfaces, "placed_surfaces", (json_int_t)summary->placed_surfaces,
+        "materials", (json_int_t)summary->materials, "sources", (json_int_t)summary->sources,
+        "triangles", (json_int_t)summary->triangles, "bsdfs", (json_int_t)summary->bsdfs, "bounds",
+        "min", point_to_json(summary->bounds_min), "max", point_to_json(summary->bounds_max),
+        "digest", summary->digest, "referenced", referenced);
 }
 
 json_t *orl_floor_plan_to_json(const struct orl_floor_plan *plan)

@@ -11,7 +11,7 @@ enum { MOST_PANES = 64 };
 
 static int32_t port_of(const struct orl_world *world, uint32_t facet)
 {
-    return world->open || !world->port_of_facet ? ORL_NO_PORT : world->port_of_facet[facet];
+    return world->open ? ORL_NO_PORT : orl_world_port_of(world, facet);
 }
 
 /* Whether both are ports and have outdoors on the same side, or neither is. */
@@ -178,7 +178,8 @@ static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane
         if (!orl_path_meet(world, &path, &hit))
             break;
         const struct orl_material *m = orl_world_material(world, &hit);
-        const bool here = mirrors->plane_of[hit.facet] == plane;
+        const bool here = !orl_facet_is_placed(world->geometry, hit.facet) &&
+                          mirrors->plane_of[hit.facet] == plane;
         if (here && !out)
             break;
         if (here) {

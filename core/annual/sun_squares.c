@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "scene/geometry/placed.h"
+
 enum { MOST_CORNERS = 8, ROUND_COLUMNS = 64, ROUND_ROWS = 32, COLUMN_BITS = 14 };
 
 /* A facet's plane, and its axes. */
@@ -93,8 +95,8 @@ static struct orl_sun_sheet sheet_of(const struct orl_geometry *g, const struct 
 
 int orl_sun_squares_init(struct orl_sun_squares *s, const struct orl_geometry *g, double width)
 {
-    *s = (struct orl_sun_squares){.geometry = g,
-                                  .sheets = calloc(g->n_facets + 1, sizeof *s->sheets)};
+    *s = (struct orl_sun_squares){
+        .geometry = g, .width = width, .sheets = calloc(g->n_facets + 1, sizeof *s->sheets)};
     if (!s->sheets)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < g->n_facets; i++)
@@ -109,13 +111,39 @@ void orl_sun_squares_done(struct orl_sun_squares *s)
     *s = (struct orl_sun_squares){.sheets = NULL};
 }
 
-/* Which square of its facet, by column and row. */
-static void cell_of(const struct orl_sun_squares *s, const struct orl_hit *hit, int64_t ret_cell[2])
+/* A facet, and a polygon's sheet. Of what stands in several places both are worked out again each
+ * time, into the room here. */
+struct met {
+    const struct orl_facet *facet;
+    const struct orl_sun_sheet *sheet;
+    struct orl_facet placed;
+    struct orl_curved round;
+    struct orl_sun_sheet placed_sheet;
+};
+
+static void look_up(const struct orl_sun_squares *s, uint32_t facet, struct met *met)
 {
-    const struct orl_facet *f = &s->geometry->facets[hit->facet];
+    const struct orl_geometry *const g = s->geometry;
+    if (!orl_facet_is_placed(g, facet)) {
+        met->facet = &g->facets[facet];
+        met->sheet = &s->sheets[facet];
+        return;
+    }
+    met->placed = orl_facet_at(g, facet, &met->round);
+    if (met->placed.kind == ORL_SURFACE_POLYGON)
+        met->placed_sheet = sheet_of(g, &met->placed, s->width);
+    met->facet = &met->placed;
+    met->sheet = &met->placed_sheet;
+}
+
+/* Which square of its facet, by column and row. */
+static void cell_of(const struct orl_sun_squares *s, const struct orl_hit *hit,
+                    const struct met *met, int64_t ret_cell[2])
+{
+    const struct orl_facet *f = met->facet;
     double at[2];
     if (f->kind == ORL_SURFACE_POLYGON) {
-        const struct orl_sun_sheet *sheet = &s->sheets[hit->facet];
+        const struct orl_sun_sheet *sheet = met->sheet;
         const struct layout layout = layout_by(s, f, sheet);
         place_on(&layout, hit->point, at);
         for (int i = 0; i < 2; i++)
@@ -131,8 +159,10 @@ static void cell_of(const struct orl_sun_squares *s, const struct orl_hit *hit, 
 uint64_t orl_sun_square_of(const struct orl_sun_squares *s, const struct orl_hit *hit)
 {
     const uint64_t mask = (1U << COLUMN_BITS) - 1;
+    struct met met;
     int64_t cell[2];
-    cell_of(s, hit, cell);
+    look_up(s, hit->facet, &met);
+    cell_of(s, hit, &met, cell);
     return ((uint64_t)hit->facet + 1) << (2 * COLUMN_BITS + 1) |
            ((uint64_t)cell[0] & mask) << (COLUMN_BITS + 1) | ((uint64_t)cell[1] & mask) << 1 |
            hit->front;
@@ -189,23 +219,17 @@ static double round_area(const struct orl_facet *f, const int64_t cell[2])
     return mean > 0 ? whole * here / mean : whole;
 }
 
-double orl_sun_square_area(const struct orl_sun_squares *s, const struct orl_hit *hit)
+static double polygon_area(const struct orl_geometry *g, const struct orl_facet *f,
+                           const struct layout *layout, const struct orl_sun_sheet *sheet,
+                           const int64_t cell[2])
 {
-    const struct orl_geometry *g = s->geometry;
-    const struct orl_facet *f = &g->facets[hit->facet];
-    int64_t cell[2];
     double sum = 0;
-    cell_of(s, hit, cell);
-    if (f->kind != ORL_SURFACE_POLYGON)
-        return round_area(f, cell);
-    const struct orl_sun_sheet *sheet = &s->sheets[hit->facet];
-    const struct layout layout = layout_by(s, f, sheet);
     for (uint32_t i = 0; i < f->n_triangles; i++) {
         const struct orl_triangle t = orl_triangle_of(g, f->first_triangle + i);
         struct outline o = {.n = 3};
-        place_on(&layout, t.a, o.at[0]);
-        place_on(&layout, t.b, o.at[1]);
-        place_on(&layout, t.c, o.at[2]);
+        place_on(layout, t.a, o.at[0]);
+        place_on(layout, t.b, o.at[1]);
+        place_on(layout, t.c, o.at[2]);
         for (int axis = 0; axis < 2; axis++) {
             const double low = (double)sheet->low[axis], step = (double)sheet->step[axis];
             cut(&o, axis, low + (double)cell[axis] * step, 1);
@@ -214,4 +238,16 @@ double orl_sun_square_area(const struct orl_sun_squares *s, const struct orl_hit
         sum += area_of(&o);
     }
     return sum;
+}
+
+double orl_sun_square_area(const struct orl_sun_squares *s, const struct orl_hit *hit)
+{
+    struct met met;
+    int64_t cell[2];
+    look_up(s, hit->facet, &met);
+    cell_of(s, hit, &met, cell);
+    if (met.facet->kind != ORL_SURFACE_POLYGON)
+        return round_area(met.facet, cell);
+    const struct layout layout = layout_by(s, met.facet, met.sheet);
+    return polygon_area(s->geometry, met.facet, &layout, met.sheet, cell);
 }

@@ -15,7 +15,8 @@ struct orl_sun_sheet {
 
 struct orl_sun_squares {
     const struct orl_geometry *geometry; /* borrowed */
-    struct orl_sun_sheet *sheets;        /* of each facet */
+    struct orl_sun_sheet *sheets;        /* of each facet of the scene's own */
+    double width;
 };
 
 /* Squares about so wide; of strips narrower than a few of them, longer ones in eight rows. Returns

@@ -129,7 +129,7 @@ static bool take_exit(const struct walk *w)
 {
     const struct orl_eye_path *p = &w->eye;
     struct orl_annual_exits *exits = w->tracer->sums->exits;
-    const int32_t port = exits ? p->world->port_of_facet[p->hit.facet] : ORL_NO_PORT;
+    const int32_t port = exits ? orl_world_port_of(p->world, p->hit.facet) : ORL_NO_PORT;
     if (port == ORL_NO_PORT)
         return false;
     const uint32_t window = exits->window_of_port[port];

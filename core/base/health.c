@@ -13,6 +13,7 @@ void orl_health_add(struct orl_health *sum, const struct orl_health *part)
     sum->sparse += part->sparse;
     sum->bsdf_values += part->bsdf_values;
     sum->surfaces += part->surfaces;
+    sum->instances += part->instances;
     sum->photons += part->photons;
     sum->paths += part->paths;
     sum->rays += part->rays;

@@ -1,5 +1,7 @@
 #include "goniometer/cell.h"
 
+#include "scene/geometry/placed.h"
+
 enum { MOST_SIDES = 1 << 16, MARGIN = 4 };
 
 struct orl_gonio_cell orl_gonio_cell_around(const struct orl_geometry *geometry,
@@ -8,6 +10,8 @@ struct orl_gonio_cell orl_gonio_cell_around(const struct orl_geometry *geometry,
     double offset = 0;
     for (size_t i = 0; i < geometry->n_facets; i++)
         offset = fmax(offset, geometry->facets[i].offset);
+    for (size_t i = 0; i < geometry->n_placed; i++)
+        offset = fmax(offset, geometry->placed[i].offset);
     const double m = MARGIN * offset;
     return (struct orl_gonio_cell){
         .low = {sides[0] - m, sides[2] - m, geometry->low.z - m},

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "scene/parse/parse.h"
+#include "scene/placements.h"
 
 /* Light of its own has no place in a BSDF. */
 static int refuse_lights(const struct orl_scene *scene, struct orl_error *err)
@@ -57,7 +58,7 @@ int orl_gonio_sample_load(const struct orl_bsdf_make_request *request,
         return code;
     description.cancel = env->cancel;
     code = orl_scene_new(&description, &scene, err);
-    if (code == 0 && scene->description.n_surfaces == 0)
+    if (code == 0 && orl_description_count_surfaces(&scene->description) == 0)
         code = orl_error_set(err, ORL_ERR_INVALID, "there is no surface: no panel");
     if (code == 0)
         code = refuse_lights(scene, err);

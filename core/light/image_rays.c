@@ -28,7 +28,7 @@ static void turn(struct chains *chains, const struct chain *c, const struct orl_
 {
     const struct orl_world *world = chains->world;
     const struct orl_images *images = &world->images;
-    const int16_t class = images->class_of[hit->facet];
+    const int16_t class = orl_images_class(images, hit->facet);
     const int next = class < 0 ? -1 : orl_images_next(images, c->node, class);
     if (next < 0 || c->reflections == ORL_IMAGE_REFLECTIONS || chains->depth == MOST_BRANCHES ||
         (c->outside && world->omit.exterior))
@@ -101,7 +101,7 @@ struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl
 void orl_image_trail_add(struct orl_image_trail *trail, const struct orl_images *images,
                          uint32_t facet)
 {
-    const int16_t class = images->class_of[facet];
+    const int16_t class = orl_images_class(images, facet);
     if (trail->reflections == ORL_IMAGE_REFLECTIONS || class < 0) {
         trail->strange = true;
         return;

@@ -67,7 +67,7 @@ static void keep_heaviest(struct orl_images *images, struct class *classes, size
 
 static int find_mirrors(struct orl_images *images, const struct orl_world *world)
 {
-    const size_t n_facets = world->geometry->n_facets;
+    const size_t n_facets = images->n_facets = world->geometry->n_facets;
     struct class *classes = calloc(MOST_CLASSES, sizeof *classes);
     size_t n = 0;
     images->mirrors = calloc(ORL_MOST_MIRRORS, sizeof *images->mirrors);
@@ -170,7 +170,7 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
         if (!orl_path_meet(world, &path, &hit))
             return;
         const struct orl_material *m = orl_world_material(world, &hit);
-        const int16_t class = pilot->images->class_of[hit.facet];
+        const int16_t class = orl_images_class(pilot->images, hit.facet);
         const double back =
             class < 0 ? 0 : orl_luma(orl_material_mirrored(m, &hit, orl_path_back(&path)));
         const double on = orl_luma(orl_material_straight(m, &hit, orl_path_back(&path)));

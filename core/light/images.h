@@ -49,7 +49,8 @@ struct orl_images {
     struct orl_vec3 *mirrors; /* the classes: unit normals, up to sign */
     size_t n_mirrors;
     size_t n_left_out; /* facets beyond the most classes: suns are not reflected by those */
-    int16_t *class_of; /* per facet, or -1 */
+    int16_t *class_of; /* per facet of the scene's own, or -1 */
+    size_t n_facets;   /* of those */
     struct orl_image *nodes;
     size_t n_nodes;
     int16_t *next;                     /* of node i by class m, at i * n_mirrors + m; or -1 */
@@ -60,6 +61,12 @@ struct orl_images {
 static inline struct orl_vec3 orl_image_turned(struct orl_vec3 v, struct orl_vec3 mirror)
 {
     return orl_madd(v, mirror, -2 * orl_dot(v, mirror));
+}
+
+/* The class of a facet, or -1. */
+static inline int16_t orl_images_class(const struct orl_images *images, uint32_t facet)
+{
+    return facet < images->n_facets ? images->class_of[facet] : -1;
 }
 
 /* What a mirror of that class makes of a node; or -1. */

@@ -192,7 +192,7 @@ done:
 
 enum orl_crossing orl_scene_crossing(const struct orl_scene *scene, const struct orl_hit *hit)
 {
-    const int32_t port = scene->port_of_facet ? scene->port_of_facet[hit->facet] : ORL_NO_PORT;
+    const int32_t port = orl_scene_port_of(scene, hit->facet);
     if (port == ORL_NO_PORT)
         return ORL_CROSSING_NONE;
     return hit->front == scene->ports[port].outside_is_front ? ORL_CROSSING_INWARDS

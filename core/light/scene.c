@@ -6,6 +6,7 @@
 #include "light/mist.h"
 #include "light/proxies.h"
 #include "scene/geometry/coincident.h"
+#include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 #include "scene/material/own_settle.h"
 #include "scene/material/pattern.h"
@@ -16,7 +17,7 @@
  * triangles, or a mesh of a million triangles, hold (resident memory after orl_scene_new less that
  * before); 0.94 of what 300 000 spheres do.
  */
-enum { BYTES_A_TRIANGLE = 128, BYTES_A_CORNER = 36, BYTES_A_FACET = 160 };
+enum { BYTES_A_TRIANGLE = 128, BYTES_A_CORNER = 36, BYTES_A_FACET = 160, BYTES_A_PLACE = 512 };
 
 static int list_shining(struct orl_scene *scene)
 {
@@ -65,6 +66,43 @@ static int settle(struct orl_description *d, struct orl_error *err)
     return code;
 }
 
+/* What is cut away, hidden by what stands for it, or apart from mist needs surfaces of its own in
+ * every place. */
+static int settle_places(struct orl_description *d, struct orl_error *err)
+{
+    bool apart = false;
+    for (size_t i = 0; i < d->n_surfaces && !apart; i++) {
+        const struct orl_material *const m = &d->materials[d->surfaces[i].material];
+        apart =
+            m->kind == ORL_MATERIAL_ANTIMATTER || m->kind == ORL_MATERIAL_MIST || m->thickness != 0;
+    }
+    return apart ? orl_placements_expand(d, ORL_ALL_PLACES, err) : 0;
+}
+
+/* Each by itself: surfaces of one and of another, or of others, are not looked at together. */
+static int settle_prototypes(struct orl_description *d, struct orl_error *err)
+{
+    const struct orl_description whole = *d;
+    int code = 0;
+    for (size_t i = 0; i < d->n_prototypes && code == 0; i++) {
+        struct orl_prototype *const p = &d->prototypes[i];
+        d->surfaces = p->surfaces;
+        d->n_surfaces = p->n_surfaces;
+        d->opposed = p->opposed;
+        d->n_opposed = p->n_opposed;
+        code = orl_coincident_settle(d, err);
+        p->surfaces = d->surfaces;
+        p->n_surfaces = d->n_surfaces;
+        p->opposed = d->opposed;
+        p->n_opposed = d->n_opposed;
+    }
+    d->surfaces = whole.surfaces;
+    d->n_surfaces = whole.n_surfaces;
+    d->opposed = whole.opposed;
+    d->n_opposed = whole.n_opposed;
+    return code;
+}
+
 int orl_scene_new(struct orl_description *description, struct orl_scene **ret_scene,
                   struct orl_error *err)
 {
@@ -77,8 +115,13 @@ int orl_scene_new(struct orl_description *description, struct orl_scene **ret_sc
     atomic_init(&scene->holders, 1);
     scene->description = *description;
     memset(description, 0, sizeof *description);
-    scene->n_read = scene->description.n_surfaces + scene->description.n_degenerate;
-    code = settle(&scene->description, err);
+    scene->n_read =
+        orl_description_count_surfaces(&scene->description) + scene->description.n_degenerate;
+    code = settle_places(&scene->description, err);
+    if (code == 0)
+        code = settle(&scene->description, err);
+    if (code == 0)
+        code = settle_prototypes(&scene->description, err);
     if (code == 0)
         code = orl_geometry_new(&scene->description, &scene->geometry, err);
     if (code == 0 && scene->description.n_patterns > 0)
@@ -152,6 +195,13 @@ static uint64_t bsdf_bytes(const struct orl_description *d)
     return bytes;
 }
 
+static uint64_t geometry_bytes(const struct orl_geometry *g)
+{
+    return g->n_triangles * (uint64_t)BYTES_A_TRIANGLE + g->n_corners * (uint64_t)BYTES_A_CORNER +
+           g->n_facets * (uint64_t)BYTES_A_FACET + g->n_rounds * 2 * sizeof(struct orl_curved) +
+           g->n_placed * (sizeof(struct orl_placed) + BYTES_A_PLACE);
+}
+
 uint64_t orl_scene_bytes(const struct orl_scene *scene)
 {
     enum { PARTS = 4 };
@@ -159,18 +209,42 @@ uint64_t orl_scene_bytes(const struct orl_scene *scene)
                                                      scene->mist};
     uint64_t bytes = sizeof *scene + scene->description.n_materials * sizeof(struct orl_material);
     for (size_t i = 0; i < PARTS; i++)
-        if (parts[i])
-            bytes += parts[i]->n_triangles * (uint64_t)BYTES_A_TRIANGLE +
-                     parts[i]->n_corners * (uint64_t)BYTES_A_CORNER +
-                     parts[i]->n_facets * (uint64_t)BYTES_A_FACET +
-                     parts[i]->n_rounds * 2 * sizeof(struct orl_curved);
+        bytes += parts[i] ? geometry_bytes(parts[i]) : 0;
+    for (size_t i = 0; parts[0] && i < parts[0]->n_prototypes; i++)
+        bytes += geometry_bytes(parts[0]->prototypes[i]) +
+                 scene->description.prototypes[i].n_surfaces * sizeof(struct orl_surface);
     for (size_t i = 0; i < scene->description.n_grids; i++)
         bytes += orl_grid_bytes(scene->description.grids[i]);
     return bytes + scene->description.n_surfaces * sizeof(struct orl_surface) +
            bsdf_bytes(&scene->description);
 }
 
+const struct orl_surface *orl_scene_surface_of(const struct orl_scene *scene, uint32_t facet)
+{
+    const struct orl_geometry *const g = scene->geometry;
+    const uint32_t surface = orl_facet_of(g, facet)->surface;
+    if (!orl_facet_is_placed(g, facet))
+        return &scene->description.surfaces[surface];
+    const struct orl_placement *const p =
+        &scene->description.placements[orl_placed_of(g, facet) - g->placed];
+    return &scene->description.prototypes[p->prototype].surfaces[surface];
+}
+
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet)
 {
-    return scene->description.surfaces[scene->geometry->facets[facet].surface].name;
+    return orl_scene_surface_of(scene, facet)->name;
+}
+
+bool orl_scene_has_name(const struct orl_scene *scene, uint32_t facet, const char *name)
+{
+    const struct orl_geometry *const g = scene->geometry;
+    const struct orl_surface *const surface = orl_scene_surface_of(scene, facet);
+    const char *const modifier = orl_scene_material(scene, facet)->name;
+    if (modifier && strcmp(modifier, name) == 0)
+        return true;
+    if (!orl_facet_is_placed(g, facet))
+        return surface->name && strcmp(surface->name, name) == 0;
+    const struct orl_placement *const p =
+        &scene->description.placements[orl_placed_of(g, facet) - g->placed];
+    return orl_placement_has_name(&scene->description, p, surface, name);
 }

@@ -45,7 +45,7 @@ struct orl_scene {
     struct orl_geometry *seen;          /* owned: what views meet, or NULL for the same */
     struct orl_geometry *proxies;       /* owned: BSDFs that stand for geometry, or NULL */
     struct orl_geometry *mist;          /* owned: the surfaces of mist.h's volumes, or NULL */
-    bool *hidden;                       /* per facet: there for views alone; or NULL. proxies.h */
+    bool *hidden; /* per facet of its own: there for views alone; or NULL. proxies.h */
     size_t n_hidden;
     struct orl_pairing paired, not_paired; /* taken as one though neither reaches the other; as two
                                               though little is missing */
@@ -53,7 +53,7 @@ struct orl_scene {
     size_t n_shining;
     struct orl_port *ports;
     size_t n_ports;
-    int32_t *port_of_facet; /* index into ports or ORL_NO_PORT */
+    int32_t *port_of_facet; /* of its own: index into ports or ORL_NO_PORT */
     bool open;              /* light can get in without crossing a port */
     atomic_uint holders;
 };
@@ -78,15 +78,28 @@ uint64_t orl_scene_bytes(const struct orl_scene *scene);
 static inline const struct orl_material *orl_scene_material(const struct orl_scene *scene,
                                                             size_t facet)
 {
-    return &scene->description.materials[scene->geometry->facets[facet].material];
+    return &scene->description.materials[orl_facet_of(scene->geometry, (uint32_t)facet)->material];
+}
+
+/* Which port a facet is, or ORL_NO_PORT; which it is, too, before ports are sought. */
+static inline int32_t orl_scene_port_of(const struct orl_scene *scene, uint32_t facet)
+{
+    return scene->port_of_facet && !orl_facet_is_placed(scene->geometry, facet)
+               ? scene->port_of_facet[facet]
+               : ORL_NO_PORT;
 }
 
 /* Whether a path through this hit passes a port, and to which side. */
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };
 enum orl_crossing orl_scene_crossing(const struct orl_scene *scene, const struct orl_hit *hit);
 
-/* Of a surface, for messages. */
+/* What the files say of it; where it stands in several places, of the first of them. */
+const struct orl_surface *orl_scene_surface_of(const struct orl_scene *scene, uint32_t facet);
+
+/* Its name, for messages. */
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet);
+/* Whether that is its surface's name, or its modifier's. */
+bool orl_scene_has_name(const struct orl_scene *scene, uint32_t facet, const char *name);
 
 /*
  * Whether a place on a port is the port's own. Where two surfaces lie in one plane a ray meets one

@@ -36,7 +36,8 @@ struct orl_world {
     const struct orl_geometry *geometry; /* what light meets */
     const struct orl_geometry *proxies;
     const bool *hidden;
-    const int32_t *port_of_facet; /* index into ports or ORL_NO_PORT; NULL: ports were not sought */
+    const int32_t *port_of_facet; /* of the scene's own facets: index into ports or ORL_NO_PORT;
+                                     NULL: ports were not sought */
     bool open;                    /* light can get in without crossing a port */
     struct orl_world *seen;       /* what views see: this world with another geometry, or NULL when
                                      there are no BSDFs that stand for geometry */
@@ -79,7 +80,7 @@ static inline const struct orl_world *orl_world_seen(const struct orl_world *wor
 static inline const struct orl_material *orl_world_material(const struct orl_world *world,
                                                             const struct orl_hit *hit)
 {
-    const struct orl_facet *facet = &world->geometry->facets[hit->facet];
+    const struct orl_facet *facet = orl_facet_of(world->geometry, hit->facet);
     return &world->materials[facet->material];
 }
 
@@ -92,17 +93,25 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
 /* Whether a surface is there for views alone. */
 static inline bool orl_world_hides(const struct orl_world *world, uint32_t facet)
 {
-    return world->hidden && world->hidden[facet];
+    return world->hidden && !orl_facet_is_placed(world->geometry, facet) && world->hidden[facet];
 }
 
 /* Whether a point of open space counts as outside: false unless the scene is sealed. */
 bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point);
 
+/* Which port a facet is, or ORL_NO_PORT. */
+static inline int32_t orl_world_port_of(const struct orl_world *world, uint32_t facet)
+{
+    return world->port_of_facet && !orl_facet_is_placed(world->geometry, facet)
+               ? world->port_of_facet[facet]
+               : ORL_NO_PORT;
+}
+
 /* Whether a path through this hit passes a port, and to which side. */
 static inline enum orl_crossing orl_world_crossing(const struct orl_world *world,
                                                    const struct orl_hit *hit)
 {
-    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
+    const int32_t port = orl_world_port_of(world, hit->facet);
     if (port == ORL_NO_PORT)
         return ORL_CROSSING_NONE;
     return hit->front == world->ports[port].outside_is_front ? ORL_CROSSING_INWARDS
@@ -112,7 +121,7 @@ static inline enum orl_crossing orl_world_crossing(const struct orl_world *world
 /* Whether it passes, outwards, a port beyond which nothing is. */
 static inline bool orl_world_leaves_clear(const struct orl_world *world, const struct orl_hit *hit)
 {
-    const int32_t port = world->port_of_facet ? world->port_of_facet[hit->facet] : ORL_NO_PORT;
+    const int32_t port = orl_world_port_of(world, hit->facet);
     return port != ORL_NO_PORT && world->ports[port].clear &&
            hit->front != world->ports[port].outside_is_front;
 }

@@ -47,7 +47,7 @@ static bool counts(const struct look *look, uint32_t facet, bool front, struct o
                    enum orl_lit_kind kind)
 {
     const struct orl_world *world = look->world;
-    const int32_t port = world->port_of_facet[facet];
+    const int32_t port = orl_world_port_of(world, facet);
     if (world->open)
         return true;
     if (port == ORL_NO_PORT)
@@ -115,7 +115,7 @@ static void count_facets(struct look *look)
 
 static void note(struct look *look, uint32_t facet)
 {
-    const struct orl_facet *f = &look->world->geometry->facets[facet];
+    const struct orl_facet *f = orl_facet_of(look->world->geometry, facet);
     const struct orl_material *m = &look->world->materials[f->material];
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++) {
         struct orl_lit_class *class = &look->lit->classes[kind];

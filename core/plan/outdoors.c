@@ -1,5 +1,6 @@
 #include "plan/outdoors.h"
 
+#include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 
 /* Facets times planes of ports: beyond this a look would take longer than it may save. */
@@ -55,6 +56,13 @@ static bool reaches_beyond(const struct orl_geometry *g, size_t facet, struct or
     return f->area > 0 && reach(g, f, outward) > plane + in_plane * g->radius;
 }
 
+/* What stands in several places, by the box around each. */
+static bool is_placed_beyond(const struct orl_geometry *g, const struct orl_placed *placed,
+                             struct orl_vec3 outward, double plane)
+{
+    return highest(placed->low, placed->high, outward) > plane + in_plane * g->radius;
+}
+
 static bool is_clear(const struct orl_world *world, const struct orl_port *port)
 {
     const struct orl_geometry *g = world->geometry;
@@ -65,7 +73,19 @@ static bool is_clear(const struct orl_world *world, const struct orl_port *port)
         if (reaches_beyond(g, i, port->outward, plane) ||
             (world->seen && reaches_beyond(world->seen->geometry, i, port->outward, plane)))
             return false;
+    for (size_t i = 0; i < g->n_placed; i++)
+        if (is_placed_beyond(g, &g->placed[i], port->outward, plane))
+            return false;
     return true;
+}
+
+/* At a port. */
+static size_t count_looks(const struct orl_geometry *g)
+{
+    size_t n = g->n_facets + g->n_placed * (g->n_prototypes + 1);
+    for (size_t i = 0; i < g->n_prototypes; i++)
+        n += g->prototypes[i]->n_facets;
+    return n;
 }
 
 /* An earlier port in the same plane has the same outside. */
@@ -84,7 +104,7 @@ static bool same_outside(const struct orl_world *world, size_t port, size_t *ret
 
 bool orl_outdoors_look(const struct orl_world *world, bool *ret_clear)
 {
-    const double facets = (double)world->geometry->n_facets, most = most_looks;
+    const double facets = (double)count_looks(world->geometry), most = most_looks;
     double looks = 0;
     for (size_t i = 0; i < world->n_ports; i++) {
         size_t same;
@@ -112,6 +132,21 @@ static double sent_back(const struct orl_material *m)
     return orl_material_shines(m) ? fmax(most, 1) : most;
 }
 
+/* The most of a prototype's facets, if a place of it reaches beyond. */
+static double sent_back_placed(const struct orl_world *world, const struct orl_geometry *prototype,
+                               struct orl_vec3 outward, double plane)
+{
+    const struct orl_geometry *const g = world->geometry;
+    bool beyond = false;
+    double most = 0;
+    for (size_t i = 0; i < g->n_placed && !beyond; i++)
+        beyond = g->placed[i].prototype == prototype &&
+                 is_placed_beyond(g, &g->placed[i], outward, plane);
+    for (size_t i = 0; i < prototype->n_facets && beyond; i++)
+        most = fmax(most, sent_back(&world->materials[prototype->facets[i].material]));
+    return most;
+}
+
 double orl_outdoors_reflectance(const struct orl_world *world)
 {
     const struct orl_geometry *g = world->geometry;
@@ -121,9 +156,11 @@ double orl_outdoors_reflectance(const struct orl_world *world)
         const double plane = plane_of(world, port);
         if (port->clear)
             continue;
-        looks += (double)g->n_facets;
+        looks += (double)count_looks(g);
         if (looks > most_looks)
             return 1;
+        for (size_t i = 0; i < g->n_prototypes; i++)
+            most = fmax(most, sent_back_placed(world, g->prototypes[i], port->outward, plane));
         for (size_t i = 0; i < g->n_facets; i++)
             if (reaches_beyond(g, i, port->outward, plane))
                 most = fmax(most, sent_back(&world->materials[g->facets[i].material]));

@@ -86,6 +86,11 @@ static void count_surfaces(struct orl_survey *survey)
         if (light->area > 0 || view->area > 0)
             survey->surfaces[light->material]++;
     }
+    for (size_t i = 0; i < world->geometry->n_prototypes; i++) {
+        const struct orl_geometry *const prototype = world->geometry->prototypes[i];
+        for (size_t k = 0; k < prototype->n_facets; k++)
+            survey->surfaces[prototype->facets[k].material] += (uint32_t)prototype->n_places;
+    }
     for (size_t i = 0; i < world->n_materials; i++) {
         const int32_t behind = world->materials[i].seen_as;
         if (survey->surfaces[i] > 0 && behind >= 0 && survey->surfaces[behind] == 0)

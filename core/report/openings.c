@@ -1,7 +1,7 @@
 /* Openings of a scene: clear panes, ports in one plane side by side; and its ground. */
 #include "report/openings.h"
 
-#include <string.h>
+#include "scene/geometry/placed.h"
 
 static const double widest_bar = 0.3, same_plane = 0.1; /* m */
 static const double same_normal = 0.9998;               /* cosine: one degree */
@@ -10,9 +10,15 @@ static const double highest_ground = 0.5;               /* m, above the lowest o
 
 /* ---- Names ----------------------------------------------------------------------------------- */
 
-static bool has_name(const char *mine, const char *name)
+/* Whether something has it that stands in several places. */
+static bool is_name_placed(const struct orl_scene *scene, const char *name)
 {
-    return mine && strcmp(mine, name) == 0;
+    const struct orl_geometry *const g = scene->geometry;
+    for (size_t i = 0; i < g->n_placed; i++)
+        for (uint32_t k = 0; k < g->placed[i].prototype->n_facets; k++)
+            if (orl_scene_has_name(scene, g->placed[i].first_facet + k, name))
+                return true;
+    return false;
 }
 
 /* Marks facets whose surface or modifier has the name; false: none has. */
@@ -20,10 +26,9 @@ static bool mark_name(const struct orl_scene *scene, const char *name, bool *mar
 {
     bool met = false;
     for (size_t i = 0; i < scene->geometry->n_facets; i++)
-        if (has_name(scene->description.surfaces[scene->geometry->facets[i].surface].name, name) ||
-            has_name(orl_scene_material(scene, i)->name, name))
+        if (orl_scene_has_name(scene, (uint32_t)i, name))
             met = marks[i] = true;
-    return met;
+    return met || is_name_placed(scene, name);
 }
 
 static int mark_names(const struct orl_scene *scene, char *const *names, size_t n, bool *marks,
@@ -52,6 +57,23 @@ static bool is_ground(const struct orl_geometry *g, const struct orl_facet *f)
         top = fmax(top, fmax(triangle.a.z, fmax(triangle.b.z, triangle.c.z)));
     }
     return top <= g->low.z + highest_ground;
+}
+
+bool orl_openings_is_ground(const struct orl_openings *openings, uint32_t facet)
+{
+    const struct orl_scene *const scene = openings->scene;
+    const struct orl_view_out_wish *const wish = openings->wish;
+    struct orl_curved room;
+    if (!orl_facet_is_placed(scene->geometry, facet))
+        return openings->ground[facet];
+    if (wish->n_ground == 0) {
+        const struct orl_facet f = orl_facet_at(scene->geometry, facet, &room);
+        return is_ground(scene->geometry, &f);
+    }
+    for (size_t i = 0; i < wish->n_ground; i++)
+        if (orl_scene_has_name(scene, facet, wish->ground[i]))
+            return true;
+    return false;
 }
 
 static int mark_facets(const struct orl_view_out_wish *wish, struct orl_openings *o,
@@ -184,6 +206,7 @@ int orl_openings_find(const struct orl_view_out_wish *wish, const struct orl_sce
 {
     const size_t n = scene->geometry->n_facets;
     struct orl_openings o = {.scene = scene,
+                             .wish = wish,
                              .clear = calloc(n + 1, sizeof *o.clear),
                              .ground = calloc(n + 1, sizeof *o.ground),
                              .of_port = calloc(scene->n_ports + 1, sizeof *o.of_port)};

@@ -110,7 +110,7 @@ static void meet(struct look *look, const struct orl_openings *o, const struct o
     const struct orl_vec3 way = orl_sub(hit->point, look->pane);
     if (orl_length(way) < own)
         return;
-    const bool ground = o->ground[hit->facet] && orl_hit_facing(hit).z > 0;
+    const bool ground = orl_openings_is_ground(o, hit->facet) && orl_hit_facing(hit).z > 0;
     look->seen.layer = ground ? ORL_VIEW_GROUND : ORL_VIEW_LANDSCAPE;
     look->seen.distance_m = ground ? INFINITY : (float)fmax(0, level_distance(way, look->outward));
 }
@@ -118,9 +118,10 @@ static void meet(struct look *look, const struct orl_openings *o, const struct o
 /* False: it ends here. */
 static bool pass(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
 {
+    const bool clear = !orl_facet_is_placed(o->scene->geometry, hit->facet) && o->clear[hit->facet];
     const enum orl_crossing crossing =
-        o->clear[hit->facet] ? orl_scene_crossing(o->scene, hit) : ORL_CROSSING_NONE;
-    if (o->clear[hit->facet] && crossing != ORL_CROSSING_INWARDS) {
+        clear ? orl_scene_crossing(o->scene, hit) : ORL_CROSSING_NONE;
+    if (clear && crossing != ORL_CROSSING_INWARDS) {
         if (crossing == ORL_CROSSING_OUTWARDS && !look->outside)
             pass_opening(look, o, hit);
         return true;

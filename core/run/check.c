@@ -9,6 +9,7 @@
 #include "light/scene.h"
 #include "light/weather.h"
 #include "render/heat_map/section.h"
+#include "scene/geometry/placed.h"
 #include "scene/parse/parse.h"
 
 static int copy_references(const struct orl_scene *scene, struct orl_scene_summary *summary)
@@ -32,10 +33,15 @@ static void summarise(const struct orl_scene *scene, struct orl_scene_summary *s
     const struct orl_description *d = &scene->description;
     const struct orl_geometry *g = scene->geometry;
     const struct orl_vec3 low = orl_add(g->low, g->center), high = orl_add(g->high, g->center);
+    summary->placed_surfaces = orl_description_count_surfaces(d);
     summary->surfaces = d->n_surfaces;
     summary->materials = d->n_materials;
     summary->sources = d->n_distants;
     summary->triangles = g->n_triangles;
+    for (size_t i = 0; i < g->n_prototypes; i++) {
+        summary->surfaces += g->prototypes[i]->n_facets;
+        summary->triangles += g->prototypes[i]->n_triangles;
+    }
     for (size_t i = 0; i < d->n_materials; i++)
         summary->bsdfs += d->materials[i].kind == ORL_MATERIAL_BSDF;
     summary->bounds_min[0] = low.x;

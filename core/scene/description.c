@@ -23,6 +23,12 @@ void orl_description_done(struct orl_description *description)
     free(description->materials);
     free(description->surfaces);
     free(description->opposed);
+    for (size_t i = 0; i < description->n_prototypes; i++) {
+        free(description->prototypes[i].surfaces);
+        free(description->prototypes[i].opposed);
+    }
+    free(description->prototypes);
+    free(description->placements);
     free(description->distants);
     free(description->skies);
     free(description->files);

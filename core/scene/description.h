@@ -20,6 +20,8 @@
 #include <oriel/bsdf.h>
 #include <oriel/vec.h>
 
+#include "scene/generate/xform.h"
+
 struct orl_arena;
 struct orl_grid;
 struct orl_pattern;
@@ -183,6 +185,26 @@ struct orl_opposed {
     uint32_t surfaces[2];
 };
 
+/* Surfaces that stand in several places, and are kept once: as they stand in the first of them. All
+ * are matt plastic or metal with no pattern and no texture. */
+struct orl_prototype {
+    struct orl_surface *surfaces;
+    size_t n_surfaces;
+    struct orl_opposed *opposed; /* coincident.h */
+    size_t n_opposed;
+    size_t prefix_bytes; /* of their names: what was read there put that before them */
+};
+
+/* One of those places (placements.h). */
+struct orl_placement {
+    uint32_t prototype;
+    struct orl_xform xform; /* of the prototype's surfaces */
+    const char *name;       /* of all its surfaces, a mesh's; NULL: they have their own */
+    const char *prefix;     /* goes before those, with its full stop; both in the arena */
+    size_t before;          /* so many of the surfaces come before it */
+    size_t main_file;       /* of those that the caller named */
+};
+
 struct orl_description {
     struct orl_material *materials;
     size_t n_materials;
@@ -190,6 +212,10 @@ struct orl_description {
     size_t n_surfaces;
     struct orl_opposed *opposed; /* coincident.h */
     size_t n_opposed;
+    struct orl_prototype *prototypes;
+    size_t n_prototypes;
+    struct orl_placement *placements; /* in the order of the files */
+    size_t n_placements;
     struct orl_distant *distants;
     size_t n_distants;
     struct orl_sky *skies;
@@ -201,8 +227,9 @@ struct orl_description {
     size_t n_undefined; /* patterns that have no value somewhere (material/pattern.h) */
     char **files;       /* names of all files read, in order of first use */
     size_t n_files;
-    size_t n_main;            /* the first n_main of them were named by the caller as scene text */
-    size_t *first_surfaces;   /* of each name that the caller gave; in the arena */
+    size_t n_main;          /* the first n_main of them were named by the caller as scene text */
+    size_t *first_surfaces; /* of each name that the caller gave; in the arena */
+    size_t n_first_surfaces;
     uint64_t n_degenerate;    /* polygons dropped: zero area or fewer than three distinct corners */
     unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "scene/placements.h"
 
 static const char black_name[] = "dark window";
 
@@ -205,9 +206,48 @@ static int part_all(const struct swapping *s, size_t n_names)
 
 /* ---- All of them ----------------------------------------------------------------------------- */
 
+static bool is_named(const struct orl_swap *swap, const struct orl_description *d,
+                     const struct orl_placement *placement, const struct orl_surface *surface)
+{
+    const char *const modifier = d->materials[surface->material].name;
+    for (size_t i = 0; i < swap->n_names; i++)
+        if ((modifier && strcmp(modifier, swap->names[i]) == 0) ||
+            orl_placement_has_name(d, placement, surface, swap->names[i]))
+            return true;
+    return false;
+}
+
+/* Whether a swap is about what stands there, and is kept once. */
+static bool is_about(const struct orl_swap *swap, const struct orl_description *d,
+                     const struct orl_placement *placement)
+{
+    const struct orl_prototype *const prototype = &d->prototypes[placement->prototype];
+    if (placement->main_file >= swap->first_file &&
+        placement->main_file < swap->first_file + swap->n_files)
+        return true;
+    for (size_t i = 0; i < prototype->n_surfaces; i++)
+        if (is_named(swap, d, placement, &prototype->surfaces[i]))
+            return true;
+    return false;
+}
+
+/* What one place is to have must not be had by the others. */
+static int part_places(const struct orl_swaps *swaps, struct orl_description *d,
+                       struct orl_error *err)
+{
+    for (size_t i = 0; i < swaps->count; i++)
+        for (size_t k = 0; k < d->n_placements; k++)
+            if (is_about(&swaps->at[i], d, &d->placements[k]))
+                return orl_placements_expand(d, ORL_ALL_PLACES, err);
+    return 0;
+}
+
 int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names, struct orl_description *d,
                     struct orl_error *err)
 {
+    const int parted = part_places(swaps, d, err);
+    if (parted < 0)
+        return parted;
     struct swapping s = {.description = d,
                          .swaps = swaps,
                          .modifier = malloc((d->n_surfaces + 1) * sizeof *s.modifier),

@@ -1,5 +1,6 @@
 /*
  * Surfaces of a scene with another material than its files give them: shades in a state of theirs.
+ * Where these are of what is kept once for several places, each place has its own from then on.
  *
  * Done to a description before geometry is built of it, so that whatever depends on materials,
  * ports among it, is found as if the files said so.
@@ -40,7 +41,8 @@ struct orl_swaps {
 
 /* n_names: of the files that the scene was read from. Returns 0, ORL_ERR_NOT_FOUND (a name that no
  * surface has, or no material), ORL_ERR_INVALID (a surface in two swaps), ORL_ERR_RANGE (a BSDF
- * that does not fit) or ORL_ERR_NOMEM. */
+ * that does not fit), ORL_ERR_LIMIT (too many surfaces, each place having its own) or
+ * ORL_ERR_NOMEM. */
 int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names,
                     struct orl_description *description, struct orl_error *err);
 

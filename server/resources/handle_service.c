@@ -74,6 +74,8 @@ void orl_handle_limits(struct orl_request *request)
         {"zip_entries", ORL_SERVER_ZIP_ENTRIES},
         {"zip_ratio", ORL_SERVER_ZIP_RATIO},
         {"surfaces", ORL_LIMIT_SURFACES},
+        {"instances", ORL_LIMIT_PLACEMENTS},
+        {"placed_surfaces", ORL_LIMIT_PLACED_SURFACES},
         {"polygon_vertices", ORL_LIMIT_POLYGON_VERTICES},
         {"bsdf_values", ORL_LIMIT_BSDF_VALUES},
         {"bsdf_tree_depth", ORL_LIMIT_TREE_DEPTH},

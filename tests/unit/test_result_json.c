@@ -30,7 +30,8 @@ static struct orl_result example(void)
         .n_sensors = 3,
         .views = views,
         .n_views = 1,
-        .health = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 0.5, 0.25, {0, 0, 0}, {0, 0, 0}},
+        .health =
+            {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 15, 11, 12, 13, 14, 0.5, 0.25, {0, 0, 0}, {0, 0, 0}},
         .warnings = warnings,
         .n_warnings = 1,
     };
@@ -64,7 +65,8 @@ static void test_members(void **state)
         "\"seconds\":1.5}],"
         "\"health\":{\"non_finite\":1,\"bsdf_clamped\":2,\"bsdf_rescaled\":3,\"degenerate\":4,"
         "\"photons_capped\":5,\"paths_capped\":6,\"rays_leaked\":7,\"sparse_estimates\":8,"
-        "\"bsdf_values\":9,\"surfaces\":10,\"photons\":11,\"paths\":12,\"rays\":13,"
+        "\"bsdf_values\":9,\"surfaces\":10,\"instances\":15,\"photons\":11,\"paths\":12,\"rays\":"
+        "13,"
         "\"estimates\":14,\"flux_w\":0.5,\"flux_capped_w\":0.25},"
         "\"warnings\":[\"a polygon has no area\"],"
         "\"cost\":{\"seconds\":{\"load\":0.5,\"bvh\":0.25,\"plan\":0.125,\"photons\":3.0,"
@@ -158,6 +160,7 @@ static void test_scene_summary(void **state)
     (void)state;
     char *referenced[] = {"lcp.xml"};
     const struct orl_scene_summary summary = {.surfaces = 12,
+                                              .placed_surfaces = 40,
                                               .bsdfs = 1,
                                               .bounds_min = {-1, 0, 0.5},
                                               .bounds_max = {INFINITY, 1, 2},
@@ -167,6 +170,7 @@ static void test_scene_summary(void **state)
     json_t *doc = orl_scene_summary_to_json(&summary);
     assert_non_null(doc);
     assert_int_equal(json_integer_value(json_object_get(doc, "surfaces")), 12);
+    assert_int_equal(json_integer_value(json_object_get(doc, "placed_surfaces")), 40);
     const json_t *bounds = json_object_get(doc, "bounds");
     assert_true(json_real_value(json_array_get(json_object_get(bounds, "min"), 2)) == 0.5);
     assert_true(json_is_null(json_array_get(json_object_get(bounds, "max"), 0)));

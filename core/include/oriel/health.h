@@ -27,11 +27,13 @@ struct orl_health {
     /* What that is to be judged against. */
     uint64_t bsdf_values; /* values of BSDF files */
     uint64_t surfaces;    /* of the scene, the dropped ones included */
-    uint64_t photons;     /* photons traced: emissions that came to something */
-    uint64_t paths;       /* paths from sensors, views and ports */
-    uint64_t rays;        /* segments of photons and paths; shadow rays are not counted */
-    uint64_t estimates;   /* density estimates that found any photon */
-    double flux_w;        /* of the photons traced: luma */
+    uint64_t instances; /* in places where they are kept once: whether surfaces of theirs lie in one
+                           place with others is not looked at */
+    uint64_t photons;   /* photons traced: emissions that came to something */
+    uint64_t paths;     /* paths from sensors, views and ports */
+    uint64_t rays;      /* segments of photons and paths; shadow rays are not counted */
+    uint64_t estimates; /* density estimates that found any photon */
+    double flux_w;      /* of the photons traced: luma */
     double flux_capped_w; /* of those given up */
     /* The first of the photons' leaks: where the ray set out, and its direction. A zero direction:
      * none leaked. In a result the place is in the files' coordinates. */

@@ -11,26 +11,29 @@
 #define ORL_LIMIT_SURFACES 5000000UL       /* surfaces after all !xform -a repeats */
 #define ORL_LIMIT_NAME_BYTES                                                                       \
     (256UL << 20) /* of all surfaces' names, prefixes by xform -n included */
-#define ORL_LIMIT_POLYGON_VERTICES 20000U   /* corners of one polygon */
-#define ORL_LIMIT_OWN_FUNCTIONS 64U         /* materials by functions of both directions */
-#define ORL_LIMIT_ANTIMATTERS 64U           /* materials of volumes that cut surfaces */
-#define ORL_LIMIT_CUT_FACETS (1UL << 23)    /* all surfaces, once for each of them */
-#define ORL_LIMIT_CUT 256U                  /* materials that one of them cuts */
-#define ORL_LIMIT_POLYGON_CROSSINGS 50000U  /* of one polygon's outline with itself */
-#define ORL_LIMIT_ARGUMENTS 400000U         /* arguments of one primitive */
-#define ORL_LIMIT_WORD_BYTES 4096U          /* one word of a scene file */
-#define ORL_LIMIT_XFORM_ARRAY 100000U       /* copies made by one !xform -a chain */
-#define ORL_LIMIT_XML_DEPTH 64U             /* element nesting in a BSDF file */
-#define ORL_LIMIT_TREE_DEPTH 8U             /* log2 of a tensor tree's resolution per axis */
-#define ORL_LIMIT_BSDF_VALUES (64UL << 20)  /* leaf values in one BSDF file */
-#define ORL_LIMIT_WEATHER_ROWS 527040UL     /* rows of a weather file: a leap year's minutes */
-#define ORL_LIMIT_SENSORS 4000000UL         /* sensors in one job */
-#define ORL_LIMIT_DISTANCE 1e12             /* of a sensor from the origin: rays are floats */
-#define ORL_LIMIT_VIEWS 1024U               /* views in one job */
-#define ORL_LIMIT_SKIES 1024U               /* skies of one job */
-#define ORL_LIMIT_SEQUENCE 400U             /* of these skies, when their pictures are a sequence */
-#define ORL_LIMIT_PICTURES 4096U            /* views of one job, under each of its skies */
-#define ORL_LIMIT_GRIDS 4096U               /* grids of sensors in a year */
+#define ORL_LIMIT_POLYGON_VERTICES 20000U /* corners of one polygon */
+#define ORL_LIMIT_OWN_FUNCTIONS 64U       /* materials by functions of both directions */
+#define ORL_LIMIT_ANTIMATTERS 64U         /* materials of volumes that cut surfaces */
+#define ORL_LIMIT_PLACEMENTS (1UL << 20)  /* of instances and meshes that are kept once */
+#define ORL_LIMIT_PLACED_SURFACES                                                                  \
+    (1UL << 30)                            /* surfaces and triangles, these counted in each place */
+#define ORL_LIMIT_CUT_FACETS (1UL << 23)   /* all surfaces, once for each of them */
+#define ORL_LIMIT_CUT 256U                 /* materials that one of them cuts */
+#define ORL_LIMIT_POLYGON_CROSSINGS 50000U /* of one polygon's outline with itself */
+#define ORL_LIMIT_ARGUMENTS 400000U        /* arguments of one primitive */
+#define ORL_LIMIT_WORD_BYTES 4096U         /* one word of a scene file */
+#define ORL_LIMIT_XFORM_ARRAY 100000U      /* copies made by one !xform -a chain */
+#define ORL_LIMIT_XML_DEPTH 64U            /* element nesting in a BSDF file */
+#define ORL_LIMIT_TREE_DEPTH 8U            /* log2 of a tensor tree's resolution per axis */
+#define ORL_LIMIT_BSDF_VALUES (64UL << 20) /* leaf values in one BSDF file */
+#define ORL_LIMIT_WEATHER_ROWS 527040UL    /* rows of a weather file: a leap year's minutes */
+#define ORL_LIMIT_SENSORS 4000000UL        /* sensors in one job */
+#define ORL_LIMIT_DISTANCE 1e12            /* of a sensor from the origin: rays are floats */
+#define ORL_LIMIT_VIEWS 1024U              /* views in one job */
+#define ORL_LIMIT_SKIES 1024U              /* skies of one job */
+#define ORL_LIMIT_SEQUENCE 400U            /* of these skies, when their pictures are a sequence */
+#define ORL_LIMIT_PICTURES 4096U           /* views of one job, under each of its skies */
+#define ORL_LIMIT_GRIDS 4096U              /* grids of sensors in a year */
 #define ORL_LIMIT_MATRIX_CELLS (64UL << 20) /* values of three channels in one matrix of a year */
 #define ORL_LIMIT_IMAGE_SIDE 16384U         /* pixels along one side */
 #define ORL_LIMIT_IMAGE_PIXELS (64UL << 20) /* pixels in one image */

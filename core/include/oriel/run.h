@@ -405,6 +405,7 @@ int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl
 
 struct orl_scene_summary {
     uint64_t surfaces, materials, sources, triangles, bsdfs;
+    uint64_t placed_surfaces; /* those of instances that are kept once counted in each place */
     double bounds_min[3], bounds_max[3];
     char digest[ORL_DIGEST_HEX + 1];
     char **referenced; /* names of files the scene pulled in beyond its main ones */

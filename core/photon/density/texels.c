@@ -293,7 +293,7 @@ uint64_t orl_texels_bytes(const struct orl_texels *texels)
 
 bool orl_texels_has(const struct orl_texels *texels, uint32_t facet)
 {
-    return texels->planes.has[facet];
+    return orl_planes_have(&texels->planes, facet);
 }
 
 double orl_texels_width(const struct orl_texels *texels, uint32_t facet, bool front)

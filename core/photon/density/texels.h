@@ -7,7 +7,8 @@
  *
  * Squares of a side of a facet are as large as holds a number of its photons on average, or as the
  * facet. Photons are traced back to their facets by place and normal, by a ray where that is not
- * plain. Curved surfaces have no texels, nor have those that others coincide with.
+ * plain. Curved surfaces have no texels, nor have those that others coincide with, or that the
+ * scene has in several places (scene/geometry/placed.h).
  *
  * Determinism: sums go over photons in the map's order, whatever the crew. Threads: constant once
  * made. Reference: Heckbert 1990 (adaptive radiosity textures).

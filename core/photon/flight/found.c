@@ -40,7 +40,7 @@ bool orl_found_by_nobody(const struct orl_found *found, const struct orl_world *
 static enum orl_found_by mirrored(struct orl_found *found, const struct orl_images *images,
                                   uint32_t facet)
 {
-    const int16_t class = images->class_of[facet];
+    const int16_t class = orl_images_class(images, facet);
     found->image = class < 0 || found->image < 0
                        ? -1
                        : images->next[(size_t)found->image * images->n_mirrors + (size_t) class];

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
 enum { MOST_PASSAGES = 16 }; /* some megabytes each, of fine data */
@@ -55,16 +56,23 @@ static void cast_triangle(const struct casting *c, struct orl_triangle t, struct
     }
 }
 
-/* Of a curved facet the box around it; being convex, what of it is before the plane is within. */
+/* Of a box; being convex, what of it is before the plane is within. */
+static void cast_box(const struct casting *c, struct orl_vec3 low, struct orl_vec3 high,
+                     struct orl_shade *shade)
+{
+    for (int k = 0; k < 8; k++)
+        cast_point(c,
+                   orl_v3(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z),
+                   shade);
+}
+
+/* Of a curved facet the box around it. */
 static void cast_curved(const struct casting *c, const struct orl_facet *facet,
                         struct orl_shade *shade)
 {
     struct orl_vec3 low, high;
     orl_quadric_bounds(facet, &low, &high);
-    for (int k = 0; k < 8; k++)
-        cast_point(c,
-                   orl_v3(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z),
-                   shade);
+    cast_box(c, low, high, shade);
 }
 
 /* How far beyond the plane a facet reaches. */
@@ -118,6 +126,38 @@ static bool overlap(const struct orl_shade *a, const struct orl_shade *b)
            b->low[1] <= a->high[1];
 }
 
+/* False: there are too many. */
+static bool add_shade(struct orl_shades *shades, const struct orl_shade *shade,
+                      const struct orl_shade *pane)
+{
+    if (!overlap(shade, pane))
+        return true;
+    if (shades->count == ORL_MOST_SHADES)
+        return false;
+    shades->box[shades->count++] = *shade;
+    return true;
+}
+
+/* What stands in several places, by the box around each. */
+static bool cast_placed(const struct casting *c, const struct orl_shade *pane,
+                        struct orl_shades *shades)
+{
+    const struct orl_geometry *const g = c->geometry;
+    const struct orl_vec3 o = c->outward;
+    for (size_t i = 0; i < g->n_placed; i++) {
+        const struct orl_vec3 low = g->placed[i].low, high = g->placed[i].high;
+        const double most = fmax(low.x * o.x, high.x * o.x) + fmax(low.y * o.y, high.y * o.y) +
+                            fmax(low.z * o.z, high.z * o.z) - c->plane;
+        struct orl_shade shade = nowhere();
+        if (most <= 0.1 * c->room)
+            continue;
+        cast_box(c, low, high, &shade);
+        if (!add_shade(shades, &shade, pane))
+            return false;
+    }
+    return true;
+}
+
 /* Lists the boxes on the pane; false: too many, or rays along the pane. */
 static bool cast_shades(const struct orl_world *world, const struct orl_port *port,
                         const struct orl_sun *sun, struct orl_shades *shades)
@@ -146,13 +186,10 @@ static bool cast_shades(const struct orl_world *world, const struct orl_port *po
             reach(&c, &g->facets[i]) <= 0.1 * c.room)
             continue;
         const struct orl_shade shade = shade_of(&c, &g->facets[i]);
-        if (!overlap(&shade, &pane))
-            continue;
-        if (shades->count == ORL_MOST_SHADES)
+        if (!add_shade(shades, &shade, &pane))
             return false;
-        shades->box[shades->count++] = shade;
     }
-    return true;
+    return cast_placed(&c, &pane, shades);
 }
 
 static int find_shades(struct orl_emission *e, struct orl_stratum *s)
@@ -206,7 +243,8 @@ int orl_port_sun_prepare(struct orl_emission *emission)
     emission->passages = calloc(MOST_PASSAGES, sizeof(struct orl_passage *));
     if (!emission->passages)
         return ORL_ERR_NOMEM;
-    const bool look = (double)world->geometry->n_facets * (double)emission->n_strata <= most_looks;
+    const double facets = (double)(world->geometry->n_facets + world->geometry->n_placed);
+    const bool look = facets * (double)emission->n_strata <= most_looks;
     int code = 0;
     for (size_t i = 0; i < emission->n_strata && code == 0; i++) {
         struct orl_stratum *s = &emission->strata[i];

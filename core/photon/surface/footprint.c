@@ -62,7 +62,7 @@ static struct orl_frame frame_of(const struct orl_footing *footing)
 
 static double clearance_of(const struct orl_footing *footing)
 {
-    return hair * footing->world->geometry->facets[footing->facet].offset;
+    return hair * orl_facet_offset(footing->world->geometry, footing->facet);
 }
 
 static struct orl_vec3 in_plane(const struct orl_frame *frame, const double direction[2])
@@ -72,7 +72,7 @@ static struct orl_vec3 in_plane(const struct orl_frame *frame, const double dire
 
 static bool is_flat(const struct orl_world *world, uint32_t facet)
 {
-    const enum orl_surface_kind kind = world->geometry->facets[facet].kind;
+    const enum orl_surface_kind kind = orl_facet_of(world->geometry, facet)->kind;
     return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
 }
 
@@ -114,7 +114,7 @@ static bool meets_wall(const struct orl_footing *footing, double height, struct 
                        double length, struct orl_hit *ret_hit)
 {
     const struct orl_geometry *geometry = footing->world->geometry;
-    const double step = fmin(geometry->facets[footing->facet].offset, 0.5 * length);
+    const double step = fmin(orl_facet_offset(geometry, footing->facet), 0.5 * length);
     const struct orl_vec3 over = orl_madd(footing->point, footing->normal, height);
     if (!orl_geometry_intersect(geometry, orl_madd(over, direction, step), direction, length - step,
                                 ret_hit) ||
@@ -229,7 +229,7 @@ static bool fits(const struct march *m, struct orl_vec3 point)
 static bool step_over(struct march *m, double length)
 {
     const struct orl_world *world = m->footing->world;
-    const double gap = fmax(hair * world->geometry->facets[m->facet].offset, 0x1p-50 * length);
+    const double gap = fmax(hair * orl_facet_offset(world->geometry, m->facet), 0x1p-50 * length);
     struct orl_hit hit;
     const struct orl_vec3 above = orl_madd(point_at(m, length + gap), m->frame->n, gap);
     if (!orl_geometry_intersect(world->geometry, above, orl_neg(m->frame->n), 2 * gap, &hit) ||
@@ -275,7 +275,7 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
         before = m;
         if (!flat || !step_over(&m, exit))
             break;
-        at = exit + 0.5 * hair * world->geometry->facets[m.facet].offset;
+        at = exit + 0.5 * hair * orl_facet_offset(world->geometry, m.facet);
     }
     stop_at_edge(&before, crossed, &edge, spoke);
 }

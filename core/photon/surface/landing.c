@@ -88,9 +88,10 @@ static uint32_t facet_of(const struct orl_landing *landing, const struct orl_lan
         return known;
     if (known != ORL_NOWHERE && met != known) {
         atomic_store_explicit(&landing->doubtful[known], true, memory_order_relaxed);
-        atomic_store_explicit(&landing->doubtful[met], true, memory_order_relaxed);
+        if (!orl_facet_is_placed(planes->geometry, met))
+            atomic_store_explicit(&landing->doubtful[met], true, memory_order_relaxed);
     }
-    if (met != known && planes->has[met])
+    if (met != known && orl_planes_have(planes, met))
         remember(recent, met, photon->code);
     return met;
 }
@@ -107,7 +108,7 @@ static void find_facets(void *arg, size_t chunk, uint32_t member)
         const struct orl_landed photon = orl_landed_of(landing->map, i);
         const uint32_t facet = facet_of(landing, &photon, i % ORL_MAP_LEAF == 0, &recent);
         landing->places[i] = ORL_NOWHERE;
-        if (facet == ORL_NOWHERE || !landing->planes->has[facet])
+        if (facet == ORL_NOWHERE || !orl_planes_have(landing->planes, facet))
             continue;
         const bool front = orl_dot(photon.normal, landing->planes->planes[facet].frame.n) > 0;
         landing->places[i] = 2 * facet + front;

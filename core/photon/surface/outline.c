@@ -1,5 +1,7 @@
 #include "photon/surface/outline.h"
 
+#include "scene/geometry/placed.h"
+
 /*
  * Curved facets end for us where their normal has turned this far: sheets (sheet.h) end at 30
  * degrees. On spheres a chord is as good as an arc (equal areas); about tubes an arc of 20 degrees
@@ -7,15 +9,28 @@
  */
 static const double sine_14 = 0.2419218956, sine_20 = 0.3420201433;
 
-static struct orl_vec3 corner(const struct orl_world *world, const struct orl_surface *surface,
-                              uint32_t i)
+/* A polygon's corners, as the files say them, and where they stand. */
+struct corners {
+    const struct orl_vec3 *at;
+    uint32_t n;
+    const struct orl_geometry *geometry; /* about whose middle they are to be */
+    const struct orl_placed *placed;     /* in which of its places; or NULL */
+};
+
+static struct corners corners_of(const struct orl_world *world, uint32_t facet)
 {
-    return orl_sub(surface->vertices[i], world->geometry->center);
+    const struct orl_geometry *const g = world->geometry;
+    const struct orl_surface *const surface = orl_scene_surface_of(world->scene, facet);
+    const struct orl_placed *const placed =
+        orl_facet_is_placed(g, facet) ? orl_placed_of(g, facet) : NULL;
+    return (struct corners){surface->vertices, surface->n_vertices, placed ? placed->prototype : g,
+                            placed};
 }
 
-static const struct orl_surface *surface_of(const struct orl_world *world, uint32_t facet)
+static struct orl_vec3 corner(const struct corners *corners, uint32_t i)
 {
-    return &world->scene->description.surfaces[world->geometry->facets[facet].surface];
+    const struct orl_vec3 at = orl_sub(corners->at[i], corners->geometry->center);
+    return corners->placed ? orl_xform_point(&corners->placed->to, at) : at;
 }
 
 /* The line through a and b of the tangent plane, its normal away from the origin. */
@@ -32,14 +47,14 @@ static struct orl_line line_through(const double a[2], const double b[2])
     return line;
 }
 
-static double polygon_exit(const struct orl_world *world, const struct orl_surface *surface,
-                           const struct orl_frame *frame, struct orl_vec3 origin,
-                           const double direction[2], double from, struct orl_line *ret_line)
+static double polygon_exit(const struct corners *corners, const struct orl_frame *frame,
+                           struct orl_vec3 origin, const double direction[2], double from,
+                           struct orl_line *ret_line)
 {
     double best = INFINITY, a[2], beside_a = 0;
-    for (uint32_t i = 0; i <= surface->n_vertices; i++) {
-        const uint32_t at = i < surface->n_vertices ? i : 0;
-        const struct orl_vec3 way = orl_sub(corner(world, surface, at), origin);
+    for (uint32_t i = 0; i <= corners->n; i++) {
+        const uint32_t at = i < corners->n ? i : 0;
+        const struct orl_vec3 way = orl_sub(corner(corners, at), origin);
         const double b[2] = {orl_dot(way, frame->u), orl_dot(way, frame->v)};
         const double beside_b = direction[0] * b[1] - direction[1] * b[0];
         if (i > 0 && (beside_a > 0) != (beside_b > 0)) {
@@ -103,19 +118,21 @@ double orl_outline_exit(const struct orl_world *world, uint32_t facet,
                         const struct orl_frame *frame, struct orl_vec3 origin,
                         const double direction[2], double from, struct orl_line *ret_line)
 {
-    const struct orl_facet *f = &world->geometry->facets[facet];
+    struct orl_curved room;
     *ret_line = (struct orl_line){{0, 0}, 0};
-    switch (f->kind) {
-    case ORL_SURFACE_POLYGON:
-        return polygon_exit(world, surface_of(world, facet), frame, origin, direction, from,
-                            ret_line);
+    if (orl_facet_of(world->geometry, facet)->kind == ORL_SURFACE_POLYGON) {
+        const struct corners corners = corners_of(world, facet);
+        return polygon_exit(&corners, frame, origin, direction, from, ret_line);
+    }
+    const struct orl_facet f = orl_facet_at(world->geometry, facet, &room);
+    switch (f.kind) {
     case ORL_SURFACE_RING:
-        return ring_exit(f, frame, origin, direction, from);
+        return ring_exit(&f, frame, origin, direction, from);
     case ORL_SURFACE_SPHERE:
     case ORL_SURFACE_BUBBLE:
-        return 2 * sine_14 * f->round->radius[0];
+        return 2 * sine_14 * f.round->radius[0];
     default:
-        return tube_exit(f, frame, origin, direction);
+        return tube_exit(&f, frame, origin, direction);
     }
 }
 
@@ -128,24 +145,30 @@ static double distance2_to_edge(struct orl_vec3 point, struct orl_vec3 a, struct
     return orl_dot(off, off);
 }
 
-double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point)
+static double round_clearance(const struct orl_facet *f, struct orl_vec3 point)
 {
-    const struct orl_facet *f = &world->geometry->facets[facet];
     if (f->kind == ORL_SURFACE_SPHERE || f->kind == ORL_SURFACE_BUBBLE)
         return 2 * sine_14 * f->round->radius[0];
-    if (f->kind == ORL_SURFACE_RING) {
-        const double at = orl_length(orl_sub(point, f->round->center[0]));
-        return fmax(fmin(f->round->radius[1] - at,
-                         f->round->radius[0] > 0 ? at - f->round->radius[0] : INFINITY),
-                    0);
-    }
-    if (f->kind != ORL_SURFACE_POLYGON)
+    if (f->kind != ORL_SURFACE_RING)
         return 0;
-    const struct orl_surface *surface = surface_of(world, facet);
-    struct orl_vec3 last = corner(world, surface, surface->n_vertices - 1);
+    const double at = orl_length(orl_sub(point, f->round->center[0]));
+    return fmax(fmin(f->round->radius[1] - at,
+                     f->round->radius[0] > 0 ? at - f->round->radius[0] : INFINITY),
+                0);
+}
+
+double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point)
+{
+    struct orl_curved room;
+    if (orl_facet_of(world->geometry, facet)->kind != ORL_SURFACE_POLYGON) {
+        const struct orl_facet f = orl_facet_at(world->geometry, facet, &room);
+        return round_clearance(&f, point);
+    }
+    const struct corners corners = corners_of(world, facet);
+    struct orl_vec3 last = corner(&corners, corners.n - 1);
     double best = INFINITY;
-    for (uint32_t i = 0; i < surface->n_vertices; i++) {
-        const struct orl_vec3 next = corner(world, surface, i);
+    for (uint32_t i = 0; i < corners.n; i++) {
+        const struct orl_vec3 next = corner(&corners, i);
         best = fmin(best, distance2_to_edge(point, last, next));
         last = next;
     }

@@ -24,13 +24,19 @@ struct orl_plane {
     uint32_t first, triangles; /* among the flats */
 };
 
-/* The planes of all facets. */
+/* The planes of all facets of the scene's own. */
 struct orl_planes {
     const struct orl_geometry *geometry; /* borrowed */
     struct orl_plane *planes;            /* per facet */
     struct orl_flat *flats;              /* per triangle, in its facet's plane */
     bool *has;                           /* per facet: it is flat, and not given up */
 };
+
+/* What stands in several places (scene/geometry/placed.h) has none. */
+static inline bool orl_planes_have(const struct orl_planes *planes, uint32_t facet)
+{
+    return !orl_facet_is_placed(planes->geometry, facet) && planes->has[facet];
+}
 
 /* False when out of memory; to be let go either way. */
 bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geometry);

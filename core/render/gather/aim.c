@@ -158,7 +158,7 @@ bool orl_aim_sample(const struct orl_aim *aim, const struct orl_effort *effort, 
     ret_aimed->met = orl_geometry_intersect(aim->world->geometry, point, ret_aimed->direction,
                                             INFINITY, &ret_aimed->hit);
     const bool at_port =
-        ret_aimed->met && aim->world->port_of_facet[ret_aimed->hit.facet] != ORL_NO_PORT;
+        ret_aimed->met && orl_world_port_of(aim->world, ret_aimed->hit.facet) != ORL_NO_PORT;
     if (facet != UINT32_MAX && (!ret_aimed->met || ret_aimed->hit.facet != facet))
         return false;
     double density = effort->rays[ORL_WAY_COSINE] * cosine / ORL_PI;

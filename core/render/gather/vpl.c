@@ -28,14 +28,14 @@ static void make_lamp(const struct orl_world *world, const struct orl_photon *ph
     const struct orl_geometry *g = world->geometry;
     const struct orl_vec3 at = from_floats(photon->position);
     const struct orl_vec3 coded = orl_normal_decode(photon->normal);
-    const double lift = 64 * g->radius * 0x1p-24 + 4 * g->facets[photon->facet].offset;
+    const double lift = 64 * g->radius * 0x1p-24 + 4 * orl_facet_offset(g, photon->facet);
     struct orl_hit hit;
     if (!orl_geometry_intersect(g, orl_madd(at, coded, lift), orl_neg(coded), 2 * lift, &hit) ||
         hit.facet != photon->facet)
         hit = (struct orl_hit){.point = at, .normal = coded, .facet = photon->facet, .front = true};
     const struct orl_vec3 lit = orl_dot(hit.normal, coded) > 0 ? hit.normal : orl_neg(hit.normal);
     const struct orl_rgb albedo = orl_material_diffuse(orl_world_material(world, &hit), &hit);
-    to_floats(orl_madd(hit.point, lit, g->facets[photon->facet].offset), ret_lamp->place);
+    to_floats(orl_madd(hit.point, lit, orl_facet_offset(g, photon->facet)), ret_lamp->place);
     to_floats(lit, ret_lamp->place + 3);
     ret_lamp->intensity[0] = (float)(photon->flux[0] * albedo.r / ORL_PI);
     ret_lamp->intensity[1] = (float)(photon->flux[1] * albedo.g / ORL_PI);

@@ -1,5 +1,7 @@
 #include "render/heat_map/section.h"
 
+#include "scene/geometry/placed.h"
+
 enum { SIDES = 32 };
 static const double hair = 1e-6; /* of the scene's radius */
 
@@ -78,6 +80,42 @@ static void cut_round(const struct cut *cut, const struct orl_facet *facet)
     }
 }
 
+static void cut_facet(const struct cut *cut, const struct orl_facet *facet)
+{
+    if (facet->kind == ORL_SURFACE_SPHERE || facet->kind == ORL_SURFACE_BUBBLE)
+        cut_sphere(cut, facet);
+    else if (facet->kind != ORL_SURFACE_POLYGON)
+        cut_round(cut, facet);
+}
+
+static void cut_numbered(const struct cut *cut, size_t triangle)
+{
+    const struct orl_triangle t = orl_triangle_of(cut->geometry, triangle);
+    cut_triangle(cut, (const struct orl_vec3[3]){t.a, t.b, t.c});
+}
+
+/* What stands in several places, where the plane goes through the box around it. */
+static void cut_placed(const struct cut *cut, const struct orl_placed *placed)
+{
+    const struct orl_geometry *const prototype = placed->prototype;
+    const struct orl_vec3 n = cut->plane->normal, low = placed->low, high = placed->high;
+    const double least = fmin(low.x * n.x, high.x * n.x) + fmin(low.y * n.y, high.y * n.y) +
+                         fmin(low.z * n.z, high.z * n.z);
+    const double most = fmax(low.x * n.x, high.x * n.x) + fmax(low.y * n.y, high.y * n.y) +
+                        fmax(low.z * n.z, high.z * n.z);
+    if (cut->offset < least || cut->offset > most)
+        return;
+    for (size_t i = 0; i < prototype->n_triangles; i++)
+        cut_numbered(cut, placed->first_triangle + i);
+    for (size_t i = 0; i < prototype->n_rounds; i++) {
+        struct orl_curved room;
+        const size_t own = prototype->n_facets - 1 - i;
+        const struct orl_facet facet =
+            orl_facet_at(cut->geometry, placed->first_facet + (uint32_t)own, &room);
+        cut_facet(cut, &facet);
+    }
+}
+
 void orl_section_cut(const struct orl_geometry *geometry, const struct orl_sensor_plane *plane,
                      orl_section_piece piece, void *ctx)
 {
@@ -85,15 +123,10 @@ void orl_section_cut(const struct orl_geometry *geometry, const struct orl_senso
                             plane->offset - orl_dot(plane->normal, geometry->center) +
                                 hair * geometry->radius,
                             piece, ctx};
-    for (size_t i = 0; i < geometry->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(geometry, i);
-        cut_triangle(&cut, (const struct orl_vec3[3]){t.a, t.b, t.c});
-    }
-    for (size_t i = 0; i < geometry->n_facets; i++) {
-        const struct orl_facet *facet = &geometry->facets[i];
-        if (facet->kind == ORL_SURFACE_SPHERE || facet->kind == ORL_SURFACE_BUBBLE)
-            cut_sphere(&cut, facet);
-        else if (facet->kind != ORL_SURFACE_POLYGON)
-            cut_round(&cut, facet);
-    }
+    for (size_t i = 0; i < geometry->n_triangles; i++)
+        cut_numbered(&cut, i);
+    for (size_t i = 0; i < geometry->n_facets; i++)
+        cut_facet(&cut, &geometry->facets[i]);
+    for (size_t i = 0; i < geometry->n_placed; i++)
+        cut_placed(&cut, &geometry->placed[i]);
 }

@@ -248,7 +248,8 @@ static bool shows_lamp(const struct look *look, struct orl_vec3 direction, uint3
     if (shader->suns == ORL_LAMP_ALONE)
         return facet == shader->lamp && is_straight(look, direction);
     return shader->suns != ORL_SUNS_ALONE &&
-           !(shader->lamps_apart && shader->lamps_apart[facet] && is_straight(look, direction));
+           !(shader->lamps_apart && !orl_facet_is_placed(look->shader->world->geometry, facet) &&
+             shader->lamps_apart[facet] && is_straight(look, direction));
 }
 
 static void note_way(struct orl_shaded *shaded, uint64_t met)

@@ -16,6 +16,9 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     *g = *whole;
     orl_holes_hold(g->holes);
     g->scene = NULL;
+    g->prototypes = NULL;
+    g->placed = NULL;
+    g->n_prototypes = g->n_placed = 0;
     g->n_triangles = 0;
     g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
@@ -58,6 +61,10 @@ void orl_geometry_free(struct orl_geometry *geometry)
     if (!geometry)
         return;
     orl_embree_free(geometry);
+    for (size_t i = 0; i < geometry->n_prototypes; i++)
+        orl_geometry_free(geometry->prototypes[i]);
+    free(geometry->prototypes);
+    free(geometry->placed);
     orl_holes_release(geometry->holes);
     free(geometry->facets);
     free(geometry->rounds);

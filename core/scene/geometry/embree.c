@@ -7,9 +7,10 @@
 #include <oriel/crew.h>
 
 #include "scene/geometry/embree_device.h"
+#include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
-enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1 };
+enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1, GEOMETRY_PLACED = 2 };
 
 /* Embree calls back for user geometry; single rays only, so N is 1. */
 static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
@@ -31,11 +32,17 @@ static bool curved_test(const struct orl_geometry *geometry, uint32_t primitive,
                         const struct RTCRay *ray, double *ret_t, struct orl_vec3 *ret_normal)
 {
     const struct orl_facet *facet = &geometry->facets[geometry->n_facets - 1 - primitive];
+    const struct orl_vec3 direction = orl_v3(ray->dir_x, ray->dir_y, ray->dir_z);
+    /* In a prototype the ray is as long as its place makes it. */
+    const double length = geometry->n_places > 0 ? orl_length(direction) : 1;
     /* Without area: left out of this geometry. */
-    return facet->area > 0 &&
-           orl_quadric_intersect(facet, orl_v3(ray->org_x, ray->org_y, ray->org_z),
-                                 orl_v3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar,
-                                 ret_t, ret_normal);
+    if (!(facet->area > 0) ||
+        !orl_quadric_intersect(facet, orl_v3(ray->org_x, ray->org_y, ray->org_z),
+                               orl_scale(direction, 1 / length), length * (double)ray->tnear,
+                               length * (double)ray->tfar, ret_t, ret_normal))
+        return false;
+    *ret_t /= length;
+    return true;
 }
 
 static void curved_intersect(const struct RTCIntersectFunctionNArguments *args)
@@ -49,6 +56,7 @@ static void curved_intersect(const struct RTCIntersectFunctionNArguments *args)
     rayhit->ray.tfar = (float)t;
     rayhit->hit.geomID = args->geomID;
     rayhit->hit.primID = args->primID;
+    rayhit->hit.instID[0] = args->context->instID[0];
 }
 
 static void curved_occluded(const struct RTCOccludedFunctionNArguments *args)
@@ -98,6 +106,31 @@ static void build_curved(struct orl_geometry *geometry, RTCDevice device, RTCSce
     rtcReleaseGeometry(curved);
 }
 
+static bool build_placed(const struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
+{
+    for (size_t i = 0; i < geometry->n_placed; i++) {
+        const struct orl_placed *const placed = &geometry->placed[i];
+        RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        float rows[12];
+        if (!instance)
+            return false;
+        for (size_t k = 0; k < 3; k++) {
+            const double offsets[3] = {placed->to.offset.x, placed->to.offset.y,
+                                       placed->to.offset.z};
+            rows[4 * k] = (float)placed->to.row[k].x;
+            rows[4 * k + 1] = (float)placed->to.row[k].y;
+            rows[4 * k + 2] = (float)placed->to.row[k].z;
+            rows[4 * k + 3] = (float)offsets[k];
+        }
+        rtcSetGeometryInstancedScene(instance, placed->prototype->scene);
+        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+        rtcCommitGeometry(instance);
+        rtcAttachGeometryByID(scene, instance, GEOMETRY_PLACED + (unsigned)i);
+        rtcReleaseGeometry(instance);
+    }
+    return true;
+}
+
 /* Embree asks this many times while it builds. */
 static bool goes_on(void *ctx, double fraction)
 {
@@ -139,6 +172,8 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
     geometry->scene = scene;
     rtcGetDeviceError(device); /* of scenes before */
     geometry->curved = n_curved > 0;
+    for (size_t i = 0; i < geometry->n_prototypes; i++)
+        geometry->curved = geometry->curved || geometry->prototypes[i]->curved;
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
     if (geometry->n_triangles > 0 && build_triangles(geometry, device, scene) < 0)
@@ -146,6 +181,9 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
                              geometry->n_triangles);
     if (n_curved > 0)
         build_curved(geometry, device, scene, n_curved);
+    if (!build_placed(geometry, device, scene))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu instances",
+                             geometry->n_placed);
     if (cancel)
         rtcSetSceneProgressMonitorFunction(scene, goes_on, (void *)(uintptr_t)cancel);
     rtcCommitScene(scene);
@@ -185,6 +223,20 @@ static inline bool is_traceable(struct orl_vec3 origin, struct orl_vec3 directio
            isfinite(direction.x + direction.y + direction.z);
 }
 
+/* As orl_embree_hit has it. */
+static inline uint32_t placed_of(unsigned instance)
+{
+    return instance == RTC_INVALID_GEOMETRY_ID ? 0 : instance - GEOMETRY_PLACED + 1;
+}
+
+static inline uint32_t curved_facet(const struct orl_geometry *geometry, uint32_t placed,
+                                    unsigned primitive)
+{
+    const struct orl_geometry *const of =
+        placed > 0 ? geometry->placed[placed - 1].prototype : geometry;
+    return (uint32_t)(of->n_facets - 1 - primitive);
+}
+
 bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                           struct orl_vec3 direction, double max_distance,
                           struct orl_embree_hit *ret_hit)
@@ -206,7 +258,8 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
         return false;
     ret_hit->distance = rayhit.ray.tfar;
     ret_hit->curved = rayhit.hit.geomID == GEOMETRY_CURVED;
-    ret_hit->index = ret_hit->curved ? (uint32_t)(geometry->n_facets - 1 - rayhit.hit.primID)
+    ret_hit->placed = placed_of(rayhit.hit.instID[0]);
+    ret_hit->index = ret_hit->curved ? curved_facet(geometry, ret_hit->placed, rayhit.hit.primID)
                                      : rayhit.hit.primID;
     return true;
 }
@@ -271,8 +324,9 @@ void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct
         trace_packet(geometry, alike, &packet);
         for (size_t i = 0; i < ABREAST && first + i < n; i++) {
             ret_found[first + i] = packet.rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-            ret_hits[first + i] = (struct orl_embree_hit){(double)packet.rays.ray.tfar[i],
-                                                          packet.rays.hit.primID[i], false};
+            ret_hits[first + i] =
+                (struct orl_embree_hit){(double)packet.rays.ray.tfar[i], packet.rays.hit.primID[i],
+                                        false, placed_of(packet.rays.hit.instID[0][i])};
         }
     }
 }

@@ -9,6 +9,7 @@
 #include "scene/geometry/antimatter.h"
 #include "scene/geometry/corners.h"
 #include "scene/geometry/embree.h"
+#include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 #include "scene/geometry/triangulate.h"
 
@@ -204,19 +205,52 @@ static int add_rivals(struct orl_geometry *g, const struct orl_description *d)
     return 0;
 }
 
-static void measure(struct orl_geometry *g, const struct orl_description *d)
+/* A description of a prototype alone, which borrows all. */
+static struct orl_description alone(const struct orl_description *d, size_t prototype)
+{
+    const struct orl_prototype *const p = &d->prototypes[prototype];
+    struct orl_description part = *d;
+    part.surfaces = p->surfaces;
+    part.n_surfaces = p->n_surfaces;
+    part.opposed = p->opposed;
+    part.n_opposed = p->n_opposed;
+    part.n_prototypes = part.n_placements = 0;
+    return part;
+}
+
+static int build_prototypes(struct orl_geometry *g, const struct orl_description *d,
+                            struct orl_error *err)
+{
+    int code = 0;
+    g->prototypes = calloc(d->n_prototypes + 1, sizeof(struct orl_geometry *));
+    if (!g->prototypes)
+        return ORL_ERR_NOMEM;
+    for (; g->n_prototypes < d->n_prototypes && code == 0; g->n_prototypes++) {
+        const struct orl_description part = alone(d, g->n_prototypes);
+        code = orl_geometry_new(&part, &g->prototypes[g->n_prototypes], err);
+    }
+    return code;
+}
+
+static int measure(struct orl_geometry *g, const struct orl_description *d, struct orl_error *err)
 {
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
     for (size_t i = 0; i < d->n_surfaces; i++) {
         bounds_of(&d->surfaces[i], &low, &high);
         g->n_rounds += d->surfaces[i].kind != ORL_SURFACE_POLYGON;
     }
-    if (d->n_surfaces == 0)
+    int code = build_prototypes(g, d, err);
+    if (code == 0 && !orl_placed_measure(g, d, &low, &high))
+        code = ORL_ERR_NOMEM;
+    if (code == 0 && d->n_placements > 0 && orl_is_cancelled(d->cancel))
+        code = ORL_ERR_CANCELLED;
+    if (d->n_surfaces + d->n_placements == 0)
         low = high = orl_v3(0, 0, 0);
     g->center = orl_scale(orl_add(low, high), 0.5);
     g->low = orl_sub(low, g->center);
     g->high = orl_sub(high, g->center);
     g->radius = orl_length(g->high);
+    return code;
 }
 
 int orl_geometry_prepare_thread(struct orl_error *err)
@@ -237,7 +271,10 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
                              description->n_surfaces, ORL_LIMIT_SURFACES);
         goto done;
     }
-    measure(g, description);
+    code = measure(g, description, err);
+    if (code < 0)
+        goto done;
+    code = ORL_ERR_NOMEM;
     g->n_facets = description->n_surfaces;
     g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
@@ -247,6 +284,8 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
     code = add_facets(&builder);
     if (code == 0)
         code = add_rivals(g, description);
+    if (code == 0)
+        code = orl_placed_number(g, err);
     if (code == 0)
         code = orl_embree_build(g, description->cancel, err);
     if (code == 0)

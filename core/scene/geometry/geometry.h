@@ -9,6 +9,9 @@
  * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction):
  * clear of the surface, and of what a BSDF with a thickness stands for.
  *
+ * What the scene has in several places it keeps once (placed.h): numbers of facets and triangles go
+ * on beyond n_facets and n_triangles, and arrays do not.
+ *
  * Surfaces that antimatter cuts are met where they are left (antimatter.h).
  *
  * Where two polygons of opposite fronts lie in one place, a hit is on the one whose front the ray
@@ -55,6 +58,7 @@ struct orl_triangle {
 };
 
 struct orl_holes;
+struct orl_placed;
 
 struct orl_geometry {
     struct orl_vec3 center;    /* subtracted from the files' coordinates */
@@ -70,7 +74,12 @@ struct orl_geometry {
     size_t n_corners;
     uint32_t *rivals;
     size_t n_rivals;
-    bool curved;             /* it has facets that are not polygons */
+    struct orl_geometry **prototypes; /* owned: what stands in several places (placed.h) */
+    size_t n_prototypes;
+    struct orl_placed *placed; /* those places */
+    size_t n_placed;
+    size_t n_places;         /* a prototype's: how many; else 0 */
+    bool curved;             /* it has facets that are not polygons, or what is placed has */
     struct orl_holes *holes; /* antimatter.h: facets that are not there everywhere; NULL: none */
     void *scene;             /* Embree's */
 };
@@ -81,8 +90,8 @@ struct orl_hit {
     struct orl_vec3 point;  /* on the surface */
     struct orl_vec3 normal; /* unit, the declared front */
     uint32_t facet;
-    uint32_t triangle; /* of polygons, in orl_geometry.triangles; else 0 */
-    uint32_t instance; /* of the scene's parts that it holds more than once; 0 */
+    uint32_t triangle; /* of polygons, as orl_triangle_of numbers them; else 0 */
+    uint32_t instance; /* of the scene's parts that it holds more than once: which, from 1; or 0 */
     bool front;        /* the ray met the front: dot(direction, normal) < 0 */
 };
 
@@ -99,11 +108,44 @@ static inline bool orl_hit_is_anywhere(const struct orl_hit *hit)
     return hit->instance == UINT32_MAX;
 }
 
-static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geometry, size_t index)
+/* placed.c: of numbers beyond the scene's own. */
+const struct orl_facet *orl_placed_facet(const struct orl_geometry *geometry, uint32_t facet);
+double orl_placed_offset(const struct orl_geometry *geometry, uint32_t facet);
+struct orl_triangle orl_placed_triangle(const struct orl_geometry *geometry, size_t index);
+
+/* Whether a facet is one of what the scene has in several places (placed.h). */
+static inline bool orl_facet_is_placed(const struct orl_geometry *geometry, uint32_t facet)
+{
+    return facet >= geometry->n_facets;
+}
+
+/* Its kind, material and BSDF's thickness; of what is placed nothing else. */
+static inline const struct orl_facet *orl_facet_of(const struct orl_geometry *geometry,
+                                                   uint32_t facet)
+{
+    return orl_facet_is_placed(geometry, facet) ? orl_placed_facet(geometry, facet)
+                                                : &geometry->facets[facet];
+}
+
+static inline double orl_facet_offset(const struct orl_geometry *geometry, uint32_t facet)
+{
+    return orl_facet_is_placed(geometry, facet) ? orl_placed_offset(geometry, facet)
+                                                : geometry->facets[facet].offset;
+}
+
+/* Of the scene's own. */
+static inline struct orl_triangle orl_triangle_of_own(const struct orl_geometry *geometry,
+                                                      size_t index)
 {
     const uint32_t *const at = geometry->triangles[index].corners;
     return (struct orl_triangle){geometry->corners[at[0]], geometry->corners[at[1]],
                                  geometry->corners[at[2]]};
+}
+
+static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geometry, size_t index)
+{
+    return index < geometry->n_triangles ? orl_triangle_of_own(geometry, index)
+                                         : orl_placed_triangle(geometry, index);
 }
 
 /* See orl_prepare_thread (oriel/run.h). */
@@ -139,8 +181,9 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
 bool orl_geometry_is_cut(const struct orl_geometry *geometry, uint32_t facet);
 
 /*
- * A copy in which only the facets to keep can be met; the others have their places in the arrays,
- * but no area. Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM.
+ * A copy of one that has nothing placed, in which only the facets to keep can be met; the others
+ * have their places in the arrays, but no area. Returns 0 and a geometry the caller frees, or
+ * ORL_ERR_NOMEM.
  */
 int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
                         struct orl_geometry **ret_geometry, struct orl_error *err);
@@ -150,8 +193,10 @@ static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometr
                                               struct orl_vec3 point, struct orl_vec3 normal,
                                               struct orl_vec3 direction)
 {
-    const struct orl_facet *f = &geometry->facets[facet];
     const double side = orl_dot(direction, normal) >= 0 ? 1 : -1;
+    if (orl_facet_is_placed(geometry, facet))
+        return orl_madd(point, normal, side * orl_placed_offset(geometry, facet));
+    const struct orl_facet *f = &geometry->facets[facet];
     /* To the side of what it stands for: beyond that. */
     const double hidden = f->beyond * side < 0 ? fabs(f->beyond) : 0;
     return orl_madd(point, normal, side * (f->offset + hidden));
@@ -178,7 +223,7 @@ static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
  */
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2]);
 
-/* A point uniform by area on a facet, with its front normal; u in [0,1)^2. */
+/* A point uniform by area on a facet of the scene's own, with its front normal; u in [0,1)^2. */
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
 /* Points alone, of many pairs. */

@@ -1,6 +1,7 @@
 /* What rays meet of the surfaces that are there; and places on facets. */
 #include "scene/geometry/antimatter.h"
 #include "scene/geometry/meet.h"
+#include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
 enum { AT_ONCE = 64 }; /* rays */
@@ -64,9 +65,10 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
 
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2])
 {
-    const struct orl_facet *facet = &geometry->facets[hit->facet];
-    if (facet->kind != ORL_SURFACE_POLYGON) {
-        orl_quadric_uv(facet, hit->point, ret_uv);
+    struct orl_curved room;
+    if (orl_facet_of(geometry, hit->facet)->kind != ORL_SURFACE_POLYGON) {
+        const struct orl_facet facet = orl_facet_at(geometry, hit->facet, &room);
+        orl_quadric_uv(&facet, hit->point, ret_uv);
         return;
     }
     const struct orl_triangle t = orl_triangle_of(geometry, hit->triangle);
@@ -84,7 +86,7 @@ void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, 
 static inline struct orl_vec3 triangle_point(const struct orl_geometry *geometry, size_t index,
                                              double left, double v)
 {
-    const struct orl_triangle t = orl_triangle_of(geometry, index);
+    const struct orl_triangle t = orl_triangle_of_own(geometry, index);
     const double area = geometry->triangles[index].area;
     const double share = area > 0 && left > 0 ? left / area : 0;
     const double s = sqrt(share < 1 ? share : 1);

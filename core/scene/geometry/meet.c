@@ -1,5 +1,6 @@
 #include "scene/geometry/meet.h"
 
+#include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
 /* Whether a point of its plane lies on the facet, its rim included: on which triangle. */
@@ -8,7 +9,7 @@ static bool holds(const struct orl_geometry *geometry, const struct orl_facet *f
 {
     const double slack = -facet->offset;
     for (uint32_t i = 0; i < facet->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(geometry, facet->first_triangle + i);
+        const struct orl_triangle t = orl_triangle_of_own(geometry, facet->first_triangle + i);
         *ret_triangle = facet->first_triangle + i;
         const struct orl_vec3 corners[4] = {t.a, t.b, t.c, t.a};
         bool inside = true;
@@ -47,9 +48,9 @@ static struct orl_vec3 plane_of(const struct orl_facet *facet, const struct orl_
     return facet->bent ? orl_cross(orl_sub(t->b, t->a), orl_sub(t->c, t->a)) : facet->normal;
 }
 
-void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin,
-                     struct orl_vec3 direction, const struct orl_embree_hit *e,
-                     struct orl_hit *ret_hit)
+static inline void settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                              struct orl_vec3 direction, const struct orl_embree_hit *e,
+                              struct orl_hit *ret_hit)
 {
     const uint32_t index = e->curved ? e->index : geometry->triangles[e->index].facet;
     const struct orl_facet *facet = &geometry->facets[index];
@@ -60,7 +61,7 @@ void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
-        const struct orl_triangle triangle = orl_triangle_of(geometry, e->index);
+        const struct orl_triangle triangle = orl_triangle_of_own(geometry, e->index);
         const struct orl_vec3 plane = plane_of(facet, &triangle);
         const double slope = orl_dot(direction, plane);
         const double exact = orl_dot(orl_sub(triangle.a, origin), plane) / slope;
@@ -76,6 +77,28 @@ void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin
     ret_hit->front = orl_dot(direction, normal) < 0;
     if (!ret_hit->front && facet->n_rivals > 0)
         choose_front(geometry, ret_hit);
+}
+
+/* In the prototype's coordinates, and from there; not inline: nearly no scene needs it. */
+static __attribute__((noinline)) void
+settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
+              struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
+{
+    const struct orl_placed *const placed = &geometry->placed[e->placed - 1];
+    const struct orl_embree_hit inside = {e->distance / placed->to.scale, e->index, e->curved, 0};
+    settle_own(placed->prototype, orl_xform_point(&placed->from, origin),
+               orl_xform_direction(&placed->from, direction), &inside, ret_hit);
+    orl_placed_hit(geometry, placed, origin, direction, ret_hit);
+}
+
+void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                     struct orl_vec3 direction, const struct orl_embree_hit *e,
+                     struct orl_hit *ret_hit)
+{
+    if (e->placed > 0)
+        settle_placed(geometry, origin, direction, e, ret_hit);
+    else
+        settle_own(geometry, origin, direction, e, ret_hit);
 }
 
 bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,

@@ -21,7 +21,7 @@ struct orl_vec3 orl_stand(const struct orl_geometry *g, struct orl_vec3 point,
         const double left = orl_dot(orl_sub(from, point), normal) + span;
         if (!(left > 0) || !orl_geometry_intersect(g, from, orl_neg(normal), left, &hit))
             break;
-        const double clear = 2 * g->facets[hit.facet].offset;
+        const double clear = 2 * orl_facet_offset(g, hit.facet);
         const double slope = fmax(0.25, fabs(orl_dot(hit.normal, normal)));
         const double height = orl_dot(orl_sub(hit.point, point), normal);
         if (fabs(height) * slope <= clear)

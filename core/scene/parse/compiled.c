@@ -219,6 +219,30 @@ static int begin(struct orl_parser *parser, const struct orl_scope *scope, struc
     return orl_parser_string_xform(parser, scope, 1, &inside->scope.xform, err);
 }
 
+/* Where it has been read before and is fit for that, what is inside is put there once more. */
+static int read_or_place(struct inside *inside, const struct orl_scope *outer, const char *modifier,
+                         bool is_mesh, const struct orl_file *file, struct orl_error *err)
+{
+    struct orl_parser *const parser = inside->parser;
+    const struct orl_symbol *const symbol =
+        modifier ? orl_symbols_find(&parser->symbols, modifier) : NULL;
+    struct orl_repeat_key key = {
+        .data = file->data, .is_mesh = is_mesh, .is_modified = symbol != NULL};
+    if (symbol) {
+        key.kind = symbol->kind;
+        key.index = symbol->index;
+    }
+    const bool known = !modifier || symbol;
+    int code = known ? orl_repeats_place(parser, &key, &inside->scope, inside->id, err) : 0;
+    if (code != 0)
+        return code < 0 ? code : 0;
+    const struct orl_repeat_mark before = orl_repeats_mark(parser);
+    code = orl_parser_count_text(parser, &inside->scope, file->size, err);
+    if (code == 0)
+        code = read_inside(inside, outer, modifier, is_mesh, file, err);
+    return code == 0 && known ? orl_repeats_note(parser, &key, &before, &inside->scope, err) : code;
+}
+
 int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_error *err)
 {
@@ -236,9 +260,7 @@ int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope
         return orl_parser_fail(parser, scope, err, code, "its file is missing: %s", name);
     }
     if (code == 0)
-        code = orl_parser_count_text(parser, &inside.scope, file.size, err);
-    if (code == 0)
-        code = read_inside(&inside, scope, modifier, is_mesh, &file, err);
+        code = read_or_place(&inside, scope, modifier, is_mesh, &file, err);
     free(inside.names.at);
     if (code < 0 && err->file[0] == '\0') {
         snprintf(name, sizeof name, "%s %.180s", is_mesh ? "mesh" : "instance", inside.id);

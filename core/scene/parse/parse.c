@@ -172,6 +172,7 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
         struct orl_scope scope = {.xform = orl_xform_identity};
         const struct orl_source *source;
         parser->out->first_surfaces[i] = parser->out->n_surfaces;
+        parser->out->n_first_surfaces = i + 1;
         if (is_xml(names[i]))
             continue;
         source = parser->sources.items + index[i];
@@ -197,7 +198,7 @@ static int finish(struct orl_parser *parser, struct orl_error *err)
     orl_sha256_finish(&digest, out->digest);
     out->n_degenerate = parser->degenerate.count;
     orl_parser_report(parser);
-    return 0;
+    return orl_repeats_settle(&parser->repeats, out, err);
 }
 
 int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
@@ -240,6 +241,7 @@ done:
     orl_sources_done(&parser.sources);
     orl_symbols_done(&parser.symbols);
     orl_deferred_done(&parser.deferred);
+    orl_repeats_done(&parser.repeats);
     orl_functions_free(parser.functions);
     free(parser.smooth);
     orl_primitive_done(&parser.primitive);

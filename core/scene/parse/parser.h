@@ -14,6 +14,7 @@
 #include "scene/parse/deferred.h"
 #include "scene/parse/primitive.h"
 #include "scene/parse/refusals.h"
+#include "scene/parse/repeats.h"
 #include "scene/parse/sources.h"
 #include "scene/parse/symbols.h"
 
@@ -41,6 +42,7 @@ struct orl_parser {
     int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;
     struct orl_deferred deferred;
+    struct orl_repeats repeats;
     bool cut_short; /* what was refused could not be read past */
     struct orl_warning_tally degenerate, bent, unmodified, white, below;
 };

@@ -1,0 +1,216 @@
+#include "scene/parse/repeats.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "base/grow.h"
+#include "scene/material/scatter.h"
+#include "scene/parse/parser.h"
+#include "scene/placements.h"
+
+enum { LEAST_SURFACES = 64, LEAST_PLACES = 4 };
+
+/* ---- While files are read -------------------------------------------------------------------- */
+
+static bool same_key(const struct orl_repeat_key *a, const struct orl_repeat_key *b)
+{
+    return a->data == b->data && a->is_mesh == b->is_mesh && a->is_modified == b->is_modified &&
+           a->kind == b->kind && a->index == b->index;
+}
+
+/* The scope's prefix and its full stop, and behind them a name, or nothing; NULL: no memory. */
+static const char *prefixed(struct orl_parser *parser, const struct orl_scope *scope,
+                            const char *name)
+{
+    const size_t front = scope->prefix ? strlen(scope->prefix) : 0, length = strlen(name);
+    char *const text = orl_arena_letters(parser->out->arena, front + length + 2);
+    if (!text)
+        return NULL;
+    if (front > 0)
+        memcpy(text, scope->prefix, front);
+    text[front] = '.';
+    memcpy(text + front + (scope->prefix ? 1 : 0), name, length + 1);
+    return text;
+}
+
+struct orl_repeat_mark orl_repeats_mark(const struct orl_parser *parser)
+{
+    const struct orl_description *const d = parser->out;
+    return (struct orl_repeat_mark){.surfaces = d->n_surfaces,
+                                    .distants = d->n_distants,
+                                    .skies = d->n_skies,
+                                    .refused = parser->refusals.n,
+                                    .places = parser->repeats.n_places};
+}
+
+int orl_repeats_place(struct orl_parser *parser, const struct orl_repeat_key *key,
+                      const struct orl_scope *scope, const char *id, struct orl_error *err)
+{
+    struct orl_repeats *const r = &parser->repeats;
+    size_t at = 0;
+    while (at < r->n && !same_key(&r->items[at].key, key))
+        at++;
+    if (at == r->n)
+        return 0;
+    if (r->n_places >= ORL_LIMIT_PLACEMENTS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "more than %lu instances and meshes",
+                             ORL_LIMIT_PLACEMENTS);
+    const char *const name = key->is_mesh ? prefixed(parser, scope, id) : NULL;
+    const char *const prefix = prefixed(parser, scope, "");
+    if ((key->is_mesh && !name) || !prefix ||
+        !orl_grow(&r->places, &r->places_room, r->n_places, sizeof *r->places))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    r->places[r->n_places++] =
+        (struct orl_placement){.prototype = (uint32_t)at,
+                               .xform = orl_xform_compose(&scope->xform, &r->items[at].back),
+                               .name = name,
+                               .prefix = prefix,
+                               .before = parser->out->n_surfaces,
+                               .main_file = parser->out->n_first_surfaces - 1};
+    r->items[at].n_places++;
+    return 1;
+}
+
+static bool is_plain(const struct orl_material *m)
+{
+    return orl_material_is_matt(m) && !m->pattern && !m->texture;
+}
+
+static bool is_fit(const struct orl_parser *parser, const struct orl_repeat_mark *before)
+{
+    const struct orl_description *const d = parser->out;
+    const struct orl_repeat_mark now = orl_repeats_mark(parser);
+    if (now.surfaces < before->surfaces + LEAST_SURFACES || now.distants > before->distants ||
+        now.skies > before->skies || now.refused > before->refused || now.places > before->places)
+        return false;
+    for (size_t i = before->surfaces; i < now.surfaces; i++)
+        if (!is_plain(&d->materials[d->surfaces[i].material]))
+            return false;
+    return true;
+}
+
+int orl_repeats_note(struct orl_parser *parser, const struct orl_repeat_key *key,
+                     const struct orl_repeat_mark *before, const struct orl_scope *scope,
+                     struct orl_error *err)
+{
+    struct orl_repeats *const r = &parser->repeats;
+    if (!is_fit(parser, before))
+        return 0;
+    const char *const prefix = prefixed(parser, scope, "");
+    /* What was read within is a part of this, and in no other place yet. */
+    while (r->n > 0 && r->items[r->n - 1].first >= before->surfaces)
+        r->n--;
+    if (!prefix || !orl_grow(&r->items, &r->room, r->n, sizeof *r->items))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    r->items[r->n++] = (struct orl_repeat){.key = *key,
+                                           .first = before->surfaces,
+                                           .end = parser->out->n_surfaces,
+                                           .main_file = parser->out->n_first_surfaces - 1,
+                                           .prefix = prefix,
+                                           .back = orl_xform_inverse(&scope->xform)};
+    return 0;
+}
+
+/* ---- Once all have been ---------------------------------------------------------------------- */
+
+/* The places of all in the order of the files: where each was read comes behind those that were
+ * named there before. */
+static void order_places(const struct orl_repeats *r, struct orl_description *d)
+{
+    size_t next = 0;
+    for (size_t i = 0; i < r->n; i++) {
+        const struct orl_repeat *const item = &r->items[i];
+        if (item->n_places == 0)
+            continue;
+        while (next < r->n_places && r->places[next].before <= item->first)
+            d->placements[d->n_placements++] = r->places[next++];
+        d->placements[d->n_placements++] = (struct orl_placement){.prototype = (uint32_t)i,
+                                                                  .xform = orl_xform_identity,
+                                                                  .prefix = item->prefix,
+                                                                  .before = item->first,
+                                                                  .main_file = item->main_file};
+    }
+    while (next < r->n_places)
+        d->placements[d->n_placements++] = r->places[next++];
+}
+
+/* A prototype of its surfaces. */
+static bool take_out(const struct orl_repeat *item, struct orl_description *d)
+{
+    struct orl_prototype *const prototype = &d->prototypes[d->n_prototypes];
+    const size_t n = item->end - item->first;
+    prototype->surfaces = malloc(n * sizeof *prototype->surfaces);
+    if (!prototype->surfaces)
+        return false;
+    memcpy(prototype->surfaces, d->surfaces + item->first, n * sizeof *prototype->surfaces);
+    prototype->n_surfaces = n;
+    prototype->prefix_bytes = strlen(item->prefix);
+    d->n_prototypes++;
+    return true;
+}
+
+/* How many surfaces have been taken out that came before one; *next: the first of the repeats that
+ * does not, so far. */
+static size_t count_before(const struct orl_repeats *r, size_t index, size_t *next, size_t *gone)
+{
+    for (; *next < r->n && r->items[*next].end <= index; ++*next)
+        if (r->items[*next].n_places > 0)
+            *gone += r->items[*next].end - r->items[*next].first;
+    return *gone;
+}
+
+/* Closes the gaps, and moves what counts surfaces. */
+static void close_up(const struct orl_repeats *r, struct orl_description *d)
+{
+    size_t kept = 0, from = 0, next = 0, gone = 0;
+    for (size_t i = 0; i < d->n_placements; i++)
+        d->placements[i].before -= count_before(r, d->placements[i].before, &next, &gone);
+    next = gone = 0;
+    for (size_t i = 0; i < d->n_first_surfaces; i++)
+        d->first_surfaces[i] -= count_before(r, d->first_surfaces[i], &next, &gone);
+    for (size_t i = 0; i <= r->n; i++) {
+        const bool last = i == r->n;
+        const size_t to = last ? d->n_surfaces : r->items[i].first;
+        if (!last && r->items[i].n_places == 0)
+            continue;
+        memmove(d->surfaces + kept, d->surfaces + from, (to - from) * sizeof *d->surfaces);
+        kept += to - from;
+        from = last ? to : r->items[i].end;
+    }
+    d->n_surfaces = kept;
+}
+
+int orl_repeats_settle(struct orl_repeats *r, struct orl_description *d, struct orl_error *err)
+{
+    uint32_t *const numbers = malloc((r->n + 1) * sizeof *numbers);
+    int code = numbers ? 0 : ORL_ERR_NOMEM;
+    if (code < 0 || r->n_places == 0)
+        goto done;
+    code = ORL_ERR_NOMEM;
+    d->prototypes = calloc(r->n, sizeof *d->prototypes);
+    d->placements = malloc((r->n_places + r->n) * sizeof *d->placements);
+    if (!d->prototypes || !d->placements)
+        goto done;
+    for (size_t i = 0; i < r->n; i++) {
+        numbers[i] = (uint32_t)d->n_prototypes;
+        if (r->items[i].n_places > 0 && !take_out(&r->items[i], d))
+            goto done;
+    }
+    order_places(r, d);
+    close_up(r, d);
+    for (size_t i = 0; i < d->n_placements; i++)
+        d->placements[i].prototype = numbers[d->placements[i].prototype];
+    code = orl_placements_expand(d, LEAST_PLACES, err);
+done:
+    free(numbers);
+    return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
+}
+
+void orl_repeats_done(struct orl_repeats *repeats)
+{
+    free(repeats->items);
+    free(repeats->places);
+    *repeats = (struct orl_repeats){.n = 0};
+}

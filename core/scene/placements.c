@@ -1,0 +1,268 @@
+#include "scene/placements.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "base/arena.h"
+
+uint64_t orl_description_count_surfaces(const struct orl_description *description)
+{
+    uint64_t n = description->n_surfaces;
+    for (size_t i = 0; i < description->n_placements; i++)
+        n += description->prototypes[description->placements[i].prototype].n_surfaces;
+    return n;
+}
+
+/* What of a surface's name is its own. */
+static const char *own_name(const struct orl_description *d, const struct orl_placement *placement,
+                            const struct orl_surface *surface)
+{
+    return surface->name + d->prototypes[placement->prototype].prefix_bytes;
+}
+
+bool orl_placement_has_name(const struct orl_description *description,
+                            const struct orl_placement *placement,
+                            const struct orl_surface *surface, const char *name)
+{
+    const size_t front = strlen(placement->prefix);
+    if (placement->name)
+        return strcmp(placement->name, name) == 0;
+    return strncmp(placement->prefix, name, front) == 0 &&
+           strcmp(own_name(description, placement, surface), name + front) == 0;
+}
+
+/* ---- One surface ----------------------------------------------------------------------------- */
+
+/* The linear part is orthogonal but for its scale. */
+struct orl_xform orl_xform_inverse(const struct orl_xform *x)
+{
+    const double by = 1 / (x->scale * x->scale);
+    struct orl_xform back = {.scale = 1 / x->scale,
+                             .mirrored = x->mirrored,
+                             .inverted = x->inverted,
+                             .offset = {0, 0, 0}};
+    back.row[0] = orl_scale(orl_v3(x->row[0].x, x->row[1].x, x->row[2].x), by);
+    back.row[1] = orl_scale(orl_v3(x->row[0].y, x->row[1].y, x->row[2].y), by);
+    back.row[2] = orl_scale(orl_v3(x->row[0].z, x->row[1].z, x->row[2].z), by);
+    back.offset = orl_neg(orl_xform_vector(&back, x->offset));
+    return back;
+}
+
+struct orl_vec3 orl_xform_direction(const struct orl_xform *xform, struct orl_vec3 direction)
+{
+    return orl_scale(orl_xform_vector(xform, direction), 1 / xform->scale);
+}
+
+struct orl_vec3 orl_xform_normal(const struct orl_xform *xform, struct orl_vec3 normal)
+{
+    const struct orl_vec3 turned = orl_xform_direction(xform, normal);
+    return xform->inverted ? orl_neg(turned) : turned;
+}
+
+struct orl_curved orl_xform_curved(const struct orl_xform *xform, const struct orl_curved *round)
+{
+    struct orl_curved placed;
+    for (int i = 0; i < 2; i++) {
+        placed.center[i] = orl_xform_point(xform, round->center[i]);
+        placed.radius[i] = xform->scale * round->radius[i];
+    }
+    return placed;
+}
+
+enum orl_surface_kind orl_xform_kind(const struct orl_xform *xform, enum orl_surface_kind kind)
+{
+    static const enum orl_surface_kind inverse[] = {
+        [ORL_SURFACE_POLYGON] = ORL_SURFACE_POLYGON, [ORL_SURFACE_SPHERE] = ORL_SURFACE_BUBBLE,
+        [ORL_SURFACE_BUBBLE] = ORL_SURFACE_SPHERE,   [ORL_SURFACE_CYLINDER] = ORL_SURFACE_TUBE,
+        [ORL_SURFACE_TUBE] = ORL_SURFACE_CYLINDER,   [ORL_SURFACE_CONE] = ORL_SURFACE_CUP,
+        [ORL_SURFACE_CUP] = ORL_SURFACE_CONE,        [ORL_SURFACE_RING] = ORL_SURFACE_RING,
+    };
+    return xform->inverted ? inverse[kind] : kind;
+}
+
+/* Corners, and the places of a mesh behind them: backwards where the front would change sides. */
+static bool place_polygon(const struct orl_xform *xform, struct orl_surface *surface,
+                          struct orl_arena *arena)
+{
+    enum { PLACE = 2 * sizeof(double) };
+    const uint32_t n = surface->n_vertices;
+    const bool backwards = xform->mirrored != xform->inverted;
+    const struct orl_vec3 *const from = surface->vertices;
+    const char *const places = (const char *)orl_surface_places(surface);
+    struct orl_vec3 *const to = orl_arena_take(arena, n * (sizeof *to + (places ? PLACE : 0)));
+    if (!to)
+        return false;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t at = backwards ? n - 1 - i : i;
+        to[i] = orl_xform_point(xform, from[at]);
+        if (places)
+            memcpy((char *)(to + n) + (size_t)i * PLACE, places + (size_t)at * PLACE, PLACE);
+    }
+    surface->vertices = to;
+    return true;
+}
+
+static bool place_round(const struct orl_xform *xform, struct orl_surface *surface,
+                        struct orl_arena *arena)
+{
+    struct orl_curved *const round = orl_arena_take(arena, sizeof *round);
+    if (!round)
+        return false;
+    *round = orl_xform_curved(xform, surface->round);
+    surface->round = round;
+    surface->kind = orl_xform_kind(xform, surface->kind);
+    return true;
+}
+
+static bool name_surface(const struct orl_description *d, const struct orl_placement *placement,
+                         struct orl_surface *surface)
+{
+    const char *const own = placement->name ? placement->name : own_name(d, placement, surface);
+    const char *const prefix = placement->name ? "" : placement->prefix;
+    const size_t front = strlen(prefix), length = strlen(own);
+    surface->name = orl_arena_letters(d->arena, front + length + 1);
+    if (!surface->name)
+        return false;
+    memcpy(surface->name, prefix, front);
+    memcpy(surface->name + front, own, length + 1);
+    return true;
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+struct expansion {
+    struct orl_description *d;
+    size_t *places; /* of each prototype that is expanded; 0: it is not */
+    struct orl_surface *surfaces;
+    size_t n;
+    size_t placement, file, kept; /* those that are next; and places that stay */
+};
+
+/* Adds the surfaces of one place behind those that there are. */
+static bool expand_one(struct expansion *e, const struct orl_placement *placement)
+{
+    const struct orl_prototype *const prototype = &e->d->prototypes[placement->prototype];
+    for (size_t i = 0; i < prototype->n_surfaces; i++) {
+        struct orl_surface *const surface = &e->surfaces[e->n++];
+        *surface = prototype->surfaces[i];
+        surface->normal = orl_xform_normal(&placement->xform, surface->normal);
+        if (!name_surface(e->d, placement, surface) ||
+            !(surface->kind == ORL_SURFACE_POLYGON
+                  ? place_polygon(&placement->xform, surface, e->d->arena)
+                  : place_round(&placement->xform, surface, e->d->arena)))
+            return false;
+    }
+    return true;
+}
+
+static bool take_place(struct expansion *e)
+{
+    struct orl_placement placement = e->d->placements[e->placement++];
+    if (e->places[placement.prototype] > 0)
+        return expand_one(e, &placement);
+    placement.before = e->n;
+    e->d->placements[e->kept++] = placement;
+    return true;
+}
+
+/* Where surfaces, places and the beginnings of files meet: those of earlier files come first. */
+static bool merge_at(struct expansion *e, size_t index)
+{
+    const struct orl_description *const d = e->d;
+    for (;;) {
+        const bool place =
+            e->placement < d->n_placements && d->placements[e->placement].before == index;
+        const bool begins = e->file < d->n_first_surfaces && d->first_surfaces[e->file] == index;
+        if (place && (!begins || d->placements[e->placement].main_file < e->file)) {
+            if (!take_place(e))
+                return false;
+        } else if (begins) {
+            d->first_surfaces[e->file++] = e->n;
+        } else {
+            return true;
+        }
+    }
+}
+
+static bool merge(struct expansion *e)
+{
+    for (size_t i = 0; i <= e->d->n_surfaces; i++) {
+        if (!merge_at(e, i))
+            return false;
+        if (i < e->d->n_surfaces)
+            e->surfaces[e->n++] = e->d->surfaces[i];
+    }
+    return true;
+}
+
+/* Drops the prototypes that have been expanded. */
+static void drop(struct expansion *e)
+{
+    struct orl_description *const d = e->d;
+    size_t kept = 0;
+    for (size_t i = 0; i < d->n_prototypes; i++) {
+        if (e->places[i] > 0) {
+            free(d->prototypes[i].surfaces);
+            free(d->prototypes[i].opposed);
+            continue;
+        }
+        e->places[i] = kept; /* from here on its number */
+        d->prototypes[kept++] = d->prototypes[i];
+    }
+    for (size_t i = 0; i < e->kept; i++)
+        d->placements[i].prototype = (uint32_t)e->places[d->placements[i].prototype];
+    d->n_prototypes = kept;
+    d->n_placements = e->kept;
+}
+
+/* Surfaces of all that is expanded. */
+static uint64_t choose(struct expansion *e, size_t fewer_than)
+{
+    const struct orl_description *const d = e->d;
+    uint64_t n = 0;
+    for (size_t i = 0; i < d->n_placements; i++)
+        e->places[d->placements[i].prototype]++;
+    for (size_t i = 0; i < d->n_prototypes; i++) {
+        e->places[i] = e->places[i] < fewer_than ? e->places[i] : 0;
+        n += (uint64_t)e->places[i] * d->prototypes[i].n_surfaces;
+    }
+    return n;
+}
+
+static int expand(struct expansion *e, uint64_t more, struct orl_error *err)
+{
+    struct orl_description *const d = e->d;
+    const uint64_t n = d->n_surfaces + more;
+    if (n > ORL_LIMIT_SURFACES)
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "%llu surfaces, those of instances counted in each place; at most %lu "
+                             "are allowed where instances are not kept once",
+                             (unsigned long long)n, ORL_LIMIT_SURFACES);
+    e->surfaces = malloc((n + 1) * sizeof *e->surfaces);
+    if (!e->surfaces || !merge(e)) {
+        free(e->surfaces);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
+    }
+    free(d->surfaces);
+    d->surfaces = e->surfaces;
+    d->n_surfaces = e->n;
+    drop(e);
+    return 0;
+}
+
+int orl_placements_expand(struct orl_description *description, size_t fewer_than,
+                          struct orl_error *err)
+{
+    if (description->n_prototypes == 0)
+        return 0;
+    struct expansion e = {.d = description,
+                          .places = calloc(description->n_prototypes, sizeof *e.places)};
+    if (!e.places)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
+    const uint64_t more = choose(&e, fewer_than);
+    const int code = more > 0 ? expand(&e, more, err) : 0;
+    free(e.places);
+    return code;
+}

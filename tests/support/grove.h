@@ -1,0 +1,39 @@
+/*
+ * A tree of odd triangles, cones and balls, and a scene that has it in several places: by instances
+ * of an octree that names its file, and by xform, which gives each place surfaces of its own.
+ */
+#ifndef ORL_TESTS_SUPPORT_GROVE_H
+#define ORL_TESTS_SUPPORT_GROVE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include <oriel/files.h>
+
+#include "scene/description.h"
+
+enum { GROVE_PLACES = 20, GROVE_TRIANGLES = 200, GROVE_ROUND = 12 };
+
+struct grove_octree {
+    char data[256];
+    size_t size;
+};
+
+struct grove {
+    char *tree;                       /* tree.rad */
+    struct grove_octree octree, pair; /* tree.oct; pair.oct: of pair.rad, which has two trees */
+    char *shared, *expanded;          /* scenes of a floor, and the tree in its places */
+};
+
+/* triangles: of the tree; rounds: balls and cones besides; free by grove_done. */
+void grove_init(struct grove *grove, size_t triangles, size_t rounds, size_t places);
+void grove_done(struct grove *grove);
+
+/* Reads one of the scenes, or a text that names tree.rad, tree.oct, pair.oct, or once.rad, which
+ * has an instance of tree.oct. Fails the test if it fails. */
+struct orl_description grove_read(const struct grove *grove, const char *scene);
+
+/* Writes all of it into a folder: shared.rad and expanded.rad, tree.rad and tree.oct. */
+void grove_write(const struct grove *grove, const char *folder);
+
+#endif

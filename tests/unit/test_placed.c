@@ -1,0 +1,580 @@
+/*
+ * What a scene has in several places and keeps once, against the same surfaces read for each place:
+ * rays meet the same, and it takes the memory of one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "annual/sun_squares.h"
+#include "base/random.h"
+#include "light/world.h"
+#include "photon/surface/outline.h"
+#include "render/heat_map/section.h"
+#include "scene/geometry/placed.h"
+#include "scene/swap.h"
+#include "support/grove.h"
+#include "support/meshes.h"
+
+enum { RAYS = 10000 };
+
+static struct orl_scene *scene_of(const struct grove *grove, const char *text)
+{
+    struct orl_description d = grove_read(grove, text);
+    struct orl_scene *scene = NULL;
+    struct orl_error err = {0};
+    if (orl_scene_new(&d, &scene, &err) < 0)
+        fail_msg("%s", err.message);
+    return scene;
+}
+
+/* Both forms of a scene. */
+struct pair {
+    struct grove grove;
+    struct orl_scene *shared, *expanded;
+};
+
+static void make_pair(struct pair *pair)
+{
+    grove_init(&pair->grove, GROVE_TRIANGLES, GROVE_ROUND, GROVE_PLACES);
+    pair->shared = scene_of(&pair->grove, pair->grove.shared);
+    pair->expanded = scene_of(&pair->grove, pair->grove.expanded);
+}
+
+static void drop_pair(struct pair *pair)
+{
+    orl_scene_release(pair->shared);
+    orl_scene_release(pair->expanded);
+    grove_done(&pair->grove);
+}
+
+/* Into the box about one of the trees, from ten units away at most, or from within. */
+static struct orl_ray random_ray(const struct orl_geometry *g, struct orl_random *random)
+{
+    const double number = floor(GROVE_PLACES * orl_random_uniform(random));
+    const double x = 2 * orl_random_uniform(random) - 1, y = 2 * orl_random_uniform(random) - 1;
+    const struct orl_vec3 there = orl_v3(4 * number + x, y, 2 * orl_random_uniform(random));
+    const struct orl_vec3 direction = mesh_direction(random);
+    const double away = 10 * orl_random_uniform(random);
+    return (struct orl_ray){orl_madd(orl_sub(there, g->center), direction, -away), direction};
+}
+
+/* Polygons of the expanded form come in the order of the files, what is round from the end on. */
+static uint32_t same_facet(const struct orl_geometry *shared, const struct orl_geometry *expanded,
+                           uint32_t facet)
+{
+    if (!orl_facet_is_placed(shared, facet))
+        return facet;
+    const struct orl_placed *const placed = orl_placed_of(shared, facet);
+    const uint32_t place = (uint32_t)(placed - shared->placed), own = facet - placed->first_facet;
+    return own < GROVE_TRIANGLES
+               ? 1 + GROVE_TRIANGLES * place + own
+               : (uint32_t)expanded->n_facets - GROVE_ROUND * (place + 1) + own - GROVE_TRIANGLES;
+}
+
+static bool is_same(const struct pair *pair, const struct orl_hit *a, const struct orl_hit *b)
+{
+    const struct orl_geometry *const s = pair->shared->geometry, *const e =
+                                                                     pair->expanded->geometry;
+    struct orl_curved room;
+    if (same_facet(s, e, a->facet) != b->facet)
+        return false;
+    const struct orl_facet f = orl_facet_at(s, a->facet, &room);
+    assert_int_equal(f.kind, e->facets[b->facet].kind);
+    assert_int_equal(f.material, e->facets[b->facet].material);
+    assert_true(fabs(f.area - e->facets[b->facet].area) < 1e-9 * f.area);
+    assert_int_equal(a->front, b->front);
+    assert_true(fabs(a->distance - b->distance) < 1e-6);
+    assert_true(orl_length(orl_sub(a->point, b->point)) < 1e-6);
+    assert_true(orl_length(orl_sub(a->normal, b->normal)) < 1e-6);
+    if (f.kind == ORL_SURFACE_POLYGON) {
+        const struct orl_triangle t = orl_triangle_of(s, a->triangle);
+        assert_true(fabs(orl_dot(orl_sub(a->point, t.a), a->normal)) < 1e-9);
+        assert_true(a->triangle >= f.first_triangle &&
+                    a->triangle < f.first_triangle + f.n_triangles);
+    }
+    return true;
+}
+
+/*
+ * Of rays that pass an edge within the rounding of floats, either form is right. Places are up to
+ * 90 from the middle, of which the rounding is 4e-6, some of it again in the tree's coordinates:
+ * 1e-5 either way. A tree has 200 leaves with some 1.3 of edges each, 260 in 8 square units, so
+ * that a ray passes one that near with a chance of 260 * 2e-5 / 8, or 6.5e-4, for each tree on its
+ * way: of 10 000 fewer than 20, a bound that is 5 standard deviations off for two trees.
+ */
+static void test_hits(void **state)
+{
+    struct pair pair;
+    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, 1);
+    unsigned other = 0, found = 0, placed = 0, mirrored = 0;
+    (void)state;
+    make_pair(&pair);
+    const struct orl_geometry *const s = pair.shared->geometry, *const e = pair.expanded->geometry;
+    assert_int_equal(s->n_placed, GROVE_PLACES);
+    assert_int_equal(s->n_facets, 1);
+    assert_int_equal(e->n_facets, 1 + GROVE_PLACES * (GROVE_TRIANGLES + GROVE_ROUND));
+    assert_true(orl_length(orl_sub(s->low, e->low)) < 1e-9);
+    assert_true(orl_length(orl_sub(s->high, e->high)) < 1e-9);
+    for (int i = 0; i < RAYS; i++) {
+        const struct orl_ray ray = random_ray(s, &random);
+        struct orl_hit a, b;
+        const bool met = orl_geometry_intersect(s, ray.origin, ray.direction, INFINITY, &a);
+        const bool meets = orl_geometry_intersect(e, ray.origin, ray.direction, INFINITY, &b);
+        assert_int_equal(orl_geometry_occluded(s, ray.origin, ray.direction, INFINITY), met);
+        found += met;
+        if (met != meets || (met && !is_same(&pair, &a, &b)))
+            other++;
+        else if (met) {
+            placed += a.instance > 0;
+            mirrored += a.instance > 0 && s->placed[a.instance - 1].to.mirrored;
+        }
+    }
+    print_message("%u of %d rays meet something, %u what is placed, %u of it mirrored; %u differ\n",
+                  found, RAYS, placed, mirrored, other);
+    assert_true(placed > RAYS / 10 && mirrored > RAYS / 100);
+    assert_true(other <= 2 * RAYS / 1000);
+    drop_pair(&pair);
+}
+
+/* Side by side they meet what they meet alone. */
+static void test_many(void **state)
+{
+    enum { N = 1000 };
+    struct grove grove;
+    struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, 1);
+    static struct orl_ray rays[N];
+    static struct orl_hit hits[N];
+    static bool found[N];
+    unsigned placed = 0;
+    (void)state;
+    for (size_t rounds = 0; rounds <= GROVE_ROUND; rounds += GROVE_ROUND) {
+        grove_init(&grove, GROVE_TRIANGLES, rounds, GROVE_PLACES);
+        struct orl_scene *const scene = scene_of(&grove, grove.shared);
+        for (int i = 0; i < N; i++)
+            rays[i] = random_ray(scene->geometry, &random);
+        orl_geometry_intersect_many(scene->geometry, rays, N, false, hits, found);
+        for (int i = 0; i < N; i++) {
+            struct orl_hit hit;
+            assert_int_equal(orl_geometry_intersect(scene->geometry, rays[i].origin,
+                                                    rays[i].direction, INFINITY, &hit),
+                             found[i]);
+            placed += found[i] && hit.instance > 0;
+            assert_true(!found[i] ||
+                        (hit.facet == hits[i].facet && hit.point.x == hits[i].point.x &&
+                         hit.instance == hits[i].instance));
+        }
+        orl_scene_release(scene);
+        grove_done(&grove);
+    }
+    assert_true(placed > 100);
+}
+
+/* Who leaves a surface is clear of it, on either side; so is who came from far away. */
+static void test_leave(void **state)
+{
+    struct pair pair;
+    struct orl_random random = orl_random_stream(4, ORL_PURPOSE_PILOT, 1);
+    unsigned left = 0;
+    (void)state;
+    make_pair(&pair);
+    const struct orl_geometry *const g = pair.shared->geometry;
+    for (int i = 0; i < RAYS; i++) {
+        struct orl_ray ray = random_ray(g, &random);
+        struct orl_hit hit, next;
+        if (i % 2 == 1)
+            ray.origin = orl_madd(ray.origin, ray.direction, -100);
+        if (!orl_geometry_intersect(g, ray.origin, ray.direction, INFINITY, &hit))
+            continue;
+        const struct orl_vec3 back = mesh_direction(&random);
+        const struct orl_vec3 from = orl_hit_leave(g, &hit, back);
+        left++;
+        if (orl_geometry_intersect(g, from, back, INFINITY, &next) && next.facet == hit.facet)
+            assert_true(orl_facet_of(g, hit.facet)->kind != ORL_SURFACE_POLYGON);
+    }
+    assert_true(left > RAYS / 3);
+    drop_pair(&pair);
+}
+
+/* ---- What else asks for facets and triangles --------------------------------------------------
+ */
+
+/* Hits on both forms of the same ray: calls it for those on what is placed. */
+static void for_hits(const struct pair *pair, uint64_t seed,
+                     void (*look)(const struct pair *pair, const struct orl_hit *shared,
+                                  const struct orl_hit *expanded, void *ctx),
+                     void *ctx)
+{
+    struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_PILOT, 1);
+    const struct orl_geometry *const s = pair->shared->geometry, *const e =
+                                                                     pair->expanded->geometry;
+    unsigned n = 0;
+    for (int i = 0; i < RAYS; i++) {
+        const struct orl_ray ray = random_ray(s, &random);
+        struct orl_hit a, b;
+        if (!orl_geometry_intersect(s, ray.origin, ray.direction, INFINITY, &a) ||
+            !orl_geometry_intersect(e, ray.origin, ray.direction, INFINITY, &b) ||
+            a.instance == 0 || same_facet(s, e, a.facet) != b.facet)
+            continue;
+        look(pair, &a, &b, ctx);
+        n++;
+    }
+    assert_true(n > RAYS / 10);
+}
+
+static void compare_places(const struct pair *pair, const struct orl_hit *a,
+                           const struct orl_hit *b, void *ctx)
+{
+    const struct orl_world s = {.scene = pair->shared, .geometry = pair->shared->geometry};
+    const struct orl_world e = {.scene = pair->expanded, .geometry = pair->expanded->geometry};
+    const double direction[2] = {0.6, 0.8};
+    const struct orl_frame frame = orl_frame_about(b->normal);
+    struct orl_line line, other;
+    double uv[2][2];
+    (void)ctx;
+    const double clear = orl_outline_clearance(&e, b->facet, b->point);
+    assert_true(fabs(orl_outline_clearance(&s, a->facet, b->point) - clear) < 1e-9);
+    const double exit = orl_outline_exit(&e, b->facet, &frame, b->point, direction, 0, &line);
+    const double same = orl_outline_exit(&s, a->facet, &frame, b->point, direction, 0, &other);
+    assert_true(same == exit || fabs(same - exit) < 1e-9 * (1 + exit));
+    assert_true(fabs(line.offset - other.offset) < 1e-9);
+    if (pair->expanded->geometry->facets[b->facet].kind != ORL_SURFACE_POLYGON)
+        return;
+    orl_hit_uv(s.geometry, a, uv[0]);
+    orl_hit_uv(e.geometry, b, uv[1]);
+    /* Triangles of a mirrored one are listed backwards, or from another corner. */
+    const double third = 1 - uv[0][0] - uv[0][1];
+    const double products[2] = {uv[0][0] * uv[0][1] * third,
+                                uv[1][0] * uv[1][1] * (1 - uv[1][0] - uv[1][1])};
+    assert_true(fabs(products[0] - products[1]) < 1e-5);
+}
+
+static void test_outlines(void **state)
+{
+    struct pair pair;
+    (void)state;
+    make_pair(&pair);
+    for_hits(&pair, 5, compare_places, NULL);
+    drop_pair(&pair);
+}
+
+struct squares {
+    struct orl_sun_squares of[2];
+    double areas[2];
+};
+
+static void compare_squares(const struct pair *pair, const struct orl_hit *a,
+                            const struct orl_hit *b, void *ctx)
+{
+    struct squares *const squares = ctx;
+    (void)pair;
+    const double area = orl_sun_square_area(&squares->of[0], a);
+    squares->areas[0] += area;
+    squares->areas[1] += orl_sun_square_area(&squares->of[1], b);
+    assert_true(area > 0);
+    assert_int_equal(orl_sun_square_of(&squares->of[0], a) >> 29, (uint64_t)a->facet + 1);
+}
+
+/* Their axes are other sides of mirrored ones; in sum it is the same surface. */
+static void test_squares(void **state)
+{
+    struct pair pair;
+    struct squares squares = {.areas = {0, 0}};
+    (void)state;
+    make_pair(&pair);
+    assert_int_equal(orl_sun_squares_init(&squares.of[0], pair.shared->geometry, 0.2), 0);
+    assert_int_equal(orl_sun_squares_init(&squares.of[1], pair.expanded->geometry, 0.2), 0);
+    for_hits(&pair, 6, compare_squares, &squares);
+    assert_true(fabs(squares.areas[0] / squares.areas[1] - 1) < 0.02);
+    orl_sun_squares_done(&squares.of[0]);
+    orl_sun_squares_done(&squares.of[1]);
+    drop_pair(&pair);
+}
+
+struct outlines {
+    double length;
+    unsigned n;
+};
+
+static void add_piece(void *ctx, const double from[2], const double to[2])
+{
+    struct outlines *const sum = ctx;
+    sum->length += hypot(to[0] - from[0], to[1] - from[1]);
+    sum->n++;
+}
+
+static void test_section(void **state)
+{
+    struct pair pair;
+    const struct orl_sensor_plane plane = {
+        .normal = {0, 0, 1}, .u = {1, 0, 0}, .v = {0, 1, 0}, .offset = 1.3};
+    struct outlines sums[2] = {{0, 0}, {0, 0}};
+    (void)state;
+    make_pair(&pair);
+    orl_section_cut(pair.shared->geometry, &plane, add_piece, &sums[0]);
+    orl_section_cut(pair.expanded->geometry, &plane, add_piece, &sums[1]);
+    assert_true(sums[0].n > 100);
+    assert_int_equal(sums[0].n, sums[1].n);
+    /* Prisms for what is round stand about their axes as they happen to. */
+    assert_true(fabs(sums[0].length / sums[1].length - 1) < 1e-3);
+    drop_pair(&pair);
+}
+
+/* ---- What is kept once ----------------------------------------------------------------------- */
+
+static void test_expand(void **state)
+{
+    struct grove grove;
+    struct orl_error err = {0};
+    (void)state;
+    grove_init(&grove, GROVE_TRIANGLES, GROVE_ROUND, GROVE_PLACES);
+    struct orl_description a = grove_read(&grove, grove.shared);
+    struct orl_description b = grove_read(&grove, grove.expanded);
+    assert_int_equal(a.n_surfaces, 1);
+    assert_int_equal(a.n_prototypes, 1);
+    assert_int_equal(a.n_placements, GROVE_PLACES);
+    assert_int_equal(orl_description_count_surfaces(&a), b.n_surfaces);
+    assert_int_equal(orl_placements_expand(&a, ORL_ALL_PLACES, &err), 0);
+    assert_int_equal(a.n_surfaces, b.n_surfaces);
+    assert_int_equal(a.n_placements, 0);
+    for (size_t i = 0; i < a.n_surfaces; i++) {
+        const struct orl_surface *const p = &a.surfaces[i], *const q = &b.surfaces[i];
+        assert_int_equal(p->kind, q->kind);
+        assert_string_equal(p->name, q->name);
+        assert_string_equal(a.materials[p->material].name, b.materials[q->material].name);
+        assert_true(orl_length(orl_sub(p->normal, q->normal)) < 1e-12);
+        assert_int_equal(p->n_vertices, q->n_vertices);
+        for (uint32_t k = 0; k < p->n_vertices; k++)
+            assert_true(orl_length(orl_sub(p->vertices[k], q->vertices[k])) < 1e-12);
+        if (p->kind != ORL_SURFACE_POLYGON) {
+            const bool two = p->kind == ORL_SURFACE_CONE || p->kind == ORL_SURFACE_CUP;
+            assert_true(orl_length(orl_sub(p->round->center[0], q->round->center[0])) < 1e-12);
+            assert_true(!two ||
+                        orl_length(orl_sub(p->round->center[1], q->round->center[1])) < 1e-12);
+            assert_true(fabs(p->round->radius[0] - q->round->radius[0]) < 1e-12);
+            assert_true(fabs(p->round->radius[1] - q->round->radius[1]) < 1e-12);
+        }
+    }
+    orl_description_done(&a);
+    orl_description_done(&b);
+    grove_done(&grove);
+}
+
+struct fitness {
+    const char *head;    /* before the tree's own text */
+    size_t places, kept; /* prototypes */
+};
+
+static void test_fitness(void **state)
+{
+    static const struct fitness table[] = {
+        {"", 4, 1},
+        {"", 3, 0},
+        {"void metal m 0 0 5 .5 .5 .5 0 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 1},
+        {"void sphere s 0 0 4 0 0 0 1\n", 4, 1},
+        {"void plastic m 0 0 5 .5 .5 .5 .1 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
+        {"void glass m 0 0 3 .5 .5 .5\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
+        {"void light m 0 0 3 5 5 5\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
+        {"void trans m 0 0 7 .5 .5 .5 0 0 .5 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
+        {"void light m 0 0 3 5 5 5\nm source s 0 0 4 0 0 1 1\n", 4, 0},
+        {"void brightfunc f 2 Px . 0 0\nf plastic m 0 0 5 .5 .5 .5 0 0\n"
+         "m sphere s 0 0 4 0 0 0 1\n",
+         4, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        struct grove grove;
+        grove_init(&grove, GROVE_TRIANGLES, 0, table[i].places);
+        const size_t size = strlen(table[i].head) + strlen(grove.tree) + 1;
+        char *const tree = malloc(size);
+        assert_non_null(tree);
+        snprintf(tree, size, "%s%s", table[i].head, grove.tree);
+        free(grove.tree);
+        grove.tree = tree;
+        struct orl_description d = grove_read(&grove, grove.shared);
+        if (d.n_prototypes != table[i].kept)
+            fail_msg("%zu: %zu prototypes", i, d.n_prototypes);
+        assert_int_equal(d.n_placements, table[i].kept * table[i].places);
+        orl_description_done(&d);
+        grove_done(&grove);
+    }
+}
+
+/* A pair of trees in five places is ten trees; so is one in a file that is not kept once. */
+static void test_nested(void **state)
+{
+    struct grove grove;
+    (void)state;
+    grove_init(&grove, GROVE_TRIANGLES, 0, 1);
+    struct orl_description d = grove_read(&grove, "void instance a 1 pair.oct 0 0\n"
+                                                  "void instance b 5 pair.oct -t 5 0 0 0 0\n"
+                                                  "void instance c 5 pair.oct -t 9 0 0 0 0\n"
+                                                  "void instance d 5 pair.oct -t 15 0 0 0 0\n"
+                                                  "void instance e 5 pair.oct -t 20 0 0 0 0\n");
+    assert_int_equal(d.n_prototypes, 1);
+    assert_int_equal(d.n_placements, 10);
+    assert_int_equal(d.n_surfaces, 0);
+    orl_description_done(&d);
+    grove_done(&grove);
+}
+
+static const char prefixed[] = "void plastic floor 0 0 5 .5 .5 .5 0 0\n"
+                               "!xform -n a once.rad\n!xform -n bc -t 3 0 0 once.rad\n"
+                               "floor sphere ball 0 0 4 0 0 0 1\n"
+                               "!xform -n d -t 6 0 0 once.rad\n!xform -t 9 0 0 once.rad\n";
+
+/* Names are those that each place would have given. */
+static void test_names(void **state)
+{
+    static const char *const prefixes[4] = {"a.", "bc.", "d.", ""};
+    struct grove grove;
+    struct orl_error err = {0};
+    size_t at = 0;
+    (void)state;
+    grove_init(&grove, GROVE_TRIANGLES, GROVE_ROUND, 1);
+    struct orl_description d = grove_read(&grove, prefixed);
+    assert_int_equal(d.n_placements, 4);
+    assert_int_equal(d.placements[1].before, 0);
+    assert_int_equal(d.placements[2].before, 1);
+    const struct orl_surface *const leaf = &d.prototypes[0].surfaces[7];
+    assert_true(orl_placement_has_name(&d, &d.placements[1], leaf, "bc.leaf7"));
+    assert_false(orl_placement_has_name(&d, &d.placements[1], leaf, "a.leaf7"));
+    assert_true(orl_placement_has_name(&d, &d.placements[3], leaf, "leaf7"));
+    assert_int_equal(orl_placements_expand(&d, ORL_ALL_PLACES, &err), 0);
+    for (size_t place = 0; place < 4; place++) {
+        const size_t n = GROVE_TRIANGLES + GROVE_ROUND;
+        char name[32];
+        snprintf(name, sizeof name, "%sleaf7", prefixes[place]);
+        assert_string_equal(d.surfaces[at + 7].name, name);
+        at += n;
+        if (place == 1)
+            assert_string_equal(d.surfaces[at++].name, "ball");
+    }
+    assert_int_equal(d.n_surfaces, at);
+    orl_description_done(&d);
+    grove_done(&grove);
+}
+
+/* A swap about one of the places gives each its own; about anything else it leaves them. */
+static void test_swaps(void **state)
+{
+    char *names[2] = {"bc.leaf7", "ball"};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        struct grove grove;
+        struct orl_error err = {0};
+        unsigned swapped = 0;
+        grove_init(&grove, GROVE_TRIANGLES, 0, 1);
+        struct orl_description d = grove_read(&grove, prefixed);
+        const struct orl_swap swap = {
+            .of = "shade", .names = &names[k], .n_names = 1, .kind = ORL_SWAP_FOR_BLACK};
+        assert_int_equal(orl_swaps_apply(&(struct orl_swaps){.at = &swap, .count = 1}, 1, &d, &err),
+                         0);
+        assert_int_equal(d.n_placements, k == 0 ? 0 : 4);
+        for (size_t i = 0; i < d.n_surfaces; i++) {
+            const bool dark = d.surfaces[i].material == d.n_materials - 1;
+            assert_int_equal(dark, strcmp(d.surfaces[i].name, names[k]) == 0);
+            swapped += dark;
+        }
+        assert_int_equal(swapped, 1);
+        orl_description_done(&d);
+        grove_done(&grove);
+    }
+}
+
+/* Where there is antimatter each place has its own, whatever it cuts. */
+static void test_antimatter(void **state)
+{
+    struct grove grove;
+    char *text = NULL;
+    size_t size = 0;
+    (void)state;
+    grove_init(&grove, GROVE_TRIANGLES, 0, GROVE_PLACES);
+    FILE *f = open_memstream(&text, &size);
+    assert_non_null(f);
+    fprintf(f, "%svoid antimatter hole 1 floor 0 0\nhole sphere h 0 0 4 50 50 -2 1\n",
+            grove.shared);
+    assert_int_equal(fclose(f), 0);
+    struct orl_scene *const scene = scene_of(&grove, text);
+    assert_int_equal(scene->geometry->n_placed, 0);
+    assert_int_equal(scene->geometry->n_facets, 2 + GROVE_PLACES * GROVE_TRIANGLES);
+    orl_scene_release(scene);
+    free(text);
+    grove_done(&grove);
+}
+
+/* ---- Memory ---------------------------------------------------------------------------------- */
+
+static size_t resident_bytes(void)
+{
+    unsigned long all = 0, resident = 0;
+    FILE *f = fopen("/proc/self/statm", "r");
+    assert_non_null(f);
+    assert_int_equal(fscanf(f, "%lu %lu", &all, &resident), 2);
+    fclose(f);
+    return resident * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+/* What a scene of a tree in so many places takes, in a process that has held no other. */
+static size_t scene_bytes(size_t triangles, size_t places)
+{
+    int ends[2];
+    size_t bytes = 0;
+    assert_int_equal(pipe(ends), 0);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct grove grove;
+        grove_init(&grove, triangles, 0, places);
+        const size_t before = resident_bytes();
+        struct orl_scene *const scene = scene_of(&grove, grove.shared);
+        bytes = resident_bytes() - before;
+        if (scene->geometry->n_placed != places || scene->n_read != 1 + triangles * places ||
+            scene->geometry->prototypes[0]->n_facets != triangles)
+            bytes = 0;
+        _exit(write(ends[1], &bytes, sizeof bytes) == sizeof bytes ? 0 : 1);
+    }
+    assert_int_equal(read(ends[0], &bytes, sizeof bytes), sizeof bytes);
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    close(ends[0]);
+    close(ends[1]);
+    assert_true(bytes > 0);
+    return bytes;
+}
+
+/*
+ * A tree of 100 000 polygons in 1000 places, 100 million surfaces, takes what it takes in four
+ * places, and for each of the others 2 kilobytes at most: half of one of this program's, and
+ * Embree's own. A mebibyte is for what allocators round.
+ */
+static void test_memory(void **state)
+{
+    enum { TRIANGLES = 100000, MANY = 1000, FEW = 4, A_PLACE = 2048, ROUNDING = 1 << 20 };
+    (void)state;
+    const size_t few = scene_bytes(TRIANGLES, FEW), many = scene_bytes(TRIANGLES, MANY);
+    print_message("%d places: %zu bytes resident; %d places: %zu\n", FEW, few, MANY, many);
+    assert_true(many < few + (MANY - FEW) * A_PLACE + ROUNDING);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_memory),     cmocka_unit_test(test_hits),
+        cmocka_unit_test(test_many),       cmocka_unit_test(test_leave),
+        cmocka_unit_test(test_outlines),   cmocka_unit_test(test_squares),
+        cmocka_unit_test(test_section),    cmocka_unit_test(test_expand),
+        cmocka_unit_test(test_fitness),    cmocka_unit_test(test_nested),
+        cmocka_unit_test(test_names),      cmocka_unit_test(test_swaps),
+        cmocka_unit_test(test_antimatter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
