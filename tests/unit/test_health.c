@@ -22,8 +22,8 @@ static void test_add(void **state)
 {
     struct orl_health sum = {0}, parts[2] = {{0}, {0}};
     (void)state;
-    parts[0] = (struct orl_health){1,  2,  3,  4,  5,  6,   7,    8,         9,
-                                   10, 11, 12, 13, 14, 0.5, 0.25, {0, 0, 0}, {0, 0, 0}};
+    parts[0] = (struct orl_health){1,  2,  3,  4,  5,  6,   7,    8,         9,        10,
+                                   11, 12, 13, 14, 15, 0.5, 0.25, {0, 0, 0}, {0, 0, 0}};
     parts[1].rays_leaked = 2;
     parts[1].leak_from = orl_v3(1, 2, 3);
     parts[1].leak_towards = orl_v3(0, 0, 1);

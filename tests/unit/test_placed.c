@@ -380,7 +380,7 @@ static void test_fitness(void **state)
         {"", 4, 1},
         {"", 3, 0},
         {"void metal m 0 0 5 .5 .5 .5 0 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 1},
-        {"void sphere s 0 0 4 0 0 0 1\n", 4, 1},
+        {"void sphere s 0 0 4 0 0 0 1\n", 4, 1}, /* is not there */
         {"void plastic m 0 0 5 .5 .5 .5 .1 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
         {"void glass m 0 0 3 .5 .5 .5\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
         {"void light m 0 0 3 5 5 5\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
@@ -491,25 +491,29 @@ static void test_swaps(void **state)
     }
 }
 
-/* Where there is antimatter each place has its own, whatever it cuts. */
-static void test_antimatter(void **state)
+/* Where there is antimatter, or mist, each place has its own. */
+static void test_apart(void **state)
 {
-    struct grove grove;
-    char *text = NULL;
-    size_t size = 0;
+    static const char *const more[2] = {
+        "void antimatter hole 1 floor 0 0\nhole sphere h 0 0 4 50 50 -2 1\n",
+        "void mist fog 0 0 3 .01 .01 .01\nfog sphere h 0 0 4 50 50 20 1\n"};
     (void)state;
-    grove_init(&grove, GROVE_TRIANGLES, 0, GROVE_PLACES);
-    FILE *f = open_memstream(&text, &size);
-    assert_non_null(f);
-    fprintf(f, "%svoid antimatter hole 1 floor 0 0\nhole sphere h 0 0 4 50 50 -2 1\n",
-            grove.shared);
-    assert_int_equal(fclose(f), 0);
-    struct orl_scene *const scene = scene_of(&grove, text);
-    assert_int_equal(scene->geometry->n_placed, 0);
-    assert_int_equal(scene->geometry->n_facets, 2 + GROVE_PLACES * GROVE_TRIANGLES);
-    orl_scene_release(scene);
-    free(text);
-    grove_done(&grove);
+    for (int i = 0; i < 2; i++) {
+        struct grove grove;
+        char *text = NULL;
+        size_t size = 0;
+        grove_init(&grove, GROVE_TRIANGLES, 0, GROVE_PLACES);
+        FILE *f = open_memstream(&text, &size);
+        assert_non_null(f);
+        fprintf(f, "%s%s", grove.shared, more[i]);
+        assert_int_equal(fclose(f), 0);
+        struct orl_scene *const scene = scene_of(&grove, text);
+        assert_int_equal(scene->geometry->n_placed, 0);
+        assert_int_equal(scene->geometry->n_facets, 2 + GROVE_PLACES * GROVE_TRIANGLES);
+        orl_scene_release(scene);
+        free(text);
+        grove_done(&grove);
+    }
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
@@ -568,13 +572,13 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_memory),     cmocka_unit_test(test_hits),
-        cmocka_unit_test(test_many),       cmocka_unit_test(test_leave),
-        cmocka_unit_test(test_outlines),   cmocka_unit_test(test_squares),
-        cmocka_unit_test(test_section),    cmocka_unit_test(test_expand),
-        cmocka_unit_test(test_fitness),    cmocka_unit_test(test_nested),
-        cmocka_unit_test(test_names),      cmocka_unit_test(test_swaps),
-        cmocka_unit_test(test_antimatter),
+        cmocka_unit_test(test_memory),   cmocka_unit_test(test_hits),
+        cmocka_unit_test(test_many),     cmocka_unit_test(test_leave),
+        cmocka_unit_test(test_outlines), cmocka_unit_test(test_squares),
+        cmocka_unit_test(test_section),  cmocka_unit_test(test_expand),
+        cmocka_unit_test(test_fitness),  cmocka_unit_test(test_nested),
+        cmocka_unit_test(test_names),    cmocka_unit_test(test_swaps),
+        cmocka_unit_test(test_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,9 +3,9 @@
  * kept once where the scene has them in four places or more.
  *
  * That is for files of at least 64 surfaces, all of them matt plastic or metal with no pattern and
- * no texture; lamps, windows, what shines or varies needs surfaces of its own in every
- * place, and so does what has something else of that sort in it. A file that is in fewer places has
- * its surfaces in each, in the order of the files.
+ * no texture; what shines, lets light through or varies needs surfaces of its own in every place,
+ * and so do files that have any of that in them. Of a file that is in fewer places the surfaces
+ * stand in each, in the order of the files.
  */
 #ifndef ORL_SCENE_PARSE_REPEATS_H
 #define ORL_SCENE_PARSE_REPEATS_H
