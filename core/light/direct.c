@@ -4,15 +4,20 @@
 #include "light/path.h"
 
 enum { MOST_PANES = 64 };
+static const uint32_t no_target = UINT32_MAX;
 
+/* Towards a facet (no_target: none in particular): a flat one does not hide itself, though rays
+ * that graze it may meet it too soon. */
 static struct orl_rgb through_panes(const struct orl_world *world, struct orl_vec3 origin,
                                     struct orl_vec3 direction, double max_distance,
-                                    bool through_ports)
+                                    bool through_ports, uint32_t target)
 {
     struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
         if (!orl_geometry_intersect(world->geometry, path.origin, direction, max_distance, &hit))
+            return path.weight;
+        if (hit.facet == target)
             return path.weight;
         if (!orl_path_look_through(&path, orl_world_material(world, &hit), &hit) ||
             (!through_ports && orl_world_crossing(world, &hit) != ORL_CROSSING_NONE))
@@ -27,15 +32,22 @@ static struct orl_rgb through_panes(const struct orl_world *world, struct orl_ve
     return orl_gray(0);
 }
 
-struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
-                                 struct orl_vec3 direction, double max_distance, bool through_ports)
+static struct orl_rgb transmittance_to(const struct orl_world *world, struct orl_vec3 origin,
+                                       struct orl_vec3 direction, double max_distance,
+                                       bool through_ports, uint32_t target)
 {
     const struct orl_rgb share =
-        through_panes(world, origin, direction, max_distance, through_ports);
+        through_panes(world, origin, direction, max_distance, through_ports, target);
     if (!world->scene->mist || !(orl_rgb_max(share) > 0))
         return share;
     return orl_rgb_mul(share,
                        orl_mist_transmittance(world->scene, origin, direction, max_distance));
+}
+
+struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+                                 struct orl_vec3 direction, double max_distance, bool through_ports)
+{
+    return transmittance_to(world, origin, direction, max_distance, through_ports, no_target);
 }
 
 /* cos as irradiance, or lobes towards the eye as radiance. */
@@ -197,6 +209,11 @@ static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
     return orl_material_emission(material, &hit, orl_neg(aim->light));
 }
 
+static bool is_flat(const struct orl_facet *facet)
+{
+    return facet->kind == ORL_SURFACE_RING || (facet->kind == ORL_SURFACE_POLYGON && !facet->bent);
+}
+
 static struct orl_rgb light_from_emitter(const struct orl_world *world,
                                          const struct orl_emitter *emitter,
                                          const struct orl_direct_query *query, const double u[2])
@@ -218,7 +235,8 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
     const struct orl_rgb radiance = radiance_of(emitter, m, &aim, query->point);
     const double reach = aim.distance - 2 * facet->offset;
     const struct orl_rgb share =
-        reach > 0 ? orl_transmittance(world, query->point, aim.light, reach, query->through_ports)
+        reach > 0 ? transmittance_to(world, query->point, aim.light, reach, query->through_ports,
+                                     is_flat(facet) ? emitter->facet : no_target)
                   : orl_gray(1);
     return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(radiance, seen), share), aim.measure_sr * left);
 }

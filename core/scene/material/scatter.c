@@ -137,6 +137,8 @@ static struct orl_rgb transmitted(const struct orl_material *material, const str
         return orl_rgb_add(orl_trans_spread(material, hit), orl_trans_straight(material, hit));
     if (material->kind == ORL_MATERIAL_BSDF)
         return orl_gray(0); /* counted with its other parts */
+    if (material->kind == ORL_MATERIAL_ILLUM)
+        return orl_gray(0); /* what passes is suns' and lamps' alone */
     return orl_material_straight(material, hit, light);
 }
 
