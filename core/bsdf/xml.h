@@ -87,6 +87,10 @@ enum orl_xml_element orl_xml_element_in(enum orl_xml_element parent, const char 
 /* The name of an element that means something, or "". */
 const char *orl_xml_element_name(enum orl_xml_element element);
 
+/* What an element's attribute "unit" stands for, m; metres where it has none that is known
+ * (xml_fields.c). */
+double orl_xml_unit_m(const char **attributes);
+
 /* ---- Readers of elements (xml_fields.c) ------------------------------------------------------ */
 
 /* An element begins; attributes as expat gives them. */

@@ -35,7 +35,7 @@ void orl_xml_fail(struct orl_xml_reader *r, int code)
     XML_StopParser(r->parser, XML_FALSE);
 }
 
-static double unit_in_m(const char **attributes)
+double orl_xml_unit_m(const char **attributes)
 {
     static const struct {
         const char *name;
@@ -271,7 +271,7 @@ static void end_data(struct orl_xml_reader *r)
 void orl_xml_begin(struct orl_xml_reader *r, enum orl_xml_element element, const char **attributes)
 {
     if (element == EL_THICKNESS) {
-        r->thickness_unit = unit_in_m(attributes);
+        r->thickness_unit = orl_xml_unit_m(attributes);
     } else if (element == EL_BASIS) {
         if (r->n_bases == ORL_XML_BASES_MAX)
             FAIL(r, ORL_ERR_LIMIT, "more than %d angle bases", ORL_XML_BASES_MAX);

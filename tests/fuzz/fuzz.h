@@ -32,6 +32,7 @@ bool fuzz_bsdf_make(const uint8_t *data, size_t size);
 bool fuzz_occupancy(const uint8_t *data, size_t size);
 bool fuzz_schedule(const uint8_t *data, size_t size);
 bool fuzz_measured(const uint8_t *data, size_t size);
+bool fuzz_mgf(const uint8_t *data, size_t size);
 bool fuzz_matrix(const uint8_t *data, size_t size);
 bool fuzz_frads(const uint8_t *data, size_t size);
 bool fuzz_rif(const uint8_t *data, size_t size);

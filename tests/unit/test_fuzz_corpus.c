@@ -167,6 +167,13 @@ static void test_schedule(void **state)
     repeat_trifles(fuzz_schedule);
 }
 
+static void test_mgf(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/mgf", fuzz_mgf);
+    repeat_trifles(fuzz_mgf);
+}
+
 static void test_matrix(void **state)
 {
     (void)state;
@@ -270,7 +277,8 @@ int main(void)
         cmocka_unit_test(test_view_file), cmocka_unit_test(test_annual),
         cmocka_unit_test(test_bsdf_make), cmocka_unit_test(test_occupancy),
         cmocka_unit_test(test_hbjson),    cmocka_unit_test(test_schedule),
-        cmocka_unit_test(test_matrix),    cmocka_unit_test(test_rif),
+        cmocka_unit_test(test_mgf),       cmocka_unit_test(test_matrix),
+        cmocka_unit_test(test_rif),
     };
     if (sodium_init() < 0)
         return 1;

@@ -13,24 +13,36 @@
 #include "scene/generate/solids.h"
 #include "scene/parse/markers.h"
 #include "scene/parse/objects.h"
+#include "scene/parse/packages.h"
 
-/* One of the two, and what it needs. */
+/* One of the three, and what it needs. */
 struct generator {
     const char *name;
     int (*run)(const char *const *words, size_t count, struct orl_text *text,
                struct orl_error *err);
     int (*run_with)(const char *const *words, size_t count, const struct orl_generator_files *files,
                     struct orl_text *text, struct orl_error *err);
+    int (*run_in)(struct orl_parser *parser, const struct orl_scope *scope,
+                  const char *const *words, size_t count, struct orl_text *text,
+                  struct orl_error *err);
 };
 
 static const struct generator *find_generator(const char *name)
 {
     static const struct generator generators[] = {
-        {"genbox", orl_genbox, NULL},       {"gensky", orl_gensky, NULL},
-        {"gendaylit", orl_gendaylit, NULL}, {"genprism", NULL, orl_genprism},
-        {"genblinds", orl_genblinds, NULL}, {"genclock", orl_genclock, NULL},
-        {"genbranch", orl_genbranch, NULL}, {"genrev", NULL, orl_genrev},
-        {"genworm", NULL, orl_genworm},     {"gensurf", NULL, orl_gensurf}};
+        {.name = "genbox", .run = orl_genbox},
+        {.name = "gensky", .run = orl_gensky},
+        {.name = "gendaylit", .run = orl_gendaylit},
+        {.name = "genprism", .run_with = orl_genprism},
+        {.name = "genblinds", .run = orl_genblinds},
+        {.name = "genclock", .run = orl_genclock},
+        {.name = "genbranch", .run = orl_genbranch},
+        {.name = "genrev", .run_with = orl_genrev},
+        {.name = "genworm", .run_with = orl_genworm},
+        {.name = "gensurf", .run_with = orl_gensurf},
+        {.name = "mgf2rad", .run_in = orl_parser_mgf2rad},
+        {.name = "pkgBSDF", .run_in = orl_parser_package},
+    };
     for (size_t i = 0; i < sizeof generators / sizeof *generators; i++)
         if (strcmp(generators[i].name, name) == 0)
             return &generators[i];
@@ -233,7 +245,9 @@ static int write_text(struct run *run, const struct generator *generator, const 
     if (text->data)
         return 0;
     const int code = generator->run ? generator->run(words, count, text, err)
-                                    : generator->run_with(words, count, &files, text, err);
+                     : generator->run_with
+                         ? generator->run_with(words, count, &files, text, err)
+                         : generator->run_in(run->parser, run->scope, words, count, text, err);
     if (code < 0)
         return code;
     if (text->failed)
@@ -281,9 +295,8 @@ static int refuse(const char *name, struct orl_error *err)
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
     orl_error_hint(
         err, "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, genbranch, "
-             "genrev, genworm, gensurf, gensky and gendaylit are read here; run others beforehand "
-             "and include "
-             "their output");
+             "genrev, genworm, gensurf, gensky, gendaylit, mgf2rad and pkgBSDF are read here; run "
+             "others beforehand and include their output");
     return ORL_ERR_UNSUPPORTED;
 }
 

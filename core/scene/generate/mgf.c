@@ -1,0 +1,353 @@
+/* Entities of MGF, one after the other; transforms, which may repeat what they hold. */
+#include "scene/generate/mgf.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/limits.h>
+
+#include "scene/generate/mgf_context.h"
+
+enum { WORDS_BYTES = 1 << 18 };
+
+/* ---- Properties ------------------------------------------------------------------------------ */
+
+static int read_vector(struct orl_mgf_reader *r, struct orl_vec3 *ret)
+{
+    double *const at[3] = {&ret->x, &ret->y, &ret->z};
+    int code = orl_mgf_takes(r, 3, 3);
+    for (size_t i = 0; i < 3 && code == 0; i++)
+        code = orl_mgf_number(r, 1 + i, at[i]);
+    return code;
+}
+
+static int read_point(struct orl_mgf_reader *r)
+{
+    return read_vector(r, &r->current[ORL_MGF_VERTEX]->is.vertex.point);
+}
+
+static int read_normal(struct orl_mgf_reader *r)
+{
+    return read_vector(r, &r->current[ORL_MGF_VERTEX]->is.vertex.normal);
+}
+
+static struct orl_mgf_material *changed(struct orl_mgf_reader *r)
+{
+    r->current[ORL_MGF_MATERIAL]->is.material.written = false;
+    return &r->current[ORL_MGF_MATERIAL]->is.material;
+}
+
+static int read_part(struct orl_mgf_reader *r)
+{
+    struct orl_mgf_material *m = changed(r);
+    struct orl_mgf_part part = {.color = r->current[ORL_MGF_COLOR]->is.color};
+    const bool specular = r->words[0][1] == 's', lamp = r->words[0][0] == 'e';
+    int code = orl_mgf_takes(r, specular ? 2 : 1, specular ? 2 : 1);
+    if (code == 0)
+        code = orl_mgf_number(r, 1, &part.value);
+    if (code == 0 && specular)
+        code = orl_mgf_number(r, 2, &part.roughness);
+    if (code == 0 && (!(part.value >= 0) || (!lamp && part.value > 1) || !(part.roughness >= 0)))
+        code = orl_mgf_fail(r, ORL_ERR_RANGE, "%s %s is out of range", r->words[0], r->words[1]);
+    if (code < 0)
+        return code;
+    *(lamp                    ? &m->ed
+      : r->words[0][0] == 'r' ? (specular ? &m->rs : &m->rd)
+                              : (specular ? &m->ts : &m->td)) = part;
+    return 0;
+}
+
+static int read_index(struct orl_mgf_reader *r)
+{
+    double imaginary = 0, *const index = &changed(r)->index;
+    int code = orl_mgf_takes(r, 2, 2);
+    if (code == 0)
+        code = orl_mgf_number(r, 1, index);
+    return code == 0 ? orl_mgf_number(r, 2, &imaginary) : code;
+}
+
+static int read_sides(struct orl_mgf_reader *r)
+{
+    const int code = orl_mgf_takes(r, 1, 1);
+    if (code == 0 && strcmp(r->words[1], "1") != 0 && strcmp(r->words[1], "2") != 0)
+        return orl_mgf_fail(r, ORL_ERR_RANGE, "surfaces have 1 side or 2");
+    if (code == 0)
+        changed(r)->one_sided = r->words[1][0] == '1';
+    return code;
+}
+
+static int read_color_name(struct orl_mgf_reader *r)
+{
+    return orl_mgf_context(r, ORL_MGF_COLOR);
+}
+
+static int read_material_name(struct orl_mgf_reader *r)
+{
+    return orl_mgf_context(r, ORL_MGF_MATERIAL);
+}
+
+static int read_vertex_name(struct orl_mgf_reader *r)
+{
+    return orl_mgf_context(r, ORL_MGF_VERTEX);
+}
+
+/* ---- Objects and transforms ------------------------------------------------------------------ */
+
+static int push_object(struct orl_mgf_reader *r, const char *name)
+{
+    if (r->n_objects == ORL_MGF_DEPTH)
+        return orl_mgf_fail(r, ORL_ERR_LIMIT, "objects are nested deeper than %d", ORL_MGF_DEPTH);
+    r->objects[r->n_objects] = strdup(name);
+    return r->objects[r->n_objects++] ? 0 : orl_mgf_fail(r, ORL_ERR_NOMEM, "out of memory");
+}
+
+static void pop_objects(struct orl_mgf_reader *r, size_t left)
+{
+    while (r->n_objects > left)
+        free(r->objects[--r->n_objects]);
+}
+
+static int read_object(struct orl_mgf_reader *r)
+{
+    const int code = orl_mgf_takes(r, 0, 1);
+    if (code < 0)
+        return code;
+    if (r->n_words > 1)
+        return push_object(r, r->words[1]);
+    if (r->n_objects == 0)
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no object has been begun");
+    pop_objects(r, r->n_objects - 1);
+    return 0;
+}
+
+/* One of the copies that a transform makes. */
+static int add_copy(void *ctx, const struct orl_xform_use *use, struct orl_error *err)
+{
+    struct orl_mgf_frame *frame = ctx;
+    struct orl_mgf_copy *grown;
+    if (use->n_files > 0)
+        return orl_error_set(err, ORL_ERR_SYNTAX, "'%.60s' is no transform", use->files[0]);
+    grown = realloc(frame->copies, (frame->n_copies + 1) * sizeof *grown);
+    if (!grown)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    frame->copies = grown;
+    struct orl_mgf_copy *const copy = &grown[frame->n_copies++];
+    copy->xform = orl_xform_compose(&frame->outer, &use->xform);
+    snprintf(copy->name, sizeof copy->name, "%s", use->prefix ? use->prefix : "");
+    return 0;
+}
+
+static int refuse_file(void *ctx, const char *name, char **ret_text, struct orl_error *err)
+{
+    (void)ctx;
+    (void)ret_text;
+    return orl_error_set(err, ORL_ERR_UNSUPPORTED, "'%.60s': files are not read here", name);
+}
+
+/* Makes the frame's copy at hand the one that is under way. */
+static int use_copy(struct orl_mgf_reader *r, const struct orl_mgf_frame *frame)
+{
+    const struct orl_mgf_copy *copy = &frame->copies[frame->copy];
+    pop_objects(r, frame->n_objects);
+    r->xform = copy->xform;
+    return copy->name[0] ? push_object(r, copy->name) : 0;
+}
+
+static int begin_xform(struct orl_mgf_reader *r)
+{
+    struct orl_mgf_frame *frame = &r->frames[r->n_frames];
+    struct orl_error why = {0};
+    int code;
+    if (r->n_frames == ORL_MGF_DEPTH)
+        return orl_mgf_fail(r, ORL_ERR_LIMIT, "transforms are nested deeper than %d",
+                            ORL_MGF_DEPTH);
+    *frame = (struct orl_mgf_frame){
+        .outer = r->xform, .start = r->at, .line = r->line, .n_objects = r->n_objects};
+    r->n_frames++;
+    code = orl_xform_expand(r->words + 1, r->n_words - 1, refuse_file, add_copy, frame, &why);
+    if (code < 0)
+        return orl_mgf_fail(r, code, "%s", why.message);
+    if (frame->n_copies == 0)
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "it makes no copy");
+    return use_copy(r, frame);
+}
+
+static int read_xform(struct orl_mgf_reader *r)
+{
+    struct orl_mgf_frame *frame;
+    if (r->n_words > 1)
+        return begin_xform(r);
+    if (r->n_frames == 0)
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no transform has been begun");
+    frame = &r->frames[r->n_frames - 1];
+    if (++frame->copy < frame->n_copies) {
+        r->at = frame->start;
+        r->line = frame->line;
+        return use_copy(r, frame);
+    }
+    pop_objects(r, frame->n_objects);
+    r->xform = frame->outer;
+    free(frame->copies);
+    r->n_frames--;
+    return 0;
+}
+
+static int refuse(struct orl_mgf_reader *r)
+{
+    const int code = orl_mgf_fail(r, ORL_ERR_UNSUPPORTED, "'%s' is not read here", r->words[0]);
+    orl_error_hint(r->err, "convert the geometry with mgf2rad beforehand, and include its output");
+    return code;
+}
+
+/* ---- Entities -------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    int (*read)(struct orl_mgf_reader *reader);
+} entities[] = {
+    {"c", read_color_name},
+    {"cct", orl_mgf_cct},
+    {"cmix", orl_mgf_cmix},
+    {"cone", orl_mgf_cone},
+    {"cspec", orl_mgf_cspec},
+    {"cxy", orl_mgf_cxy},
+    {"cyl", orl_mgf_cylinder},
+    {"ed", read_part},
+    {"f", orl_mgf_face},
+    {"fh", orl_mgf_face_with_holes},
+    {"i", refuse},
+    {"ies", refuse},
+    {"ir", read_index},
+    {"m", read_material_name},
+    {"n", read_normal},
+    {"o", read_object},
+    {"p", read_point},
+    {"prism", orl_mgf_prism},
+    {"rd", read_part},
+    {"ring", orl_mgf_ring},
+    {"rs", read_part},
+    {"sides", read_sides},
+    {"sph", orl_mgf_sphere},
+    {"td", read_part},
+    {"torus", refuse},
+    {"ts", read_part},
+    {"v", read_vertex_name},
+    {"xf", read_xform},
+};
+
+static int read_entity(struct orl_mgf_reader *r)
+{
+    if (r->n_read > ORL_LIMIT_SCENE_TEXT || r->text->size > ORL_LIMIT_FILE_BYTES)
+        return orl_mgf_fail(r, ORL_ERR_LIMIT, "the geometry, with its repeats, is too large");
+    for (size_t i = 0; i < sizeof entities / sizeof *entities; i++)
+        if (strcmp(entities[i].name, r->words[0]) == 0)
+            return entities[i].read(r);
+    r->n_unknown++;
+    return 0;
+}
+
+static bool is_space(char c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+/* The entity at hand, with lines that a backslash joins, into words; none at the end, or of a
+ * comment or an empty line. Names that could not stand in scene text are refused. */
+static int read_words(struct orl_mgf_reader *r)
+{
+    const char *const end = r->mgf->data + r->mgf->size;
+    const char *const start = r->at;
+    size_t length = 0;
+    bool in_word = false;
+    r->n_words = 0;
+    for (r->line++; r->at < end && *r->at != '\n'; r->at++) {
+        if (*r->at == '\\' && end - r->at > 1 && r->at[1] == '\n') {
+            r->at++, r->line++;
+            in_word = false;
+        } else if (is_space(*r->at)) {
+            in_word = false;
+        } else if (*r->at == '\'' || *r->at == '\0') {
+            if (r->n_words > 0 && r->words[0][0] == '#')
+                continue;
+            return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no name may hold this sign");
+        } else {
+            if (length + 3 > WORDS_BYTES || (!in_word && r->n_words == ORL_MGF_WORDS))
+                return orl_mgf_fail(r, ORL_ERR_LIMIT, "the line is too long");
+            if (!in_word && length > 0)
+                r->buffer[length++] = '\0';
+            if (!in_word)
+                r->words[r->n_words++] = r->buffer + length;
+            r->buffer[length++] = *r->at;
+            in_word = true;
+        }
+    }
+    r->buffer[length] = '\0';
+    r->at += r->at < end;
+    r->n_read += (size_t)(r->at - start);
+    if (r->n_words > 0 && r->words[0][0] == '#')
+        r->n_words = 0;
+    return 0;
+}
+
+static int read_all(struct orl_mgf_reader *r)
+{
+    const char *const end = r->mgf->data + r->mgf->size;
+    int code = 0;
+    while (code == 0 && r->at < end) {
+        code = read_words(r);
+        if (code == 0 && r->n_words > 0)
+            code = read_entity(r);
+    }
+    if (code == 0 && r->n_frames > 0)
+        code = orl_mgf_fail(r, ORL_ERR_SYNTAX, "%zu transforms (xf) are not ended", r->n_frames);
+    return code;
+}
+
+static void warn(const struct orl_mgf_reader *r)
+{
+    if (r->smooth)
+        orl_text_warn(r->text, "the geometry's normals of corners are left out: its faces are "
+                               "shaded flat");
+    if (r->n_cut > 0)
+        orl_text_warn(r->text,
+                      "%zu colours of the geometry's materials are brighter than such a colour can "
+                      "be: channels above 1 are cut to 1",
+                      r->n_cut);
+    if (r->n_unknown > 0)
+        orl_text_warn(r->text, "%zu of the geometry's entities are none of MGF's, and passed over",
+                      r->n_unknown);
+}
+
+int orl_mgf_write(const struct orl_mgf *mgf, struct orl_text *text, struct orl_error *err)
+{
+    struct orl_mgf_reader *r = calloc(1, sizeof *r);
+    char *buffer = malloc(WORDS_BYTES);
+    struct orl_error own = {0};
+    int code = ORL_ERR_NOMEM;
+    if (r && buffer) {
+        *r = (struct orl_mgf_reader){.mgf = mgf,
+                                     .text = text,
+                                     .err = err ? err : &own,
+                                     .at = mgf->data,
+                                     .line = mgf->line - 1,
+                                     .buffer = buffer,
+                                     .xform = orl_xform_identity};
+        for (int i = 0; i < 3; i++)
+            r->xform.row[i] = orl_scale(r->xform.row[i], mgf->unit_m);
+        r->xform.scale = mgf->unit_m;
+        orl_mgf_context_init(r);
+        code = read_all(r);
+        if (code == 0)
+            warn(r);
+        for (size_t i = 0; i < r->n_frames; i++)
+            free(r->frames[i].copies);
+        pop_objects(r, 0);
+        orl_mgf_context_done(r);
+    } else {
+        orl_error_set(err, code, "out of memory");
+    }
+    free(buffer);
+    free(r);
+    return code;
+}
