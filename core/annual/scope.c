@@ -1,6 +1,7 @@
 #include "annual/scope.h"
 
 #include "scene/material/bounds.h"
+#include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 
 /* Of what mirrors more than panes do, a second reflection counts. */
@@ -44,7 +45,7 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
             return refuse(world, (uint32_t)i, err,
                           "sunlight by BSDFs that are no windows of a closed building");
         panels = panels || m->kind == ORL_MATERIAL_BSDF;
-        if (m->kind == ORL_MATERIAL_LOBED && orl_material_transmits_lobes(m))
+        if (orl_lobed_any_transmits(m))
             return refuse(world, (uint32_t)i, err, "what functions or data let through");
         if (orl_material_bends(m))
             return refuse(world, (uint32_t)i, err, "refracted sunlight");

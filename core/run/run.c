@@ -8,6 +8,7 @@
 #include "run/grids.h"
 #include "run/rounds.h"
 #include "run/scene.h"
+#include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 
 static int load_sensors(struct orl_run_state *state, struct orl_error *err)
@@ -34,12 +35,13 @@ static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
         return 0;
     for (size_t i = 0; i < world->geometry->n_facets; i++) {
         const struct orl_material *const m = &world->materials[world->geometry->facets[i].material];
-        if (!m->lobes || !m->lobes->narrow)
+        const struct orl_pattern *const lobes = orl_lobed_narrow(m);
+        if (!lobes)
             continue;
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
                       "its lobes are narrower than draws are made for: no accuracy can be promised "
                       "where it is met");
-        orl_error_at(err, m->lobes->file, m->lobes->line, m->lobes->name);
+        orl_error_at(err, lobes->file, lobes->line, lobes->name);
         orl_error_hint(err, "describe it as a BSDF, or ask for photons and samples instead");
         return ORL_ERR_UNSUPPORTED;
     }

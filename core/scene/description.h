@@ -69,8 +69,9 @@ struct orl_material {
     enum orl_evenly side;  /* plastic, as a part of a sum */
     struct orl_vec3 grain; /* plastic2 and the like: as written, not projected */
     bool tinted;           /* lobed: what is reflected by lobes has the colour (metfunc) */
-    struct orl_rgb gloss;  /* ashik2: specular reflectance at the normal */
-    double power[2];       /* ashik2: of its lobe, along the grain and across */
+    bool both_ways; /* lobed: the function is all of it, and of what gets through (BRTDfunc) */
+    struct orl_rgb gloss; /* ashik2: specular reflectance at the normal */
+    double power[2];      /* ashik2: of its lobe, along the grain and across */
     double transmitted; /* glazing: the most that goes straight through; trans: share of what is not
                            reflected as by a mirror */
     double transmitted_specular;   /* trans: share of that which is not spread evenly */

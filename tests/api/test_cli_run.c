@@ -151,10 +151,10 @@ static void test_mistakes_are_named_and_recorded(void **state)
         {"room.rad", "void plastic grey\n0\n0\n5 0.5 nan 0.5 0 0\n",
          "room.rad:4: ", "out-of-range"},
         {"room.rad",
-         "void BRTDfunc veil\n10 0 0 0 0 0 0 1 1 1 .\n0\n9 0 0 0 0 0 0 0 0 0\nveil sphere "
+         "void BRTDfunc veil\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\nveil sphere "
          "s\n0\n0\n4 0 0 0 1\n",
          "BRTDfunc veil", "unsupported"},
-        {"room.rad", "void BRTDfunc veil\n10 0 0 0 0 0 0 1 1 1 .\n0\n9 0 0 0 0 0 0 0 0 0\n",
+        {"room.rad", "void BRTDfunc veil\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\n",
          "warning: BRTDfunc veil at room.rad:1 is passed over", "unlit"},
         {"sensors.txt", "1 2 3 0 0 1\n1 2 3\n", "sensors.txt:2: ", "syntax"},
         {"sensors.txt", "1 2 3 0 0 1\n\n1e20 2 3 0 0 1\n", "sensors.txt:3: ", "out-of-range"},

@@ -219,7 +219,7 @@ static const struct {
      "BSDF b"},
     {"an unknown primitive", "\n\nwhite teapot t\n0\n0\n0\n", 400, 3, "teapot t"},
     {"one that is not simulated",
-     "\nvoid BRTDfunc d\n10 0 0 0 0 0 0 1 1 1 .\n0\n9 0 0 0 0 0 0 0 0 0\nd sphere s 0 0 4 0 0 0 "
+     "\nvoid BRTDfunc d\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\nd sphere s 0 0 4 0 0 0 "
      "1\n",
      422, 2, "BRTDfunc d"},
     {"an unknown modifier", "nobody polygon p\n0\n0\n9 0 0 0 1 0 0 0 1 0\n", 0, 1, "polygon p"},

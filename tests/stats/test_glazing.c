@@ -122,15 +122,18 @@ static void test_refused(void **state)
         const char *text, *message;
     } cases[] = {
         {"void BRTDfunc m 10 .1 .1 .1 .5 .5 .5 f f f g.cal 0 9 0 0 0 0 0 0 0 0 0\n",
-         "scatters light"},
+         "'f' is not defined"},
         {"void BRTDfunc m 10 .1 .1 .1 Px .5 .5 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n", "asks for Px"},
         {"void BRTDfunc m 10 .4 .4 .4 .5 .5 .5 0 0 0 . 0 9 .2 0 0 0 0 0 0 0 0\n", "more than all"},
         {"void BRTDfunc m 10 .1 .1 .1 .5 .5 1/(Rdot-Rdot) 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n",
          "have no value"},
         {"void BRTDfunc m 9 .1 .1 .1 .5 .5 .5 0 0 0 0 9 0 0 0 0 0 0 0 0 0\n", "nine functions"},
-        {"void brightfunc p 2 Px . 0 0\n"
+        {"void brightfunc p 2 Rdot . 0 0\n"
+         "p BRTDfunc m 10 .1 .1 .1 .5 .5 .5 0 0 0 . 0 9 .1 .1 .1 0 0 0 0 0 0\n",
+         "depends on the ray's direction"},
+        {"void texfunc p 4 Px 0 0 . 0 0\n"
          "p BRTDfunc m 10 .1 .1 .1 .5 .5 .5 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n",
-         "patterns are not simulated"},
+         "textures are not simulated"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

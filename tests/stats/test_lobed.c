@@ -28,10 +28,14 @@ static const char functions[] =
     "lobe(x,y,z,o) = (n + 1)/(2*PI) * (1 + .3*x) *\n"
     "  if(up(x,y,z), pow(x*mx + y*my + z*mz, n), pow(x*Dx + y*Dy + z*Dz, n));\n"
     "lean(v,x,y,z,o) = v*(1 + .2*y); cosine(x,y,z,o) = abs(up(x,y,z)); side(x) = x;\n"
-    "abs(x) : if(x, x, -x);\n";
+    "abs(x) : if(x, x, -x);\n"
+    "red(x,y,z,o) = .3*lobe(x,y,z,o); green(x,y,z) = .1*(1 + .5*(x*Nx + y*Ny + z*Nz));\n";
 
 #define METFUNC "void metfunc m 2 lobe l.cal 0 4 .8 .6 .4 .5\n"
 #define TRANSFUNC "void transfunc m 2 lobe l.cal 0 6 .9 .8 .7 .2 .6 .7\n"
+/* Of each channel another; green knows the front from the back. */
+#define BRTDFUNC                                                                                   \
+    "void BRTDfunc m 10 0 0 0 0 0 0 red green 0 l.cal 0 9 .2 .15 .1 .3 .2 .05 .12 .1 .08\n"
 
 static const double angles[] = {0, 40, 75, 130};
 enum { ANGLES = sizeof angles / sizeof *angles };
@@ -52,7 +56,6 @@ static void check(const char *text)
 {
     enum { SIDE = 64, COARSE = 16, CELLS = 8, DRAWS = 4000 };
     struct subject s = subject_of(text, "l.cal", functions);
-    assert_int_equal(s.material->kind, ORL_MATERIAL_LOBED);
     for (int k = 0; k < 2 * ANGLES; k++) {
         const enum orl_transport transport = k & 1 ? ORL_TRANSPORT_EYE : ORL_TRANSPORT_LIGHT;
         const struct orl_vec3 from = subject_direction(&s, angles[k / 2], 20 + 37 * k);
@@ -111,6 +114,30 @@ static void test_transfunc(void **state)
     check(TRANSFUNC);
 }
 
+static void test_brtdfunc(void **state)
+{
+    (void)state;
+    check(BRTDFUNC);
+}
+
+/* All that BRTDfunc has: mirrored, straight, lobes, and spread evenly under a pattern. */
+static void test_parts(void **state)
+{
+    struct subject s = subject_of("void colorfunc p 4 .9 .8 .7 . 0 0\np BRTDfunc m 10 .1 .1 .05 .1 "
+                                  ".2 .1 red green 0 l.cal 0 9 .2 .1 .1 .1 .1 .1 .05 .05 .05\n",
+                                  "l.cal", functions);
+    const struct orl_vec3 n = s.hit.normal, back = orl_neg(n);
+    (void)state;
+    assert_int_equal(s.material->kind, ORL_MATERIAL_MIXTURE);
+    assert_true(fabs(orl_material_diffuse(s.material, &s.hit).r - .9 * .2) < 1e-12);
+    assert_true(fabs(orl_material_mirrored(s.material, &s.hit, n).b - .05) < 1e-12);
+    assert_true(fabs(orl_material_straight(s.material, &s.hit, n).g - .2) < 1e-12);
+    assert_true(fabs(orl_scatter_eval_lobes(s.material, &s.hit, n, n).g - .15) < 1e-12);
+    assert_true(fabs(orl_scatter_eval_lobes(s.material, &s.hit, back, n).g -
+                     (.05 + .8 * .05 / ORL_PI)) < 1e-12);
+    subject_done(&s);
+}
+
 /* Shares are those of trans: what is spread evenly each way, and tints. */
 static void test_shares(void **state)
 {
@@ -134,12 +161,14 @@ static void test_shares(void **state)
 enum { SUNS = 5, EYES = 200 };
 struct values {
     const char *text, *resource, *content;
+    double side; /* where eyes are: 1 before, -1 behind */
     double sums[SUNS][6];
 };
 static const struct values traced[] = {
     {METFUNC,
      "l.cal",
      functions,
+     1,
      {{63.9274301, 47.9455738, 31.9637157, 1.03738489, 0.778038617, 0.51869267},
       {50.047686, 37.5357666, 25.0238432, -1.04868183, -0.786510881, -0.524340792},
       {40.5406203, 30.405467, 20.2703097, -1.23843527, -0.928826351, -0.619217333},
@@ -148,6 +177,7 @@ static const struct values traced[] = {
     {TRANSFUNC,
      "l.cal",
      functions,
+     1,
      {{37.5659685, 35.5287869, 33.491601, 0.503486138, 0.509015812, 0.514545419},
       {30.6260961, 28.5889146, 26.55173, -0.539547458, -0.534017553, -0.528487458},
       {25.8725639, 23.8353817, 21.798196, -0.634424304, -0.628894086, -0.62336489},
@@ -157,11 +187,30 @@ static const struct values traced[] = {
      "l.dat",
      "2 -1 1 5 -1 1 5 .1 .12 .14 .16 .18 .2 .22 .24 .26 .28 .3 .32 .34 .36 .38 .4 .42 .44 .46 .48 "
      ".5 .52 .54 .56 .58",
+     1,
      {{45.8820928, 41.1074439, 36.3327949, -0.124540937, -0.111580777, -0.0986206171},
       {44.742167, 39.967503, 35.1928629, -0.121446757, -0.108486557, -0.0955264209},
       {40.8119197, 36.0372679, 31.2626161, -0.110778615, -0.0978184478, -0.0848582803},
       {13.4264039, 10.0698012, 6.71320195, -0.0364442164, -0.0273331575, -0.0182221082},
-      {13.721742, 10.2913055, 6.86086893, -0.0372458731, -0.027934402, -0.0186229309}}}};
+      {13.721742, 10.2913055, 6.86086893, -0.0372458731, -0.027934402, -0.0186229309}}},
+    {BRTDFUNC,
+     "l.cal",
+     functions,
+     1,
+     {{41.5793744, 38.9565147, 6.36619863, 0.795318297, -0.105742361, -0.0172802131},
+      {31.1695664, 37.9820429, 6.36619874, -0.769230695, -0.103097285, -0.0172802134},
+      {24.0392668, 35.75104, 6.36619701, -0.911545688, -0.0970415195, -0.0172802087},
+      {35.385119, 16.8315722, 5.09295977, 0.633780971, -0.0456871002, -0.0138241728},
+      {24.7734636, 18.3483614, 5.09295639, 0.255237368, -0.049804226, -0.0138241636}}},
+    {BRTDFUNC,
+     "l.cal",
+     functions,
+     -1,
+     {{47.9455728, 23.3251866, 3.18309896, 0.778038834, -0.0633131667, -0.00864010558},
+      {37.5357662, 24.2996534, 3.18309937, -0.786510923, -0.0659582292, -0.00864010669},
+      {30.4054667, 26.5306618, 3.18309905, -0.92882598, -0.0720140096, -0.00864010581},
+      {35.385119, 35.9008095, 5.09295977, 0.633780971, -0.0974480493, -0.0138241728},
+      {24.7734636, 34.3840387, 5.09295639, 0.255237368, -0.0933309736, -0.0138241636}}}};
 
 static void test_rtrace(void **state)
 {
@@ -171,7 +220,7 @@ static void test_rtrace(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof traced / sizeof *traced; k++) {
         struct subject s = subject_of(traced[k].text, traced[k].resource, traced[k].content);
-        const struct orl_hit hit = {.normal = {0, 0, 1}, .front = true};
+        const struct orl_hit hit = {.normal = {0, 0, traced[k].side}, .front = traced[k].side > 0};
         for (int sun = 0; sun < SUNS; sun++) {
             const struct orl_vec3 light =
                 orl_normalize(orl_v3(suns[sun][0], suns[sun][1], suns[sun][2]));
@@ -206,6 +255,12 @@ static void test_refused(void **state)
         const char *text, *says;
     } cases[] = {
         {"void plasfunc m 2 4 . 0 4 .5 .5 .5 .5\n", "more than all"},
+        {"void BRTDfunc m 10 0 0 0 0 0 0 .2 .2 .2 . 0 9 .4 .4 .4 .4 .4 .4 0 0 0\n",
+         "more than all"},
+        {"void plasfunc p 2 4 . 0 4 .5 .5 .5 .5\nvoid mixfunc m 4 p void .5 . 0 0\n",
+         "more than all"},
+        {"void WGMDfunc m 13 void .5 0 0 void .2 0 0 void 0 0 1 . 0 9 .5 .5 .5 .5 .5 .5 0 0 0\n",
+         "more than all"},
         {"void plasfunc m 2 .1 . 0 3 .5 .5 .5\n", "takes 4 numbers"},
         {"void transfunc m 2 .1 . 0 5 .5 .5 .5 0 0\n", "takes 6 numbers"},
         {"void metfunc m 2 T . 0 4 .5 .5 .5 .5\n", "asks for T"},
@@ -247,9 +302,10 @@ static void test_narrow(void **state)
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_metfunc), cmocka_unit_test(test_transfunc),
-        cmocka_unit_test(test_shares),  cmocka_unit_test(test_rtrace),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_narrow),
+        cmocka_unit_test(test_metfunc),  cmocka_unit_test(test_transfunc),
+        cmocka_unit_test(test_brtdfunc), cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_shares),   cmocka_unit_test(test_rtrace),
+        cmocka_unit_test(test_refused),  cmocka_unit_test(test_narrow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -294,7 +294,7 @@ static void test_missing_main_file(void **state)
 static void test_refusals_together(void **state)
 {
     static const char text[] =
-        "void BRTDfunc bumps\n10 0 0 0 0 0 0 r r r .\n0\n9 0 0 0 0 0 0 0 0 0\n"
+        "void BRTDfunc bumps\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void brightfunc cloth 2 Px*T . 0 0\n"
         "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
@@ -336,9 +336,9 @@ static void test_unused(void **state)
 {
     static const char text[] =
         "void plastic bad 0 0 5 -.13 .1 .1 0 0\n"
-        "void BRTDfunc paint 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void BRTDfunc paint 10 0 0 0 Px Px Px 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
         "paint alias other paint\n"
-        "void BRTDfunc bumps 10 0 0 0 0 0 0 r r r . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void BRTDfunc bumps 10 0 0 0 Px Px Px 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void BSDF blind 6 0 gone.xml 0 0 1 . 0 0\n"
         "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere s 0 0 4 0 0 0 1\n";
@@ -378,10 +378,10 @@ static void test_windows_paths(void **state)
 static void test_refusals_unused(void **state)
 {
     static const char library[] =
-        "void BRTDfunc bumps\n10 0 0 0 0 0 0 r r r .\n0\n9 0 0 0 0 0 0 0 0 0\n"
+        "void BRTDfunc bumps\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\n"
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void alias coarse rough\n"
-        "void BRTDfunc pane 10 0 0 0 0 0 0 r 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+        "void BRTDfunc pane 10 0 0 0 Px 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
         "void brightfunc dirt 2 Px*T . 0 0\n"
         "dirt glow lamp 0 0 4 1 1 1 0\n"
         "void illum window 1 pane 0 3 1 1 1\n" RED;

@@ -1,5 +1,6 @@
 /*
- * Lobes by functions or data (plasfunc, metfunc, transfunc, plasdata, metdata, transdata): shares
+ * Lobes by functions or data (plasfunc, metfunc, transfunc, plasdata, metdata, transdata; those of
+ * BRTDfunc, whose functions are all of it, both ways, for each channel): shares
  * of the light as plastic, metal and trans have them, of which what is not spread evenly goes by a
  * function of both directions, 1/sr, times the share. What it comes to is as the function says:
  * nothing is normalised, and it need not be reciprocal.
@@ -31,6 +32,8 @@ struct scale {
 static struct scale scale_of(const struct orl_material *m, const struct orl_hit *hit, bool through)
 {
     const double rest = 1 - m->specular;
+    if (m->both_ways)
+        return (struct scale){orl_gray(1), orl_gray(0)};
     if (!through)
         return (struct scale){m->tinted ? orl_rgb_scale(orl_color_at(m, hit), m->specular)
                                         : orl_gray(m->specular),
@@ -55,6 +58,8 @@ struct orl_rgb orl_lobed_diffuse(const struct orl_material *material, const stru
 
 bool orl_lobed_transmits(const struct orl_material *material)
 {
+    if (material->both_ways)
+        return !material->lobes->opaque;
     return material->transmitted > 0 && material->specular < 1 && orl_rgb_max(material->color) > 0;
 }
 
@@ -352,35 +357,44 @@ void orl_lobed_know(const struct orl_material *material, const struct orl_hit *h
 }
 
 void orl_lobed_look(const struct orl_material *material, const struct orl_hit *hit,
-                    struct orl_lobed_findings *findings)
+                    struct orl_vec3 light, double rest, struct orl_lobed_findings *findings)
 {
-    enum { COSINES = 4, AZIMUTHS = 2 };
-    const struct orl_frame frame = orl_frame_about(hit->normal);
-    for (int i = 0; i < COSINES * AZIMUTHS * 2; i++) {
-        const double cosine = (i % COSINES + 0.5) / COSINES, sine = sqrt(1 - cosine * cosine);
-        const double phi = 2 * ORL_PI * (i / COSINES % AZIMUTHS + 0.3) / AZIMUTHS;
-        const struct orl_vec3 light =
-            orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi),
-                                        i < COSINES * AZIMUTHS ? cosine : -cosine));
-        double all = orl_rgb_max(orl_lobed_diffuse(material, hit));
-        for (int way = 0; way < 2; way++) {
-            const struct scale scale = scale_of(material, hit, way == 1);
-            all += ORL_PI * orl_rgb_max(scale.plus);
-            if (!(orl_rgb_max(scale.times) > 0))
-                continue;
-            const double fine = integral(material, hit, light, way == 1, FINE);
-            const double coarse = integral(material, hit, light, way == 1, SIDE);
-            findings->sent[way] += fine / (COSINES * AZIMUTHS * 2);
-            findings->unlike += fabs(fine - coarse) * orl_rgb_max(scale.times);
-            findings->all += fine * orl_rgb_max(scale.times);
-            all += fine * orl_rgb_max(scale.times);
-        }
-        if (all > findings->most) {
-            findings->most = all;
-            findings->cosine = cosine;
-        }
-        if (cosine > 0.4)
-            findings->most_steep = fmax(findings->most_steep, all);
+    const double cosine = fabs(orl_dot(light, hit->normal));
+    double all = rest + orl_rgb_max(orl_lobed_diffuse(material, hit));
+    for (int way = 0; way < 2; way++) {
+        const struct scale scale = scale_of(material, hit, way == 1);
+        all += ORL_PI * orl_rgb_max(scale.plus);
+        if (!(orl_rgb_max(scale.times) > 0))
+            continue;
+        const double fine = integral(material, hit, light, way == 1, FINE);
+        const double coarse = integral(material, hit, light, way == 1, SIDE);
+        findings->sent[way] += fine;
+        findings->unlike += fabs(fine - coarse) * orl_rgb_max(scale.times);
+        findings->all += fine * orl_rgb_max(scale.times);
+        all += fine * orl_rgb_max(scale.times);
     }
-    findings->places++;
+    if (all > findings->most) {
+        findings->most = all;
+        findings->cosine = cosine;
+    }
+    if (cosine > 0.4)
+        findings->most_steep = fmax(findings->most_steep, all);
+    findings->looks++;
+}
+
+const struct orl_pattern *orl_lobed_narrow(const struct orl_material *material)
+{
+    const struct orl_pattern *found =
+        material->lobes && material->lobes->narrow ? material->lobes : NULL;
+    for (int i = 0; i < 2 && !found && material->mixed; i++)
+        found = orl_lobed_narrow(&material->mixed[i]);
+    return found;
+}
+
+bool orl_lobed_any_transmits(const struct orl_material *material)
+{
+    if (material->mixed)
+        return orl_lobed_any_transmits(&material->mixed[0]) ||
+               orl_lobed_any_transmits(&material->mixed[1]);
+    return material->kind == ORL_MATERIAL_LOBED && orl_lobed_transmits(material);
 }

@@ -67,8 +67,9 @@ static int judge_lobes(struct orl_description *d, const struct orl_material *m,
 {
     const double unlike = f->all > 0 ? f->unlike / f->all : 0;
     for (int i = 0; i < 2; i++)
-        m->lobes->sent[i] = f->sent[i] / (double)f->places;
+        m->lobes->sent[i] = f->sent[i] / (double)f->looks;
     m->lobes->narrow = unlike > narrow;
+    m->lobes->opaque = !(f->sent[1] > 0);
     if (f->most_steep > 1 + slack) {
         orl_error_set(err, ORL_ERR_RANGE,
                       "it returns up to %.3g of the light that meets it, more than all",
@@ -117,33 +118,128 @@ struct sample {
     uint32_t facets[PLACES];
 };
 
-static int look(struct orl_description *d, const struct orl_geometry *g,
-                const struct orl_material *m, const struct sample *sample, struct orl_error *err)
+/* Places on the facets that are looked at; one flat surface may have functions of the place, too.
+ */
+static void place_hits(const struct orl_geometry *g, const struct sample *sample,
+                       struct orl_hit ret_hits[PLACES])
 {
-    struct orl_prism_findings prism = {0};
-    struct orl_lobed_findings lobed = {0};
     for (size_t i = 0; i < PLACES; i++) {
-        /* One flat surface may have functions of the place, too. */
         const double u[2] = {fmod(0.5 + 0.7548776662466927 * (double)i, 1),
                              fmod(0.5 + 0.5698402909980532 * (double)i, 1)};
         struct orl_hit hit = {.facet = sample->facets[i % sample->n], .front = true};
         hit.triangle = g->facets[hit.facet].first_triangle;
         orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
-        if (m->kind == ORL_MATERIAL_PRISM)
-            orl_prism_look(m, &hit, &prism);
-        else
-            orl_lobed_look(m, &hit, &lobed);
+        ret_hits[i] = hit;
     }
-    int code = m->kind == ORL_MATERIAL_PRISM ? judge_prism(d, m, &prism, err)
-                                             : judge_lobes(d, m, &lobed, err);
+}
+
+static int look_at_prism(struct orl_description *d, const struct orl_material *m,
+                         const struct orl_hit hits[PLACES], struct orl_error *err)
+{
+    struct orl_prism_findings findings = {0};
+    for (size_t i = 0; i < PLACES; i++)
+        orl_prism_look(m, &hits[i], &findings);
+    return judge_prism(d, m, &findings, err);
+}
+
+/* Directions, on both sides. */
+enum { COSINES = 4, AZIMUTHS = 2, LOOKS = 2 * COSINES * AZIMUTHS };
+static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
+{
+    const struct orl_frame frame = orl_frame_about(hit->normal);
+    const int i = (int)look;
+    const double cosine = (i % COSINES + 0.5) / COSINES, sine = sqrt(1 - cosine * cosine);
+    const double phi = 2 * ORL_PI * (i / COSINES % AZIMUTHS + 0.3) / AZIMUTHS;
+    return orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi),
+                                       i < COSINES * AZIMUTHS ? cosine : -cosine));
+}
+
+/* Is it made of sums alone, in which all parts send on light beside each other? */
+static bool is_sum(const struct orl_material *m)
+{
+    return m->mixed && !m->mix && (!m->mixed[0].mixed || is_sum(&m->mixed[0])) &&
+           (!m->mixed[1].mixed || is_sum(&m->mixed[1]));
+}
+
+/* What the others of a sum send on of light from there. */
+static double rest_of(const struct orl_material *whole, const struct orl_material *part,
+                      const struct orl_hit *hit, struct orl_vec3 light)
+{
+    const enum orl_lobes all = ORL_LOBE_ALL;
+    if (!is_sum(whole))
+        return 0;
+    const struct orl_rgb sum = orl_material_albedo(whole, hit, light, all),
+                         own = orl_material_albedo(part, hit, light, all);
+    return fmax(0, fmax(sum.r - own.r, fmax(sum.g - own.g, sum.b - own.b)));
+}
+
+static int look_at_lobes(struct orl_description *d, const struct orl_material *whole,
+                         const struct orl_material *part, const struct orl_hit hits[PLACES],
+                         struct orl_error *err)
+{
+    struct orl_lobed_findings findings = {0};
+    for (size_t k = 0; k < (size_t)PLACES * LOOKS; k++) {
+        const struct orl_hit *const hit = &hits[k / LOOKS];
+        const struct orl_vec3 light = light_of(hit, k % LOOKS);
+        orl_lobed_look(part, hit, light, rest_of(whole, part, hit, light), &findings);
+    }
+    return judge_lobes(d, part, &findings, err);
+}
+
+/* A sum of parts with no functions of their own. */
+static int judge_sum(struct orl_description *d, const struct orl_geometry *g,
+                     const struct orl_material *m, const struct orl_hit hits[PLACES],
+                     struct orl_error *err)
+{
+    double most = 0;
+    for (size_t k = 0; k < (size_t)PLACES * LOOKS; k++) {
+        const struct orl_hit *const hit = &hits[k / LOOKS];
+        const struct orl_vec3 light = light_of(hit, k % LOOKS);
+        most = fmax(most, orl_rgb_max(orl_material_albedo(m, hit, light, ORL_LOBE_ALL)));
+    }
+    if (!(most > 1 + slack))
+        return 0;
+    const struct orl_surface *const s = &d->surfaces[g->facets[hits[0].facet].surface];
+    orl_error_set(err, ORL_ERR_RANGE,
+                  "its material '%.200s' returns up to %.3g of the light that meets it, more than "
+                  "all",
+                  m->name, most);
+    orl_error_at(err, s->file, s->line, s->name);
+    orl_error_hint(err, "make its parts less: together they are to be no more than 1");
+    return ORL_ERR_RANGE;
+}
+
+static bool has_own(const struct orl_material *m)
+{
+    return m->kind == ORL_MATERIAL_PRISM || m->kind == ORL_MATERIAL_LOBED ||
+           (m->mixed && (has_own(&m->mixed[0]) || has_own(&m->mixed[1])));
+}
+
+/* A material, or a part of it. */
+static int look(struct orl_description *d, const struct orl_geometry *g,
+                const struct orl_material *whole, const struct orl_material *m,
+                const struct sample *sample, struct orl_error *err)
+{
+    struct orl_hit hits[PLACES];
+    int code = 0;
+    for (int i = 0; i < 2 && code == 0 && m->mixed; i++)
+        code = look(d, g, whole, &m->mixed[i], sample, err);
+    const bool sum = m == whole && is_sum(m) && !has_own(m);
+    if (code < 0 || (m->kind != ORL_MATERIAL_PRISM && m->kind != ORL_MATERIAL_LOBED && !sum))
+        return code;
+    place_hits(g, sample, hits);
+    if (sum)
+        return judge_sum(d, g, m, hits, err);
+    code = m->kind == ORL_MATERIAL_PRISM ? look_at_prism(d, m, hits, err)
+                                         : look_at_lobes(d, whole, m, hits, err);
     for (size_t i = 0; i < sample->n && code == 0 && m->kind == ORL_MATERIAL_LOBED; i++)
         code = know(g, m, sample->facets[i]);
     return code;
 }
 
-static bool has_own(const struct orl_material *m)
+static bool is_looked_at(const struct orl_material *m)
 {
-    return m->kind == ORL_MATERIAL_PRISM || m->kind == ORL_MATERIAL_LOBED;
+    return has_own(m) || is_sum(m);
 }
 
 static void choose(const struct orl_description *d, const struct orl_geometry *g,
@@ -153,7 +249,7 @@ static void choose(const struct orl_description *d, const struct orl_geometry *g
         samples[g->facets[i].material].all += g->facets[i].area > 0;
     for (size_t i = 0; i < g->n_facets; i++) {
         struct sample *const s = &samples[g->facets[i].material];
-        if (has_own(&d->materials[g->facets[i].material]) && g->facets[i].area > 0 &&
+        if (is_looked_at(&d->materials[g->facets[i].material]) && g->facets[i].area > 0 &&
             s->n < PLACES && s->met++ % ((s->all + PLACES - 1) / PLACES) == 0)
             s->facets[s->n++] = (uint32_t)i;
     }
@@ -164,7 +260,7 @@ int orl_own_settle(struct orl_description *description, const struct orl_geometr
 {
     size_t n = 0;
     for (size_t i = 0; i < description->n_materials; i++)
-        n += has_own(&description->materials[i]);
+        n += is_looked_at(&description->materials[i]);
     if (n == 0)
         return 0;
     struct sample *const samples = calloc(description->n_materials, sizeof *samples);
@@ -176,8 +272,10 @@ int orl_own_settle(struct orl_description *description, const struct orl_geometr
     for (size_t i = 0; i < description->n_materials && code == 0; i++) {
         if (samples[i].n == 0)
             continue;
-        code = looked++ < ORL_LIMIT_OWN_FUNCTIONS
-                   ? look(description, geometry, &description->materials[i], &samples[i], err)
+        looked += has_own(&description->materials[i]);
+        code = looked <= ORL_LIMIT_OWN_FUNCTIONS
+                   ? look(description, geometry, &description->materials[i],
+                          &description->materials[i], &samples[i], err)
                    : orl_error_set(err, ORL_ERR_LIMIT,
                                    "more than %u materials of a scene are by functions of both "
                                    "directions",

@@ -85,6 +85,7 @@ struct orl_pattern {
     struct orl_known_lobes *known; /* owned; of lobes: tables by normals (lobed.h) */
     uint32_t n_known;
     bool narrow;    /* of lobes: draws do not see all of them (lobed.h) */
+    bool opaque;    /* of lobes: none lets light through */
     double sent[2]; /* of lobes: what they come to, reflected and transmitted, on the whole */
     bool mixture;
     struct orl_mixed mixed[2];

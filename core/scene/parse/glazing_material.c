@@ -1,36 +1,27 @@
 /*
- * BRTDfunc without lobes: glazing whose mirrored and straight shares are functions of the angle
- * (material/glazing.c). They are looked at from both sides at many angles, which bounds them too.
+ * BRTDfunc. Without lobes and patterns it is glazing, whose mirrored and straight shares are
+ * functions of the angle (material/glazing.c). They are looked at from both sides at many angles,
+ * which bounds them too. With any, it is a sum: of what is spread evenly, which the pattern is for,
+ * of such shares, and of lobes by functions of both directions (material/lobed.c).
  */
 #include <math.h>
 #include <string.h>
 
 #include "scene/material/pattern.h"
-#include "scene/parse/material_readers.h"
+#include "scene/parse/sums.h"
 
-enum { ANGLES = 512, FIRST_LOBE = 6, STRINGS = 10, REALS = 9 };
+enum { ANGLES = 512, FIRST_LOBE = 6, LOBES = 3, STRINGS = 10, REALS = 9 };
 
 /* What rounding may exceed 1 by; what approximations may at grazing, below this cosine, is cut. */
 static const double slack = 0.001, grazing = 0.4;
 
-static int check_lobes(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_error *err)
+/* Whether one of n functions from the first on is more than 0. */
+static bool any_of(const struct orl_parser *parser, size_t first, size_t n)
 {
-    if (parser->primitive.n_strings < STRINGS || parser->primitive.n_reals < REALS)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "BRTDfunc takes nine functions, a function file ('.': none), and "
-                               "nine numbers");
-    for (size_t i = FIRST_LOBE; i < FIRST_LOBE + 3; i++) {
-        if (strcmp(orl_primitive_string(&parser->primitive, i), "0") == 0)
-            continue;
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function '%.60s' scatters light: BRTDfunc is simulated where the "
-                        "seventh to ninth are 0",
-                        orl_primitive_string(&parser->primitive, i));
-        orl_error_hint(err, "describe it as a BSDF");
-        return ORL_ERR_UNSUPPORTED;
-    }
-    return 0;
+    for (size_t i = first; i < first + n; i++)
+        if (strcmp(orl_primitive_string(&parser->primitive, i), "0") != 0)
+            return true;
+    return false;
 }
 
 /* At one angle: all that it does with light, which is to be no more than 1, but at grazing. */
@@ -61,23 +52,15 @@ static int look(struct orl_parser *parser, const struct orl_scope *scope, double
     return 0;
 }
 
-int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
-                              struct orl_material *material, struct orl_error *err)
+/* Its shares by the angle, beside what is spread evenly. */
+static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
+                       struct orl_material *material, struct orl_error *err)
 {
     double most = 0;
-    int code = check_lobes(parser, scope, err);
-    if (code < 0)
-        return code;
-    material->front = orl_material_rgb(parser, 0);
-    material->back = orl_material_rgb(parser, 3);
-    material->through = orl_material_rgb(parser, 6);
-    const struct orl_rgb evenly[3] = {material->front, material->back, material->through};
-    for (int i = 0; i < 3 && code == 0; i++)
-        code = orl_material_share(parser, scope, evenly[i], true, "diffuse share", err);
-    if (code == 0)
-        code = orl_parser_own(parser, scope, ORL_OWN_ANGLES, &material->angles, err);
+    int code = orl_parser_own(parser, scope, ORL_OWN_ANGLES, &material->angles, err);
     for (int i = 0; i < 2 * ANGLES && code == 0; i++) {
-        const double cosine = (i / 2 + 0.5) / ANGLES;
+        const int angle = i / 2;
+        const double cosine = (angle + 0.5) / ANGLES;
         code = look(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);
     }
     if (code == 0 && most > 1 + slack)
@@ -86,4 +69,68 @@ int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope 
                         "light: cut to all",
                         parser->primitive.id, scope->file, parser->primitive.line, most);
     return code;
+}
+
+static int read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_material *material, struct orl_error *err)
+{
+    int code = 0;
+    material->front = orl_material_rgb(parser, 0);
+    material->back = orl_material_rgb(parser, 3);
+    material->through = orl_material_rgb(parser, 6);
+    const struct orl_rgb evenly[3] = {material->front, material->back, material->through};
+    for (int i = 0; i < 3 && code == 0; i++)
+        code = orl_material_share(parser, scope, evenly[i], true, "diffuse share", err);
+    return code < 0 ? code : read_angles(parser, scope, material, err);
+}
+
+/* Spread evenly, mirrored and straight, and by lobes: what there is of the three. */
+static int read_sum(struct orl_parser *parser, const struct orl_scope *scope,
+                    struct orl_material *material, struct orl_error *err)
+{
+    struct orl_material_sum sum = {parser, scope, err, .own = *material};
+    struct orl_material glazing = orl_material_sum_part(ORL_MATERIAL_GLAZING, orl_gray(0));
+    struct orl_material lobes = orl_material_sum_part(ORL_MATERIAL_LOBED, orl_gray(1));
+    int code = orl_material_sum_add_reflected(&sum, orl_material_rgb(parser, 0),
+                                              orl_material_rgb(parser, 3));
+    if (code == 0)
+        code = orl_material_sum_add_through(&sum, orl_material_rgb(parser, 6), material->pattern);
+    if (code == 0 && any_of(parser, 0, FIRST_LOBE)) {
+        code = read_angles(parser, scope, &glazing, err);
+        code = code < 0 ? code : orl_material_sum_add(&sum, &glazing);
+    }
+    if (code == 0 && any_of(parser, FIRST_LOBE, LOBES)) {
+        lobes.specular = 1;
+        lobes.both_ways = true;
+        lobes.pattern = material->pattern;
+        code = orl_parser_own(parser, scope, ORL_OWN_LOBES, &lobes.lobes, err);
+        code = code < 0 ? code : orl_material_sum_add(&sum, &lobes);
+    }
+    if (code == 0)
+        *material = orl_material_sum_whole(&sum);
+    return code;
+}
+
+static int refuse_texture(struct orl_parser *parser, const struct orl_scope *scope,
+                          struct orl_error *err)
+{
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                    "textures are not simulated on BRTDfunc: '%.200s' is one",
+                    parser->primitive.modifier);
+    orl_error_hint(err, "write void in its place");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_material *material, struct orl_error *err)
+{
+    if (parser->primitive.n_strings < STRINGS || parser->primitive.n_reals < REALS)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "BRTDfunc takes nine functions, a function file ('.': none), and "
+                               "nine numbers");
+    if (material->texture)
+        return refuse_texture(parser, scope, err);
+    return any_of(parser, FIRST_LOBE, LOBES) || material->pattern
+               ? read_sum(parser, scope, material, err)
+               : read_glazing(parser, scope, material, err);
 }

@@ -25,8 +25,9 @@ struct pattern_type {
     bool texture;
     bool spectral;
     bool text;
-    enum orl_own_kind own; /* a material's own functions */
-    size_t n_between;      /* strings between these and the function file that are others */
+    enum orl_own_kind own;      /* a material's own functions */
+    size_t n_before, n_between; /* strings before these, and between them and the function file,
+                                   that are others */
 };
 
 static const struct pattern_type pattern_types[] = {
@@ -47,6 +48,7 @@ static const struct pattern_type pattern_types[] = {
     {.name = "colortext", .text = true},
     {.name = "mixtext", .text = true, .n_materials = 2},
     {.name = "BRTDfunc", .n_functions = ORL_PATTERN_ANGLES, .own = ORL_OWN_ANGLES, .n_between = 3},
+    {.name = "BRTDfunc", .n_functions = 3, .own = ORL_OWN_LOBES, .n_before = ORL_PATTERN_ANGLES},
     {.name = "prism1", .n_functions = 4, .own = ORL_OWN_WAYS},
     {.name = "prism2", .n_functions = 8, .own = ORL_OWN_WAYS},
     {.name = "plasfunc", .n_functions = 1, .own = ORL_OWN_LOBES},
@@ -201,12 +203,15 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* Where a material has functions of that kind. */
-static struct orl_pattern **own_of(struct orl_material *material, enum orl_own_kind own)
+/* The functions of that kind that a material, or the first of its parts that has any, has. */
+static struct orl_pattern *own_of(const struct orl_material *material, enum orl_own_kind own)
 {
-    return own == ORL_OWN_ANGLES ? &material->angles
-           : own == ORL_OWN_WAYS ? &material->ways
-                                 : &material->lobes;
+    struct orl_pattern *found = own == ORL_OWN_ANGLES ? material->angles
+                                : own == ORL_OWN_WAYS ? material->ways
+                                                      : material->lobes;
+    for (int i = 0; i < 2 && !found && material->mixed; i++)
+        found = own_of(&material->mixed[i], own);
+    return found;
 }
 
 /* One that was defined before and is the same, or NULL. */
@@ -218,7 +223,7 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
     if (old && old->kind == ORL_SYMBOL_MATERIAL && type->own != ORL_OWN_NOTHING)
-        other = *own_of(&parser->out->materials[old->index], type->own);
+        other = own_of(&parser->out->materials[old->index], type->own);
     if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
         other = parser->out->materials[old->index].mix;
     if (old && old->kind == ORL_SYMBOL_PATTERN && type->n_materials == 0 && !of_material)
@@ -286,7 +291,8 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
                         const struct pattern_type *type, struct orl_pattern *pattern,
                         bool of_material, const struct orl_symbol **ret_same, struct orl_error *err)
 {
-    const size_t file = type->n_materials + type->n_functions + type->n_files + type->n_between;
+    const size_t first = type->n_materials + type->n_before;
+    const size_t file = first + type->n_functions + type->n_files + type->n_between;
     struct orl_xform to_world = orl_xform_identity;
     size_t axes = 0;
     if (type->text)
@@ -311,8 +317,8 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     *ret_same = code == 0 ? find_same(parser, type, pattern, of_material) : NULL;
     if (code < 0 || *ret_same)
         return code;
-    const struct orl_pattern_strings strings = {
-        type->n_materials, file, axes > 0 ? axes : type->n_functions, type->spectral};
+    const struct orl_pattern_strings strings = {first, file, axes > 0 ? axes : type->n_functions,
+                                                type->spectral};
     code = is_fixed(type) ? orl_spectrum_read(parser, scope, pattern, err)
                           : orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
     if (code == 0 && type->spectral && !is_fixed(type))
@@ -325,7 +331,8 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
                                        const struct pattern_type *type, struct orl_error *err)
 {
     struct orl_pattern *pattern;
-    const size_t least = type->n_materials + type->n_functions + type->n_files + !is_fixed(type);
+    const size_t least =
+        type->n_materials + type->n_before + type->n_functions + type->n_files + !is_fixed(type);
     if (is_fixed(type) && parser->primitive.n_strings != least) {
         orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                         "%s takes %zu string arguments; here are %zu", type->name, least,
@@ -351,6 +358,7 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
         pattern->texture = type->texture;
         pattern->own = type->own;
         pattern->n_own = (uint32_t)type->n_functions;
+        pattern->sided = type->n_before > 0; /* BRTDfunc's lobes */
     }
     return pattern;
 }
@@ -395,7 +403,7 @@ static int read_unnamed(struct orl_parser *parser, const struct orl_scope *scope
     if (code == 0) {
         struct orl_material *const old = same ? &parser->out->materials[same->index] : NULL;
         *ret_pattern = !old                           ? pattern
-                       : type->own != ORL_OWN_NOTHING ? *own_of(old, type->own)
+                       : type->own != ORL_OWN_NOTHING ? own_of(old, type->own)
                        : mixed                        ? old->pattern
                                                       : old->mix;
     }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "scene/material/pattern.h"
-#include "scene/parse/material_readers.h"
+#include "scene/parse/sums.h"
 
 /* Where the strings are: those of transmission lie TRANSMITTED behind those of reflection. */
 enum {
@@ -28,9 +28,7 @@ struct reading {
     struct orl_parser *parser;
     const struct orl_scope *scope;
     struct orl_error *err;
-    struct orl_material own; /* with the main modifier's pattern and texture */
-    struct orl_material sum; /* so far */
-    bool any;                /* whether there is a sum */
+    struct orl_material_sum sum;
     struct orl_vec3 grain;
 };
 
@@ -57,8 +55,8 @@ static int find_modifier(struct reading *r, size_t i, struct orl_material *ret)
     if (strcmp(name, "void") == 0)
         return 0;
     if (strcmp(name, "inherit") == 0) {
-        ret->pattern = r->own.pattern;
-        ret->texture = r->own.texture;
+        ret->pattern = r->sum.own.pattern;
+        ret->texture = r->sum.own.texture;
         return 0;
     }
     const struct orl_symbol *const symbol = orl_symbols_find(&r->parser->symbols, name);
@@ -190,49 +188,12 @@ static int read_grain(struct reading *r)
 /* ---- Parts ------------------------------------------------------------------------------------
  */
 
-static int add_part(struct reading *r, const struct orl_material *part)
-{
-    struct orl_material *const two = orl_arena_take(r->parser->out->arena, 2 * sizeof *two);
-    if (!two)
-        return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
-    if (!r->any) {
-        r->sum = *part;
-        r->any = true;
-        return 0;
-    }
-    two[0] = r->sum;
-    two[1] = *part;
-    r->sum = (struct orl_material){
-        .kind = ORL_MATERIAL_MIXTURE, .seen_as = ORL_SEEN_AS_ITSELF, .sky = -1, .mixed = two};
-    return 0;
-}
-
-static struct orl_material new_part(enum orl_material_kind kind, struct orl_rgb color)
-{
-    return (struct orl_material){
-        .kind = kind, .color = color, .seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
-}
-
-static int add_evenly_reflected(struct reading *r, struct orl_rgb color, enum orl_evenly side)
-{
-    struct orl_material part = new_part(ORL_MATERIAL_PLASTIC, color);
-    int code = orl_material_share(r->parser, r->scope, color, true, "diffuse share", r->err);
-    part.pattern = r->own.pattern;
-    part.texture = r->own.texture;
-    part.side = side;
-    return code < 0 || !(orl_rgb_max(color) > 0) ? code : add_part(r, &part);
-}
-
 static int add_evenly_through(struct reading *r, struct orl_rgb color)
 {
-    struct orl_material part = new_part(ORL_MATERIAL_TRANS, color);
-    int code = orl_material_share(r->parser, r->scope, color, true, "diffuse share", r->err);
-    part.transmitted = 1;
-    if (code < 0 || !(orl_rgb_max(color) > 0))
-        return code;
-    code = find_modifier(r, EVENLY_THROUGH, &part);
-    part.texture = NULL; /* what gets through is not turned */
-    return code < 0 ? code : add_part(r, &part);
+    struct orl_material modifier;
+    const int code = find_modifier(r, EVENLY_THROUGH, &modifier);
+    /* What gets through is not turned. */
+    return code < 0 ? code : orl_material_sum_add_through(&r->sum, color, modifier.pattern);
 }
 
 /* Mirrored, or straight through, by a lobe or none. */
@@ -240,7 +201,7 @@ static int add_directed(struct reading *r, size_t first)
 {
     const bool through = first == TRANSMITTED;
     struct orl_material part =
-        new_part(through ? ORL_MATERIAL_TRANS : ORL_MATERIAL_METAL, orl_gray(1));
+        orl_material_sum_part(through ? ORL_MATERIAL_TRANS : ORL_MATERIAL_METAL, orl_gray(1));
     double share;
     int code = read_share(r, first, &part, &share);
     if (code < 0 || !(share > 0))
@@ -251,7 +212,7 @@ static int add_directed(struct reading *r, size_t first)
     code = read_roughness(r, first, &part);
     if (through)
         part.texture = NULL;
-    return code < 0 ? code : add_part(r, &part);
+    return code < 0 ? code : orl_material_sum_add(&r->sum, &part);
 }
 
 /* What is reflected is reflected by one normal, for who looks along a mirrored way. */
@@ -279,7 +240,10 @@ static int find_texture(struct reading *r, const struct orl_material *m,
 int orl_material_read_wgmd(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err)
 {
-    struct reading r = {.parser = parser, .scope = scope, .err = err, .own = *material};
+    struct reading r = {.parser = parser,
+                        .scope = scope,
+                        .err = err,
+                        .sum = {parser, scope, err, .own = *material}};
     bool found = false;
     struct orl_pattern *texture = NULL;
     if (parser->primitive.n_strings < STRINGS || parser->primitive.n_reals < REALS)
@@ -287,26 +251,22 @@ int orl_material_read_wgmd(struct orl_parser *parser, const struct orl_scope *sc
                                "WGMDfunc takes modifier, value and two roughnesses of reflection, "
                                "the same of transmission, a modifier, three numbers of the grain, "
                                "a function file ('.': none), and nine numbers");
-    const struct orl_rgb front = orl_material_rgb(parser, 0), back = orl_material_rgb(parser, 3);
-    const bool even = front.r == back.r && front.g == back.g && front.b == back.b;
     int code = read_grain(&r);
     if (code == 0)
-        code = add_evenly_reflected(&r, front, even ? ORL_EVENLY_BOTH : ORL_EVENLY_FRONT);
-    if (code == 0 && !even)
-        code = add_evenly_reflected(&r, back, ORL_EVENLY_BACK);
+        code = orl_material_sum_add_reflected(&r.sum, orl_material_rgb(parser, 0),
+                                              orl_material_rgb(parser, 3));
     if (code == 0)
         code = add_evenly_through(&r, orl_material_rgb(parser, 6));
     if (code == 0)
         code = add_directed(&r, 0);
     if (code == 0)
         code = add_directed(&r, TRANSMITTED);
-    if (code == 0 && !r.any)
-        r.sum = new_part(ORL_MATERIAL_PLASTIC, orl_gray(0));
+    const struct orl_material whole = orl_material_sum_whole(&r.sum);
     if (code == 0)
-        code = find_texture(&r, &r.sum, &texture, &found);
+        code = find_texture(&r, &whole, &texture, &found);
     if (code < 0)
         return code;
-    *material = r.sum;
+    *material = whole;
     material->texture = texture;
     return 0;
 }
