@@ -91,7 +91,7 @@ static bool is_mine(const struct part *part, const struct orl_piece *piece)
 /* What others need, and nothing else depends on for this part's sake. */
 static bool is_last(const struct orl_piece *piece)
 {
-    static const char *const last[] = {"sensors", "view", "sky", "rows"};
+    static const char *const last[] = {"sensors", "view", "sky", "rows", "run", "speed"};
 
     for (size_t i = 0; i < sizeof last / sizeof *last; i++)
         if (strcmp(piece->kind, last[i]) == 0)
@@ -134,12 +134,20 @@ static int run(const struct part *part, struct orl_task *task, const char *files
 {
     const struct orl_local_tell teller = {tell_nothing, NULL};
     struct orl_result result = {0};
+    struct orl_study study = {0};
     json_t *results = NULL;
     int rc;
 
     if (task->kind == ORL_TASK_ANNUAL)
         return orl_local_annual(&task->of.annual, files, part->scratch, NULL, part->threads, share,
                                 &teller, err);
+    if (task->kind == ORL_TASK_STUDY) {
+        rc = orl_local_study(&task->of.study, files, part->scratch, part->threads, share, &study,
+                             err);
+        if (rc == 0)
+            orl_study_done(&study);
+        return rc;
+    }
     if (task->of.render.n_skies > 0) {
         rc = orl_local_run_skies(&task->of.render, files, part->scratch, part->threads, share,
                                  &results, err);

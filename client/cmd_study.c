@@ -14,6 +14,7 @@
 #include "local.h"
 #include "parts/files.h"
 #include "report.h"
+#include "sharing_line.h"
 #include "study_json.h"
 #include "study_table.h"
 
@@ -80,21 +81,43 @@ static void print_summary(const struct orl_study *study, char paths[FILE_COUNT][
         printf("%s\n", paths[i]);
 }
 
-static int run_document(const char *document, const char *output, uint32_t threads)
+/* In parts, where the command line asks for that. */
+static int run_study(const struct orl_study_request *request, const struct orl_job_file *file,
+                     const struct orl_local_line *line, const struct orl_sharing_line *sharing,
+                     struct orl_study *ret_study, struct orl_error *err)
+{
+    struct orl_shared_job shared;
+    const struct orl_local_share share = {&shared.sharing.pieces, &shared.sharing.store};
+    int rc;
+
+    if (!sharing)
+        return orl_local_study(request, file->folder, line->output, line->threads, NULL, ret_study,
+                               err);
+    rc = orl_shared_job_open(&shared, sharing, file->doc, file->folder, line->output, line->threads,
+                             orl_local_interrupted(), err);
+    if (rc == 0)
+        rc = orl_local_study(request, file->folder, line->output, line->threads, &share, ret_study,
+                             err);
+    orl_shared_job_done(&shared, rc == 0);
+    return rc;
+}
+
+/* sharing: NULL: in one piece. */
+static int run_document(const struct orl_local_line *line, const struct orl_sharing_line *sharing)
 {
     struct orl_job_file file = {0};
     struct orl_study_request request = {0};
     struct orl_study study = {0};
     struct orl_error err = {0};
     char paths[FILE_COUNT][4096];
-    int rc = clear_output(output, paths, &err);
+    int rc = clear_output(line->output, paths, &err);
 
     if (rc == 0)
-        rc = orl_job_file_read(document, &file, &err);
+        rc = orl_job_file_read(line->operand, &file, &err);
     if (rc == 0)
         rc = decode(&file, &request, &err);
     if (rc == 0)
-        rc = orl_local_study(&request, file.folder, output, threads, &study, &err);
+        rc = run_study(&request, &file, line, sharing, &study, &err);
     if (rc == 0)
         rc = write_files(&study, &request, paths, &err);
     if (rc == 0)
@@ -110,6 +133,7 @@ static int run_document(const char *document, const char *output, uint32_t threa
 int orl_cmd_study(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_local_line line = {.threads = 1, .writes = true};
+    struct orl_sharing_line sharing = {0};
     const struct orl_option options[] = {
         {.name = "output",
          .letter = 'o',
@@ -121,10 +145,12 @@ int orl_cmd_study(const struct orl_subcommand *self, int argc, char **argv)
          .metavar = "N",
          .help = "threads of every run (default: 1); times depend on it, errors do not",
          .value = &line.threads_text},
+        ORL_OPTIONS_SHARING(&sharing),
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 2 + ORL_SHARING_OPTIONS, &line, &code))
         return code;
-    return run_document(line.operand, line.output, line.threads);
+    const bool shared = orl_sharing_asked(self, &sharing, &code);
+    return code ? code : run_document(&line, shared ? &sharing : NULL);
 }

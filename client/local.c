@@ -362,13 +362,16 @@ static void on_study_point(void *ctx, const struct orl_study_point *point)
 }
 
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
-                    uint32_t threads, struct orl_study *ret_study, struct orl_error *err)
+                    uint32_t threads, const struct orl_local_share *share,
+                    struct orl_study *ret_study, struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(folder);
     struct orl_progress_line progress;
     const struct orl_study_env env = {.crew = orl_crew_start(threads),
                                       .files = &files,
                                       .work_folder = output,
+                                      .pieces = share ? share->pieces : NULL,
+                                      .store = share ? share->store : NULL,
                                       .cancel = &interrupted,
                                       .now_s = orl_clock_s,
                                       .progress = on_study_progress,

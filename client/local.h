@@ -73,7 +73,8 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 
 /* Runs the study, with progress on stderr; its runs keep nothing in output. */
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
-                    uint32_t threads, struct orl_study *ret_study, struct orl_error *err);
+                    uint32_t threads, const struct orl_local_share *share,
+                    struct orl_study *ret_study, struct orl_error *err);
 
 /* Makes a panel's BSDF, with progress on stderr. */
 int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char *folder,

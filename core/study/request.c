@@ -6,7 +6,7 @@
 
 #include <oriel/limits.h>
 
-#include "study/series.h"
+#include "study/request.h"
 
 void orl_study_request_init(struct orl_study_request *request)
 {
@@ -173,6 +173,18 @@ int orl_study_request_validate(const struct orl_study_request *request, struct o
     for (size_t i = 0; i < request->n_given && code == 0; i++)
         code = check_given(&request->given[i], i, err);
     return code;
+}
+
+struct orl_study_setting orl_study_reference_setting(const struct orl_study_request *request)
+{
+    const uint32_t runs = request->reference_runs;
+    return (struct orl_study_setting){.technique = ORL_TECHNIQUE_BACKWARD,
+                                      .samples = (request->reference_samples + runs - 1) / runs};
+}
+
+uint64_t orl_study_reference_seed(const struct orl_study_request *request)
+{
+    return request->job.seed + request->repeats;
 }
 
 int orl_study_list_settings(const struct orl_study_request *request,

@@ -11,9 +11,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "run/stages.h"
+#include "study/cost.h"
 #include "study/fit.h"
 #include "study/judge.h"
+#include "study/request.h"
 #include "study/series.h"
+#include "study/shared_runs.h"
 #include "study/speed.h"
 
 void orl_study_done(struct orl_study *study)
@@ -31,7 +35,9 @@ void orl_study_done(struct orl_study *study)
 
 const char *orl_study_step_name(const struct orl_study_step *step)
 {
-    return step->reference ? "reference" : orl_technique_name(step->setting.technique);
+    return step->in_parts    ? "parts"
+           : step->reference ? "reference"
+                             : orl_technique_name(step->setting.technique);
 }
 
 /* What the steps of a study share. */
@@ -39,19 +45,11 @@ struct work {
     const struct orl_study_request *request;
     const struct orl_study_env *env;
     struct orl_study *study;
-    struct orl_series_env series_env;
+    struct orl_runs_env runs_env;
     struct orl_study_setting *settings; /* owned */
     size_t n_settings;
     struct orl_reference reference; /* owned */
 };
-
-static struct orl_study_setting reference_setting(const struct work *work)
-{
-    const uint32_t runs = work->request->reference_runs;
-    return (struct orl_study_setting){.technique = ORL_TECHNIQUE_BACKWARD,
-                                      .samples =
-                                          (work->request->reference_samples + runs - 1) / runs};
-}
 
 static double sum_of(const double *values, size_t count)
 {
@@ -64,13 +62,13 @@ static double sum_of(const double *values, size_t count)
 /* With seeds that none of the runs to be judged has. */
 static int run_reference(struct work *work, struct orl_error *err)
 {
-    const struct orl_study_setting setting = reference_setting(work);
+    const struct orl_study_setting setting = orl_study_reference_setting(work->request);
     const uint32_t runs = work->request->reference_runs;
     struct orl_study_reference *about = &work->study->reference;
     struct orl_series series = {0};
-    work->series_env.step.reference = true;
-    int code = orl_series_run(&work->series_env, &setting,
-                              work->request->job.seed + work->request->repeats, runs, &series, err);
+    work->runs_env.step.reference = true;
+    int code = orl_series_run(&work->runs_env, &setting, orl_study_reference_seed(work->request),
+                              runs, &series, err);
     if (code == 0)
         code = orl_reference_make(&work->reference, series.values, runs,
                                   runs == 1 ? series.errors : NULL, series.count,
@@ -79,6 +77,7 @@ static int run_reference(struct work *work, struct orl_error *err)
         about->samples = setting.samples * runs;
         about->runs = runs;
         about->seconds = sum_of(series.total_s, runs);
+        work->study->threads = series.threads;
         orl_reference_describe(&work->reference, about);
     }
     orl_series_done(&series);
@@ -105,8 +104,8 @@ static int run_setting(struct work *work, const struct orl_study_setting *settin
 {
     struct orl_study_point point = {.setting = *setting, .seeds = work->request->repeats};
     struct orl_series series = {0};
-    work->series_env.step.reference = false;
-    int code = orl_series_run(&work->series_env, setting, work->request->job.seed,
+    work->runs_env.step.reference = false;
+    int code = orl_series_run(&work->runs_env, setting, work->request->job.seed,
                               work->request->repeats, &series, err);
     if (code == 0 && series.count != work->reference.count)
         code = orl_error_set(err, ORL_ERR_INTERNAL, "a run and its reference differ in size");
@@ -138,40 +137,67 @@ static int copy_given(struct work *work, struct orl_error *err)
     return study->given ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
+/* Of a file they are counted, for what runs are thought to take. */
+static int count_sensors(struct work *work, struct orl_error *err)
+{
+    const struct orl_job *job = &work->request->job;
+    struct orl_sensor *sensors = NULL;
+    size_t n = job->n_sensors;
+    const int code = job->sensors_file
+                         ? orl_sensors_load(work->env->files, job->sensors_file, &sensors, &n, err)
+                         : 0;
+    free(sensors);
+    work->runs_env.sensors = (double)n;
+    return code;
+}
+
+static int make_folder(struct work *work, struct orl_error *err)
+{
+    struct orl_runs_env *runs = &work->runs_env;
+    const int length =
+        snprintf(runs->folder, sizeof runs->folder, "%s/study-XXXXXX", work->env->work_folder);
+    if (length < 0 || (size_t)length >= sizeof runs->folder)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the path of the work folder is too long");
+    if (mkdtemp(runs->folder))
+        return 0;
+    runs->folder[0] = '\0';
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot make a folder in '%s': %s",
+                         work->env->work_folder, strerror(errno));
+}
+
 static int prepare(struct work *work, struct orl_error *err)
 {
     struct orl_study *study = work->study;
-    struct orl_series_env *series = &work->series_env;
-    const struct orl_study_setting reference = reference_setting(work);
     int code = copy_given(work, err);
     if (code == 0)
         code = orl_study_list_settings(work->request, &work->settings, &work->n_settings, err);
+    if (code == 0)
+        code = count_sensors(work, err);
     if (code < 0)
         return code;
     study->points = calloc(work->n_settings + 1, sizeof *study->points);
     study->fits = calloc(ORL_TECHNIQUE_COUNT, sizeof *study->fits);
     if (!study->points || !study->fits)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    series->all = work->request->reference_runs * orl_series_cost(work->request, &reference);
-    for (size_t i = 0; i < work->n_settings; i++)
-        series->all += work->request->repeats * orl_series_cost(work->request, &work->settings[i]);
-    const int length =
-        snprintf(series->folder, sizeof series->folder, "%s/study-XXXXXX", work->env->work_folder);
-    if (length < 0 || (size_t)length >= sizeof series->folder)
-        return orl_error_set(err, ORL_ERR_LIMIT, "the path of the work folder is too long");
-    if (!mkdtemp(series->folder)) {
-        series->folder[0] = '\0';
-        return orl_error_set(err, orl_err_of_errno(errno), "cannot make a folder in '%s': %s",
-                             work->env->work_folder, strerror(errno));
-    }
-    return 0;
+    work->runs_env.all = orl_study_core_s(work->request, work->runs_env.sensors);
+    return make_folder(work, err);
 }
 
-/* This machine's, and what it makes of times measured on others. */
+/* Of a study that is shared that is where its runs are made, too: by the time it is known they are
+ * all there. */
 static int measure_speed(struct work *work, struct orl_error *err)
 {
+    double *rays_per_s = &work->study->rays_per_s;
+    return orl_study_is_shared(work->env)
+               ? orl_share_runs(&work->runs_env, work->settings, work->n_settings, rays_per_s, err)
+               : orl_study_measure_speed(work->request, work->env, rays_per_s, err);
+}
+
+/* And what it makes of times measured on others. */
+static int know_speed(struct work *work, struct orl_error *err)
+{
     struct orl_study *study = work->study;
-    const int code = orl_study_measure_speed(work->request, work->env, &study->rays_per_s, err);
+    const int code = measure_speed(work, err);
     for (size_t i = 0; i < study->n_given && code == 0; i++) {
         struct orl_study_given *given = &study->given[i];
         const bool known = given->rays_per_s > 0 && isfinite(study->rays_per_s);
@@ -196,20 +222,19 @@ static int fit_all(struct work *work, struct orl_error *err)
 int orl_study_run(const struct orl_study_request *request, const struct orl_study_env *env,
                   struct orl_study *ret_study, struct orl_error *err)
 {
-    struct orl_study study = {.threads = orl_crew_size(env->crew),
-                              .of_views = orl_study_of_views(request)};
+    struct orl_study study = {.of_views = orl_study_of_views(request)};
     struct work work = {.request = request,
                         .env = env,
                         .study = &study,
-                        .series_env = {.request = request,
-                                       .env = env,
-                                       .warnings = &study.warnings,
-                                       .n_warnings = &study.n_warnings}};
+                        .runs_env = {.request = request,
+                                     .env = env,
+                                     .warnings = &study.warnings,
+                                     .n_warnings = &study.n_warnings}};
     int code = orl_study_request_validate(request, err);
     if (code == 0)
         code = prepare(&work, err);
     if (code == 0)
-        code = measure_speed(&work, err);
+        code = know_speed(&work, err);
     if (code == 0)
         code = run_reference(&work, err);
     for (size_t i = 0; i < work.n_settings && code == 0; i++)
@@ -218,8 +243,8 @@ int orl_study_run(const struct orl_study_request *request, const struct orl_stud
         code = fit_all(&work, err);
     if (code == 0)
         orl_study_mark_front(study.points, study.n_points);
-    if (work.series_env.folder[0])
-        rmdir(work.series_env.folder);
+    if (work.runs_env.folder[0])
+        rmdir(work.runs_env.folder);
     free(work.settings);
     orl_reference_done(&work.reference);
     if (code < 0)

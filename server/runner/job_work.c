@@ -59,17 +59,22 @@ struct orl_job_work orl_job_work(const struct orl_task *task, const struct orl_f
     struct count count = {.files = files};
     const struct orl_job *job = &task->of.render;
     const struct orl_annual_request *year = &task->of.annual.request;
-    if (task->kind != ORL_TASK_RENDER && task->kind != ORL_TASK_ANNUAL)
+    const struct orl_study_request *study = &task->of.study;
+    if (task->kind == ORL_TASK_BSDF_MAKE || task->kind == ORL_TASK_BSDF_FIT)
         return (struct orl_job_work){ORL_WAY_WHOLE, 0};
     if (task->kind == ORL_TASK_RENDER && job->goal.deadline_s > 0)
         return (struct orl_job_work){ORL_WAY_DEADLINE, 0};
     if (task->kind == ORL_TASK_RENDER && (job->goal.relative_error > 0 || job->goal.dgp_error > 0))
         return (struct orl_job_work){ORL_WAY_UNKNOWN, 0};
     orl_task_files(task, count_sensors, &count, NULL);
-    const double rays = task->kind == ORL_TASK_ANNUAL
-                            ? annual_rays(year, count.sensors + (double)year->n_sensors)
-                            : render_rays(job, count.sensors + (double)job->n_sensors);
-    return (struct orl_job_work){ORL_WAY_KNOWN, rays / rays_per_s};
+    double s = 0;
+    if (task->kind == ORL_TASK_STUDY)
+        s = orl_study_core_s(study, count.sensors + (double)study->job.n_sensors);
+    else if (task->kind == ORL_TASK_ANNUAL)
+        s = annual_rays(year, count.sensors + (double)year->n_sensors) / rays_per_s;
+    else
+        s = render_rays(job, count.sensors + (double)job->n_sensors) / rays_per_s;
+    return (struct orl_job_work){ORL_WAY_KNOWN, s};
 }
 
 bool orl_job_goes_in_parts(const struct orl_job_work *work, double least_s,

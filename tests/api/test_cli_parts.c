@@ -60,6 +60,13 @@ static void test_a_year(void **state)
     parted_compare(*state, parted_annual, in_one);
 }
 
+static void test_a_study(void **state)
+{
+    parted_compare(*state, parted_study, in_parts);
+    assert_nothing_is_left(*state);
+    parted_compare(*state, parted_study, in_one);
+}
+
 /* Killed in the middle: what was made serves again. */
 static void test_pieces_serve_again(void **state)
 {
@@ -200,6 +207,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_skies, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_rounds, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_study, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_pieces_serve_again, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_part_is_done_twice, parted_set_up,
                                         cli_desk_tear_down),

@@ -38,6 +38,11 @@ static void test_a_year(void **state)
     parted_compare(*state, parted_annual, by_slurm);
 }
 
+static void test_a_study(void **state)
+{
+    parted_compare(*state, parted_study, by_slurm);
+}
+
 /* ---- Faults ---------------------------------------------------------------------------------- */
 
 static struct cli_child start_run(struct cli_desk *f, const char *document)
@@ -133,6 +138,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_skies, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_rounds, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_study, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_tasks_are_killed, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_node_vanishes, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_the_controller_is_away, parted_set_up,

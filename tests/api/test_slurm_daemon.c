@@ -33,6 +33,20 @@ static void test_a_year(void **state)
     parted_compare_daemons(*state, parted_annual, path);
 }
 
+static void test_a_study(void **state)
+{
+    char path[80];
+    parted_submit(*state, parted_study, path);
+    parted_compare_daemons(*state, parted_study, path);
+}
+
+static void test_a_goal(void **state)
+{
+    char path[80];
+    parted_submit(*state, parted_goal, path);
+    parted_compare_daemons(*state, parted_goal, path);
+}
+
 /* How its parts stand: in its status, its events and the daemon's figures. */
 static void test_parts_are_told_of(void **state)
 {
@@ -191,6 +205,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_render, parted_daemon_set_up,
                                         parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, parted_daemon_set_up, parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_study, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_goal, parted_daemon_set_up, parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_parts_are_told_of, parted_daemon_set_up,
                                         parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_a_wave_moves, parted_daemon_set_up,

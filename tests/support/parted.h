@@ -15,6 +15,7 @@ extern const char *const parted_skies;  /* five skies */
 extern const char *const parted_long;   /* the same, of seconds rather than tenths of one */
 extern const char *const parted_goal;   /* an accuracy, in rounds */
 extern const char *const parted_annual; /* 150 sensors, two days of weather */
+extern const char *const parted_study;  /* two techniques, three seeds */
 
 /* For cmocka. */
 int parted_set_up(void **state);
@@ -25,7 +26,8 @@ void parted_run(struct cli_desk *desk, const char *document, const char *output,
                 const char *const *options);
 
 /* Whether the folders of two runs hold the same: all files but result.json and maps byte for byte,
- * and of result.json what is no time, count or cost. Fails the test, and names it. */
+ * and of result.json what is no time, count or cost; of a study's files study.json alone, for the
+ * others are its numbers and times once more. Fails the test, and names it. */
 void parted_assert_same(const struct cli_desk *desk, const char *one, const char *other);
 
 /* Both: in one piece, and with those options, which are to make no difference. */

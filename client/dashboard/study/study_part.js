@@ -75,7 +75,7 @@ export class StudyPart {
     const points = pointsOf(job, result);
     const { study } = job;
     setText(this.words, result?.points ? 'Larger marks: no other setting is both quicker and more accurate.'
-      : study ? `${points.length} of ${study.settings} settings measured; at ${study.running === 'reference' ? 'the reference' : settingWords(study)}, run ${study.run} of ${study.runs}.` : 'Nothing is measured yet.');
+      : study ? `${points.length} of ${study.settings} settings measured; at ${study.running === 'parts' ? 'all runs, in parts' : study.running === 'reference' ? 'the reference' : settingWords(study)}, run ${study.run} of ${study.runs}.` : 'Nothing is measured yet.');
     fill(this.rows, points, () => [...points].sort((a, b) => a.seconds - b.seconds).map((point) => h('tr', {}, h('td', {}, point.technique),
       [count(point.photons ?? NaN), count(point.samples ?? NaN), duration(point.seconds), point.rms === null ? NONE : `${percent(point.rms)}${point.error ? ` \u00b1\u202f${percent(point.error)}` : ''}`].map((cell) => h('td', { class: 'n' }, cell)),
       h('td', { class: 'n' }, point.front && h('span', { class: 'quiet' }, 'best at its time '), this.start && h('button', { type: 'button', class: 'plain', 'aria-label': `Start ${settingWords(point)}`, onclick: () => this.start(point) }, 'Start')))));

@@ -1,8 +1,8 @@
 /*
  * A job in pieces, so that many processes, on many machines, can share it: photon maps, stretches
- * of sensors, views, skies, blocks of a year's sensors. Which pieces a job has is a function of the
- * job alone. Each goes by its kind and a key, a digest of all that it depends on, and what is made
- * of it lies in the run's store, as photon maps do.
+ * of sensors, views, skies, blocks of a year's sensors, runs of a study. Which pieces a job has is
+ * a function of the job alone. Each goes by its kind and a key, a digest of all that it depends on,
+ * and what is made of it lies in the run's store, as photon maps do.
  *
  * Every run of the job goes the same way through it. Where it comes to pieces that the store does
  * not have it asks which of them it is to make; the others are taken from the store. One that hands

@@ -25,12 +25,17 @@
  * measured on another machine is compared in ray-times: seconds times the rays that Embree alone
  * answers there in the same scene.
  *
+ * A study that is shared (oriel/pieces.h) has each run as a piece: all numbers but times are those
+ * of a study in one piece. Times are of whoever made the run; of nodes that differ, of each its
+ * own.
+ *
  * Ownership: a request and a study own what they point to. Threads: the calling thread leads the
  * crew; nothing is kept between calls. Errors as in error.h.
  */
 #ifndef ORIEL_STUDY_H
 #define ORIEL_STUDY_H
 
+#include <oriel/pieces.h>
 #include <oriel/run.h>
 
 /* What a study varies. 0: the technique takes no notice of it. */
@@ -73,6 +78,9 @@ int orl_study_request_validate(const struct orl_study_request *request, struct o
 
 /* How many settings it comes to: the points of the study. */
 size_t orl_study_count_settings(const struct orl_study_request *request);
+/* Seconds of one core that it takes, roughly, with so many sensors: nothing of its scene is known.
+ */
+double orl_study_core_s(const struct orl_study_request *request, double sensors);
 /* ORL_ERR_LIMIT when it comes to more runs than that, the reference's included. */
 int orl_study_check_runs(const struct orl_study_request *request, uint32_t most,
                          struct orl_error *err);
@@ -130,7 +138,7 @@ double orl_study_fit_predict(const struct orl_study_fit *fit,
                              const struct orl_study_setting *setting);
 
 struct orl_study {
-    uint32_t threads;
+    uint32_t threads;  /* of a run */
     double rays_per_s; /* single rays that Embree alone answers in this scene, on one thread: what
                           seconds here are worth elsewhere. NaN: not known */
     bool of_views;
@@ -152,18 +160,23 @@ void orl_study_done(struct orl_study *study); /* NULL and all zeros are fine */
 struct orl_study_step {
     bool reference; /* then setting is the reference's */
     struct orl_study_setting setting;
+    bool in_parts; /* all runs at once, by others: then run is about how many of them are made */
     uint32_t run, runs; /* the seed it is at, from 1, and how many there are */
     double fraction;    /* of the whole study, by what its runs are thought to cost */
     double left_s;      /* of it, likewise, from what they took so far */
 };
-const char *orl_study_step_name(const struct orl_study_step *step); /* "reference", "gather", ... */
+const char *
+orl_study_step_name(const struct orl_study_step *step); /* "reference", "parts", "gather"... */
 
 struct orl_study_env {
     struct orl_crew *crew;         /* borrowed; the calling thread leads it */
     const struct orl_files *files; /* borrowed */
     const char *work_folder;       /* exists; a folder is made in it and removed again */
-    atomic_bool *cancel;           /* borrowed */
-    double (*now_s)(void *ctx);    /* a steady clock */
+    /* Borrowed: the study is shared, its pieces are in that store. NULL: it is not. */
+    const struct orl_pieces *pieces;
+    const struct orl_map_store *store;
+    atomic_bool *cancel;        /* borrowed */
+    double (*now_s)(void *ctx); /* a steady clock */
     /* Called by the lead thread, now and then. May be NULL. */
     void (*progress)(void *ctx, const struct orl_study_step *step);
     /* A point is settled, but for whether it is on the front. May be NULL. */

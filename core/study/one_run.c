@@ -1,0 +1,183 @@
+#include "study/one_run.h"
+
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "study/request.h"
+
+void orl_one_run_done(struct orl_one_run *run)
+{
+    free(run->values);
+    free(run->errors);
+    for (size_t i = 0; i < run->n_warnings; i++)
+        free(run->warnings[i]);
+    free(run->warnings);
+    memset(run, 0, sizeof *run);
+}
+
+/* A run, and where its values go. */
+struct making {
+    struct orl_runs_env *env;
+    double *values; /* owned until they are taken */
+    size_t count, capacity;
+    bool out_of_memory;
+};
+
+static double now_s(void *ctx)
+{
+    const struct orl_study_env *env = ((const struct making *)ctx)->env->env;
+    return env->now_s(env->ctx);
+}
+
+/* Runs to come take as long as those before, by their costs; the first of all is one of them. */
+static void progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                     double left_s)
+{
+    struct orl_runs_env *env = ((const struct making *)ctx)->env;
+    const double elapsed = now_s(ctx) - env->started_s, done = env->before + env->share;
+    const double here = (env->before + env->share * job_fraction) / env->all;
+    (void)stage, (void)stage_fraction;
+    env->step.fraction = env->from + (1 - env->from) * here;
+    env->step.left_s = left_s + (elapsed + left_s) * (env->all - done) / done;
+    if (env->env->progress)
+        env->env->progress(env->env->ctx, &env->step);
+}
+
+static void spent(void *ctx, const struct orl_result *result)
+{
+    const struct orl_runs_env *env = ((const struct making *)ctx)->env;
+    if (env->env->spent && !env->untold)
+        env->env->spent(env->env->ctx, result);
+}
+
+static bool reserve(struct making *making, size_t count)
+{
+    if (making->count + count <= making->capacity)
+        return true;
+    double *grown = realloc(making->values, (making->count + count) * sizeof *grown);
+    if (!grown) {
+        making->out_of_memory = true;
+        return false;
+    }
+    making->values = grown;
+    making->capacity = making->count + count;
+    return true;
+}
+
+static void take_view(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
+                      size_t count)
+{
+    struct making *making = ctx;
+    (void)index, (void)errors;
+    if (!reserve(making, count))
+        return;
+    for (size_t i = 0; i < count; i++) {
+        const struct orl_rgb color = {pixels[i][0], pixels[i][1], pixels[i][2]};
+        making->values[making->count++] = ORL_EFFICACY_LM_PER_W * orl_luma(color);
+    }
+}
+
+static void take_sensors(struct making *making, const struct orl_result *result)
+{
+    if (result->n_sensors == 0 || !reserve(making, result->n_sensors))
+        return;
+    memcpy(making->values + making->count, result->illuminance_lx,
+           result->n_sensors * sizeof(double));
+    making->count += result->n_sensors;
+}
+
+/* Images, maps: whatever a run has left. */
+static void clear_folder(const char *folder)
+{
+    DIR *dir = opendir(folder);
+    const struct dirent *entry;
+    while (dir && (entry = readdir(dir)))
+        unlinkat(dirfd(dir), entry->d_name, 0); /* refuses "." and ".." */
+    if (dir)
+        closedir(dir);
+}
+
+/* The template's job with the setting's numbers. Borrows from the template: not for
+ * orl_job_done. */
+static struct orl_job make_job(const struct orl_study_request *request,
+                               const struct orl_study_setting *setting, uint64_t seed)
+{
+    struct orl_job job = request->job;
+    job.technique = setting->technique;
+    job.seed = seed;
+    job.photons_global = setting->photons ? setting->photons : ORL_PHOTONS_BY_PLAN;
+    job.photons_caustic = job.photons_global;
+    job.photons_exact = true;
+    job.gather_samples = 0;
+    job.pixel_samples = 0;
+    if (orl_study_of_views(request))
+        job.pixel_samples = setting->samples;
+    else
+        job.gather_samples = setting->samples;
+    return job;
+}
+
+static int compute(struct making *making, const struct orl_job *job, struct orl_result *ret_result,
+                   struct orl_error *err)
+{
+    const struct orl_runs_env *env = making->env;
+    const struct orl_study_env *study = env->env;
+    struct orl_folder_store folder;
+    memcpy(folder.folder, env->folder, sizeof folder.folder);
+    struct orl_map_store store = orl_map_store_in_folder(&folder);
+    store.release = store.abandon;
+    const struct orl_run_env run_env = {.crew = study->crew,
+                                        .files = study->files,
+                                        .store = &store,
+                                        .output_folder = env->folder,
+                                        .cancel = study->cancel,
+                                        .now_s = now_s,
+                                        .progress = progress,
+                                        .view_ready = take_view,
+                                        .spent = spent,
+                                        .ctx = making};
+    int code = orl_run(job, &run_env, ret_result, err);
+    if (code == 0) {
+        take_sensors(making, ret_result);
+        if (making->out_of_memory)
+            code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a run's values");
+    }
+    clear_folder(env->folder);
+    return code;
+}
+
+/* Takes what the run's result owns and the study wants. */
+static void take_result(struct making *making, struct orl_result *result, struct orl_one_run *run)
+{
+    *run = (struct orl_one_run){.values = making->values,
+                                .count = making->count,
+                                .errors = result->standard_error_lx,
+                                .total_s = result->total_s,
+                                .threads = result->threads,
+                                .health = result->health,
+                                .warnings = result->warnings,
+                                .n_warnings = result->n_warnings};
+    memcpy(run->stages_s, result->timings_s, sizeof run->stages_s);
+    for (size_t k = 0; k < result->n_maps; k++)
+        run->map_bytes += result->maps[k].bytes;
+    making->values = NULL;
+    result->standard_error_lx = NULL;
+    result->warnings = NULL;
+    result->n_warnings = 0;
+}
+
+int orl_one_run_make(struct orl_runs_env *env, const struct orl_study_setting *setting,
+                     uint64_t seed, struct orl_one_run *ret_run, struct orl_error *err)
+{
+    const struct orl_job job = make_job(env->request, setting, seed);
+    struct making making = {.env = env};
+    struct orl_result result = {0};
+    const int code = compute(&making, &job, &result, err);
+    if (code == 0)
+        take_result(&making, &result, ret_run);
+    free(making.values);
+    orl_result_done(&result);
+    return code;
+}

@@ -1,0 +1,341 @@
+#include "study/shared_runs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/pieces.h"
+#include "study/cost.h"
+#include "study/request.h"
+#include "study/speed.h"
+
+/* Raised when what a piece holds changes, or how it lies in its file. */
+static const char recipe[] = "oriel study runs 1";
+/* Of a study that is shared: what others make, of the whole; the rest is put together from it. */
+static const double made_elsewhere = 0.98;
+/* Of one core: loading the scene, and its rays. */
+static const double speed_s = 1;
+
+bool orl_study_is_shared(const struct orl_study_env *env)
+{
+    return env->pieces && env->store;
+}
+
+/* ---- A run in its file ----------------------------------------------------------------------- */
+
+/* This, its values, their errors where they are known, and its warnings, each with its end. */
+struct head {
+    uint64_t count, has_errors, warning_bytes, map_bytes, threads;
+    double stages_s[ORL_STAGE_COUNT], total_s;
+    struct orl_health health;
+};
+
+static size_t bytes_of(const struct head *head)
+{
+    return sizeof *head + head->count * sizeof(double) * (head->has_errors ? 2 : 1) +
+           (head->warning_bytes + 3) / 4 * 4;
+}
+
+static void describe(const struct orl_one_run *run, struct head *ret_head)
+{
+    memset(ret_head, 0, sizeof *ret_head);
+    ret_head->count = run->count;
+    ret_head->has_errors = run->errors != NULL;
+    ret_head->map_bytes = run->map_bytes;
+    ret_head->threads = run->threads;
+    memcpy(ret_head->stages_s, run->stages_s, sizeof run->stages_s);
+    ret_head->total_s = run->total_s;
+    ret_head->health = run->health;
+    for (size_t i = 0; i < run->n_warnings; i++)
+        ret_head->warning_bytes += strlen(run->warnings[i]) + 1;
+}
+
+static int pack(const struct orl_one_run *run, void **ret_data, size_t *ret_size,
+                struct orl_error *err)
+{
+    struct head head;
+    describe(run, &head);
+    char *to = calloc(1, bytes_of(&head));
+    *ret_data = to;
+    *ret_size = bytes_of(&head);
+    if (!to)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a run's values");
+    memcpy(to, &head, sizeof head);
+    to += sizeof head;
+    memcpy(to, run->values, run->count * sizeof *run->values);
+    to += run->count * sizeof *run->values;
+    if (run->errors) {
+        memcpy(to, run->errors, run->count * sizeof *run->errors);
+        to += run->count * sizeof *run->errors;
+    }
+    for (size_t i = 0; i < run->n_warnings; i++)
+        to = stpcpy(to, run->warnings[i]) + 1;
+    return 0;
+}
+
+/* A copy of that many of them; NULL: no memory. */
+static double *copy(const char *from, size_t count)
+{
+    double *to = malloc((count + 1) * sizeof *to);
+    if (to)
+        memcpy(to, from, count * sizeof *to);
+    return to;
+}
+
+static bool unpack_warnings(const char *from, size_t bytes, struct orl_one_run *run)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < bytes; i++)
+        n += from[i] == '\0';
+    run->warnings = calloc(n + 1, sizeof *run->warnings);
+    for (; run->warnings && run->n_warnings < n; from += strlen(from) + 1)
+        if (!(run->warnings[run->n_warnings++] = strdup(from)))
+            return false;
+    return run->warnings != NULL;
+}
+
+/* Of data that has its size. The caller ends the run, after an error, too. */
+static int unpack(const struct head *head, const char *from, struct orl_one_run *run,
+                  struct orl_error *err)
+{
+    *run = (struct orl_one_run){.count = head->count,
+                                .total_s = head->total_s,
+                                .map_bytes = head->map_bytes,
+                                .threads = (uint32_t)head->threads,
+                                .health = head->health};
+    memcpy(run->stages_s, head->stages_s, sizeof run->stages_s);
+    from += sizeof *head;
+    run->values = copy(from, run->count);
+    from += run->count * sizeof *run->values;
+    if (head->has_errors) {
+        run->errors = copy(from, run->count);
+        from += run->count * sizeof *run->errors;
+    }
+    if (run->values && (run->errors || !head->has_errors) &&
+        unpack_warnings(from, head->warning_bytes, run))
+        return 0;
+    return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a run's values");
+}
+
+/* ---- Pieces ---------------------------------------------------------------------------------- */
+
+/* A run to be made: a setting and a seed. */
+struct wanted {
+    struct orl_study_setting setting;
+    uint64_t seed;
+};
+
+/* Runs on their way. */
+struct sharing {
+    struct orl_runs_env *env;
+    const struct wanted *runs; /* of pieces; the last piece of all is the speed's */
+    size_t n_runs;
+    double *rays_per_s;
+    struct orl_one_run *into; /* NULL: they are made and looked at, and not yet wanted */
+};
+
+static int make_speed(const struct sharing *sharing, void **ret_data, size_t *ret_size,
+                      struct orl_error *err)
+{
+    const struct orl_runs_env *env = sharing->env;
+    const int code = orl_study_measure_speed(env->request, env->env, sharing->rays_per_s, err);
+    *ret_size = sizeof *sharing->rays_per_s;
+    *ret_data = malloc(*ret_size);
+    if (!*ret_data)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    memcpy(*ret_data, sharing->rays_per_s, *ret_size);
+    return code;
+}
+
+static int make(void *ctx, size_t index, void **ret_data, size_t *ret_size, struct orl_error *err)
+{
+    struct sharing *sharing = ctx;
+    struct orl_runs_env *env = sharing->env;
+    struct orl_one_run run = {0};
+    if (index == sharing->n_runs)
+        return make_speed(sharing, ret_data, ret_size, err);
+    const struct wanted *wanted = &sharing->runs[index];
+    env->share = orl_study_run_core_s(&env->request->job, &wanted->setting, env->sensors);
+    int code = orl_one_run_make(env, &wanted->setting, wanted->seed, &run, err);
+    if (code == 0)
+        code = pack(&run, ret_data, ret_size, err);
+    if (code == 0 && sharing->into)
+        *sharing->into = run;
+    else
+        orl_one_run_done(&run);
+    return code;
+}
+
+/* What others spent on it. */
+static void tell_spent(const struct orl_study_env *env, const struct head *head)
+{
+    struct orl_result spent = {
+        .threads = (uint32_t)head->threads, .total_s = head->total_s, .health = head->health};
+    memcpy(spent.timings_s, head->stages_s, sizeof spent.timings_s);
+    if (env->spent)
+        env->spent(env->ctx, &spent);
+}
+
+static int take(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
+                struct orl_error *err)
+{
+    const struct sharing *sharing = ctx;
+    struct head head;
+    if (index == sharing->n_runs) {
+        *ret_taken = size == sizeof *sharing->rays_per_s;
+        if (*ret_taken)
+            memcpy(sharing->rays_per_s, data, size);
+        return 0;
+    }
+    if (size >= sizeof head)
+        memcpy(&head, data, sizeof head);
+    *ret_taken = size >= sizeof head && head.count <= size && head.warning_bytes <= size &&
+                 size == bytes_of(&head);
+    if (!*ret_taken || !sharing->into)
+        return 0;
+    const int code = unpack(&head, data, sharing->into, err);
+    if (code < 0)
+        orl_one_run_done(sharing->into);
+    else
+        tell_spent(sharing->env->env, &head);
+    return code;
+}
+
+static void name_piece(const char *job, const char *kind, const uint64_t numbers[4],
+                       struct orl_piece *ret_piece)
+{
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, recipe, sizeof recipe);
+    orl_sha256_add(&hash, job, strlen(job) + 1);
+    orl_sha256_add(&hash, kind, strlen(kind) + 1);
+    orl_sha256_add(&hash, numbers, 4 * sizeof *numbers);
+    orl_piece_key_end(&hash, ret_piece->key);
+    snprintf(ret_piece->kind, sizeof ret_piece->kind, "%s", kind);
+}
+
+static void name_run(const struct orl_runs_env *env, const struct wanted *run,
+                     struct orl_piece *ret_piece)
+{
+    const struct orl_study_setting *setting = &run->setting;
+    const uint64_t numbers[4] = {(uint64_t)setting->technique, setting->photons, setting->samples,
+                                 run->seed};
+    struct orl_job job = env->request->job;
+    job.photons_global = job.photons_caustic =
+        setting->photons ? setting->photons : ORL_PHOTONS_BY_PLAN;
+    *ret_piece =
+        (struct orl_piece){.work = orl_study_run_core_s(&env->request->job, setting, env->sensors),
+                           .bytes = orl_run_guess_bytes(&job)};
+    ret_piece->core_s = ret_piece->work;
+    name_piece(env->env->pieces->job, "run", numbers, ret_piece);
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+/* Until all is made, and put together: by the time that it has taken so far. */
+static void tell_share(void *ctx, double share)
+{
+    struct orl_runs_env *env = ((const struct sharing *)ctx)->env;
+    const struct orl_study_env *study = env->env;
+    const double done = made_elsewhere * share;
+    const double elapsed = study->now_s(study->ctx) - env->started_s;
+    env->step.run = 1 + (uint32_t)(share * (env->step.runs - 1));
+    env->step.fraction = done;
+    env->step.left_s = done > 0 ? elapsed * (1 - done) / done : (double)NAN;
+    if (study->progress)
+        study->progress(study->ctx, &env->step);
+}
+
+/* The reference's, then those of the settings, in their order. */
+static size_t list_runs(const struct orl_study_request *request,
+                        const struct orl_study_setting *settings, size_t n_settings,
+                        struct wanted *ret_runs)
+{
+    const struct orl_study_setting reference = orl_study_reference_setting(request);
+    size_t n = 0;
+    for (uint32_t i = 0; i < request->reference_runs; i++)
+        ret_runs[n++] = (struct wanted){reference, orl_study_reference_seed(request) + i};
+    for (size_t s = 0; s < n_settings; s++)
+        for (uint32_t i = 0; i < request->repeats; i++)
+            ret_runs[n++] = (struct wanted){settings[s], request->job.seed + i};
+    return n;
+}
+
+static int run_pieces(struct sharing *sharing, struct orl_piece *pieces, size_t n,
+                      const struct orl_pieces *shared, struct orl_error *err)
+{
+    const struct orl_study_env *env = sharing->env->env;
+    const struct orl_run_env run = {.store = env->store, .pieces = shared, .cancel = env->cancel};
+    const struct orl_piece_work work = {.pieces = pieces,
+                                        .n = n,
+                                        .ctx = sharing,
+                                        .make = make,
+                                        .take = take,
+                                        .told = sharing->into ? NULL : tell_share};
+    return orl_run_pieces(&run, &work, err);
+}
+
+static int share_all(struct sharing *sharing, struct orl_piece *pieces, struct orl_error *err)
+{
+    static const uint64_t none[4] = {0};
+    struct orl_runs_env *env = sharing->env;
+    const size_t n = sharing->n_runs;
+    for (size_t i = 0; i < n; i++)
+        name_run(env, &sharing->runs[i], &pieces[i]);
+    pieces[n] = (struct orl_piece){.work = speed_s, .core_s = speed_s};
+    name_piece(env->env->pieces->job, "speed", none, &pieces[n]);
+    env->untold = true;
+    env->started_s = env->env->now_s(env->env->ctx);
+    env->step = (struct orl_study_step){.in_parts = true,
+                                        .setting = orl_study_reference_setting(env->request),
+                                        .run = 1,
+                                        .runs = (uint32_t)n};
+    const int code = run_pieces(sharing, pieces, n + 1, env->env->pieces, err);
+    env->step = (struct orl_study_step){.in_parts = false};
+    env->untold = false;
+    env->from = made_elsewhere;
+    return code;
+}
+
+int orl_share_runs(struct orl_runs_env *env, const struct orl_study_setting *settings,
+                   size_t n_settings, double *ret_rays_per_s, struct orl_error *err)
+{
+    const struct orl_study_request *request = env->request;
+    const size_t n = request->reference_runs + n_settings * request->repeats;
+    struct wanted *runs = calloc(n + 1, sizeof *runs);
+    struct orl_piece *pieces = calloc(n + 2, sizeof *pieces);
+    struct sharing sharing = {.env = env, .runs = runs, .rays_per_s = ret_rays_per_s};
+    if (runs)
+        sharing.n_runs = list_runs(request, settings, n_settings, runs);
+    const int code = runs && pieces
+                         ? share_all(&sharing, pieces, err)
+                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a study");
+    free(runs);
+    free(pieces);
+    return code;
+}
+
+/* ---- One of them ----------------------------------------------------------------------------- */
+
+static int make_here(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                     const struct orl_pieces_watch *watch, struct orl_error *err)
+{
+    (void)ctx, (void)pieces, (void)watch, (void)err;
+    for (size_t i = 0; i < n; i++)
+        ret_here[i] = true;
+    return 0;
+}
+
+int orl_shared_run_find(struct orl_runs_env *env, const struct orl_study_setting *setting,
+                        uint64_t seed, struct orl_one_run *ret_run, struct orl_error *err)
+{
+    const struct wanted wanted = {*setting, seed};
+    struct sharing sharing = {.env = env, .runs = &wanted, .n_runs = 1, .into = ret_run};
+    struct orl_piece piece;
+    if (!orl_study_is_shared(env->env))
+        return orl_one_run_make(env, setting, seed, ret_run, err);
+    const struct orl_pieces here = {.job = env->env->pieces->job, .divide = make_here};
+    name_run(env, &wanted, &piece);
+    return run_pieces(&sharing, &piece, 1, &here, err);
+}
