@@ -55,10 +55,10 @@ static const char annual_text[] =
     " \"targets\": [\"sDA300/50 >= 55 %\"]}";
 
 static const char study_text[] =
-    "{\"kind\": \"study\", " LIT ", " SENSORS
-    ", \"techniques\": [\"gather\", \"direct\"], \"photons\": [5000, 20000], \"gather_samples\": "
+    "{\"kind\": \"study\", " LIT ", \"sensors\": {\"file\": \"some.pts\"}"
+    ", \"techniques\": [\"gather\", \"backward\"], \"photons\": [5000, 20000], \"gather_samples\": "
     "[32],"
-    " \"repeats\": 2, \"reference\": {\"samples\": 1024, \"runs\": 4},"
+    " \"repeats\": 2, \"reference\": {\"samples\": 192, \"runs\": 3},"
     " \"points\": [{\"name\": \"By hand\", \"seconds\": 60, \"rms\": 0.5, \"rays_per_s\": 1e6}]}";
 
 static void write_sensors(const char *folder, const char *name, int n)
