@@ -155,7 +155,7 @@ bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it)
 static int share(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
 {
     const struct orl_pieces *pieces = keep->year->env->run->pieces;
-    struct orl_piece piece = {.work = 1};
+    struct orl_piece piece = {.work = 1, .core_s = it->core_s};
     bool here = false;
     if (!pieces || keep->off || (it->what != ORL_YEARS_SUNS && it->what != ORL_YEARS_MAP) ||
         orl_keep_has(keep, it))

@@ -37,6 +37,7 @@ struct orl_keeping {
     enum orl_annual_kept what;
     size_t first, count;
     uint32_t samples; /* of paths */
+    double core_s;    /* of suns and map: that one core is thought to take (oriel/pieces.h) */
     char key[ORL_DIGEST_HEX + 1], family[ORL_DIGEST_HEX + 1], path[4096];
     bool owed;                 /* it is to be put or dropped */
     double began_s, earlier_s; /* by the run's clock; what samples that were there took */

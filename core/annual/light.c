@@ -87,7 +87,8 @@ static int refuse_open(struct orl_error *err)
 /* From the store, or by photons, which go there. */
 static int make_map(struct orl_year *y, struct orl_error *err)
 {
-    struct orl_keeping it = {.what = ORL_YEARS_MAP};
+    struct orl_keeping it = {.what = ORL_YEARS_MAP,
+                             .core_s = orl_annual_scene_map_core_s(y->request, y->nodes.count)};
     void *data = NULL;
     size_t size = 0;
     y->scene.whole_map = y->request->technique == ORL_ANNUAL_PRECOMPUTED;
@@ -240,9 +241,14 @@ static int make_suns(struct orl_year *y, struct orl_keeping *it, struct orl_erro
     return 0;
 }
 
+/* Of one core: a sun through a panel. */
+static const double sun_s = 1e-4;
+
 int orl_year_find_suns(struct orl_year *y, struct orl_error *err)
 {
-    struct orl_keeping it = {.what = ORL_YEARS_SUNS};
+    struct orl_keeping it = {.what = ORL_YEARS_SUNS, /* they need the map */
+                             .core_s = orl_annual_scene_map_core_s(y->request, y->nodes.count) +
+                                       sun_s * (double)y->hours.suns.count};
     if (orl_year_is_sun_only(y))
         return 0;
     int code = orl_keep_ask(&y->keep, &it, err);

@@ -38,6 +38,8 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
 /* Of the map, which the scene is without until then. */
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
                                                         const struct orl_annual_request *request);
+/* Seconds of one core that the map is thought to take, of a scene that is not known yet. */
+double orl_annual_scene_map_core_s(const struct orl_annual_request *request, size_t n_nodes);
 /* Whether ports have BSDFs. */
 bool orl_annual_has_panels(const struct orl_world *world);
 void orl_annual_scene_done(struct orl_annual_scene *scene);

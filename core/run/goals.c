@@ -7,10 +7,8 @@
 #include <stdio.h>
 
 #include "run/deadline.h"
+#include "run/goal_guess.h"
 
-/* Before anything is known of errors: what 95 % of an office's sensors are within, by backward or
- * by maps, and the samples that it takes. */
-static const double usual_error[] = {0.04, 0.02}, usual_samples[] = {4096, 2048};
 /* Work is given up when this much more than what is allowed would be needed. */
 static const double hopeless = 2;
 /* Of a job for an error of DGP. */
@@ -18,15 +16,9 @@ enum { LEAST_ROUNDS = 4 };
 
 double orl_rounds_guess_wanted(const struct orl_rounds *r)
 {
-    const struct orl_goal *goal = &r->state->job->goal;
     const bool backward = r->work.technique == ORL_TECHNIQUE_BACKWARD;
-    const double times = usual_error[backward] / goal->relative_error;
-    if (r->planned > 0)
-        return r->planned * r->samples;
-    if (goal->dgp_error > 0)
-        return LEAST_ROUNDS * r->samples;
-    return goal->deadline_s > 0 ? (double)NAN
-                                : fmin(times * times * usual_samples[backward], orl_work_limit());
+    return r->planned > 0 ? r->planned * r->samples
+                          : orl_goal_guess_samples(&r->state->job->goal, backward, r->samples);
 }
 
 void orl_rounds_foresee(struct orl_rounds *r)

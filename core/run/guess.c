@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "run/curve.h"
+#include "run/goal_guess.h"
 #include "run/pieces.h"
 
 /* Rough costs, microseconds on one core: a photon traced (where no pilot has told), one of a
@@ -159,7 +160,8 @@ uint64_t orl_run_guess_bytes(const struct orl_job *job)
            ORL_PHOTON_BYTES * (target_of(job->photons_global) + target_of(job->photons_caustic));
 }
 
-double orl_run_guess_core_s(const struct orl_job *job)
+/* Of a job in one piece. */
+static double settings_core_s(const struct orl_job *job)
 {
     const double start_us = 5e5; /* what every run begins with */
     struct orl_result result = {.n_sensors = job->n_sensors};
@@ -170,6 +172,28 @@ double orl_run_guess_core_s(const struct orl_job *job)
     plan->photons_caustic = target_of(job->photons_caustic);
     const double photons = (double)(plan->photons_global + plan->photons_caustic);
     return 1e-6 * (start_us + photons_us(plan, photons) + sensors_us(&state) + views_us(&state));
+}
+
+/* By so many of the samples that jobs have without a goal, which go with the usual photons and
+ * pixels (cost.h). */
+static double goal_core_s(const struct orl_job *job, enum orl_technique technique)
+{
+    const bool backward = technique == ORL_TECHNIQUE_BACKWARD;
+    struct orl_job usual = *job;
+    usual.technique = technique;
+    usual.photons_global = usual.photons_caustic = ORL_PHOTONS_BY_PLAN;
+    usual.gather_samples = usual.pixel_samples = 0;
+    const double samples = orl_goal_guess_samples(&job->goal, backward, ORL_DEFAULT_GATHER_SAMPLES);
+    return settings_core_s(&usual) * fmax(samples / ORL_DEFAULT_GATHER_SAMPLES, 1);
+}
+
+double orl_run_guess_core_s(const struct orl_job *job)
+{
+    if (!orl_goal_is_set(&job->goal))
+        return settings_core_s(job);
+    if (job->technique != ORL_TECHNIQUE_AUTO)
+        return goal_core_s(job, job->technique);
+    return fmax(goal_core_s(job, ORL_TECHNIQUE_GATHER), goal_core_s(job, ORL_TECHNIQUE_BACKWARD));
 }
 
 void orl_run_guess_costs(struct orl_run_state *state)

@@ -199,7 +199,7 @@ static void name_sky(const struct passage *p, const char *job, size_t index,
     orl_piece_key_end(&hash, piece->key);
     snprintf(piece->kind, sizeof piece->kind, "sky");
     piece->work = p->shares[index];
-    piece->core_s = orl_goal_is_set(&p->job.goal) ? 0 : orl_run_guess_core_s(&p->job);
+    piece->core_s = orl_run_guess_core_s(&p->job);
     piece->bytes = orl_run_guess_bytes(&p->job);
 }
 

@@ -209,7 +209,8 @@ int orl_run_render(struct orl_run_state *state, const struct orl_renderer *rende
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 
 /* Seconds of one core that the job is going to take, roughly, by itself alone: nothing of its scene
- * is known. Not for one whose sensors are in a file, as long as they are not read. */
+ * is known, and of one for an accuracy nothing of its errors. Not for a deadline, nor for one whose
+ * sensors are in a file, as long as they are not read. */
 double orl_run_guess_core_s(const struct orl_job *job);
 /* And bytes of memory beside the scene. */
 uint64_t orl_run_guess_bytes(const struct orl_job *job);

@@ -18,29 +18,38 @@
 #include "support/parted.h"
 
 static const char *const by_slurm[] = {"--slurm", "--parts", "4", NULL};
+
+/* And each of its tasks had a limit of time. */
+static void compare(struct cli_desk *desk, const char *document)
+{
+    parted_compare(desk, document, by_slurm);
+    assert_true(cluster_tasks_ever() > 0);
+    cluster_command("! squeue --noheader --array --states=all --format=%l | grep -q UNLIMITED");
+}
+
 static void test_a_render(void **state)
 {
-    parted_compare(*state, parted_render, by_slurm);
+    compare(*state, parted_render);
 }
 
 static void test_skies(void **state)
 {
-    parted_compare(*state, parted_skies, by_slurm);
+    compare(*state, parted_skies);
 }
 
 static void test_rounds(void **state)
 {
-    parted_compare(*state, parted_goal, by_slurm);
+    compare(*state, parted_goal);
 }
 
 static void test_a_year(void **state)
 {
-    parted_compare(*state, parted_annual, by_slurm);
+    compare(*state, parted_annual);
 }
 
 static void test_a_study(void **state)
 {
-    parted_compare(*state, parted_study, by_slurm);
+    compare(*state, parted_study);
 }
 
 /* ---- Faults ---------------------------------------------------------------------------------- */

@@ -148,6 +148,7 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
     const struct orl_annual_request request = request_of(run);
     annual.run = &place.env;
     annual.reuse = run->kept_in != NULL;
+    place.env.pieces = run->pieces;
     if (run->kept_in)
         snprintf(place.state.folder, sizeof place.state.folder, "%s", run->kept_in);
     const int code = run->wishes ? orl_annual_run_until(&request, run->wishes, &annual, NULL, NULL,

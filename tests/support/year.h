@@ -7,6 +7,7 @@
 #define ORL_TESTS_SUPPORT_YEAR_H
 
 #include <oriel/annual_report.h>
+#include <oriel/pieces.h>
 
 #include "support/room.h"
 
@@ -34,6 +35,7 @@ struct year_run {
     bool coefficients;
     const struct orl_annual_env *env; /* whose callbacks are heeded; or NULL */
     const char *kept_in;              /* a folder for what others use again; NULL: nothing is */
+    const struct orl_pieces *pieces;  /* whom it is shared with; NULL: with nobody */
     /* Until what they want is sure; or NULL, and the next too. */
     const struct orl_annual_wishes *wishes;
     struct orl_annual_refinement *ret_refinement;
