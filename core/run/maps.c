@@ -133,13 +133,6 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
                                           .ctx = state};
         code = orl_shoot(&env, shots, err);
     }
-    if (code == 0 && state->emission->n_strata == 0)
-        orl_run_warn(state, "no light reaches the scene: everything is black");
-    if (code == 0 && state->world->images.n_left_out > 0)
-        orl_run_warn(state,
-                     "flat mirrors and panes face more than %d ways: the sun's reflections in %zu "
-                     "of them are not simulated outside",
-                     ORL_MOST_MIRRORS, state->world->images.n_left_out);
     return code;
 }
 
@@ -202,25 +195,59 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     return store_of(state) ? env->store->commit(env->store->ctx, &work->info, err) : 0;
 }
 
+/* Of a map of that kind, made or found; once. */
+static void warn_of_photons(struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
+                            uint64_t stored, uint64_t emitted)
+{
+    const unsigned long long found = stored, wanted = target, sent = emitted;
+    const bool by_plan = (kind == ORL_MAP_CAUSTIC ? state->job->photons_caustic
+                                                  : state->job->photons_global) != target;
+    if (found > 0 && found < wanted)
+        orl_run_warn_once(state, "only %llu of the %llu %s photons %s were found, of %llu emitted",
+                          found, wanted, orl_map_kind_name(kind), by_plan ? "planned" : "asked for",
+                          sent);
+    else if (kind == ORL_MAP_CAUSTIC && !by_plan && sent > MANY_EMISSIONS &&
+             sent / FEW_PHOTONS > found)
+        orl_run_warn_once(state,
+                          "%llu caustic photons took %llu emissions: so few come of them here "
+                          "that fewer may do; the plan says how many are worth their time when "
+                          "photons.caustic is left to it",
+                          found, sent);
+}
+
+/* Of what maps are made of, whoever has made them. */
+static int warn_of_light(struct orl_run_state *state, const struct map_work *work,
+                         struct orl_error *err)
+{
+    const size_t left_out = state->world->images.n_left_out;
+    bool any = false, black = false;
+    for (int k = 0; k < ORL_MAP_KINDS; k++) {
+        const bool wanted = work[k].target > 0;
+        any = any || wanted;
+        black = black || (wanted && k != ORL_MAP_CAUSTIC && work[k].info.stored == 0);
+        if (wanted && k < ORL_SHOT_KINDS)
+            warn_of_photons(state, (enum orl_map_kind)k, work[k].target, work[k].info.stored,
+                            work[k].info.emitted);
+    }
+    if (any && left_out > 0)
+        orl_run_warn(state,
+                     "flat mirrors and panes face more than %d ways: the sun's reflections in %zu "
+                     "of them are not simulated outside",
+                     ORL_MOST_MIRRORS, left_out);
+    if (!black)
+        return 0;
+    const int code = orl_run_need_emission(state, err);
+    if (code == 0 && state->emission->n_strata == 0)
+        orl_run_warn(state, "no light reaches the scene: everything is black");
+    orl_run_warn(state, "no photons: no light reaches a diffuse surface");
+    return code;
+}
+
 static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                      const struct orl_shot *shot, double seconds, struct orl_error *err)
 {
     const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
-    const unsigned long long found = shot->had + shot->count, wanted = shot->target,
-                             emitted = shot->emitted;
-    const bool by_plan = (kind == ORL_MAP_CAUSTIC ? state->job->photons_caustic
-                                                  : state->job->photons_global) != shot->target;
-    if (found > 0 && found < wanted)
-        orl_run_warn(state, "only %llu of the %llu %s photons %s were found, of %llu emitted",
-                     found, wanted, orl_map_kind_name(kind), by_plan ? "planned" : "asked for",
-                     emitted);
-    else if (kind == ORL_MAP_CAUSTIC && !by_plan && emitted > MANY_EMISSIONS &&
-             emitted / FEW_PHOTONS > found)
-        orl_run_warn(state,
-                     "%llu caustic photons took %llu emissions: so few come of them here that "
-                     "fewer may do; the plan says how many are worth their time when photons."
-                     "caustic is left to it",
-                     found, emitted);
+    warn_of_photons(state, kind, shot->target, shot->had + shot->count, shot->emitted);
     return keep(state, kind, work, &harvest, err);
 }
 
@@ -369,27 +396,33 @@ static int share_missing(struct orl_run_state *state, struct map_work *work, str
     return code < 0 ? code : acquire_all(state, work, err);
 }
 
-/* What making maps has counted, kept by the keys of them all: whoever finds one counts it, too, as
- * if it were its own. */
-static void keep_counts(const struct orl_run_state *state, const struct map_work *work,
-                        const struct orl_health *health)
+/* What making maps has counted, and warned of, kept by the keys of them all: whoever finds one
+ * counts it, too, as if it were its own. first_warning: of the result's, those that are of maps. */
+static void keep_notes(const struct orl_run_state *state, const struct map_work *work,
+                       const struct orl_health *health, size_t first_warning)
 {
     for (int k = 0; k < ORL_MAP_KINDS; k++)
-        if (is_missing(&work[k]))
+        if (is_missing(&work[k])) {
             orl_run_keep_counts(state, state->keys[k], health);
+            orl_run_keep_warnings(state, state->keys[k], first_warning);
+        }
 }
 
-static void add_counts(struct orl_run_state *state, const struct map_work *work)
+static void add_notes(struct orl_run_state *state, const struct map_work *work)
 {
+    bool counted = false;
     for (int k = 0; k < ORL_MAP_KINDS; k++)
-        if (work[k].target > 0 && orl_run_add_counts(state, state->keys[k]))
-            return;
+        if (work[k].target > 0) {
+            counted = counted || orl_run_add_counts(state, state->keys[k]);
+            orl_run_add_warnings(state, state->keys[k]);
+        }
 }
 
 /* Of a run that is shared: its maps are found, or made here. */
 static int build_shared(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     struct orl_health before, of_searches, health = state->result->health;
+    const size_t first_warning = state->result->n_warnings;
     bool any = false;
     int code = share_missing(state, work, err);
     for (int k = 0; k < ORL_MAP_KINDS; k++)
@@ -402,9 +435,9 @@ static int build_shared(struct orl_run_state *state, struct map_work *work, stru
     orl_run_take_health(state, &of_searches);
     orl_health_add(&state->result->health, &of_searches);
     if (code == 0 && any)
-        keep_counts(state, work, &state->result->health);
+        keep_notes(state, work, &state->result->health, first_warning);
     else if (code == 0)
-        add_counts(state, work);
+        add_notes(state, work);
     orl_health_add(&health, &state->result->health);
     state->result->health = health;
     state->searches[0].health = before;
@@ -428,9 +461,9 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
         state->result->maps[state->result->n_maps++] = work[k].info;
         if (env->map_ready)
             env->map_ready(env->ctx, &work[k].info);
-        if (work[k].info.stored == 0 && k == ORL_MAP_GLOBAL)
-            orl_run_warn(state, "no photons: no light reaches a diffuse surface");
     }
+    if (code == 0)
+        code = warn_of_light(state, work, err);
     /* A build that failed leaves nothing behind. */
     for (int k = 0; k < ORL_MAP_KINDS && code < 0; k++) {
         if (state->held[k] && !work[k].hit && !work[k].info.kind[0]) {

@@ -198,11 +198,12 @@ int orl_run_pieces(const struct orl_run_env *env, const struct orl_piece_work *w
     return code;
 }
 
-/* ---- Counts ---------------------------------------------------------------------------------- */
+/* ---- Counts and warnings --------------------------------------------------------------------- */
 
-static struct orl_piece counts_of(const char *key)
+static struct orl_piece note_of(const char *kind, const char *key)
 {
-    struct orl_piece piece = {.kind = "counts", .work = 1};
+    struct orl_piece piece = {.work = 1};
+    snprintf(piece.kind, sizeof piece.kind, "%s", kind);
     snprintf(piece.key, sizeof piece.key, "%s", key);
     return piece;
 }
@@ -210,7 +211,7 @@ static struct orl_piece counts_of(const char *key)
 void orl_run_keep_counts(const struct orl_run_state *state, const char *key,
                          const struct orl_health *health)
 {
-    const struct orl_piece piece = counts_of(key);
+    const struct orl_piece piece = note_of("counts", key);
     keep(state->env, &piece, health, sizeof *health, NULL);
 }
 
@@ -230,12 +231,51 @@ static int take_counts(void *ctx, size_t index, const void *data, size_t size, b
 
 bool orl_run_add_counts(struct orl_run_state *state, const char *key)
 {
-    struct orl_piece piece = counts_of(key);
+    struct orl_piece piece = note_of("counts", key);
     const struct orl_piece_work work = {
         .pieces = &piece, .n = 1, .ctx = state, .take = take_counts};
     bool found = false;
     find(state->env, &work, 0, &found, NULL);
     return found;
+}
+
+/* Each with its end, and ends more, to whole words. */
+void orl_run_keep_warnings(const struct orl_run_state *state, const char *key, size_t first)
+{
+    const struct orl_piece piece = note_of("warned", key);
+    const struct orl_result *result = state->result;
+    size_t size = 0;
+    for (size_t i = first; i < result->n_warnings; i++)
+        size += strlen(result->warnings[i]) + 1;
+    size = (size + 3) / 4 * 4;
+    char *text = calloc(1, size + 1), *to = text;
+    for (size_t i = first; text && i < result->n_warnings; i++)
+        to = stpcpy(to, result->warnings[i]) + 1;
+    if (text && size > 0)
+        keep(state->env, &piece, text, size, NULL);
+    free(text);
+}
+
+static int take_warnings(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
+                         struct orl_error *err)
+{
+    struct orl_run_state *state = ctx;
+    const char *at = data, *end = at + size;
+    (void)index, (void)err;
+    *ret_taken = size > 0 && end[-1] == '\0';
+    for (; *ret_taken && at < end; at += strlen(at) + 1)
+        if (*at)
+            orl_run_warn_once(state, "%s", at);
+    return 0;
+}
+
+void orl_run_add_warnings(struct orl_run_state *state, const char *key)
+{
+    struct orl_piece piece = note_of("warned", key);
+    const struct orl_piece_work work = {
+        .pieces = &piece, .n = 1, .ctx = state, .take = take_warnings};
+    bool found = false;
+    find(state->env, &work, 0, &found, NULL);
 }
 
 void orl_run_take_health(const struct orl_run_state *state, struct orl_health *ret_health)

@@ -51,6 +51,11 @@ void orl_run_keep_counts(const struct orl_run_state *state, const char *key,
                          const struct orl_health *health);
 bool orl_run_add_counts(struct orl_run_state *state, const char *key);
 
+/* The same of what was warned of: those of the result's warnings from first on; and of them what
+ * the run has not said yet. */
+void orl_run_keep_warnings(const struct orl_run_state *state, const char *key, size_t first);
+void orl_run_add_warnings(struct orl_run_state *state, const char *key);
+
 /* What members of the crew have counted, taken from them: *ret_health. */
 void orl_run_take_health(const struct orl_run_state *state, struct orl_health *ret_health);
 
