@@ -114,6 +114,8 @@ help:
 ## make torture    a daemon killed 500 times under load (TORTURE_KILLS), faults of disk, files,
 ##                 database and memory, each call that can fail, 200 power cuts, malformed requests,
 ##                 cancels: what it answered for is kept
+## make slurm      jobs in parts, and faults, on a real Slurm on loopback, in long forms: the office
+##                 whole, 24 skies, an accuracy, a year; slurmctld away for 30 s
 ## make siege      a daemon under attack, SIEGE_SECONDS (600): all at once and each alone, beside a
 ##                 polite client whose waiting is bounded
 ## make image      the Dockerfile built by buildah on a base by debootstrap, as root; the demo in it
@@ -272,6 +274,13 @@ torture: deps-check
 		python3 tests/torture/powercuts.py $(BUILD) --cuts 200 || failed=1; \
 		python3 tests/torture/malformed.py $(BUILD) --count 10000 || failed=1; \
 		python3 tests/torture/cancel.py $(BUILD) || failed=1; exit $$failed
+
+# Long forms: the office in its own size, Slurm's controller away for half a minute.
+SLURM_BIN := $(filter $(BUILD)/tests/api/test_slurm%,$(TEST_BIN))
+.PHONY: slurm
+slurm: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all $(SLURM_BIN)
+	@ORIEL_SLURM_LONG=1 TEST_JOBS=1 TEST_TIMEOUT=3600 tests/run $(BUILD) $(SLURM_BIN)
 
 SIEGE_SECONDS ?= 600
 .PHONY: siege image

@@ -99,17 +99,18 @@ static void test_a_node_vanishes(void **state)
     assert_ends_the_same(f, &child, parted_skies, false);
 }
 
-/* Its controller does not answer for a while. */
+/* Its controller does not answer for a while: in the long form for 30 s. */
 static void test_the_controller_is_away(void **state)
 {
     struct cli_desk *f = *state;
-    struct cli_child child = start_run(f, parted_goal);
+    const char *document = cluster_long_form() ? parted_long : parted_goal;
+    struct cli_child child = start_run(f, document);
     cluster_wait_for_tasks();
     const pid_t controller = cluster_pid("slurmctld.pid");
     kill(controller, SIGSTOP);
-    cluster_rest(3);
+    cluster_rest(cluster_long_form() ? 30 : 3);
     kill(controller, SIGCONT);
-    assert_ends_the_same(f, &child, parted_goal, false);
+    assert_ends_the_same(f, &child, document, false);
 }
 
 static void test_cancel_ends_all_tasks(void **state)

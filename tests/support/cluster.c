@@ -42,6 +42,11 @@ int cluster_stop(void **state)
     return 0;
 }
 
+bool cluster_long_form(void)
+{
+    return getenv("ORIEL_SLURM_LONG") != NULL;
+}
+
 const char *cluster_folder(void)
 {
     return cluster;

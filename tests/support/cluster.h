@@ -13,6 +13,9 @@
 int cluster_start(void **state);
 int cluster_stop(void **state);
 
+/* Whether $ORIEL_SLURM_LONG is set (make slurm): tests then take their time. */
+bool cluster_long_form(void);
+
 /* A folder that goes with it. */
 const char *cluster_folder(void);
 
