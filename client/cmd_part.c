@@ -27,7 +27,7 @@ struct part {
     json_t *doc, *pieces;
     uint32_t threads;
     size_t begun; /* or made already */
-    bool over;    /* it was asked for something else once all was begun: all is made */
+    bool over;    /* nothing more is wanted of it: all is made */
     struct orl_shared_store in_folder;
 };
 
@@ -99,6 +99,15 @@ static bool is_last(const struct orl_piece *piece)
     return false;
 }
 
+/* Once all is begun nothing more is wanted: to put it together is for others. */
+static bool is_over(void *ctx)
+{
+    struct part *part = ctx;
+
+    part->over = part->begun >= json_array_size(part->pieces);
+    return part->over;
+}
+
 /* Own pieces; and maps that own ones need, should they be missing. */
 static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
                   const struct orl_pieces_watch *watch, struct orl_error *err)
@@ -112,9 +121,9 @@ static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret
         mine += ret_here[i];
         last += is_last(&pieces[i]);
     }
+    const bool all_made = mine == 0 && is_over(part);
     part->begun += mine;
-    part->over = mine == 0 && part->begun >= json_array_size(part->pieces);
-    if (part->over || (mine == 0 && last > 0))
+    if (all_made || (mine == 0 && last > 0))
         return orl_error_set(err, ORL_ERR_CANCELLED, "the job asks for other pieces now");
     for (size_t i = 0; i < n; i++)
         ret_here[i] = ret_here[i] || !is_last(&pieces[i]);
@@ -184,7 +193,7 @@ static size_t count_made(const struct part *part)
 
 static int make_pieces(struct part *part, struct orl_error *err)
 {
-    const struct orl_pieces pieces = {part, part->job, divide};
+    const struct orl_pieces pieces = {part, part->job, divide, is_over};
     struct orl_map_store store;
     const struct orl_local_share share = {&pieces, &store};
     struct orl_task task = {0};

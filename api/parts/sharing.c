@@ -81,7 +81,7 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_spec 
     snprintf(sharing->in_folder.folder, sizeof sharing->in_folder.folder, "%.4000s/store",
              sharing->folder);
     orl_shared_store_init(&sharing->in_folder, &sharing->store);
-    sharing->pieces = (struct orl_pieces){sharing, sharing->job, divide};
+    sharing->pieces = (struct orl_pieces){sharing, sharing->job, divide, NULL};
     return start_runner(sharing, err);
 }
 

@@ -398,10 +398,12 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
     if (code == 0 && y->env->begins)
         code = y->env->begins(y->env->ctx, y->result, err);
     y->blocks_s = orl_year_now(y);
-    if (code == 0 && y->env->run->pieces && y->keep.store && !orl_year_is_sun_only(y))
+    const bool shared = y->env->run->pieces && y->keep.store && !orl_year_is_sun_only(y);
+    y->block = shared ? orl_year_shared_block(n) : ORL_YEAR_BLOCK;
+    if (code == 0 && shared)
         code = orl_year_share_blocks(y, make_block, err);
     for (y->first = 0; y->first < n && code == 0; y->first += y->count) {
-        y->count = n - y->first < ORL_YEAR_BLOCK ? n - y->first : ORL_YEAR_BLOCK;
+        y->count = n - y->first < y->block ? n - y->first : y->block;
         if (is_kept(y)) {
             y->kept += y->count;
             continue;

@@ -3,11 +3,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+size_t orl_year_shared_block(size_t n_sensors)
+{
+    enum { BLOCKS = 2000, LEAST = 8 };
+    const size_t size = n_sensors / BLOCKS;
+    return size < LEAST ? LEAST : size < ORL_YEAR_BLOCK ? size : ORL_YEAR_BLOCK;
+}
+
 static void choose_block(struct orl_year *y, size_t index)
 {
     const size_t n = y->request->n_sensors;
-    y->first = index * ORL_YEAR_BLOCK;
-    y->count = n - y->first < ORL_YEAR_BLOCK ? n - y->first : ORL_YEAR_BLOCK;
+    y->first = index * y->block;
+    y->count = n - y->first < y->block ? n - y->first : y->block;
 }
 
 /* A path with its sunlight, in a room of a dozen surfaces. */
@@ -82,6 +89,8 @@ static int share_wanting(struct orl_year *y, size_t n, const struct wanting *w,
             choose_block(y, w->places[i]);
             code = w->here[i] ? make(y, err) : 0;
         }
+        if (code == 0 && orl_pieces_are_over(shared))
+            code = orl_error_set(err, ORL_ERR_CANCELLED, "all that is wanted of the run is made");
         if (code == 0)
             wanting = list_wanting(y, n, w->pieces, w->places);
     }
@@ -90,7 +99,7 @@ static int share_wanting(struct orl_year *y, size_t n, const struct wanting *w,
 
 int orl_year_share_blocks(struct orl_year *y, orl_year_make_block *make, struct orl_error *err)
 {
-    const size_t n = (y->request->n_sensors + ORL_YEAR_BLOCK - 1) / ORL_YEAR_BLOCK;
+    const size_t n = (y->request->n_sensors + y->block - 1) / y->block;
     const struct wanting w = {.pieces = calloc(n + 1, sizeof *w.pieces),
                               .places = calloc(n + 1, sizeof *w.places),
                               .here = calloc(n + 1, sizeof *w.here)};

@@ -20,7 +20,7 @@
 #include "annual/terms.h"
 #include "light/lights.h"
 
-enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time */
+enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time, at the most */
 
 struct orl_year;
 
@@ -63,6 +63,7 @@ struct orl_year {
     double told;                /* of the run's progress: it never falls */
     size_t kept;                /* sensors that came without being computed */
     /* Of the sensors of a block: */
+    size_t block; /* sensors of each, but for the last one */
     size_t first, count;
     atomic_size_t traced;   /* batches */
     uint32_t traced_before; /* samples of each batch that were there */

@@ -169,7 +169,9 @@ static int share_out(const struct orl_run_env *env, const struct orl_piece_work 
             code = make(env, work, w->places[i], err);
             w->settled[w->places[i]] = true;
         }
-    return code;
+    return code == 0 && orl_pieces_are_over(env->pieces)
+               ? orl_error_set(err, ORL_ERR_CANCELLED, "all that is wanted of the run is made")
+               : code;
 }
 
 int orl_run_pieces(const struct orl_run_env *env, const struct orl_piece_work *work,

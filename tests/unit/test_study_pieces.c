@@ -151,7 +151,7 @@ static int run(struct fixture *f, const struct orl_pieces *pieces, struct orl_st
 
 static int run_as(struct fixture *f, int who, double haste, struct orl_study *ret_study)
 {
-    const struct orl_pieces pieces = {f, "a job", divide};
+    const struct orl_pieces pieces = {f, "a job", divide, NULL};
     f->mine = who;
     f->haste = haste;
     return run(f, &pieces, ret_study);
@@ -234,7 +234,7 @@ static void test_a_damaged_run_is_made_again(void **state)
     assert_int_equal(run_as(f, OTHERS, 1, &merged), ORL_ERR_CANCELLED);
     assert_int_equal(f->asked, 1);
     assert_true(f->in_parts > 0);
-    const struct orl_pieces pieces = {f, "another job", divide};
+    const struct orl_pieces pieces = {f, "another job", divide, NULL};
     assert_int_equal(run(f, &pieces, &merged), ORL_ERR_CANCELLED);
     assert_int_equal(f->asked, RUNS + 1);
 }

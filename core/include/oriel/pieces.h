@@ -50,7 +50,16 @@ struct orl_pieces {
      */
     int (*divide)(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
                   const struct orl_pieces_watch *watch, struct orl_error *err);
+    /* Asked when the run has made its pieces of a call: is nothing more wanted of it? Then it ends
+     * with ORL_ERR_CANCELLED, and does not put together what others have made by then. NULL: it
+     * goes on. By the lead. */
+    bool (*over)(void *ctx);
 };
+
+static inline bool orl_pieces_are_over(const struct orl_pieces *pieces)
+{
+    return pieces->over && pieces->over(pieces->ctx);
+}
 
 /*
  * A store in a folder that many processes share, on many machines: pieces and maps as
