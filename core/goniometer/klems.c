@@ -17,6 +17,7 @@ struct round {
     uint32_t *wanted; /* paths in each batch, by item; 0: enough there are */
     uint32_t number;
     size_t first;
+    bool short_of;       /* an item's error was foreseen above the accuracy, for want of paths */
     atomic_bool starved; /* a file could not be read for want of memory */
 };
 
@@ -61,23 +62,36 @@ static void want_mirrored(struct round *r, size_t item, uint32_t paths)
                                                  (enum orl_bsdf_symmetry)m)] = paths;
 }
 
-/* Doubles the paths of items that need it. Whether there are any that may have more. */
+/* Whether an item needs more than its paths and as many again, and may have them. */
+static bool goes_on(const struct round *r, size_t item, const double peaks[2])
+{
+    const uint64_t most = r->request->paths_most / ORL_GONIO_BATCHES;
+    return orl_gonio_foreseen(r->sheet, item, peaks) > r->request->accuracy &&
+           4ULL * r->sheet->paths[item] <= most;
+}
+
+/* Doubles the paths of items that need it; of the others, as many again are to tell the error.
+ * Whether any are wanted. */
 static bool want_more(struct round *r)
 {
     const size_t cells = (size_t)r->sheet->basis.n_cells;
-    const uint32_t most = r->request->paths_most / ORL_GONIO_BATCHES;
     bool any = false;
     for (size_t item = 0; item < r->sheet->items; item++)
         r->wanted[item] = 0;
     for (size_t front = 0; front < 2; front++) {
         double peaks[2];
         orl_gonio_peaks(r->sheet, front, peaks);
+        for (size_t item = front * cells; item < (front + 1) * cells; item++)
+            if (r->sheet->paths_before[item] == 0 && goes_on(r, item, peaks))
+                want_mirrored(r, item, 2 * r->sheet->paths[item]);
         for (size_t item = front * cells; item < (front + 1) * cells; item++) {
-            const uint32_t paths = 2 * r->sheet->paths[item];
-            if (paths > most || orl_gonio_worst(r->sheet, item, peaks) <= r->request->accuracy)
-                continue;
-            want_mirrored(r, item, paths);
-            any = true;
+            if (r->sheet->paths_before[item] == 0 && r->wanted[item] == 0) {
+                r->short_of =
+                    r->short_of || orl_gonio_foreseen(r->sheet, item, peaks) > r->request->accuracy;
+                r->wanted[item] = r->sheet->paths[item];
+                orl_gonio_sheet_put_aside(r->sheet, item);
+            }
+            any = any || r->wanted[item] > 0;
         }
     }
     return any;
@@ -85,15 +99,18 @@ static bool want_more(struct round *r)
 
 static int measure_all(struct round *r, struct orl_error *err)
 {
+    const bool accurate = r->request->accuracy > 0;
     const uint32_t paths = orl_bsdf_make_paths(r->request);
-    const uint32_t first = (paths + ORL_GONIO_BATCHES - 1) / ORL_GONIO_BATCHES;
+    const uint32_t sets = accurate ? 2 * ORL_GONIO_BATCHES : ORL_GONIO_BATCHES;
+    const uint32_t first = (paths + sets - 1) / sets;
     int code;
     for (size_t item = 0; item < r->sheet->items; item++)
         r->wanted[item] = first;
+    r->sheet->exact = r->sample->file != NULL;
     do {
         code = measure(r);
         r->number++;
-    } while (code == 0 && r->request->accuracy > 0 && want_more(r));
+    } while (code == 0 && accurate && want_more(r));
     return code < 0
                ? orl_error_set(err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
                : 0;
@@ -171,7 +188,7 @@ int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
     if (code == 0)
         code = orl_gonio_tell(&sheet, made, err);
     if (code == 0) {
-        made->reached = !(request->accuracy > 0) || made->worst <= request->accuracy;
+        made->reached = !round.short_of;
         code = write_out(&round, made, err);
     }
     free(wanted);

@@ -30,6 +30,19 @@ double orl_gonio_worst(const struct orl_gonio_sheet *sheet, size_t item, const d
     return worst;
 }
 
+double orl_gonio_foreseen(const struct orl_gonio_sheet *sheet, size_t item, const double peaks[2])
+{
+    double worst = 0;
+    for (int t = 0; t < 2; t++)
+        for (int out = 0; out < sheet->basis.n_cells && peaks[t] > 0; out++) {
+            const struct orl_gonio_value v = orl_gonio_sheet_value(sheet, item, t, out);
+            const double f = orl_luma(v.f), from = told_from * peaks[t], error = v.error / sqrt(2);
+            if (f + 2 * error >= from)
+                worst = fmax(worst, error / fmax(f, from));
+        }
+    return worst;
+}
+
 static struct orl_bsdf_made_direction direction_of(const struct orl_gonio_sheet *sheet, int in)
 {
     const struct orl_basis *basis = &sheet->basis;
@@ -80,7 +93,8 @@ static void tell_whole(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made
                 fmax(made->worst, orl_gonio_worst(sheet, (size_t)front * cells + in, peaks));
     }
     for (size_t item = 0; item < sheet->items; item++) {
-        made->paths += (uint64_t)ORL_GONIO_BATCHES * sheet->paths[item];
+        made->paths += (uint64_t)ORL_GONIO_BATCHES *
+                       ((uint64_t)sheet->paths[item] + sheet->paths_before[item]);
         lost += sheet->lost[item];
     }
     made->lost = lost / (double)made->paths;

@@ -15,9 +15,13 @@ int orl_gonio_sheet_init(struct orl_gonio_sheet *sheet, const char *basis, bool 
     sheet->channels = color ? 3 : 1;
     sheet->sums =
         calloc(sheet->items * ORL_GONIO_BATCHES * 2 * cells * sheet->channels, sizeof *sheet->sums);
+    sheet->before = calloc(sheet->items * 2 * cells * sheet->channels, sizeof *sheet->before);
+    sheet->heaviest = calloc(sheet->items * 2 * cells, sizeof *sheet->heaviest);
     sheet->lost = calloc(sheet->items, sizeof *sheet->lost);
     sheet->paths = calloc(sheet->items, sizeof *sheet->paths);
-    if (sheet->sums && sheet->lost && sheet->paths)
+    sheet->paths_before = calloc(sheet->items, sizeof *sheet->paths_before);
+    if (sheet->sums && sheet->before && sheet->heaviest && sheet->lost && sheet->paths &&
+        sheet->paths_before)
         return 0;
     orl_gonio_sheet_done(sheet);
     return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the panel's BSDF");
@@ -26,8 +30,11 @@ int orl_gonio_sheet_init(struct orl_gonio_sheet *sheet, const char *basis, bool 
 void orl_gonio_sheet_done(struct orl_gonio_sheet *sheet)
 {
     free(sheet->sums);
+    free(sheet->before);
+    free(sheet->heaviest);
     free(sheet->lost);
     free(sheet->paths);
+    free(sheet->paths_before);
     memset(sheet, 0, sizeof *sheet);
 }
 
@@ -37,6 +44,33 @@ double *orl_gonio_sheet_sums(const struct orl_gonio_sheet *sheet, size_t item, s
     const size_t cells = (size_t)sheet->basis.n_cells;
     return sheet->sums +
            ((item * ORL_GONIO_BATCHES + batch) * 2 + transmitted) * cells * sheet->channels;
+}
+
+static double *before_of(const struct orl_gonio_sheet *sheet, size_t item, bool transmitted)
+{
+    const size_t cells = (size_t)sheet->basis.n_cells;
+    return sheet->before + (item * 2 + transmitted) * cells * sheet->channels;
+}
+
+static float *heaviest_of(const struct orl_gonio_sheet *sheet, size_t item, bool transmitted)
+{
+    return sheet->heaviest + (item * 2 + transmitted) * (size_t)sheet->basis.n_cells;
+}
+
+void orl_gonio_sheet_put_aside(struct orl_gonio_sheet *sheet, size_t item)
+{
+    const size_t values = (size_t)sheet->basis.n_cells * sheet->channels;
+    for (size_t part = 0; part < 2; part++) {
+        double *before = before_of(sheet, item, part);
+        for (size_t batch = 0; batch < ORL_GONIO_BATCHES; batch++) {
+            double *sums = orl_gonio_sheet_sums(sheet, item, batch, part);
+            for (size_t i = 0; i < values; i++)
+                before[i] += sums[i];
+            memset(sums, 0, values * sizeof *sums);
+        }
+    }
+    sheet->paths_before[item] += sheet->paths[item];
+    sheet->paths[item] = 0;
 }
 
 /* ---- Counting -------------------------------------------------------------------------------- */
@@ -58,8 +92,11 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
         sheet->lost[b->item] += orl_rgb_is_finite(exit->weight) ? orl_luma(exit->weight) : 1;
         return;
     }
-    double *sum = orl_gonio_sheet_sums(sheet, b->item, b->batch, exit->front != b->front) +
+    const bool transmitted = exit->front != b->front;
+    double *sum = orl_gonio_sheet_sums(sheet, b->item, b->batch, transmitted) +
                   (size_t)cell * sheet->channels;
+    float *heaviest = heaviest_of(sheet, b->item, transmitted) + cell;
+    *heaviest = fmaxf(*heaviest, (float)orl_luma(exit->weight));
     if (sheet->channels == 1) {
         sum[0] += orl_luma(exit->weight);
         return;
@@ -73,7 +110,8 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
 static void send(struct beam *b, uint32_t index)
 {
     const struct orl_gonio_lamp *lamp = b->lamp;
-    const uint64_t stream = b->item * ORL_GONIO_BATCHES + b->batch;
+    const uint64_t set = b->sheet->paths_before[b->item] > 0 ? b->sheet->items : 0;
+    const uint64_t stream = (set + b->item) * ORL_GONIO_BATCHES + b->batch;
     struct orl_gonio_numbers numbers = {
         .sobol = lamp->sobol,
         .index = index,
@@ -120,46 +158,88 @@ int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_sy
     return ring->first + at;
 }
 
-/* Of one batch: the share of the light that goes from in to out, in its mean over all mirrors. */
-static void batch_share(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
-                        bool transmitted, int out, double ret_share[3])
+/* An item's cell out as mirrors have it: that many of them, and where they are counted. */
+struct images {
+    unsigned count;
+    size_t item[ORL_BSDF_QUADRILATERAL + 1], out[ORL_BSDF_QUADRILATERAL + 1];
+};
+
+static struct images images_of(const struct orl_gonio_sheet *sheet, size_t item, int out)
 {
     const size_t cells = (size_t)sheet->basis.n_cells;
-    unsigned count = 0;
-    memset(ret_share, 0, 3 * sizeof *ret_share);
+    struct images images = {.count = 0};
     for (unsigned mirrors = 0; mirrors <= ORL_BSDF_QUADRILATERAL; mirrors++) {
         if ((mirrors & sheet->symmetry) != mirrors)
             continue;
         const enum orl_bsdf_symmetry m = (enum orl_bsdf_symmetry)mirrors;
         const int in = orl_gonio_mirrored(&sheet->basis, (int)(item % cells), m);
-        const size_t other = item - item % cells + (size_t)in;
-        const double *sum = orl_gonio_sheet_sums(sheet, other, batch, transmitted) +
-                            (size_t)orl_gonio_mirrored(&sheet->basis, out, m) * sheet->channels;
-        for (size_t c = 0; c < sheet->channels; c++)
-            ret_share[c] += sum[c] / sheet->paths[other];
-        count++;
+        images.item[images.count] = item - item % cells + (size_t)in;
+        images.out[images.count++] = (size_t)orl_gonio_mirrored(&sheet->basis, out, m);
     }
-    for (size_t c = 0; c < sheet->channels; c++)
-        ret_share[c] /= count;
-    if (sheet->channels == 1)
-        ret_share[1] = ret_share[2] = ret_share[0];
+    return images;
+}
+
+/* Of one batch, or of ORL_GONIO_BATCHES that were put aside: the share of the light that goes from
+ * in to out, in its mean over all mirrors. */
+static struct orl_rgb share_of(const struct orl_gonio_sheet *sheet, const struct images *images,
+                               size_t batch, bool transmitted)
+{
+    double share[3] = {0};
+    for (unsigned m = 0; m < images->count; m++) {
+        const size_t item = images->item[m];
+        const bool aside = batch == ORL_GONIO_BATCHES;
+        const double paths =
+            aside ? (double)ORL_GONIO_BATCHES * sheet->paths_before[item] : sheet->paths[item];
+        const double *sum = (aside ? before_of(sheet, item, transmitted)
+                                   : orl_gonio_sheet_sums(sheet, item, batch, transmitted)) +
+                            images->out[m] * sheet->channels;
+        for (size_t c = 0; c < sheet->channels && paths > 0; c++)
+            share[c] += sum[c] / paths / images->count;
+    }
+    return sheet->channels == 1 ? orl_gray(share[0])
+                                : (struct orl_rgb){share[0], share[1], share[2]};
+}
+
+/* What of an item's paths the batches have that tell its error: the rest was put aside. */
+static double told_part(const struct orl_gonio_sheet *sheet, size_t item)
+{
+    return sheet->paths[item] / ((double)sheet->paths[item] + sheet->paths_before[item]);
+}
+
+/* The weight of one path, as a share of the light of all of them. */
+static double path_share(const struct orl_gonio_sheet *sheet, const struct images *images,
+                         bool transmitted)
+{
+    const double paths =
+        (double)sheet->paths[images->item[0]] + sheet->paths_before[images->item[0]];
+    double heaviest = 0;
+    for (unsigned m = 0; m < images->count; m++)
+        heaviest = fmax(heaviest,
+                        (double)heaviest_of(sheet, images->item[m], transmitted)[images->out[m]]);
+    return sheet->exact
+               ? 0
+               : (heaviest > 0 ? heaviest : 1) / (ORL_GONIO_BATCHES * paths * images->count);
 }
 
 struct orl_gonio_value orl_gonio_sheet_value(const struct orl_gonio_sheet *sheet, size_t item,
                                              bool transmitted, int out)
 {
     const double omega = orl_basis_ring(&sheet->basis, out)->omega_sr;
+    const double told = told_part(sheet, item);
+    const struct images images = images_of(sheet, item, out);
     double lumas[ORL_GONIO_BATCHES];
     struct orl_rgb sum = orl_gray(0);
     for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
-        double s[3];
-        batch_share(sheet, item, k, transmitted, out, s);
-        const struct orl_rgb share = {s[0], s[1], s[2]};
+        const struct orl_rgb share = share_of(sheet, &images, k, transmitted);
         lumas[k] = orl_luma(share);
         sum = orl_rgb_add(sum, share);
     }
-    return (struct orl_gonio_value){orl_rgb_scale(sum, 1 / (ORL_GONIO_BATCHES * omega)),
-                                    orl_gonio_share_of(lumas).error / omega};
+    const struct orl_rgb before = share_of(sheet, &images, ORL_GONIO_BATCHES, transmitted);
+    const struct orl_rgb share =
+        orl_rgb_add(orl_rgb_scale(sum, told / ORL_GONIO_BATCHES), orl_rgb_scale(before, 1 - told));
+    const double error = sqrt(told) * orl_gonio_share_of(lumas).error;
+    return (struct orl_gonio_value){orl_rgb_scale(share, 1 / omega),
+                                    hypot(error, path_share(sheet, &images, transmitted)) / omega};
 }
 
 static double batch_total(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
@@ -167,30 +247,47 @@ static double batch_total(const struct orl_gonio_sheet *sheet, size_t item, size
 {
     double sum = 0;
     for (int out = 0; out < sheet->basis.n_cells; out++) {
-        double s[3];
-        batch_share(sheet, item, batch, transmitted, out, s);
-        sum += orl_luma((struct orl_rgb){s[0], s[1], s[2]});
+        const struct images images = images_of(sheet, item, out);
+        sum += orl_luma(share_of(sheet, &images, batch, transmitted));
     }
     return sum;
+}
+
+/* Of all batches, and of those put aside. */
+static void totals_of(const struct orl_gonio_sheet *sheet, size_t item, bool transmitted,
+                      double ret_totals[ORL_GONIO_BATCHES + 1])
+{
+    for (size_t k = 0; k <= ORL_GONIO_BATCHES; k++)
+        ret_totals[k] = batch_total(sheet, item, k, transmitted);
 }
 
 struct orl_bsdf_share orl_gonio_sheet_share(const struct orl_gonio_sheet *sheet, size_t item,
                                             bool transmitted)
 {
-    double totals[ORL_GONIO_BATCHES];
-    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-        totals[k] = batch_total(sheet, item, k, transmitted);
-    return orl_gonio_share_of(totals);
+    const double told = told_part(sheet, item);
+    double totals[ORL_GONIO_BATCHES + 1];
+    totals_of(sheet, item, transmitted, totals);
+    const struct orl_bsdf_share s = orl_gonio_share_of(totals);
+    return (struct orl_bsdf_share){told * s.value + (1 - told) * totals[ORL_GONIO_BATCHES],
+                                   sqrt(told) * s.error};
 }
 
 struct orl_bsdf_share orl_gonio_sheet_diffuse(const struct orl_gonio_sheet *sheet, bool front,
                                               bool transmitted)
 {
     const size_t cells = (size_t)sheet->basis.n_cells;
-    double totals[ORL_GONIO_BATCHES] = {0};
-    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-        for (size_t in = 0; in < cells; in++)
-            totals[k] += batch_total(sheet, front * cells + in, k, transmitted) *
-                         orl_basis_ring(&sheet->basis, (int)in)->omega_sr / ORL_PI;
-    return orl_gonio_share_of(totals);
+    double errors[ORL_GONIO_BATCHES] = {0}, value = 0;
+    for (size_t in = 0; in < cells; in++) {
+        const size_t item = front * cells + in;
+        const double told = told_part(sheet, item);
+        const double weight = orl_basis_ring(&sheet->basis, (int)in)->omega_sr / ORL_PI;
+        double totals[ORL_GONIO_BATCHES + 1], mean = 0;
+        totals_of(sheet, item, transmitted, totals);
+        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
+            errors[k] += weight * sqrt(told) * totals[k];
+            mean += totals[k] / ORL_GONIO_BATCHES;
+        }
+        value += weight * (told * mean + (1 - told) * totals[ORL_GONIO_BATCHES]);
+    }
+    return (struct orl_bsdf_share){value, orl_gonio_share_of(errors).error};
 }

@@ -3,6 +3,9 @@
  * incident cell each, and in batches that are independent of each other. An item is an incident
  * cell on one side: front * cells + cell.
  *
+ * Batches that told when to stop tell too small an error: they stopped when it looked small. So
+ * they are put aside, others are measured, and these alone tell the error of all.
+ *
  * Ownership: the caller's, orl_gonio_sheet_done. While items are measured each is written to by one
  * thread.
  */
@@ -17,9 +20,13 @@ struct orl_gonio_sheet {
     struct orl_basis basis;
     enum orl_bsdf_symmetry symmetry;
     size_t items, channels; /* channels: 3, or 1 of luma alone */
+    bool exact;             /* read from a file: there is no chance in it */
     double *sums;           /* weights: [item][batch][transmitted][cell out][channel] */
+    double *before;         /* of all batches that were put aside: without [batch] */
+    float *heaviest;        /* luma that one path alone brought: [item][transmitted][cell out] */
     double *lost;           /* weight given up, by item */
     uint32_t *paths;        /* in each batch, by item */
+    uint32_t *paths_before; /* and of those put aside */
 };
 
 int orl_gonio_sheet_init(struct orl_gonio_sheet *sheet, const char *basis, bool color,
@@ -39,6 +46,9 @@ struct orl_gonio_lamp {
 void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_lamp *lamp,
                              size_t item, uint32_t paths);
 
+/* Puts aside what is counted of an item; its batches begin anew, by other numbers. */
+void orl_gonio_sheet_put_aside(struct orl_gonio_sheet *sheet, size_t item);
+
 /* What is counted in a batch: weights, [cell out][channel]. */
 double *orl_gonio_sheet_sums(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
                              bool transmitted);
@@ -46,7 +56,10 @@ double *orl_gonio_sheet_sums(const struct orl_gonio_sheet *sheet, size_t item, s
 /* The cell that mirrors make of a cell. */
 int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_symmetry mirrors);
 
-/* A value that the sheet tells, of an item and a cell out: f in 1/sr, its error that of its luma.
+/*
+ * A value that the sheet tells, of an item and a cell out: f in 1/sr, its error that of its luma. A
+ * path more or less is known of no cell, however alike batches are: the error holds the heaviest
+ * that came, or of a cell where none came, one that brings all of its light.
  */
 struct orl_gonio_value {
     struct orl_rgb f;

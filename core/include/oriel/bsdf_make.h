@@ -80,9 +80,11 @@ struct orl_bsdf_make_request {
      * value of at least a hundredth of the largest of its part is at most this share of it; 0: not
      * asked for. Beyond paths_most for one direction it is given up: orl_bsdf_made.reached. Of
      * trees a value that stands for several finest cells counts with the error of a quarter of it:
-     * of what the next subdivision would show (goniometer/resolve.h). It is a standard error by the
-     * paths that were drawn: of thousands of values some are off by several, and what no path has
-     * met yet none of them knows.
+     * of what the next subdivision would show (goniometer/resolve.h). In Klems bases half of the
+     * paths decide whether all of them are enough, and the other half, independent of these, tells
+     * the errors that are stated (goniometer/sheet.h): of thousands some are by chance larger than
+     * asked for, up to twice. It is a standard error by the paths that were drawn: of thousands of
+     * values some are off by several, and what no path has met yet none of them knows.
      */
     double accuracy;
     uint32_t paths_most;
@@ -127,10 +129,10 @@ struct orl_bsdf_made {
     size_t n_directions;                        /* of a matrix; 0 of trees */
     struct orl_bsdf_made_direction *directions; /* owned */
     struct orl_bsdf_share diffuse[2][2];        /* of perfectly diffuse light */
-    float *errors[2][2]; /* standard errors, 1/sr: [direction in][direction out]; owned; NULL of
-                            trees */
+    float *errors[2][2]; /* standard errors, 1/sr, with room for one path more or less: [direction
+                            in][direction out]; owned; NULL of trees */
     double worst;        /* largest share of the error in a value, as accuracy has it */
-    bool reached;        /* the accuracy; true when none was asked for */
+    bool reached; /* the accuracy, as far as it is decided by; true when none was asked for */
     uint64_t paths;
     double lost;              /* share of the light that was given up inside the panel */
     double cell[4], depth[2]; /* the files' coordinates; depth: z from, to */

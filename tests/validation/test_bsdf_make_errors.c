@@ -1,0 +1,189 @@
+/*
+ * Whether errors that `bsdf make` states are errors made: how many cells lie within one, two and
+ * three of them of what an independent run of many more paths says.
+ *
+ * Bounds. An error from 16 batches is Student's t of 15 degrees of freedom: 0.6669, 0.9361 and
+ * 0.9910 of cells. A share of n cells scatters by sqrt(p (1 - p) / n); four of these are allowed,
+ * and twice as many for cells of one item are not quite independent and all seeds share the longer
+ * run. Cells that few paths came to have room for one path more, and so are more often within: the
+ * upper bounds say how much room is too much.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fixtures/bsdf_ask.h"
+#include "support/panels.h"
+
+enum { SEEDS = 3 };
+
+static const double square[4] = {0, 1, 0, 1};
+static const double nominal[3] = {0.6669, 0.9361, 0.9910};
+
+/* Half of the light through, evenly. */
+static const char sheet[] = "void trans s 0 0 7 .8 .8 .8 0 0 .5 0\n"
+                            "s polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n";
+/* A laser cut panel: all is clear. */
+static const char cut[] = "void dielectric d 0 0 5 1 1 1 1.491 0\n"
+                          "!genbox d part 4 1 1.5 | xform -t -2 0 -1.5\n";
+/* A saw of clear plastic with paint on a tooth's back. */
+static const char saw[] = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
+                          "void plastic p 0 0 5 .7 .5 .2 .1 .1\n"
+                          "d polygon flat 0 0 12 -1 -1 0 2 -1 0 2 2 0 -1 2 0\n"
+                          "d polygon slope 0 0 12 -1 0 -.2 -1 1 -.6 2 1 -.6 2 0 -.2\n"
+                          "d polygon riser 0 0 12 -1 1 -.6 -1 1 -.2 2 1 -.2 2 1 -.6\n"
+                          "p polygon paint 0 0 12 0 .2 -.8 0 .5 -.8 .6 .5 -.8 .6 .2 -.8\n";
+/* A matt blind. */
+static const char blind[] = "void plastic w 0 0 5 .7 .7 .7 0 0\n"
+                            "w polygon s 0 0 12 0 0 0 1 0 0 1 .6 -.6 0 .6 -.6\n";
+
+/* ---- Counting -------------------------------------------------------------------------------- */
+
+struct tally {
+    size_t count, within[3];
+    double squares; /* of differences in errors */
+};
+
+static void count(struct tally *tally, double off, double error)
+{
+    const double z = fabs(off) / error;
+    assert_true(error > 0);
+    tally->count++;
+    tally->squares += z * z;
+    for (int k = 0; k < 3; k++)
+        tally->within[k] += z < k + 1;
+}
+
+/* room: by how much more of the cells may be within one and two errors. */
+static void assert_true_errors(const struct tally *tally, const char *name, double room)
+{
+    const double n = (double)tally->count;
+    print_message("# %s: of %zu cells %.3f %.3f %.4f, mean square %.2f\n", name, tally->count,
+                  (double)tally->within[0] / n, (double)tally->within[1] / n,
+                  (double)tally->within[2] / n, tally->squares / n);
+    assert_true(n > 400);
+    for (int k = 0; k < 3; k++) {
+        const double p = nominal[k], share = (double)tally->within[k] / n;
+        const double chance = 4 * sqrt(2) * sqrt(p * (1 - p) / n);
+        assert_true(share > p - chance);
+        assert_true(share < p + chance + room * (1 - p));
+    }
+}
+
+/* ---- Matrices -------------------------------------------------------------------------------- */
+
+/* A BSDF as it was made, with its text read. */
+struct made {
+    struct orl_bsdf_made made;
+    struct orl_bsdf *bsdf;
+};
+
+static struct made make(struct panel panel, uint64_t seed)
+{
+    panel.seed = seed;
+    panel.threads = 2;
+    struct made m = {.made = panel_make(&panel)};
+    m.bsdf = panel_read(&m.made);
+    return m;
+}
+
+static void done(struct made *m)
+{
+    orl_bsdf_unref(m->bsdf);
+    orl_bsdf_made_done(&m->made);
+}
+
+/* Where light of a cell comes from, on that side. */
+static struct orl_vec3 origin(const struct orl_bsdf_made *made, size_t cell, double side)
+{
+    const struct orl_bsdf_made_direction *d = &made->directions[cell];
+    const double s = sin(d->theta_deg * ORL_DEG_TO_RAD), phi = d->phi_deg * ORL_DEG_TO_RAD;
+    return direction(s * cos(phi), s * sin(phi), side);
+}
+
+/* Of a part of a matrix, by the direction that light comes from and the cell it leaves to. */
+static double value(const struct made *m, int part, size_t i, size_t k)
+{
+    const bool front = part / 2, transmitted = part % 2;
+    const struct orl_vec3 in = origin(&m->made, i, front ? 1 : -1);
+    struct orl_vec3 out = orl_neg(origin(&m->made, k, 1));
+    out.z = front == transmitted ? -fabs(out.z) : fabs(out.z);
+    return eval(m->bsdf, in, out);
+}
+
+static void compare_part(const struct made *m, const struct made *longer, int part,
+                         struct tally *tally)
+{
+    const size_t n = m->made.n_directions;
+    double peak = 0;
+    for (size_t i = 0; i < n * n; i++)
+        peak = fmax(peak, value(longer, part, i / n, i % n));
+    for (size_t i = 0; i < n * n && peak > 0; i++) {
+        const double is = value(longer, part, i / n, i % n);
+        const double e0 = (double)m->made.errors[part / 2][part % 2][i];
+        const double e1 = (double)longer->made.errors[part / 2][part % 2][i];
+        if (is >= 0.01 * peak)
+            count(tally, value(m, part, i / n, i % n) - is, hypot(e0, e1));
+    }
+}
+
+/* All seeds, at so many paths or to an accuracy; returns the largest error stated. */
+static double tally_up(struct panel panel, const struct made *longer, const char *name, double room)
+{
+    struct tally tally = {0};
+    double worst = 0;
+    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        struct made m = make(panel, seed);
+        assert_true(m.made.reached);
+        worst = fmax(worst, m.made.worst);
+        for (int part = 0; part < 4; part++)
+            compare_part(&m, longer, part, &tally);
+        done(&m);
+    }
+    assert_true_errors(&tally, name, room);
+    return worst;
+}
+
+static const struct {
+    const char *name, *text;
+    const double *cell;
+    uint32_t paths; /* few: down to some ten in a cell; of the saw, where one may weigh 50 others,
+                       some hundred */
+    double room, accuracy;
+} cases[] = {{"sheet", sheet, NULL, 512, 0.4, 0.15},
+             {"laser cut panel", cut, square, 512, 0.4, 0.05},
+             {"saw", saw, square, 2048, 0.4, 0.3},
+             {"blind", blind, NULL, 512, 0.5, 0.6}};
+
+static void of_matrices(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct panel panel = {
+            .text = cases[i].text, .basis = ORL_BSDF_KLEMS_QUARTER, .cell = cases[i].cell};
+        panel.paths = 1 << 15;
+        struct made longer = make(panel, 77);
+        panel.paths = cases[i].paths;
+        tally_up(panel, &longer, cases[i].name, cases[i].room);
+        panel.paths = 128;
+        panel.paths_most = 1 << 14;
+        panel.accuracy = cases[i].accuracy;
+        /* Of thousands of errors of 15 degrees of freedom the largest is twice too large. */
+        assert_true(tally_up(panel, &longer, "to an accuracy", 0.2) < 2 * panel.accuracy);
+        done(&longer);
+    }
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(of_matrices),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
