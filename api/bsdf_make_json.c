@@ -179,16 +179,18 @@ static json_t *errors_to_json(const float *errors, size_t cells)
 json_t *orl_bsdf_made_to_json(const struct orl_bsdf_made *m)
 {
     const size_t n = m->n_directions;
-    return json_pack(
-        "{s:s, s:{s:o, s:o}, s:o, s:{s:o, s:o, s:o, s:o}, s:f, s:b, s:I, s:f, s:{s:[f, f], s:[f, "
-        "f], s:[f, f]}}",
-        "kind", "bsdf_make", "diffuse", "front", side_to_json(m->diffuse[1]), "back",
-        side_to_json(m->diffuse[0]), "directions", directions_to_json(m), "standard_errors",
-        "transmission_front", errors_to_json(m->errors[1][1], n), "transmission_back",
-        errors_to_json(m->errors[0][1], n), "reflection_front", errors_to_json(m->errors[1][0], n),
-        "reflection_back", errors_to_json(m->errors[0][0], n), "worst_relative_error", m->worst,
-        "reached", (int)m->reached, "paths", (json_int_t)m->paths, "lost", m->lost, "cell", "x",
-        m->cell[0], m->cell[1], "y", m->cell[2], m->cell[3], "z", m->depth[0], m->depth[1]);
+    return json_pack("{s:s, s:{s:o, s:o}, s:o, s:{s:o, s:o, s:o, s:o}, s:f, s:f, s:b, s:I, s:f, "
+                     "s:{s:[f, f], s:[f, "
+                     "f], s:[f, f]}}",
+                     "kind", "bsdf_make", "diffuse", "front", side_to_json(m->diffuse[1]), "back",
+                     side_to_json(m->diffuse[0]), "directions", directions_to_json(m),
+                     "standard_errors", "transmission_front", errors_to_json(m->errors[1][1], n),
+                     "transmission_back", errors_to_json(m->errors[0][1], n), "reflection_front",
+                     errors_to_json(m->errors[1][0], n), "reflection_back",
+                     errors_to_json(m->errors[0][0], n), "worst_relative_error", m->worst,
+                     "joined_relative_error", m->joined, "reached", (int)m->reached, "paths",
+                     (json_int_t)m->paths, "lost", m->lost, "cell", "x", m->cell[0], m->cell[1],
+                     "y", m->cell[2], m->cell[3], "z", m->depth[0], m->depth[1]);
 }
 
 json_t *orl_bsdf_made_warnings(const struct orl_bsdf_made *made,

@@ -17,10 +17,10 @@
  * What was made: {"kind", "diffuse": {"front": {"reflected": {"value", "standard_error"},
  * "transmitted": {...}}, "back": {...}}, "directions": [{"theta_deg", "phi_deg", "front", "back"}],
  * "standard_errors": {"transmission_front": [[...], ...] (a row for each direction in, 1/sr),
- * "transmission_back", "reflection_front", "reflection_back"}, "worst_relative_error", "reached",
- * "paths", "lost", "cell": {"x", "y", "z"}}. Of tensor trees there are no
- * directions, and their standard errors are null. Front is the surface's, where z > 0, the inside:
- * not what the XML calls Front.
+ * "transmission_back", "reflection_front", "reflection_back"}, "worst_relative_error",
+ * "joined_relative_error", "reached", "paths", "lost", "cell": {"x", "y", "z"}}. Of tensor trees
+ * there are no directions, and their standard errors are null. Front is the surface's, where z > 0,
+ * the inside: not what the XML calls Front.
  *
  * Rules, ownership, threads and errors as in job_json.h. What they mean: oriel/bsdf_make.h.
  */

@@ -16,7 +16,7 @@
 struct line {
     struct orl_local_line local;
     struct orl_choices words;
-    const char *cell, *report;
+    const char *cell, *report, *errors;
     bool color;
 };
 
@@ -120,6 +120,8 @@ static void print_made(const struct orl_bsdf_made *made)
                s[0].value, s[0].error);
     }
     printf("largest standard error %.2g of a value (from 1 %% of the peak on)\n", made->worst);
+    if (made->joined > 0)
+        printf("cells that are one are off by at most %.2g of it (rms)\n", made->joined);
     if (made->lost > 0)
         printf("given up inside the panel: %.2g of the light\n", made->lost);
 }
@@ -153,11 +155,14 @@ static int make(const struct line *line)
     struct orl_bsdf_made made = {0};
     struct orl_error err = {0};
     int rc = request_of(line, &file, &request, &err);
+    request.tell_errors = line->errors != NULL;
     if (rc == 0)
         rc = orl_local_make_bsdf(&request, file.folder[0] ? file.folder : ".", line->local.threads,
                                  &made, &err);
     if (rc == 0)
         rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
+    if (rc == 0 && line->errors)
+        rc = orl_write_text(line->errors, made.errors_xml, made.errors_xml_size, &err);
     if (rc == 0 && line->report)
         rc = write_report(line->report, &made, &err);
     if (rc == 0)
@@ -172,7 +177,7 @@ static int make(const struct line *line)
 
 int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
 {
-    enum { OTHERS = 5 };
+    enum { OTHERS = 6 };
     struct line line = {.local = {.most = 64}, .words = {words, WORDS, {NULL}}};
     struct orl_option options[OTHERS + WORDS] = {
         {.name = "output",
@@ -189,6 +194,10 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
          .metavar = "FILE",
          .help = "write a JSON with shares by direction, and standard errors of all values",
          .value = &line.report},
+        {.name = "errors",
+         .metavar = "FILE.xml",
+         .help = "write the same file with standard errors in place of values, to plot or read",
+         .value = &line.errors},
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;

@@ -318,7 +318,8 @@ static void write_part(void *ctx, enum orl_bsdf_part part, FILE *out)
     for (int front = 0; front < 2; front++)
         for (int t = 0; t < 2; t++)
             if (orl_gonio_part_of[front][t] == part)
-                orl_gonio_forest_write(&parts->of[front][t].forest, parts->of[front][t].root, out);
+                orl_gonio_forest_write(&parts->of[front][t].forest, parts->of[front][t].root, false,
+                                       out);
 }
 
 int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,

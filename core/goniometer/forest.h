@@ -5,13 +5,15 @@
  *
  * Cells that a branch would hold become one where the data do not tell them apart: where they
  * differ by no more than their standard errors explain, or by less than a share of their mean that
- * is asked for, or by less light than counts. Their mean stays.
+ * is asked for, or by less light than counts. Their mean stays, with what it may be off by from any
+ * of them: the standard error of the mean, and how far they lie from it.
  *
  * Ownership: the caller's, orl_gonio_forest_done. One thread writes at a time.
  */
 #ifndef ORL_GONIOMETER_FOREST_H
 #define ORL_GONIOMETER_FOREST_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -22,9 +24,12 @@ enum { ORL_GONIO_FAN_MOST = 16 };
 /* A leaf, or a branch. */
 struct orl_gonio_node {
     float value, variance; /* 1/sr; of a branch: of the mean of all below */
-    float doubt;           /* of a branch: by how much, at the most, what is below it differs by
-                              more than errors explain, as a ratio of squares; of a leaf 0 */
-    uint32_t branch;       /* 1 + its place; 0: a leaf */
+    float path;      /* what one path alone brings of the value, 1/sr: so much is never known */
+    float spread;    /* mean square of what finest cells below are off by from the value, as
+                        far as their errors do not explain it: by chance it may be negative */
+    float doubt;     /* of a branch: by how much, at the most, what is below it differs by
+                        more than errors explain, as a ratio of squares; of a leaf 0 */
+    uint32_t branch; /* 1 + its place; 0: a leaf */
 };
 
 struct orl_gonio_branch {
@@ -45,6 +50,20 @@ struct orl_gonio_forest {
 };
 
 void orl_gonio_forest_done(struct orl_gonio_forest *forest);
+
+/* What is never known of a cell's mean, as a variance: of a dark one nothing counts as known or
+ * not. */
+static inline double orl_gonio_noise(const struct orl_gonio_node *node)
+{
+    const double variance = (double)node->variance, path = (double)node->path;
+    return node->value > 0 ? fmax(variance, path * path) : 0;
+}
+/* What a leaf may be off by from its finest cells: a standard error, 1/sr. */
+static inline double orl_gonio_error(const struct orl_gonio_node *node)
+{
+    const double path = (double)node->path;
+    return sqrt((double)node->variance + path * path + fmax(0, (double)node->spread));
+}
 
 /* Whether fan nodes, which lie level deep, are as good as their mean, which is filled in; its doubt
  * says how far they are from that. */
@@ -71,13 +90,18 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
                            unsigned mirror, uint32_t *ret_shift);
 struct orl_gonio_node orl_gonio_shifted(struct orl_gonio_node node, uint32_t shift);
 
-/* As the braces of a file. */
+/* As the braces of a file: values, or their errors. */
 void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
-                            FILE *out);
+                            bool errors, FILE *out);
 
-/* The largest leaf, and the largest share that a standard error has in leaves from a value on. */
+/* The largest leaf. */
 double orl_gonio_forest_peak(const struct orl_gonio_forest *forest, struct orl_gonio_node root);
-double orl_gonio_forest_worst(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
-                              double from);
+/* Of leaves from a value on the largest shares of it: of the error of a mean, and of what cells
+ * that it stands for are off by. Raises what is there. */
+struct orl_gonio_worst {
+    double noise, joined;
+};
+void orl_gonio_forest_worst(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
+                            double from, struct orl_gonio_worst *worst);
 
 #endif

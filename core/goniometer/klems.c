@@ -118,23 +118,23 @@ static int measure_all(struct round *r, struct orl_error *err)
 
 /* ---- The file -------------------------------------------------------------------------------- */
 
-static int fill_part(const struct orl_gonio_sheet *sheet, bool front, bool transmitted,
+static int fill_part(const struct orl_gonio_sheet *sheet, bool front, bool transmitted, bool errors,
                      struct orl_component *part, struct orl_error *err)
 {
     const struct orl_basis *basis = &sheet->basis;
     const size_t cells = (size_t)basis->n_cells;
-    const bool color = sheet->channels > 1;
+    const bool color = sheet->channels > 1 && !errors;
     int code = orl_matrix_init(&part->matrix, basis, basis, err);
     for (int k = 0; k < ORL_CHROMA_CHANNELS && color && code == 0; k++)
         code = orl_matrix_init(&part->chroma.matrix[k], basis, basis, err);
     if (code < 0)
         return code;
     for (size_t i = 0; i < cells * cells; i++) {
-        const struct orl_rgb f =
-            orl_gonio_sheet_value(sheet, front * cells + i / cells, transmitted, (int)(i % cells))
-                .f;
+        const struct orl_gonio_value v =
+            orl_gonio_sheet_value(sheet, front * cells + i / cells, transmitted, (int)(i % cells));
+        const struct orl_rgb f = v.f;
         double x, z;
-        part->matrix.values[i] = (float)orl_luma(f);
+        part->matrix.values[i] = (float)(errors ? v.error : orl_luma(f));
         if (!color)
             continue;
         orl_color_xz(f, &x, &z);
@@ -146,14 +146,17 @@ static int fill_part(const struct orl_gonio_sheet *sheet, bool front, bool trans
     return 0;
 }
 
-static int write_out(const struct round *r, struct orl_bsdf_made *made, struct orl_error *err)
+/* The BSDF, or its errors. */
+static int write_out(const struct round *r, bool errors, struct orl_bsdf_made *made,
+                     struct orl_error *err)
 {
     struct orl_document document = {.structure = ORL_STRUCTURE_MATRIX};
     int code = 0;
     for (int part = 0; part < 4 && code == 0; part++)
-        code = fill_part(r->sheet, part / 2, part % 2,
+        code = fill_part(r->sheet, part / 2, part % 2, errors,
                          &document.parts[orl_gonio_part_of[part / 2][part % 2]], err);
-    if (code == 0 && orl_gonio_write(&document, NULL, NULL, r->sample, r->request, made) < 0)
+    if (code == 0 && (errors ? orl_gonio_write_errors : orl_gonio_write)(
+                         &document, NULL, NULL, r->sample, r->request, made) < 0)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF's text");
     orl_document_done(&document);
     return code;
@@ -189,7 +192,9 @@ int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
         code = orl_gonio_tell(&sheet, made, err);
     if (code == 0) {
         made->reached = !round.short_of;
-        code = write_out(&round, made, err);
+        code = write_out(&round, false, made, err);
+        if (code == 0 && request->tell_errors)
+            code = write_out(&round, true, made, err);
     }
     free(wanted);
     orl_gonio_sheet_done(&sheet);

@@ -52,6 +52,7 @@ void orl_bsdf_made_done(struct orl_bsdf_made *made)
     if (!made)
         return;
     free(made->xml);
+    free(made->errors_xml);
     free(made->directions);
     for (int part = 0; part < 4; part++)
         free(made->errors[part / 2][part % 2]);

@@ -7,16 +7,22 @@
 
 int orl_gonio_probe_init(struct orl_gonio_probe *probe, struct orl_error *err)
 {
-    probe->sums =
-        calloc((size_t)2 * ORL_GONIO_BATCHES * orl_gonio_probe_cells(probe), sizeof *probe->sums);
-    return probe->sums ? 0
-                       : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the panel's BSDF");
+    const size_t cells = 2 * orl_gonio_probe_cells(probe);
+    probe->sums = calloc(ORL_GONIO_BATCHES * cells, sizeof *probe->sums);
+    probe->before = calloc(cells, sizeof *probe->before);
+    probe->heaviest = calloc(cells, sizeof *probe->heaviest);
+    return probe->sums && probe->before && probe->heaviest
+               ? 0
+               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the panel's BSDF");
 }
 
 void orl_gonio_probe_done(struct orl_gonio_probe *probe)
 {
     free(probe->sums);
-    probe->sums = NULL;
+    free(probe->before);
+    free(probe->heaviest);
+    probe->sums = probe->before = NULL;
+    probe->heaviest = NULL;
 }
 
 /* ---- Cells ----------------------------------------------------------------------------------- */
@@ -74,6 +80,12 @@ struct shot {
     double cosine, sine; /* what turns the light that comes to +x; rank 3 */
 };
 
+static void add(double *sums, float *heaviest, uint32_t cell, double weight)
+{
+    sums[cell] += weight;
+    heaviest[cell] = fmaxf(heaviest[cell], (float)weight);
+}
+
 static void count(void *ctx, const struct orl_gonio_exit *exit)
 {
     const struct shot *shot = ctx;
@@ -84,22 +96,24 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
         p->lost += isfinite(weight) ? weight : 1;
         return;
     }
-    double *sums =
-        p->sums + (shot->batch * 2 + (exit->front != p->front)) * orl_gonio_probe_cells(p);
+    const size_t part = (exit->front != p->front) * orl_gonio_probe_cells(p);
+    double *sums = p->sums + shot->batch * 2 * orl_gonio_probe_cells(p) + part;
+    float *heaviest = p->heaviest + part;
     if (p->rank == 4) {
-        sums[cell_of(p, d.x, d.y)] += weight;
+        add(sums, heaviest, cell_of(p, d.x, d.y), weight);
         return;
     }
     /* What is straight lies on the border of two cells: both have half of it. */
     const double x = shot->cosine * d.x + shot->sine * d.y;
     const double y = shot->cosine * d.y - shot->sine * d.x;
-    sums[cell_of(p, x, fabs(y))] += 0.5 * weight;
-    sums[cell_of(p, x, -fmax(fabs(y), least_away))] += 0.5 * weight;
+    add(sums, heaviest, cell_of(p, x, fabs(y)), 0.5 * weight);
+    add(sums, heaviest, cell_of(p, x, -fmax(fabs(y), least_away)), 0.5 * weight);
 }
 
 static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t index)
 {
-    const uint64_t item = p->front * (uint64_t)orl_gonio_probe_cells(p) + a;
+    const uint64_t set = (p->paths_before > 0 ? 2U : 0U) + p->front;
+    const uint64_t item = set * (uint64_t)orl_gonio_probe_cells(p) + a;
     const uint64_t stream = item * ORL_GONIO_BATCHES + batch;
     struct orl_gonio_numbers numbers = {
         .sobol = p->sobol,
@@ -140,37 +154,68 @@ void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
                           struct orl_gonio_node *ret_nodes)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
-    const double unit = (double)cells / ORL_PI / paths;
+    const double all = (double)paths + probe->paths_before;
+    const double unit = (double)cells / ORL_PI / all, told = paths / all;
     for (size_t i = 0; i < 2 * cells; i++) {
+        const double before = probe->before[i] / ORL_GONIO_BATCHES;
         double sum = 0, squares = 0;
         for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
             sum += probe->sums[k * 2 * cells + i];
-        ret_nodes[i] = (struct orl_gonio_node){.value = 0};
-        if (sum == 0)
+        ret_nodes[i] = (struct orl_gonio_node){.path = (float)(unit / ORL_GONIO_BATCHES)};
+        if (sum + before == 0)
             continue;
         const double mean = sum / ORL_GONIO_BATCHES;
         for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
             const double off = probe->sums[k * 2 * cells + i] - mean;
             squares += off * off;
         }
-        ret_nodes[i].value = (float)(mean * unit);
+        /* As many in each batch as in all sets, of which these are a part. */
+        ret_nodes[i].value = (float)((mean + before) * unit);
         ret_nodes[i].variance =
-            (float)(squares * unit * unit / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0)));
+            (float)(squares / told * unit * unit / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0)));
+        ret_nodes[i].path *= probe->heaviest[i];
     }
+}
+
+void orl_gonio_probe_put_aside(struct orl_gonio_probe *probe, uint32_t paths)
+{
+    const size_t cells = 2 * orl_gonio_probe_cells(probe);
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+        for (size_t i = 0; i < cells; i++)
+            probe->before[i] += probe->sums[k * cells + i];
+    memset(probe->sums, 0, ORL_GONIO_BATCHES * cells * sizeof *probe->sums);
+    probe->paths_before += paths;
 }
 
 void orl_gonio_probe_drop(struct orl_gonio_probe *probe)
 {
-    memset(probe->sums, 0,
-           (size_t)2 * ORL_GONIO_BATCHES * orl_gonio_probe_cells(probe) * sizeof *probe->sums);
+    const size_t cells = 2 * orl_gonio_probe_cells(probe);
+    memset(probe->sums, 0, ORL_GONIO_BATCHES * cells * sizeof *probe->sums);
+    memset(probe->before, 0, cells * sizeof *probe->before);
+    memset(probe->heaviest, 0, cells * sizeof *probe->heaviest);
+    probe->paths_before = 0;
+}
+
+static double sum_of(const double *values, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += values[i];
+    return sum;
 }
 
 void orl_gonio_probe_settle(struct orl_gonio_probe *probe, uint32_t paths)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
-    for (size_t i = 0; i < 2 * cells; i++)
+    const double all = (double)paths + probe->paths_before, told = paths / all;
+    for (size_t part = 0; part < 2; part++) {
+        const double before = sum_of(probe->before + part * cells, cells) / ORL_GONIO_BATCHES;
+        double sums[ORL_GONIO_BATCHES];
         for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-            if (probe->sums[k * 2 * cells + i] != 0)
-                probe->totals[k][i >= cells] += probe->sums[k * 2 * cells + i] / paths;
+            sums[k] = sum_of(probe->sums + (2 * k + part) * cells, cells);
+        const double mean = sum_of(sums, ORL_GONIO_BATCHES) / ORL_GONIO_BATCHES;
+        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+            probe->totals[k][part] += (mean + before + (sums[k] - mean) / sqrt(told)) / all;
+    }
     orl_gonio_probe_drop(probe);
 }

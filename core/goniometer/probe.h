@@ -19,6 +19,9 @@ struct orl_gonio_probe {
     const atomic_bool *cancel; /* may be NULL */
     /* What is counted; owned: */
     double *sums;                        /* [batch][transmitted][cell out], of one incident cell */
+    double *before;                      /* [transmitted][cell out], of all batches put aside */
+    float *heaviest;                     /* what one path alone brought: [transmitted][cell out] */
+    uint32_t paths_before;               /* in each batch that was put aside */
     double totals[ORL_GONIO_BATCHES][2]; /* of all incident cells: shares, summed */
     double lost;
 };
@@ -39,6 +42,9 @@ void orl_gonio_probe_done(struct orl_gonio_probe *probe);
 /* Sends paths from .. to of each batch into incident cell a: of rank 4 one of the square, of rank 3
  * a ring. When it is cancelled, some of them. */
 void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to);
+/* Puts aside what is counted, after that many of each batch; these begin anew, by other numbers,
+ * and alone tell the error of all (as in sheet.h). */
+void orl_gonio_probe_put_aside(struct orl_gonio_probe *probe, uint32_t paths);
 /* After that many of each batch: fills ret_nodes[transmitted * cells + cell out] with leaves. */
 void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
                           struct orl_gonio_node *ret_nodes);

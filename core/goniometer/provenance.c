@@ -53,8 +53,12 @@ static void say_errors(const struct orl_bsdf_made *made, FILE *out)
     }
     fprintf(out,
             "Largest standard error of values above a hundredth of their part's peak: %.2g of the "
-            "value\nLight given up inside: %.2g",
-            made->worst, made->lost);
+            "value\n",
+            made->worst);
+    if (made->joined > 0)
+        fprintf(out, "Largest that cells joined are off by from their mean, as rms: %.2g of it\n",
+                made->joined);
+    fprintf(out, "Light given up inside: %.2g", made->lost);
 }
 
 static void say_converted(const struct orl_gonio_sample *sample,
@@ -67,13 +71,16 @@ static void say_converted(const struct orl_gonio_sample *sample,
 }
 
 static char *say_all(const struct orl_gonio_sample *sample,
-                     const struct orl_bsdf_make_request *request, const struct orl_bsdf_made *made)
+                     const struct orl_bsdf_make_request *request, const struct orl_bsdf_made *made,
+                     bool errors)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return NULL;
+    if (errors)
+        fputs("Standard errors in place of values: no BSDF. Of these it is said:\n", out);
     if (sample->file) {
         say_converted(sample, request, out);
     } else {
@@ -92,9 +99,9 @@ static char *say_all(const struct orl_gonio_sample *sample,
 /* ---- The file -------------------------------------------------------------------------------- */
 
 static int write_out(const struct orl_document *document, const struct orl_bsdf_labels *labels,
-                     struct orl_bsdf_made *made)
+                     char **ret_xml, size_t *ret_size)
 {
-    FILE *out = open_memstream(&made->xml, &made->xml_size);
+    FILE *out = open_memstream(ret_xml, ret_size);
     if (!out)
         return ORL_ERR_NOMEM;
     orl_document_write(document, labels, out);
@@ -102,23 +109,49 @@ static int write_out(const struct orl_document *document, const struct orl_bsdf_
     return fclose(out) == 0 && !failed ? 0 : ORL_ERR_NOMEM;
 }
 
-int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
-                    const struct orl_gonio_sample *sample,
-                    const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made)
+/* What a file holds, and where it goes. */
+struct sheet {
+    bool errors;
+    char **xml;
+    size_t *size;
+    orl_bsdf_write_part *write_part;
+    void *ctx;
+};
+
+static int write_sheet(struct orl_document *document, const struct sheet *sheet,
+                       const struct orl_gonio_sample *sample,
+                       const struct orl_bsdf_make_request *request,
+                       const struct orl_bsdf_made *made)
 {
-    char *comment = say_all(sample, request, made);
+    char *comment = say_all(sample, request, made, sheet->errors);
     const struct orl_bsdf_labels labels = {.manufacturer = sample->file ? "converted" : "simulated",
                                            .width_m = made->cell[1] - made->cell[0],
                                            .height_m = made->cell[3] - made->cell[2],
                                            .comment = comment,
-                                           .write_part = write_part,
-                                           .ctx = ctx};
+                                           .write_part = sheet->write_part,
+                                           .ctx = sheet->ctx};
     int code = comment ? 0 : ORL_ERR_NOMEM;
     document->thickness_m = made->depth[1] - made->depth[0];
-    snprintf(document->name, sizeof document->name, "%s",
-             request->name ? request->name : request->files[0]);
+    snprintf(document->name, sizeof document->name, "%s%s",
+             request->name ? request->name : request->files[0], sheet->errors ? ", errors" : "");
     if (code == 0)
-        code = write_out(document, &labels, made);
+        code = write_out(document, &labels, sheet->xml, sheet->size);
     free(comment);
     return code;
+}
+
+int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
+                    const struct orl_gonio_sample *sample,
+                    const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made)
+{
+    const struct sheet sheet = {false, &made->xml, &made->xml_size, write_part, ctx};
+    return write_sheet(document, &sheet, sample, request, made);
+}
+
+int orl_gonio_write_errors(struct orl_document *document, orl_bsdf_write_part *write_part,
+                           void *ctx, const struct orl_gonio_sample *sample,
+                           const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made)
+{
+    const struct sheet sheet = {true, &made->errors_xml, &made->errors_xml_size, write_part, ctx};
+    return write_sheet(document, &sheet, sample, request, made);
 }

@@ -14,5 +14,9 @@ extern const enum orl_bsdf_part orl_gonio_part_of[2][2];
 int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
                     const struct orl_gonio_sample *sample,
                     const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made);
+/* The same for made->errors_xml, of a document of errors. */
+int orl_gonio_write_errors(struct orl_document *document, orl_bsdf_write_part *write_part,
+                           void *ctx, const struct orl_gonio_sample *sample,
+                           const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made);
 
 #endif

@@ -52,7 +52,8 @@ uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request)
     if (request->paths)
         return request->paths;
     if (request->accuracy > 0 && orl_bsdf_basis_is_tree(request->basis))
-        return 1024; /* that a share of 1 % of the light is missed by chance is one case in 10^4 */
+        return 2048; /* of half of them, that a share of 1 % of the light is missed by chance is one
+                        case in 10^4 */
     return request->basis == ORL_BSDF_TENSOR_TREE_4   ? 4096
            : request->basis == ORL_BSDF_TENSOR_TREE_3 ? 32768
                                                       : 16384;

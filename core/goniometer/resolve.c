@@ -25,7 +25,7 @@ static struct orl_gonio_node join(struct orl_gonio_node *children, unsigned leve
         plain[i] = children[i];
         if (!children[i].branch)
             plain[i].doubt = 0;
-        variance += (double)children[i].variance / FAN;
+        variance += orl_gonio_noise(&children[i]) / FAN;
     }
     if (orl_gonio_are_one(cull, plain, FAN, level, &mean)) {
         for (int i = 0; i < FAN && (double)mean.value < from; i++)
@@ -46,7 +46,7 @@ struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_node *cells, unsigned l
     struct orl_gonio_seen seen = {0, 0};
     const size_t n = (size_t)1 << 2 * levels;
     for (size_t i = 0; i < n; i++)
-        cells[i].doubt = cells[i].variance;
+        cells[i].doubt = (float)(orl_gonio_noise(&cells[i]));
     for (unsigned level = levels; level > 0; level--)
         for (size_t i = 0; i < (size_t)1 << 2 * (level - 1); i++)
             cells[i] = join(cells + 4 * i, level, cull, from, &seen);

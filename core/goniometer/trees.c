@@ -25,6 +25,7 @@ struct block {
     double totals[ORL_GONIO_BATCHES][2], lost;
     double peaks[2]; /* reflected, transmitted: as few paths tell them */
     uint64_t paths;
+    bool short_of; /* an error was foreseen above the accuracy, for want of paths */
     int code;
 };
 
@@ -71,10 +72,10 @@ static struct orl_gonio_seen look(const struct work *w, bool transmitted, double
     return orl_gonio_resolve(w->nodes + transmitted * cells, w->t->levels, &w->t->cull, from);
 }
 
-/* Whether the cell's values are known as well as was asked for. */
+/* Whether the cell's values will be known as well as was asked for, by twice as many paths. */
 static bool is_resolved(const struct work *w, const struct orl_gonio_node *nodes)
 {
-    const double accuracy = w->t->request->accuracy;
+    const double accuracy = sqrt(2) * w->t->request->accuracy;
     bool resolved = true;
     memcpy(w->nodes, nodes, 2 * orl_gonio_probe_cells(&w->probe) * sizeof *nodes);
     for (int k = 0; k < 2 && resolved; k++)
@@ -82,25 +83,47 @@ static bool is_resolved(const struct work *w, const struct orl_gonio_node *nodes
     return resolved;
 }
 
-/* One finest cell: with an accuracy its paths are doubled until they tell enough. */
-static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_node *ret_nodes)
+/* Paths are doubled until as many again will tell enough. Returns how many there are in each batch;
+ * less than those to begin with: cancelled. */
+static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_node *nodes)
 {
     const struct trees *t = w->t;
     uint32_t sent = 0, paths = t->paths;
+    for (;;) {
+        orl_gonio_probe_send(&w->probe, a, sent, paths);
+        if (orl_is_cancelled(t->cancel))
+            return 0;
+        orl_gonio_probe_tell(&w->probe, paths, nodes);
+        const bool resolved = is_resolved(w, nodes);
+        if (resolved || 4ULL * paths > t->paths_most) {
+            w->block->short_of = w->block->short_of || !resolved;
+            return paths;
+        }
+        sent = paths;
+        paths *= 2;
+    }
+}
+
+/* One finest cell. */
+static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    const struct trees *t = w->t;
+    uint32_t paths = t->paths, sets = 1;
     if (t->sample->file) {
         orl_gonio_read_cell(&w->probe, t->sample->file, a, ret_nodes);
         return !orl_is_cancelled(t->cancel);
     }
-    do {
-        if (orl_is_cancelled(t->cancel))
-            return false;
-        orl_gonio_probe_send(&w->probe, a, sent, paths);
-        orl_gonio_probe_tell(&w->probe, paths, ret_nodes);
-        sent = paths;
-        paths *= 2;
-    } while (t->request->accuracy > 0 && paths <= t->paths_most && !is_resolved(w, ret_nodes));
-    orl_gonio_probe_settle(&w->probe, sent);
-    w->block->paths += (uint64_t)sent * ORL_GONIO_BATCHES;
+    if (t->request->accuracy > 0) {
+        paths = decide(w, a, ret_nodes);
+        orl_gonio_probe_put_aside(&w->probe, paths);
+        sets = 2;
+    }
+    orl_gonio_probe_send(&w->probe, a, 0, paths);
+    if (orl_is_cancelled(t->cancel))
+        return false;
+    orl_gonio_probe_tell(&w->probe, paths, ret_nodes);
+    orl_gonio_probe_settle(&w->probe, paths);
+    w->block->paths += (uint64_t)paths * sets * ORL_GONIO_BATCHES;
     return true;
 }
 
@@ -318,29 +341,42 @@ static struct orl_bsdf_share diffuse_of(const struct trees *t, size_t side, bool
 static void tell(const struct trees *t, struct orl_bsdf_made *made)
 {
     double lost = 0;
+    struct orl_gonio_worst worst = {0, 0};
+    made->reached = true;
     for (size_t side = 0; side < 2; side++)
         for (size_t k = 0; k < 2; k++) {
             const struct orl_gonio_forest *forest = &t->forests[side];
             const struct orl_gonio_node root = t->roots[side][k];
             const double from = told_from * orl_gonio_forest_peak(forest, root);
             made->diffuse[side][k] = diffuse_of(t, side, k);
-            made->worst = fmax(made->worst, orl_gonio_forest_worst(forest, root, from));
+            orl_gonio_forest_worst(forest, root, from, &worst);
         }
     for (size_t i = 0; i < t->n_todo; i++) {
         made->paths += t->blocks[t->todo[i]].paths;
         lost += t->blocks[t->todo[i]].lost;
+        made->reached = made->reached && !t->blocks[t->todo[i]].short_of;
     }
+    made->worst = worst.noise;
+    made->joined = worst.joined;
     made->lost = made->paths > 0 ? lost / (double)made->paths : 0;
-    made->reached = !(t->request->accuracy > 0) || made->worst <= t->request->accuracy;
+}
+
+static void write_as(const struct trees *t, enum orl_bsdf_part part, bool errors, FILE *out)
+{
+    for (size_t side = 0; side < 2; side++)
+        for (size_t k = 0; k < 2; k++)
+            if (orl_gonio_part_of[side][k] == part)
+                orl_gonio_forest_write(&t->forests[side], t->roots[side][k], errors, out);
 }
 
 static void write_part(void *ctx, enum orl_bsdf_part part, FILE *out)
 {
-    const struct trees *t = ctx;
-    for (size_t side = 0; side < 2; side++)
-        for (size_t k = 0; k < 2; k++)
-            if (orl_gonio_part_of[side][k] == part)
-                orl_gonio_forest_write(&t->forests[side], t->roots[side][k], out);
+    write_as(ctx, part, false, out);
+}
+
+static void write_errors(void *ctx, enum orl_bsdf_part part, FILE *out)
+{
+    write_as(ctx, part, true, out);
 }
 
 static void done(struct trees *t)
@@ -372,7 +408,8 @@ static struct trees trees_of(const struct orl_bsdf_make_request *request,
     /* Of rank 3 every ring is a block, and half of A is none. */
     t.split = t.rank == 3 ? t.levels : t.levels < SPLIT_LEVEL ? t.levels : SPLIT_LEVEL;
     t.n_blocks = t.rank == 3 ? (size_t)1 << (t.levels - 1) : (size_t)1 << 2 * t.split;
-    t.paths = (orl_bsdf_make_paths(request) + ORL_GONIO_BATCHES - 1) / ORL_GONIO_BATCHES;
+    const uint32_t sets = request->accuracy > 0 ? 2 * ORL_GONIO_BATCHES : ORL_GONIO_BATCHES;
+    t.paths = (orl_bsdf_make_paths(request) + sets - 1) / sets;
     t.blocks = calloc(2 * t.n_blocks, sizeof *t.blocks);
     t.todo = calloc(2 * t.n_blocks, sizeof *t.todo);
     for (size_t i = 0; t.todo && i < 2 * t.n_blocks; i++) {
@@ -412,6 +449,8 @@ int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
         for (int part = 0; part < ORL_PART_COUNT; part++)
             document.parts[part].present = true;
         code = orl_gonio_write(&document, write_part, &t, sample, request, made);
+        if (code == 0 && request->tell_errors)
+            code = orl_gonio_write_errors(&document, write_errors, &t, sample, request, made);
     }
     done(&t);
     return code < 0 ? fail(code, err) : 0;

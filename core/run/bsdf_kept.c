@@ -11,7 +11,7 @@
 struct head {
     uint64_t paths, n_directions, xml_size;
     struct orl_bsdf_share diffuse[2][2];
-    double worst, lost, cell[4], depth[2];
+    double worst, joined, lost, cell[4], depth[2];
     uint32_t reached, has_errors;
 };
 
@@ -23,6 +23,7 @@ static struct head head_of(const struct orl_bsdf_made *m)
                      .n_directions = m->n_directions,
                      .xml_size = m->xml_size,
                      .worst = m->worst,
+                     .joined = m->joined,
                      .lost = m->lost,
                      .reached = m->reached,
                      .has_errors = m->errors[0][0] != NULL};
@@ -91,6 +92,7 @@ static bool unpack(const char *data, size_t size, struct orl_bsdf_made *ret_made
     m = (struct orl_bsdf_made){.xml_size = h.xml_size,
                                .n_directions = h.n_directions,
                                .worst = h.worst,
+                               .joined = h.joined,
                                .reached = h.reached != 0,
                                .paths = h.paths,
                                .lost = h.lost};
@@ -145,6 +147,8 @@ int orl_bsdf_make_kept(const struct orl_bsdf_make_request *request,
                        struct orl_error *err)
 {
     struct panel panel = {request, env, ret_made};
+    if (request->tell_errors)
+        return orl_error_set(err, ORL_ERR_INVALID, "errors as XML are not kept");
     const struct orl_kept_bsdf bsdf = {&panel, make_panel, pack_panel, unpack_panel};
     return orl_kept_bsdf_get(&bsdf, env, keep, ret_info, err);
 }

@@ -88,7 +88,7 @@ static void faults_end_with_1(void **state)
 /* A sheet by words of the line, and the same by a document: the same bytes, and a sound file. */
 static void a_panel_becomes_a_file(void **state)
 {
-    char folder[64], panel[128], xml[128], document[128], other[128], report[128];
+    char folder[64], panel[128], xml[128], document[128], other[128], report[128], errors[128];
     double transmitted = 0;
     (void)state;
     cli_make_folder(folder);
@@ -104,8 +104,9 @@ static void a_panel_becomes_a_file(void **state)
     snprintf(document, sizeof document, "%s/panel.json", folder);
     snprintf(other, sizeof other, "%s/other.xml", folder);
     snprintf(report, sizeof report, "%s/report.json", folder);
-    const char *const by_document[] = {"bsdf", "make",     document, "-o",
-                                       xml,    "--report", report,   NULL};
+    snprintf(errors, sizeof errors, "%s/errors.xml", folder);
+    const char *const by_document[] = {"bsdf",     "make", document,   "-o",   xml,
+                                       "--report", report, "--errors", errors, NULL};
     cli_run(by_document, &result);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "diffuse light from");
@@ -118,6 +119,9 @@ static void a_panel_becomes_a_file(void **state)
     check(xml, NULL);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "Klems Quarter, resolution 41");
+    char *text = cli_read_file(folder, "errors.xml");
+    assert_says(text, "Standard errors in place of values");
+    free(text);
     assert_says(result.out, "\"sheet\"");
     const char *const by_words[] = {"bsdf",    "make",          panel,     "-o",  other,
                                     "--basis", "klems_quarter", "--paths", "256", "--name",

@@ -29,6 +29,7 @@ static struct orl_bsdf_make_request request_of(const struct panel *panel, char *
     r.cull = panel->cull > 0 ? panel->cull : r.cull;
     r.accuracy = panel->accuracy;
     r.paths_most = panel->paths_most ? panel->paths_most : r.paths_most;
+    r.tell_errors = panel->tell_errors;
     r.seed = panel->seed ? panel->seed : 1;
     return r;
 }

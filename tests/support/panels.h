@@ -21,6 +21,7 @@ struct panel {
     uint32_t paths_most; /* 0: the default */
     uint64_t seed;       /* 0: 1 */
     uint32_t threads;    /* 0: 1 */
+    bool tell_errors;
 };
 
 /* For orl_bsdf_made_done. */

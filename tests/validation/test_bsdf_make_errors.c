@@ -18,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "bsdf/shirley.h"
 #include "fixtures/bsdf_ask.h"
 #include "support/panels.h"
 
@@ -39,6 +40,9 @@ static const char saw[] = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
                           "d polygon slope 0 0 12 -1 0 -.2 -1 1 -.6 2 1 -.6 2 0 -.2\n"
                           "d polygon riser 0 0 12 -1 1 -.6 -1 1 -.2 2 1 -.2 2 1 -.6\n"
                           "p polygon paint 0 0 12 0 .2 -.8 0 .5 -.8 .6 .5 -.8 .6 .2 -.8\n";
+/* A sheet that scatters about what goes straight. */
+static const char frosted[] = "void trans s 0 0 7 .8 .8 .8 .04 .15 .7 .8\n"
+                              "s polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n";
 /* A matt blind. */
 static const char blind[] = "void plastic w 0 0 5 .7 .7 .7 0 0\n"
                             "w polygon s 0 0 12 0 0 0 1 0 0 1 .6 -.6 0 .6 -.6\n";
@@ -81,7 +85,7 @@ static void assert_true_errors(const struct tally *tally, const char *name, doub
 /* A BSDF as it was made, with its text read. */
 struct made {
     struct orl_bsdf_made made;
-    struct orl_bsdf *bsdf;
+    struct orl_bsdf *bsdf, *errors; /* errors: of trees */
 };
 
 static struct made make(struct panel panel, uint64_t seed)
@@ -90,12 +94,19 @@ static struct made make(struct panel panel, uint64_t seed)
     panel.threads = 2;
     struct made m = {.made = panel_make(&panel)};
     m.bsdf = panel_read(&m.made);
+    if (panel.tell_errors) {
+        struct orl_error err = {0};
+        if (orl_bsdf_load_xml("errors.xml", m.made.errors_xml, m.made.errors_xml_size, &m.errors,
+                              &err) < 0)
+            fail_msg("line %d: %s", err.line, err.message);
+    }
     return m;
 }
 
 static void done(struct made *m)
 {
     orl_bsdf_unref(m->bsdf);
+    orl_bsdf_unref(m->errors);
     orl_bsdf_made_done(&m->made);
 }
 
@@ -180,10 +191,90 @@ static void of_matrices(void **state)
     }
 }
 
+/* ---- Trees ----------------------------------------------------------------------------------- */
+
+/* The middle of a cell of the square, of so many a side. */
+static struct orl_vec3 cell_middle(size_t cell, size_t side, bool above)
+{
+    struct orl_vec3 d = orl_square_to_hemisphere(
+        (struct orl_square){2 * ((double)(cell % side) + 0.5) / (double)side - 1,
+                            2 * ((double)(cell / side) + 0.5) / (double)side - 1});
+    d.z = above ? d.z : -d.z;
+    return d;
+}
+
+static void compare_tree(const struct made *m, const struct made *longer, size_t side, int part,
+                         struct tally *tally)
+{
+    const bool front = part / 2, transmitted = part % 2;
+    const size_t cells = side * side;
+    double peak = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < cells * cells; i++) {
+            const struct orl_vec3 in = cell_middle(i / cells, side, front);
+            const struct orl_vec3 out = cell_middle(i % cells, side, front != transmitted);
+            const double is = eval(longer->bsdf, in, out);
+            peak = pass == 0 ? fmax(peak, is) : peak;
+            const double value = eval(m->bsdf, in, out);
+            if (pass == 1 && value >= 0.01 * peak && value > 0)
+                count(tally, value - is,
+                      hypot(eval(m->errors, in, out), eval(longer->errors, in, out)));
+        }
+}
+
+static const struct {
+    const char *name, *text;
+    const double *cell;
+    uint32_t side;
+    enum orl_bsdf_symmetry symmetry;
+    double cull, accuracy, room; /* accuracy 0: 4096 paths */
+} trees[] = {
+    {"cut panel's tree", cut, square, 16, ORL_BSDF_QUADRILATERAL, 1e-6, 0, 0.3},
+    {"to an accuracy", cut, square, 16, ORL_BSDF_QUADRILATERAL, 1e-6, 0.05, 0.3},
+    {"saw's tree", saw, square, 8, ORL_BSDF_ASYMMETRIC, 1e-6, 0.2, 0.3},
+    {"blind's tree, half of its cells joined", blind, NULL, 8, ORL_BSDF_ASYMMETRIC, 1e-6, 0, 0.3},
+    {"cells joined within a fifth of their mean", frosted, NULL, 8, ORL_BSDF_ASYMMETRIC, 0.2, 0,
+     0.7}};
+
+/* Cells that are one are right or wrong together, but by what each of them is off by: of what they
+ * are off by together the shares scatter more than n cells' do. */
+static void of_trees(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof trees / sizeof *trees; i++) {
+        struct panel panel = {.text = trees[i].text,
+                              .basis = ORL_BSDF_TENSOR_TREE_4,
+                              .cell = trees[i].cell,
+                              .resolution = trees[i].side,
+                              .symmetry = trees[i].symmetry,
+                              .tell_errors = true};
+        struct tally tally = {0};
+        panel.cull = 1e-9;
+        panel.paths = 1 << 14;
+        struct made longer = make(panel, 77);
+        panel.cull = trees[i].cull;
+        panel.accuracy = trees[i].accuracy;
+        panel.paths_most = 1 << 15;
+        panel.paths = panel.accuracy > 0 ? 2048 : 4096;
+        for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+            struct made m = make(panel, seed);
+            assert_true(m.made.reached);
+            assert_true(panel.accuracy == 0 || m.made.worst < 2 * panel.accuracy);
+            assert_true((m.made.joined > 0.02) == (i > 2));
+            for (int part = 0; part < 4; part++)
+                compare_tree(&m, &longer, trees[i].side, part, &tally);
+            done(&m);
+        }
+        assert_true_errors(&tally, trees[i].name, trees[i].room);
+        done(&longer);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(of_matrices),
+        cmocka_unit_test(of_trees),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,8 +22,8 @@ struct orl_bsdf_keep {
 
 /*
  * *ret_info: what is kept, cached when it was there already; its paths, or rows, are those emitted.
- * What cannot be kept, or is found damaged, costs time alone. Else as orl_bsdf_make and
- * orl_bsdf_fit.
+ * Errors as XML are not kept: a request for them is ORL_ERR_INVALID. What cannot be kept, or is
+ * found damaged, costs time alone. Else as orl_bsdf_make and orl_bsdf_fit.
  */
 int orl_bsdf_make_kept(const struct orl_bsdf_make_request *request,
                        const struct orl_bsdf_make_env *env, const struct orl_bsdf_keep *keep,

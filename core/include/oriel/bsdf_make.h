@@ -80,15 +80,16 @@ struct orl_bsdf_make_request {
      * value of at least a hundredth of the largest of its part is at most this share of it; 0: not
      * asked for. Beyond paths_most for one direction it is given up: orl_bsdf_made.reached. Of
      * trees a value that stands for several finest cells counts with the error of a quarter of it:
-     * of what the next subdivision would show (goniometer/resolve.h). In Klems bases half of the
-     * paths decide whether all of them are enough, and the other half, independent of these, tells
-     * the errors that are stated (goniometer/sheet.h): of thousands some are by chance larger than
-     * asked for, up to twice. It is a standard error by the paths that were drawn: of thousands of
-     * values some are off by several, and what no path has met yet none of them knows.
+     * of what the next subdivision would show (goniometer/resolve.h). Half of the paths decide
+     * whether all of them are enough, and the other half, independent of these, tells the errors
+     * that are stated (goniometer/sheet.h): of thousands some are by chance larger than asked for,
+     * up to twice. It is a standard error by the paths that were drawn: of thousands of values some
+     * are off by several, and what no path has met yet none of them knows.
      */
     double accuracy;
     uint32_t paths_most;
     uint64_t seed;
+    bool tell_errors; /* orl_bsdf_made.errors_xml is wanted */
 };
 
 /* Klems full, seed 1; of trees a resolution of 64, a cull of 0.05. */
@@ -96,7 +97,7 @@ void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request);
 void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
 
 /* Those of the request, or of its basis: 16384; of trees of rank 3 and 4 32768 and 4096, with an
- * accuracy 1024. */
+ * accuracy 2048. */
 uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request);
 
 /* What can be told of a request without its files: 0, ORL_ERR_INVALID, ORL_ERR_RANGE. */
@@ -126,12 +127,19 @@ struct orl_bsdf_made_direction {
 struct orl_bsdf_made {
     char *xml; /* owned, ends in 0 */
     size_t xml_size;
+    /* The same file with standard errors in the place of values, 1/sr, to look at and to plot; NULL
+     * unless it was wanted. Of cells of a tree that are one the error holds what they are off by
+     * from their mean, as rms. Owned. */
+    char *errors_xml;
+    size_t errors_xml_size;
     size_t n_directions;                        /* of a matrix; 0 of trees */
     struct orl_bsdf_made_direction *directions; /* owned */
     struct orl_bsdf_share diffuse[2][2];        /* of perfectly diffuse light */
     float *errors[2][2]; /* standard errors, 1/sr, with room for one path more or less: [direction
                             in][direction out]; owned; NULL of trees */
     double worst;        /* largest share of the error in a value, as accuracy has it */
+    double joined;       /* of trees: the largest share of a value that the finest cells it stands
+                            for are off by, as rms and as far as errors do not explain it */
     bool reached; /* the accuracy, as far as it is decided by; true when none was asked for */
     uint64_t paths;
     double lost;              /* share of the light that was given up inside the panel */
