@@ -49,7 +49,7 @@ CLIENT_SRC := $(sort $(wildcard client/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 # Programs of tests/bench; the rest there is shared.
 BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration annual \
-	eta_course hello)
+	eta_course polygons hello)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
 	tests/fuzz/promise.c $(filter-out $(BENCH_SRC),$(wildcard tests/bench/*.c)))
 TEST_SUITES := unit stats validation stability api migrations
@@ -72,7 +72,7 @@ SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
 SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
-.PHONY: all help clean check demo torture lint format asan tsan bench bench-scale load dashboards check-perf table2 gallery \
+.PHONY: all help clean check demo torture lint format asan tsan bench bench-scale bench-polygons load dashboards check-perf table2 gallery \
 	calibration annual study tests deps-build deps-check deps-browser deps-lint deps-demo deps-perf deps-fuzz fuzz fuzzers stability cie171 oracles FORCE
 all: $(BUILD)/oriel $(BUILD)/orield
 
@@ -95,6 +95,7 @@ help:
 ## make bench      what the office costs in ray-times, beside its targets and Radiance's times if it
 ##                 is there: a table, and build/bench.json
 ## make bench-scale  how that grows with photons, threads and little memory
+## make bench-polygons  what five million polygons take to load, in bytes and seconds
 ## make load       how the daemon bears many clients, idle and while all cores render: a table
 ## make dashboards  200 dashboards at once while all cores render, and what one page takes: a table
 ## make eta        what ten jobs were said to take still, beside what they took: a table
@@ -362,6 +363,9 @@ bench: deps-check
 bench-scale: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/scale
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/scale
+bench-polygons: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/polygons
+	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/polygons
 load: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/orield $(BUILD)/tests/bench/hello
 	@PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/bench/load.py $(BUILD)
