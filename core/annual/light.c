@@ -16,12 +16,11 @@ static void warn_of_curved(struct orl_year *y)
     const size_t n = orl_annual_count_curved(y->world, &first);
     if (n == 0)
         return;
-    const struct orl_description *d = &y->world->scene->description;
-    const struct orl_surface *surface = &d->surfaces[y->world->geometry->facets[first].surface];
+    const struct orl_surface_label label = orl_scene_label_of(y->world->scene, first);
     orl_year_warn(y,
                   "sunlight that %zu curved panes or polished surfaces mirror is left out (first: "
                   "%.100s at %.200s:%d): make them of flat pieces",
-                  n, surface->name, surface->file, surface->line);
+                  n, label.name, label.file, label.line);
 }
 
 static const char *name_of_part(const struct orl_year_variant *v)

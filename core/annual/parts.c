@@ -175,12 +175,12 @@ int orl_part_admit(const struct orl_world *world, uint32_t part, const char *nam
         const bool port = world->port_of_facet && world->port_of_facet[i] != ORL_NO_PORT;
         if (port || material_of(world, (uint32_t)i)->part != part || is_near(world, part, f))
             continue;
-        const struct orl_surface *s = &world->scene->description.surfaces[f->surface];
+        const struct orl_surface_label s = orl_scene_label_of(world->scene, (uint32_t)i);
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
                       "the surface '%.100s' of '%.100s' is not by a window of that group: light of "
                       "several groups is not the sum of theirs then",
-                      s->name, name);
-        orl_error_at(err, s->file, s->line, NULL);
+                      s.name, name);
+        orl_error_at(err, s.file, s.line, NULL);
         orl_error_hint(err, "leave it in the scene, or have so few states that each combination of "
                             "them can be a run");
         return ORL_ERR_UNSUPPORTED;

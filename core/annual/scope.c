@@ -10,12 +10,11 @@ static const double strong = 0.25;
 static int refuse(const struct orl_world *world, uint32_t facet, struct orl_error *err,
                   const char *what)
 {
+    const struct orl_surface_label label = orl_scene_label_of(world->scene, facet);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
                   "a year of light does not follow %s yet, which the surface '%.100s' calls for",
-                  what, orl_scene_name_of(world->scene, facet));
-    const struct orl_description *d = &world->scene->description;
-    const struct orl_surface *surface = &d->surfaces[world->geometry->facets[facet].surface];
-    orl_error_at(err, surface->file, surface->line, NULL);
+                  what, label.name);
+    orl_error_at(err, label.file, label.line, NULL);
     orl_error_hint(err, "run it hour by hour: a job with a list of skies");
     return ORL_ERR_UNSUPPORTED;
 }

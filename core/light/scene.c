@@ -12,12 +12,16 @@
 #include "scene/material/pattern.h"
 
 /*
- * Of a triangle, a corner of some and a facet, with their share of the hierarchy. With the surfaces
- * themselves, and what is round twice, this is 1.04 to 1.10 of what 300 000 loose quadrangles or
- * triangles, or a mesh of a million triangles, hold (resident memory after orl_scene_new less that
- * before); 0.94 of what 300 000 spheres do.
+ * Of a triangle, a corner of some and a facet, with their share of the hierarchy. With the labels,
+ * and what is round twice, this is near what polygons hold (make bench-polygons).
  */
-enum { BYTES_A_TRIANGLE = 128, BYTES_A_CORNER = 36, BYTES_A_FACET = 160, BYTES_A_PLACE = 512 };
+enum {
+    BYTES_A_TRIANGLE = 92,
+    BYTES_A_CORNER = 36,
+    BYTES_A_FACET = 96,
+    BYTES_A_PLACE = 512,
+    BYTES_A_MESHED_OUTLINE = 160
+};
 
 static int list_shining(struct orl_scene *scene)
 {
@@ -134,6 +138,8 @@ int orl_scene_new(struct orl_description *description, struct orl_scene **ret_sc
         code = orl_proxies_part(scene, err);
     if (code == 0)
         code = list_shining(scene);
+    if (code == 0)
+        code = orl_description_let_go(&scene->description);
     scene->description.cancel = NULL;
 done:
     if (code == ORL_ERR_NOMEM)
@@ -212,39 +218,42 @@ uint64_t orl_scene_bytes(const struct orl_scene *scene)
         bytes += parts[i] ? geometry_bytes(parts[i]) : 0;
     for (size_t i = 0; parts[0] && i < parts[0]->n_prototypes; i++)
         bytes += geometry_bytes(parts[0]->prototypes[i]) +
-                 scene->description.prototypes[i].n_surfaces * sizeof(struct orl_surface);
+                 orl_surface_labels_bytes(scene->description.prototypes[i].labels);
     for (size_t i = 0; i < scene->description.n_grids; i++)
         bytes += orl_grid_bytes(scene->description.grids[i]);
-    return bytes + scene->description.n_surfaces * sizeof(struct orl_surface) +
+    if (scene->description.surfaces)
+        bytes += scene->description.n_surfaces *
+                 (uint64_t)(sizeof(struct orl_surface) + BYTES_A_MESHED_OUTLINE);
+    return bytes + orl_surface_labels_bytes(scene->description.labels) +
            bsdf_bytes(&scene->description);
 }
 
-const struct orl_surface *orl_scene_surface_of(const struct orl_scene *scene, uint32_t facet)
+struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint32_t facet)
 {
     const struct orl_geometry *const g = scene->geometry;
+    const struct orl_description *const d = &scene->description;
     const uint32_t surface = orl_facet_of(g, facet)->surface;
     if (!orl_facet_is_placed(g, facet))
-        return &scene->description.surfaces[surface];
-    const struct orl_placement *const p =
-        &scene->description.placements[orl_placed_of(g, facet) - g->placed];
-    return &scene->description.prototypes[p->prototype].surfaces[surface];
+        return orl_surface_label_of(d->labels, surface);
+    const struct orl_placement *const p = &d->placements[orl_placed_of(g, facet) - g->placed];
+    return orl_surface_label_of(d->prototypes[p->prototype].labels, surface);
 }
 
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet)
 {
-    return orl_scene_surface_of(scene, facet)->name;
+    return orl_scene_label_of(scene, facet).name;
 }
 
 bool orl_scene_has_name(const struct orl_scene *scene, uint32_t facet, const char *name)
 {
     const struct orl_geometry *const g = scene->geometry;
-    const struct orl_surface *const surface = orl_scene_surface_of(scene, facet);
     const char *const modifier = orl_scene_material(scene, facet)->name;
     if (modifier && strcmp(modifier, name) == 0)
         return true;
+    const char *const kept = orl_scene_name_of(scene, facet);
     if (!orl_facet_is_placed(g, facet))
-        return surface->name && strcmp(surface->name, name) == 0;
+        return strcmp(kept, name) == 0;
     const struct orl_placement *const p =
         &scene->description.placements[orl_placed_of(g, facet) - g->placed];
-    return orl_placement_has_name(&scene->description, p, surface, name);
+    return orl_placement_has_name(&scene->description, p, kept, name);
 }

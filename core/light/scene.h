@@ -15,6 +15,7 @@
 
 #include "scene/geometry/geometry.h"
 #include "scene/material/scatter.h"
+#include "scene/surface_labels.h"
 
 enum { ORL_NO_PORT = -1 };
 
@@ -93,10 +94,9 @@ static inline int32_t orl_scene_port_of(const struct orl_scene *scene, uint32_t 
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };
 enum orl_crossing orl_scene_crossing(const struct orl_scene *scene, const struct orl_hit *hit);
 
-/* What the files say of it; where it stands in several places, of the first of them. */
-const struct orl_surface *orl_scene_surface_of(const struct orl_scene *scene, uint32_t facet);
+/* What the files say of it, for messages; where it stands in several places, of the first. */
+struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint32_t facet);
 
-/* Its name, for messages. */
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet);
 /* Whether that is its surface's name, or its modifier's. */
 bool orl_scene_has_name(const struct orl_scene *scene, uint32_t facet, const char *name);

@@ -57,14 +57,12 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
         return 0;
     while (!(scene->mist->facets[facet].area > 0))
         facet++;
-    const struct orl_surface *const surface =
-        &scene->description.surfaces[scene->mist->facets[facet].surface];
+    const struct orl_surface_label label = orl_scene_label_of(scene, facet);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
                   "the technique %s does not follow light through mist, which the surface '%.100s' "
                   "is of",
-                  orl_technique_name(state->result->plan.technique),
-                  orl_scene_name_of(scene, facet));
-    orl_error_at(err, surface->file, surface->line, NULL);
+                  orl_technique_name(state->result->plan.technique), label.name);
+    orl_error_at(err, label.file, label.line, NULL);
     orl_error_hint(err, "use the technique backward, which is chosen where the job names none");
     return ORL_ERR_UNSUPPORTED;
 }

@@ -3,10 +3,50 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/error.h>
+
 #include "base/arena.h"
 #include "scene/material/pattern.h"
+#include "scene/surface_labels.h"
 
 const struct orl_curved orl_curved_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
+
+static bool has_corners_of_its_own(const struct orl_surface *surfaces, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (surfaces[i].has_places || surfaces[i].has_normals)
+            return true;
+    return false;
+}
+
+int orl_description_let_go(struct orl_description *description)
+{
+    struct orl_description *const d = description;
+    d->labels = orl_surface_labels_new(d->surfaces, d->n_surfaces);
+    if (!d->labels)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < d->n_prototypes; i++) {
+        struct orl_prototype *const p = &d->prototypes[i];
+        p->labels = orl_surface_labels_new(p->surfaces, p->n_surfaces);
+        if (!p->labels)
+            return ORL_ERR_NOMEM;
+    }
+    for (size_t i = 0; i < d->n_prototypes; i++) {
+        free(d->prototypes[i].surfaces);
+        free(d->prototypes[i].opposed);
+        d->prototypes[i].surfaces = NULL;
+        d->prototypes[i].opposed = NULL;
+    }
+    free(d->opposed);
+    d->opposed = NULL;
+    if (has_corners_of_its_own(d->surfaces, d->n_surfaces))
+        return 0;
+    free(d->surfaces);
+    d->surfaces = NULL;
+    orl_arena_free(d->outlines);
+    d->outlines = NULL;
+    return 0;
+}
 
 void orl_description_done(struct orl_description *description)
 {
@@ -23,9 +63,11 @@ void orl_description_done(struct orl_description *description)
     free(description->materials);
     free(description->surfaces);
     free(description->opposed);
+    orl_surface_labels_free(description->labels);
     for (size_t i = 0; i < description->n_prototypes; i++) {
         free(description->prototypes[i].surfaces);
         free(description->prototypes[i].opposed);
+        orl_surface_labels_free(description->prototypes[i].labels);
     }
     free(description->prototypes);
     free(description->placements);
@@ -34,5 +76,6 @@ void orl_description_done(struct orl_description *description)
     free(description->files);
     free(description->warnings);
     orl_arena_free(description->arena);
+    orl_arena_free(description->outlines);
     memset(description, 0, sizeof *description);
 }

@@ -7,7 +7,9 @@
  * vertices and a non-zero normal (degenerate ones are counted in n_degenerate and dropped);
  * directions are unit vectors; radii are positive, but that one end of a cone and the inside of a
  * ring may be 0.
- * Ownership: an orl_description owns everything in it; strings and vertices lie in its arena.
+ * Ownership: an orl_description owns everything in it; strings lie in its arena, and what goes with
+ * the surfaces, their names among it, in another one. Once geometry is built of it that is let go
+ * (orl_description_let_go): millions of surfaces take more than what rays meet of them.
  */
 #ifndef ORL_SCENE_DESCRIPTION_H
 #define ORL_SCENE_DESCRIPTION_H
@@ -24,6 +26,7 @@
 
 struct orl_arena;
 struct orl_grid;
+struct orl_surface_labels;
 struct orl_pattern;
 
 enum orl_material_kind {
@@ -141,7 +144,7 @@ struct orl_surface {
     int line;
     char *name;
     const char *file;                   /* points into orl_description.files */
-    union {                             /* in the arena */
+    union {                             /* in orl_description.outlines */
         struct orl_vec3 *vertices;      /* polygon */
         const struct orl_curved *round; /* the others; never NULL */
     };
@@ -189,8 +192,9 @@ struct orl_opposed {
 /* Surfaces that stand in several places, and are kept once: as they stand in the first of them. All
  * are matt plastic or metal with no pattern and no texture. */
 struct orl_prototype {
-    struct orl_surface *surfaces;
+    struct orl_surface *surfaces; /* as orl_description's, and so are the labels */
     size_t n_surfaces;
+    struct orl_surface_labels *labels;
     struct orl_opposed *opposed; /* coincident.h */
     size_t n_opposed;
     size_t prefix_bytes; /* of their names: what was read there put that before them */
@@ -209,9 +213,10 @@ struct orl_placement {
 struct orl_description {
     struct orl_material *materials;
     size_t n_materials;
-    struct orl_surface *surfaces;
+    struct orl_surface *surfaces; /* NULL: let go */
     size_t n_surfaces;
-    struct orl_opposed *opposed; /* coincident.h */
+    struct orl_surface_labels *labels; /* what is told of them then; before, NULL */
+    struct orl_opposed *opposed;       /* coincident.h; let go, too */
     size_t n_opposed;
     struct orl_prototype *prototypes;
     size_t n_prototypes;
@@ -235,12 +240,20 @@ struct orl_description {
     unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;
     size_t n_warnings;
-    struct orl_arena *arena;   /* holds the strings and vertices above */
-    const atomic_bool *cancel; /* heard while geometry is built from this; NULL: nothing */
+    struct orl_arena *arena;    /* holds the strings above, but for surfaces' names */
+    struct orl_arena *outlines; /* these, vertices, and what is round; NULL: let go */
+    const atomic_bool *cancel;  /* heard while geometry is built from this; NULL: nothing */
 };
 
 /* Adds a copy of the text to the warnings; without memory for it nothing happens. */
 void orl_description_warn(struct orl_description *description, const char *text);
+
+/*
+ * Frees the surfaces, but for their labels, which it makes; n_surfaces stays. Where some are a
+ * mesh's that has normals or places of its own, which patterns ask for, surfaces stay.
+ * ORL_ERR_NOMEM.
+ */
+int orl_description_let_go(struct orl_description *description);
 
 /* Frees what it owns; NULL and half-filled are fine. */
 void orl_description_done(struct orl_description *description);

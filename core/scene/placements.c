@@ -17,20 +17,20 @@ uint64_t orl_description_count_surfaces(const struct orl_description *descriptio
 
 /* What of a surface's name is its own. */
 static const char *own_name(const struct orl_description *d, const struct orl_placement *placement,
-                            const struct orl_surface *surface)
+                            const char *name)
 {
-    return surface->name + d->prototypes[placement->prototype].prefix_bytes;
+    return name + d->prototypes[placement->prototype].prefix_bytes;
 }
 
 bool orl_placement_has_name(const struct orl_description *description,
-                            const struct orl_placement *placement,
-                            const struct orl_surface *surface, const char *name)
+                            const struct orl_placement *placement, const char *kept,
+                            const char *name)
 {
     const size_t front = strlen(placement->prefix);
     if (placement->name)
         return strcmp(placement->name, name) == 0;
     return strncmp(placement->prefix, name, front) == 0 &&
-           strcmp(own_name(description, placement, surface), name + front) == 0;
+           strcmp(own_name(description, placement, kept), name + front) == 0;
 }
 
 /* ---- One surface ----------------------------------------------------------------------------- */
@@ -119,10 +119,11 @@ static bool place_round(const struct orl_xform *xform, struct orl_surface *surfa
 static bool name_surface(const struct orl_description *d, const struct orl_placement *placement,
                          struct orl_surface *surface)
 {
-    const char *const own = placement->name ? placement->name : own_name(d, placement, surface);
+    const char *const own =
+        placement->name ? placement->name : own_name(d, placement, surface->name);
     const char *const prefix = placement->name ? "" : placement->prefix;
     const size_t front = strlen(prefix), length = strlen(own);
-    surface->name = orl_arena_letters(d->arena, front + length + 1);
+    surface->name = orl_arena_letters(d->outlines, front + length + 1);
     if (!surface->name)
         return false;
     memcpy(surface->name, prefix, front);
@@ -150,8 +151,8 @@ static bool expand_one(struct expansion *e, const struct orl_placement *placemen
         surface->normal = orl_xform_normal(&placement->xform, surface->normal);
         if (!name_surface(e->d, placement, surface) ||
             !(surface->kind == ORL_SURFACE_POLYGON
-                  ? place_polygon(&placement->xform, surface, e->d->arena)
-                  : place_round(&placement->xform, surface, e->d->arena)))
+                  ? place_polygon(&placement->xform, surface, e->d->outlines)
+                  : place_round(&placement->xform, surface, e->d->outlines)))
             return false;
     }
     return true;

@@ -12,10 +12,11 @@
 /* Surfaces of all places, those included that stand in one. */
 uint64_t orl_description_count_surfaces(const struct orl_description *description);
 
-/* Whether a prototype's surface has that name where it is placed. */
+/* Whether a prototype's surface, of which it keeps the one name, has the other where it is placed.
+ */
 bool orl_placement_has_name(const struct orl_description *description,
-                            const struct orl_placement *placement,
-                            const struct orl_surface *surface, const char *name);
+                            const struct orl_placement *placement, const char *kept,
+                            const char *name);
 
 /* A point's or a vector's way back, of a vector's the direction alone: unit stays unit. */
 struct orl_xform orl_xform_inverse(const struct orl_xform *xform);

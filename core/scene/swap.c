@@ -212,7 +212,7 @@ static bool is_named(const struct orl_swap *swap, const struct orl_description *
     const char *const modifier = d->materials[surface->material].name;
     for (size_t i = 0; i < swap->n_names; i++)
         if ((modifier && strcmp(modifier, swap->names[i]) == 0) ||
-            orl_placement_has_name(d, placement, surface, swap->names[i]))
+            orl_placement_has_name(d, placement, surface->name, swap->names[i]))
             return true;
     return false;
 }

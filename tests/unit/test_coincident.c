@@ -163,7 +163,7 @@ static void check_point(const struct orl_world *world, const struct shape *shape
     assert_int_equal(met, who >= 0);
     if (!met)
         return;
-    const char *name = world->scene->description.surfaces[g->facets[hit.facet].surface].name;
+    const char *name = orl_scene_name_of(world->scene, hit.facet);
     if (atoi(name + 1) != who)
         fail_msg("a ray meets %s, not p%d", name, who);
     assert_int_equal(hit.front, shapes[who].up == from_above);

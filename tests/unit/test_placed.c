@@ -446,9 +446,9 @@ static void test_names(void **state)
     assert_int_equal(d.placements[1].before, 0);
     assert_int_equal(d.placements[2].before, 1);
     const struct orl_surface *const leaf = &d.prototypes[0].surfaces[7];
-    assert_true(orl_placement_has_name(&d, &d.placements[1], leaf, "bc.leaf7"));
-    assert_false(orl_placement_has_name(&d, &d.placements[1], leaf, "a.leaf7"));
-    assert_true(orl_placement_has_name(&d, &d.placements[3], leaf, "leaf7"));
+    assert_true(orl_placement_has_name(&d, &d.placements[1], leaf->name, "bc.leaf7"));
+    assert_false(orl_placement_has_name(&d, &d.placements[1], leaf->name, "a.leaf7"));
+    assert_true(orl_placement_has_name(&d, &d.placements[3], leaf->name, "leaf7"));
     assert_int_equal(orl_placements_expand(&d, ORL_ALL_PLACES, &err), 0);
     for (size_t place = 0; place < 4; place++) {
         const size_t n = GROVE_TRIANGLES + GROVE_ROUND;

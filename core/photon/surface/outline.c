@@ -9,27 +9,25 @@
  */
 static const double sine_14 = 0.2419218956, sine_20 = 0.3420201433;
 
-/* A polygon's corners, as the files say them, and where they stand. */
+/* A polygon's corners, and where they stand. */
 struct corners {
-    const struct orl_vec3 *at;
-    uint32_t n;
-    const struct orl_geometry *geometry; /* about whose middle they are to be */
-    const struct orl_placed *placed;     /* in which of its places; or NULL */
+    struct orl_facet_outline outline;
+    const struct orl_placed *placed; /* in which of its places; or NULL */
 };
 
 static struct corners corners_of(const struct orl_world *world, uint32_t facet)
 {
     const struct orl_geometry *const g = world->geometry;
-    const struct orl_surface *const surface = orl_scene_surface_of(world->scene, facet);
-    const struct orl_placed *const placed =
-        orl_facet_is_placed(g, facet) ? orl_placed_of(g, facet) : NULL;
-    return (struct corners){surface->vertices, surface->n_vertices, placed ? placed->prototype : g,
+    if (!orl_facet_is_placed(g, facet))
+        return (struct corners){orl_outline_of_facet(g, facet), NULL};
+    const struct orl_placed *const placed = orl_placed_of(g, facet);
+    return (struct corners){orl_outline_of_facet(placed->prototype, facet - placed->first_facet),
                             placed};
 }
 
 static struct orl_vec3 corner(const struct corners *corners, uint32_t i)
 {
-    const struct orl_vec3 at = orl_sub(corners->at[i], corners->geometry->center);
+    const struct orl_vec3 at = orl_outline_corner(&corners->outline, i);
     return corners->placed ? orl_xform_point(&corners->placed->to, at) : at;
 }
 
@@ -52,8 +50,8 @@ static double polygon_exit(const struct corners *corners, const struct orl_frame
                            struct orl_line *ret_line)
 {
     double best = INFINITY, a[2], beside_a = 0;
-    for (uint32_t i = 0; i <= corners->n; i++) {
-        const uint32_t at = i < corners->n ? i : 0;
+    for (uint32_t i = 0; i <= corners->outline.n; i++) {
+        const uint32_t at = i < corners->outline.n ? i : 0;
         const struct orl_vec3 way = orl_sub(corner(corners, at), origin);
         const double b[2] = {orl_dot(way, frame->u), orl_dot(way, frame->v)};
         const double beside_b = direction[0] * b[1] - direction[1] * b[0];
@@ -165,9 +163,9 @@ double orl_outline_clearance(const struct orl_world *world, uint32_t facet, stru
         return round_clearance(&f, point);
     }
     const struct corners corners = corners_of(world, facet);
-    struct orl_vec3 last = corner(&corners, corners.n - 1);
+    struct orl_vec3 last = corner(&corners, corners.outline.n - 1);
     double best = INFINITY;
-    for (uint32_t i = 0; i < corners.n; i++) {
+    for (uint32_t i = 0; i < corners.outline.n; i++) {
         const struct orl_vec3 next = corner(&corners, i);
         best = fmin(best, distance2_to_edge(point, last, next));
         last = next;

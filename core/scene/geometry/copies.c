@@ -25,10 +25,18 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
     g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
     g->corners = malloc((g->n_corners + 1) * sizeof *g->corners);
-    if (!g->facets || !g->rounds || !g->triangles || !g->corners || !g->rivals)
+    g->outlines = malloc((g->n_outlines + 1) * sizeof *g->outlines);
+    g->outline_corners = malloc((g->n_outline_corners + 1) * sizeof *g->outline_corners);
+    if (!g->outlines || !g->outline_corners || !g->facets || !g->rounds || !g->triangles ||
+        !g->corners || !g->rivals)
         goto done;
     if (g->n_corners > 0)
         memcpy(g->corners, whole->corners, g->n_corners * sizeof *g->corners);
+    if (g->n_outlines > 0) {
+        memcpy(g->outlines, whole->outlines, g->n_outlines * sizeof *g->outlines);
+        memcpy(g->outline_corners, whole->outline_corners,
+               g->n_outline_corners * sizeof *g->outline_corners);
+    }
     if (g->n_rivals > 0)
         memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
     memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
@@ -70,6 +78,8 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry->rounds);
     free(geometry->triangles);
     free(geometry->corners);
+    free(geometry->outlines);
+    free(geometry->outline_corners);
     free(geometry->rivals);
     free(geometry);
 }

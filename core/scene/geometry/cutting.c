@@ -147,7 +147,7 @@ static int take_outline(struct orl_cutting *t, struct orl_surface *left)
     const size_t bytes = t->overlap.n * sizeof *left->vertices;
     left->n_vertices = t->overlap.n;
     left->has_places = left->has_normals = false; /* those were of the corners that are gone */
-    left->vertices = orl_arena_take(t->d->arena, bytes + 1);
+    left->vertices = orl_arena_take(t->d->outlines, bytes + 1);
     if (!left->vertices)
         return ORL_ERR_NOMEM;
     if (bytes > 0)

@@ -2,10 +2,12 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <oriel/crew.h>
 #include <oriel/limits.h>
 
+#include "base/grow.h"
 #include "scene/geometry/antimatter.h"
 #include "scene/geometry/corners.h"
 #include "scene/geometry/embree.h"
@@ -58,6 +60,7 @@ struct builder {
     struct orl_triangulation triangulation;
     size_t triangles_room;
     struct orl_corners corners;
+    size_t outlines_room, outline_corners_room;
     struct orl_error *err;
 };
 
@@ -103,6 +106,32 @@ static bool add_triangle(struct builder *b, const struct orl_triangle *t, uint32
            orl_corners_add(&b->corners, t->c, &triple->corners[2]);
 }
 
+/* Of three or four corners, cut off one by one (triangulate.c): then the triangles tell them. */
+static bool is_told(const struct orl_triangulation *cut, const struct orl_surface *surface)
+{
+    static const uint32_t three[1][3] = {{2, 0, 1}}, four[2][3] = {{3, 0, 1}, {1, 2, 3}};
+    const uint32_t n = surface->n_vertices;
+    return cut->corners == surface->vertices &&
+           ((n == 3 && cut->n_triples == 1 && memcmp(cut->triples, three, sizeof three) == 0) ||
+            (n == 4 && cut->n_triples == 2 && memcmp(cut->triples, four, sizeof four) == 0));
+}
+
+static bool keep_outline(struct builder *b, const struct orl_surface *surface, uint32_t facet)
+{
+    struct orl_geometry *const g = b->g;
+    if (!orl_grow(&g->outlines, &b->outlines_room, g->n_outlines, sizeof *g->outlines))
+        return false;
+    g->outlines[g->n_outlines++] =
+        (struct orl_own_outline){facet, (uint32_t)g->n_outline_corners, surface->n_vertices};
+    for (uint32_t i = 0; i < surface->n_vertices; i++)
+        if (!orl_grow(&g->outline_corners, &b->outline_corners_room, g->n_outline_corners,
+                      sizeof *g->outline_corners) ||
+            !orl_corners_add(&b->corners, orl_sub(surface->vertices[i], g->center),
+                             &g->outline_corners[g->n_outline_corners++]))
+            return false;
+    return true;
+}
+
 /* Cuts a polygon into triangles, moved, and measures it. */
 static int add_polygon(struct builder *b, const struct orl_surface *surface, uint32_t facet)
 {
@@ -134,7 +163,7 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
     }
     f->offset = reach * 0x1p-20;
     f->bent = bend > reach * 0x1p-23;
-    return 0;
+    return is_told(cut, surface) || keep_outline(b, surface, facet) ? 0 : ORL_ERR_NOMEM;
 }
 
 static void add_curved(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet)

@@ -57,6 +57,11 @@ struct orl_triangle {
     struct orl_vec3 a, b, c;
 };
 
+/* Of a polygon whose outline its triangles do not tell (orl_outline_of_facet). */
+struct orl_own_outline {
+    uint32_t facet, first, n; /* corners, by orl_geometry.outline_corners */
+};
+
 struct orl_holes;
 struct orl_placed;
 
@@ -72,6 +77,10 @@ struct orl_geometry {
     size_t n_triangles;
     struct orl_vec3 *corners;
     size_t n_corners;
+    struct orl_own_outline *outlines; /* by facet */
+    size_t n_outlines;
+    uint32_t *outline_corners;
+    size_t n_outline_corners;
     uint32_t *rivals;
     size_t n_rivals;
     struct orl_geometry **prototypes; /* owned: what stands in several places (placed.h) */
@@ -140,6 +149,20 @@ static inline struct orl_triangle orl_triangle_of_own(const struct orl_geometry 
     const uint32_t *const at = geometry->triangles[index].corners;
     return (struct orl_triangle){geometry->corners[at[0]], geometry->corners[at[1]],
                                  geometry->corners[at[2]]};
+}
+
+/* A polygon's corners, as the files list them: of the scene's own, and of one that can be met. */
+struct orl_facet_outline {
+    const struct orl_vec3 *corners; /* the geometry's */
+    const uint32_t *own;            /* which of them; or NULL: at */
+    uint32_t at[4], n;
+};
+struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry, uint32_t facet);
+
+static inline struct orl_vec3 orl_outline_corner(const struct orl_facet_outline *outline,
+                                                 uint32_t i)
+{
+    return outline->corners[outline->own ? outline->own[i] : outline->at[i]];
 }
 
 static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geometry, size_t index)

@@ -194,6 +194,15 @@ static int settle_distants(struct orl_description *description, const size_t *fi
     return code;
 }
 
+/* Whether a mesh gives some their places or normals; nothing else asks for the surfaces. */
+static bool have_corners_of_their_own(const struct orl_description *description)
+{
+    for (size_t i = 0; i < description->n_surfaces; i++)
+        if (description->surfaces[i].has_places || description->surfaces[i].has_normals)
+            return true;
+    return false;
+}
+
 int orl_patterns_settle(struct orl_description *description, const struct orl_geometry *geometry,
                         struct orl_error *err)
 {
@@ -201,6 +210,7 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
     const size_t places = n > ALL_PLACES / PLACES ? FEWEST + ALL_PLACES / n : PLACES;
     size_t *const first = calloc(n + 3, sizeof *first);
     uint32_t *const sorted = first ? sort_facets(description, geometry, first) : NULL;
+    const bool meshed = have_corners_of_their_own(description);
     int code = sorted ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; code == 0 && i < n; i++) {
         struct orl_pattern *const pattern = description->patterns[i];
@@ -208,8 +218,8 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
         for (size_t k = 0; k < spread.n; k++)
             spread.area += geometry->facets[spread.facets[k]].area;
         pattern->center = geometry->center;
-        pattern->facets = geometry->facets;
-        pattern->surfaces = description->surfaces;
+        pattern->facets = meshed ? geometry->facets : NULL;
+        pattern->surfaces = meshed ? description->surfaces : NULL;
         pattern->mean = pattern->most = orl_gray(1);
         size_t without = 0;
         if (spread.area > 0)

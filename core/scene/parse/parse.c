@@ -212,7 +212,8 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
     int code;
     err = err ? err : &local;
     out.arena = orl_arena_new();
-    if (!index || !out.arena) {
+    out.outlines = orl_arena_new();
+    if (!index || !out.arena || !out.outlines) {
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }

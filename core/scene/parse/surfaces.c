@@ -84,10 +84,10 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     return 0;
 }
 
-/* The name with the scope's prefix, in the arena. A prefix is written once and read with every
+/* The name with the scope's prefix, in that arena. A prefix is written once and read with every
  * copy: the sum is bounded. */
-static int make_name(struct orl_parser *parser, const struct orl_scope *scope, char **ret_name,
-                     struct orl_error *err)
+static int make_name(struct orl_parser *parser, const struct orl_scope *scope,
+                     struct orl_arena *arena, char **ret_name, struct orl_error *err)
 {
     const char *id = parser->primitive.id;
     const size_t length = strlen(id), front = scope->prefix ? strlen(scope->prefix) + 1 : 0;
@@ -101,7 +101,7 @@ static int make_name(struct orl_parser *parser, const struct orl_scope *scope, c
         orl_error_hint(err, "Shorter names do, or fewer copies by xform -a");
         return ORL_ERR_LIMIT;
     }
-    char *name = orl_arena_letters(parser->out->arena, front + length + 1);
+    char *name = orl_arena_letters(arena, front + length + 1);
     if (!name)
         return out_of_memory(parser, scope, err);
     if (front > 0) {
@@ -153,7 +153,7 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
     const size_t place_bytes = parser->places ? 2 * sizeof *parser->places : 0;
     const size_t normal_bytes = parser->normals ? sizeof *parser->normals : 0;
     surface->vertices = orl_arena_take(
-        parser->out->arena, n * (sizeof *surface->vertices + place_bytes + normal_bytes));
+        parser->out->outlines, n * (sizeof *surface->vertices + place_bytes + normal_bytes));
     if (!surface->vertices)
         return out_of_memory(parser, scope, err);
     surface->n_vertices = (uint32_t)n;
@@ -315,7 +315,7 @@ static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct surface_type *type, struct orl_surface *surface,
                       struct orl_error *err)
 {
-    struct orl_curved *const round = orl_arena_take(parser->out->arena, sizeof *round);
+    struct orl_curved *const round = orl_arena_take(parser->out->outlines, sizeof *round);
     int code = orl_parser_expect(parser, scope, 0, type->n_reals, err);
     if (code < 0)
         return code;
@@ -366,7 +366,7 @@ static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope
     if (out->n_surfaces >= ORL_LIMIT_SURFACES)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
                                "the scene has more than %lu surfaces", ORL_LIMIT_SURFACES);
-    code = make_name(parser, scope, &surface->name, err);
+    code = make_name(parser, scope, out->outlines, &surface->name, err);
     if (code < 0)
         return code;
     if (out->materials[surface->material].kind == ORL_MATERIAL_VOID) {
@@ -442,7 +442,7 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     if (!(r[3] > 0 && r[3] <= 360))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its angle %g is not between 0 and 360 degrees", r[3]);
-    code = make_name(parser, scope, &distant.name, err);
+    code = make_name(parser, scope, out->arena, &distant.name, err);
     if (code < 0)
         return code;
     if (!orl_grow(&out->distants, &parser->distants_room, out->n_distants, sizeof *out->distants))

@@ -1,0 +1,26 @@
+/*
+ * What is told of surfaces once they are geometry: their names, and where they stand in the files.
+ * Packed, for there may be millions: asking for one reads those of a few surfaces before it.
+ */
+#ifndef ORL_SCENE_SURFACE_LABELS_H
+#define ORL_SCENE_SURFACE_LABELS_H
+
+#include "scene/description.h"
+
+struct orl_surface_label {
+    const char *name;
+    const char *file; /* points into orl_description.files */
+    int line;
+};
+
+/* Copies the names. NULL: out of memory. */
+struct orl_surface_labels *orl_surface_labels_new(const struct orl_surface *surfaces, size_t n);
+void orl_surface_labels_free(struct orl_surface_labels *labels); /* NULL is allowed */
+
+/* The label is good for as long as the labels are. */
+struct orl_surface_label orl_surface_label_of(const struct orl_surface_labels *labels,
+                                              size_t surface);
+
+uint64_t orl_surface_labels_bytes(const struct orl_surface_labels *labels); /* NULL: 0 */
+
+#endif
