@@ -147,7 +147,7 @@ static bool facet_is_by(const struct orl_geometry *g, const struct orl_facet *f,
         return is_by(w, f->round->center[0], r) && (!two || is_by(w, f->round->center[1], r));
     }
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(g, f->first_triangle + i);
+        const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
         if (!is_by(w, t.a, 0) || !is_by(w, t.b, 0) || !is_by(w, t.c, 0))
             return false;
     }

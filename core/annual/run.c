@@ -25,15 +25,16 @@ static int admit_sources(const struct orl_description *description, struct orl_e
 }
 
 /* By what it is read from, and what of it is swapped. */
-static int name_scene(struct orl_year *y, const struct orl_description *description,
-                      struct orl_error *err)
+static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
+    const struct orl_description *const description = &scene->description;
     struct orl_sha256 hash;
     for (size_t i = 0; i < description->n_files; i++)
         if (orl_annual_note_read(y->result, description->files[i]) < 0)
             return orl_year_no_memory(err);
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, description->digest, ORL_SHA256_BYTES);
+    orl_scene_digest_recipe(scene, &hash);
     if (y->variant && y->variant->swaps)
         orl_swaps_digest(y->variant->swaps, &hash);
     if (y->variant && y->variant->part > 0)
@@ -62,7 +63,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     if (code == 0)
         code = admit_sources(&state.scene->description, err);
     if (code == 0)
-        code = name_scene(y, &state.scene->description, err);
+        code = name_scene(y, state.scene, err);
     orl_scene_release(state.scene);
     orl_health_add(&y->result->health, &result.health);
     y->result->warnings = result.warnings;

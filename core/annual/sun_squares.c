@@ -73,7 +73,7 @@ static struct orl_sun_sheet sheet_of(const struct orl_geometry *g, const struct 
     struct orl_sun_sheet sheet = {.along = {(float)along.x, (float)along.y, (float)along.z}};
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(g, f->first_triangle + i);
+        const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
         const struct orl_vec3 corners[3] = {t.a, t.b, t.c};
         for (int k = 0; k < 3; k++) {
             double at[2];
@@ -225,7 +225,7 @@ static double polygon_area(const struct orl_geometry *g, const struct orl_facet 
 {
     double sum = 0;
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(g, f->first_triangle + i);
+        const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
         struct outline o = {.n = 3};
         place_on(layout, t.a, o.at[0]);
         place_on(layout, t.b, o.at[1]);

@@ -30,7 +30,7 @@ static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet
     w.along[0] = orl_normalize(sides[order[1]]);
     w.along[1] = orl_cross(w.normal, w.along[0]);
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle part = orl_triangle_of(g, f->first_triangle + i);
+        const struct orl_triangle part = orl_triangle_of(g, orl_facet_triangle(f, i));
         widen(&w, part.a);
         widen(&w, part.b);
         widen(&w, part.c);

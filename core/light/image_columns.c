@@ -80,7 +80,7 @@ static void draw_facet(struct drawing *d, const struct orl_facet *f,
         return;
     }
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(d->geometry, f->first_triangle + i);
+        const struct orl_triangle t = orl_triangle_of(d->geometry, orl_facet_triangle(f, i));
         struct box part = nothing;
         add_point(&part, d->frame, t.a);
         add_point(&part, d->frame, t.b);

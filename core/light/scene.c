@@ -12,11 +12,11 @@
 #include "scene/material/pattern.h"
 
 /*
- * Of a triangle, a corner of some and a facet, with their share of the hierarchy. With the labels,
- * and what is round twice, this is near what polygons hold (make bench-polygons).
+ * Of a couple of triangles, a corner of some and a facet, with their share of the hierarchy. With
+ * the labels, and what is round twice, this is near what polygons hold (make bench-polygons).
  */
 enum {
-    BYTES_A_TRIANGLE = 92,
+    BYTES_A_COUPLE = 106,
     BYTES_A_CORNER = 36,
     BYTES_A_FACET = 96,
     BYTES_A_PLACE = 512,
@@ -203,7 +203,7 @@ static uint64_t bsdf_bytes(const struct orl_description *d)
 
 static uint64_t geometry_bytes(const struct orl_geometry *g)
 {
-    return g->n_triangles * (uint64_t)BYTES_A_TRIANGLE + g->n_corners * (uint64_t)BYTES_A_CORNER +
+    return g->n_couples * (uint64_t)BYTES_A_COUPLE + g->n_corners * (uint64_t)BYTES_A_CORNER +
            g->n_facets * (uint64_t)BYTES_A_FACET + g->n_rounds * 2 * sizeof(struct orl_curved) +
            g->n_placed * (sizeof(struct orl_placed) + BYTES_A_PLACE);
 }
@@ -237,6 +237,16 @@ struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint3
         return orl_surface_label_of(d->labels, surface);
     const struct orl_placement *const p = &d->placements[orl_placed_of(g, facet) - g->placed];
     return orl_surface_label_of(d->prototypes[p->prototype].labels, surface);
+}
+
+void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash)
+{
+    static const char vast[] = "couples 2";
+    bool found = orl_geometry_is_vast(scene->geometry);
+    for (size_t i = 0; i < scene->geometry->n_prototypes && !found; i++)
+        found = orl_geometry_is_vast(scene->geometry->prototypes[i]);
+    if (found)
+        orl_sha256_add(hash, vast, sizeof vast);
 }
 
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet)

@@ -12,6 +12,7 @@
 #include <stdatomic.h>
 
 #include <oriel/crew.h>
+#include <oriel/sha256.h>
 
 #include "scene/geometry/geometry.h"
 #include "scene/material/scatter.h"
@@ -81,6 +82,12 @@ static inline const struct orl_material *orl_scene_material(const struct orl_sce
 {
     return &scene->description.materials[orl_facet_of(scene->geometry, (uint32_t)facet)->material];
 }
+
+/*
+ * What its files do not say of how rays meet it: where triangles are many, those that pass through
+ * an edge may meet the other side of it (orl_geometry_is_vast), which is the second recipe of that.
+ */
+void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash);
 
 /* Which port a facet is, or ORL_NO_PORT; which it is, too, before ports are sought. */
 static inline int32_t orl_scene_port_of(const struct orl_scene *scene, uint32_t facet)

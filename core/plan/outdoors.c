@@ -20,8 +20,8 @@ static double reach(const struct orl_geometry *g, const struct orl_facet *f, str
     double most = -INFINITY;
     switch (f->kind) {
     case ORL_SURFACE_POLYGON:
-        for (uint32_t i = f->first_triangle; i < f->first_triangle + f->n_triangles; i++) {
-            const struct orl_triangle t = orl_triangle_of(g, i);
+        for (uint32_t i = 0; i < f->n_triangles; i++) {
+            const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
             most = fmax(most, fmax(orl_dot(t.a, d), fmax(orl_dot(t.b, d), orl_dot(t.c, d))));
         }
         return most;

@@ -52,8 +52,8 @@ static bool is_ground(const struct orl_geometry *g, const struct orl_facet *f)
         return false;
     if (f->kind == ORL_SURFACE_RING)
         top = f->round->center[0].z + f->round->radius[0] * sqrt(1 - f->normal.z * f->normal.z);
-    for (uint32_t t = f->first_triangle; t < f->first_triangle + f->n_triangles; t++) {
-        const struct orl_triangle triangle = orl_triangle_of(g, t);
+    for (uint32_t t = 0; t < f->n_triangles; t++) {
+        const struct orl_triangle triangle = orl_triangle_of(g, orl_facet_triangle(f, t));
         top = fmax(top, fmax(triangle.a.z, fmax(triangle.b.z, triangle.c.z)));
     }
     return top <= g->low.z + highest_ground;
@@ -111,8 +111,9 @@ static struct pane pane_of(const struct orl_scene *scene, uint32_t index)
     const struct orl_facet *f = &scene->geometry->facets[port->facet];
     struct pane pane = {
         index, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
-    for (uint32_t t = f->first_triangle; t < f->first_triangle + f->n_triangles; t++) {
-        const struct orl_triangle triangle = orl_triangle_of(scene->geometry, t);
+    for (uint32_t t = 0; t < f->n_triangles; t++) {
+        const struct orl_triangle triangle =
+            orl_triangle_of(scene->geometry, orl_facet_triangle(f, t));
         const struct orl_vec3 corners[3] = {triangle.a, triangle.b, triangle.c};
         for (int i = 0; i < 3; i++) {
             pane.low = orl_v3(fmin(pane.low.x, corners[i].x), fmin(pane.low.y, corners[i].y),

@@ -37,10 +37,10 @@ static void summarise(const struct orl_scene *scene, struct orl_scene_summary *s
     summary->surfaces = d->n_surfaces;
     summary->materials = d->n_materials;
     summary->sources = d->n_distants;
-    summary->triangles = g->n_triangles;
+    summary->triangles = orl_geometry_count_triangles(g);
     for (size_t i = 0; i < g->n_prototypes; i++) {
         summary->surfaces += g->prototypes[i]->n_facets;
-        summary->triangles += g->prototypes[i]->n_triangles;
+        summary->triangles += orl_geometry_count_triangles(g->prototypes[i]);
     }
     for (size_t i = 0; i < d->n_materials; i++)
         summary->bsdfs += d->materials[i].kind == ORL_MATERIAL_BSDF;

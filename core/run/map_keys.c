@@ -81,6 +81,7 @@ static void make_family(const struct orl_run_state *state, enum orl_map_kind kin
     orl_sha256_add(&hash, recipe, sizeof recipe);
     orl_sha256_add(&hash, numbers, sizeof numbers);
     orl_sha256_add(&hash, state->scene->description.digest, ORL_SHA256_BYTES);
+    orl_scene_digest_recipe(state->scene, &hash);
     orl_sha256_add(&hash, lights, sizeof lights);
     orl_sha256_add(&hash, plan, sizeof plan);
     finish_hex(&hash, ret_family);

@@ -31,6 +31,7 @@ void orl_piece_key_begin(const struct orl_run_state *state, struct orl_sha256 *h
     orl_sha256_add(hash, sky, strlen(sky) + 1);
     orl_sha256_add(hash, numbers, sizeof numbers);
     orl_sha256_add(hash, state->scene->description.digest, ORL_SHA256_BYTES);
+    orl_scene_digest_recipe(state->scene, hash);
     orl_sha256_add(hash, state->shift, sizeof state->shift);
     if (state->bandwidths)
         orl_sha256_add(hash, state->bandwidths, ORL_MAP_KINDS * sizeof *state->bandwidths);

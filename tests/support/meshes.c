@@ -61,7 +61,7 @@ struct orl_vec3 mesh_direction(struct orl_random *random)
 /* A random point of a random edge of the mesh. */
 static struct orl_vec3 edge_point(const struct orl_geometry *g, struct orl_random *random)
 {
-    const size_t i = (size_t)(orl_random_uniform(random) * (double)g->n_triangles);
+    const size_t i = (size_t)(orl_random_uniform(random) * (double)orl_geometry_triangles_end(g));
     const struct orl_triangle triangle = orl_triangle_of(g, i);
     const struct orl_vec3 c[3] = {triangle.a, triangle.b, triangle.c};
     const int k = (int)(3 * orl_random_uniform(random));

@@ -100,7 +100,7 @@ static bool is_same(const struct pair *pair, const struct orl_hit *a, const stru
         const struct orl_triangle t = orl_triangle_of(s, a->triangle);
         assert_true(fabs(orl_dot(orl_sub(a->point, t.a), a->normal)) < 1e-9);
         assert_true(a->triangle >= f.first_triangle &&
-                    a->triangle < f.first_triangle + f.n_triangles);
+                    a->triangle <= orl_facet_triangle(&f, f.n_triangles - 1));
     }
     return true;
 }

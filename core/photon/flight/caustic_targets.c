@@ -21,8 +21,8 @@ static void locate(const struct orl_geometry *g, const struct orl_facet *f, stru
 {
     double below = 0, best = -INFINITY;
     ret_u[0] = ret_u[1] = 0;
-    for (uint32_t i = f->first_triangle; i < f->first_triangle + f->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(g, i);
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
         const struct orl_vec3 ab = orl_sub(t.b, t.a), ac = orl_sub(t.c, t.a);
         const struct orl_vec3 ap = orl_sub(point, t.a), n = orl_cross(ab, ac);
         const double n2 = orl_dot(n, n), area = 0.5 * sqrt(n2);

@@ -86,8 +86,8 @@ static double reach(const struct casting *c, const struct orl_facet *facet)
         return fmax(low.x * o.x, high.x * o.x) + fmax(low.y * o.y, high.y * o.y) +
                fmax(low.z * o.z, high.z * o.z) - c->plane;
     }
-    for (uint32_t i = facet->first_triangle; i < facet->first_triangle + facet->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(c->geometry, i);
+    for (uint32_t i = 0; i < facet->n_triangles; i++) {
+        const struct orl_triangle t = orl_triangle_of(c->geometry, orl_facet_triangle(facet, i));
         most = fmax(most, fmax(orl_dot(t.a, o), fmax(orl_dot(t.b, o), orl_dot(t.c, o))));
     }
     return most - c->plane;
@@ -98,9 +98,9 @@ static struct orl_shade shade_of(const struct casting *c, const struct orl_facet
     struct orl_shade shade = nowhere();
     if (facet->kind != ORL_SURFACE_POLYGON)
         cast_curved(c, facet, &shade);
-    for (uint32_t i = facet->first_triangle; i < facet->first_triangle + facet->n_triangles; i++)
+    for (uint32_t i = 0; i < facet->n_triangles; i++)
         if (facet->kind == ORL_SURFACE_POLYGON)
-            cast_triangle(c, orl_triangle_of(c->geometry, i), &shade);
+            cast_triangle(c, orl_triangle_of(c->geometry, orl_facet_triangle(facet, i)), &shade);
     return shade;
 }
 
@@ -111,8 +111,8 @@ static struct orl_shade pane_of(const struct casting *c, const struct orl_facet 
     struct casting still = *c;
     still.slide = still.outward;
     still.spread = 0;
-    for (uint32_t i = facet->first_triangle; i < facet->first_triangle + facet->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(c->geometry, i);
+    for (uint32_t i = 0; i < facet->n_triangles; i++) {
+        const struct orl_triangle t = orl_triangle_of(c->geometry, orl_facet_triangle(facet, i));
         cast_point(&still, t.a, &pane);
         cast_point(&still, t.b, &pane);
         cast_point(&still, t.c, &pane);

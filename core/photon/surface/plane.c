@@ -4,23 +4,22 @@
 
 static struct orl_vec3 corner_of(const struct orl_geometry *g, uint32_t triangle, uint32_t k)
 {
-    return g->corners[g->triangles[triangle].corners[k]];
+    return g->corners[orl_triangle_corner(g, triangle, k)];
 }
 
-static void lay_out(struct orl_planes *planes, uint32_t facet)
+static void lay_out(struct orl_planes *planes, uint32_t facet, uint32_t first)
 {
     const struct orl_geometry *g = planes->geometry;
     const struct orl_facet *f = &g->facets[facet];
     struct orl_plane *plane = &planes->planes[facet];
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-    *plane = (struct orl_plane){.frame = orl_frame_about(f->normal),
-                                .first = f->first_triangle,
-                                .triangles = f->n_triangles};
+    *plane = (struct orl_plane){
+        .frame = orl_frame_about(f->normal), .first = first, .triangles = f->n_triangles};
     planes->has[facet] = f->n_triangles > 0 && f->area > 0;
     if (!planes->has[facet])
         return;
     for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
-        const struct orl_vec3 a = corner_of(g, f->first_triangle + i / 3, i % 3);
+        const struct orl_vec3 a = corner_of(g, orl_facet_triangle(f, i / 3), i % 3);
         const double x = orl_dot(a, plane->frame.u), y = orl_dot(a, plane->frame.v);
         low[0] = fmin(low[0], x);
         low[1] = fmin(low[1], y);
@@ -29,27 +28,31 @@ static void lay_out(struct orl_planes *planes, uint32_t facet)
     }
     plane->wide = high[0] - low[0];
     plane->high = high[1] - low[1];
-    const double level = orl_dot(corner_of(g, f->first_triangle, 0), f->normal);
+    const double level = orl_dot(corner_of(g, orl_facet_triangle(f, 0), 0), f->normal);
     plane->origin =
         orl_add(orl_scale(f->normal, level),
                 orl_add(orl_scale(plane->frame.u, low[0]), orl_scale(plane->frame.v, low[1])));
     for (uint32_t i = 0; i < f->n_triangles; i++)
         for (uint32_t k = 0; k < 3; k++)
-            planes->flats[f->first_triangle + i].corners[k] =
-                orl_plane_corner(plane, corner_of(g, f->first_triangle + i, k));
+            planes->flats[first + i].corners[k] =
+                orl_plane_corner(plane, corner_of(g, orl_facet_triangle(f, i), k));
 }
 
 bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geometry)
 {
+    const size_t most = orl_geometry_triangles_end(geometry);
+    uint32_t first = 0;
     *planes =
         (struct orl_planes){.geometry = geometry,
                             .planes = malloc((geometry->n_facets + 1) * sizeof *planes->planes),
-                            .flats = malloc((geometry->n_triangles + 1) * sizeof *planes->flats),
+                            .flats = malloc((most + 1) * sizeof *planes->flats),
                             .has = calloc(geometry->n_facets + 1, sizeof *planes->has)};
     if (!planes->planes || !planes->flats || !planes->has)
         return false;
-    for (size_t i = 0; i < geometry->n_facets; i++)
-        lay_out(planes, (uint32_t)i);
+    for (size_t i = 0; i < geometry->n_facets; i++) {
+        lay_out(planes, (uint32_t)i, first);
+        first += geometry->facets[i].n_triangles;
+    }
     return true;
 }
 

@@ -157,7 +157,7 @@ struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct 
         high_v = low_v + 2 * fmax(f->round->radius[0], f->round->radius[1]);
     }
     for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(geometry, f->first_triangle + i / 3);
+        const struct orl_triangle t = orl_triangle_of(geometry, orl_facet_triangle(f, i / 3));
         corner = i % 3 == 0 ? t.a : i % 3 == 1 ? t.b : t.c;
         low_u = fmin(low_u, orl_dot(corner, beam->frame.u));
         high_u = fmax(high_u, orl_dot(corner, beam->frame.u));

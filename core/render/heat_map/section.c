@@ -105,8 +105,9 @@ static void cut_placed(const struct cut *cut, const struct orl_placed *placed)
                         fmax(low.z * n.z, high.z * n.z);
     if (cut->offset < least || cut->offset > most)
         return;
-    for (size_t i = 0; i < prototype->n_triangles; i++)
-        cut_numbered(cut, placed->first_triangle + i);
+    for (size_t i = 0; i < orl_geometry_triangles_end(prototype); i++)
+        if (!orl_triangle_is_none(prototype, i))
+            cut_numbered(cut, placed->first_triangle + i);
     for (size_t i = 0; i < prototype->n_rounds; i++) {
         struct orl_curved room;
         const size_t own = prototype->n_facets - 1 - i;
@@ -123,8 +124,9 @@ void orl_section_cut(const struct orl_geometry *geometry, const struct orl_senso
                             plane->offset - orl_dot(plane->normal, geometry->center) +
                                 hair * geometry->radius,
                             piece, ctx};
-    for (size_t i = 0; i < geometry->n_triangles; i++)
-        cut_numbered(&cut, i);
+    for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++)
+        if (!orl_triangle_is_none(geometry, i))
+            cut_numbered(&cut, i);
     for (size_t i = 0; i < geometry->n_facets; i++)
         cut_facet(&cut, &geometry->facets[i]);
     for (size_t i = 0; i < geometry->n_placed; i++)

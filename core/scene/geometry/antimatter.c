@@ -10,7 +10,7 @@ const struct orl_vec3 orl_hole_skew = {0.2672612419124244, 0.5345224838248488, 0
 int orl_hole_windings(const struct orl_geometry *shell, struct orl_vec3 point,
                       struct orl_vec3 direction)
 {
-    const size_t most = 2 * shell->n_facets + 2 * shell->n_triangles;
+    const size_t most = 2 * shell->n_facets + 2 * orl_geometry_triangles_end(shell);
     struct orl_hit hit;
     int out = 0;
     for (size_t i = 0; i < most && orl_meet(shell, point, direction, INFINITY, &hit); i++) {

@@ -19,7 +19,7 @@ static void bound(struct orl_geometry *g)
 {
     g->low = orl_v3(INFINITY, INFINITY, INFINITY);
     g->high = orl_neg(g->low);
-    for (size_t i = 0; i < g->n_triangles; i++) {
+    for (size_t i = 0; i < orl_geometry_triangles_end(g); i++) {
         const struct orl_triangle t = orl_triangle_of(g, i);
         include(g, t.a);
         include(g, t.b);
@@ -148,7 +148,7 @@ int orl_holes_build(struct orl_geometry *geometry, const struct orl_description 
     if (n == 0)
         goto done;
     if (n > ORL_LIMIT_ANTIMATTERS ||
-        n * (geometry->n_facets + geometry->n_triangles) > ORL_LIMIT_CUT_FACETS) {
+        n * (geometry->n_facets + orl_geometry_triangles_end(geometry)) > ORL_LIMIT_CUT_FACETS) {
         code = orl_error_set(err, ORL_ERR_LIMIT,
                              "%zu antimatters in a scene of %zu surfaces; at most %u are allowed, "
                              "and together %lu surfaces and triangles",

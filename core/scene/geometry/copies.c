@@ -6,6 +6,38 @@
 
 #include "scene/geometry/embree.h"
 
+/* The second of two that were one couple, as the first of another. */
+static struct orl_couple second_alone(const struct orl_couple *couple)
+{
+    return (struct orl_couple){
+        {couple->corners[2], couple->corners[3], couple->corners[1], couple->corners[1]},
+        {couple->halves[1], couple->halves[1]}};
+}
+
+/* Couples of which a half is kept; facets follow their triangles. */
+static void keep_couples(struct orl_geometry *g, const struct orl_geometry *whole, const bool *keep)
+{
+    for (size_t i = 0; i < whole->n_couples; i++) {
+        const struct orl_couple *const from = &whole->couples[i];
+        struct orl_couple *const to = &g->couples[g->n_couples];
+        const uint32_t facets[2] = {from->halves[0].facet, from->halves[1].facet};
+        const bool first = keep[facets[0]], second = keep[facets[1]];
+        if (!first && !second)
+            continue;
+        *to = first ? *from : second_alone(from);
+        if (first && !second) {
+            to->corners[2] = to->corners[3];
+            to->halves[1].facet = to->halves[0].facet;
+        }
+        for (int half = 0; half < 2; half++)
+            if (keep[facets[half]] &&
+                whole->facets[facets[half]].first_triangle == 2 * i + (size_t)half)
+                g->facets[facets[half]].first_triangle =
+                    (uint32_t)(2 * g->n_couples) + (half == 1 && first);
+        g->n_couples++;
+    }
+}
+
 int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
                         struct orl_geometry **ret_geometry, struct orl_error *err)
 {
@@ -19,15 +51,17 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->prototypes = NULL;
     g->placed = NULL;
     g->n_prototypes = g->n_placed = 0;
-    g->n_triangles = 0;
+    g->n_couples = 0;
+    g->met = NULL;
+    g->areas = NULL;
     g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
-    g->triangles = malloc((whole->n_triangles + 1) * sizeof *g->triangles);
+    g->couples = malloc((whole->n_couples + 1) * sizeof *g->couples);
     g->corners = malloc((g->n_corners + 1) * sizeof *g->corners);
     g->outlines = malloc((g->n_outlines + 1) * sizeof *g->outlines);
     g->outline_corners = malloc((g->n_outline_corners + 1) * sizeof *g->outline_corners);
-    if (!g->outlines || !g->outline_corners || !g->facets || !g->rounds || !g->triangles ||
+    if (!g->outlines || !g->outline_corners || !g->facets || !g->rounds || !g->couples ||
         !g->corners || !g->rivals)
         goto done;
     if (g->n_corners > 0)
@@ -42,18 +76,14 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet *f = &g->facets[i];
-        const size_t kept = keep[i] ? whole->facets[i].n_triangles : 0;
         *f = whole->facets[i];
         if (f->kind != ORL_SURFACE_POLYGON)
             f->round = &g->rounds[g->n_facets - 1 - i];
         f->area = keep[i] ? f->area : 0;
-        f->n_triangles = (uint32_t)kept;
-        f->first_triangle = (uint32_t)g->n_triangles;
-        memcpy(g->triangles + g->n_triangles, whole->triangles + whole->facets[i].first_triangle,
-               kept * sizeof *g->triangles);
-        g->n_triangles += kept;
+        f->n_triangles = keep[i] ? f->n_triangles : 0;
     }
-    code = orl_embree_build(g, NULL, err);
+    keep_couples(g, whole, keep);
+    code = orl_geometry_measure_triangles(g) ? orl_embree_build(g, NULL, err) : ORL_ERR_NOMEM;
 done:
     if (code == 0)
         *ret_geometry = g;
@@ -76,7 +106,9 @@ void orl_geometry_free(struct orl_geometry *geometry)
     orl_holes_release(geometry->holes);
     free(geometry->facets);
     free(geometry->rounds);
-    free(geometry->triangles);
+    free(geometry->couples);
+    free(geometry->met);
+    free(geometry->areas);
     free(geometry->corners);
     free(geometry->outlines);
     free(geometry->outline_corners);

@@ -68,13 +68,39 @@ static void curved_occluded(const struct RTCOccludedFunctionNArguments *args)
         ray->tfar = -INFINITY;
 }
 
+/* Embree's own numbers of corners, of each triangle alone. */
+static bool list_triangles(struct orl_geometry *geometry, RTCGeometry mesh)
+{
+    const size_t n = orl_geometry_count_triangles(geometry);
+    uint32_t *const corners = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0,
+                                                      RTC_FORMAT_UINT3, 3 * sizeof *corners, n);
+    size_t at = 0;
+    geometry->met = malloc((n + 1) * sizeof *geometry->met);
+    if (!corners || !geometry->met)
+        return false;
+    for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++) {
+        if (orl_triangle_is_none(geometry, i))
+            continue;
+        for (unsigned k = 0; k < 3; k++)
+            corners[3 * at + k] = orl_triangle_corner(geometry, i, k);
+        geometry->met[at++] = (uint32_t)i;
+    }
+    return true;
+}
+
+/*
+ * Couples are Embree's quadrangles where there are many: there these take half the memory that
+ * triangles do, and rays less time. Of few, triangles are met sooner.
+ */
 static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
 {
-    RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const bool vast = orl_geometry_is_vast(geometry);
+    RTCGeometry mesh =
+        rtcNewGeometry(device, vast ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
     const size_t n = geometry->n_corners;
     float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                               3 * sizeof(float), n);
-    if (!vertices) {
+    if (!vertices || (!vast && !list_triangles(geometry, mesh))) {
         rtcReleaseGeometry(mesh);
         return ORL_ERR_NOMEM;
     }
@@ -83,9 +109,10 @@ static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCS
         vertices[3 * i + 1] = (float)geometry->corners[i].y;
         vertices[3 * i + 2] = (float)geometry->corners[i].z;
     }
-    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                               geometry->triangles, offsetof(struct orl_triple, corners),
-                               sizeof(struct orl_triple), geometry->n_triangles);
+    if (vast)
+        rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                                   geometry->couples, offsetof(struct orl_couple, corners),
+                                   sizeof(struct orl_couple), geometry->n_couples);
     rtcCommitGeometry(mesh);
     rtcAttachGeometryByID(scene, mesh, GEOMETRY_TRIANGLES);
     rtcReleaseGeometry(mesh);
@@ -176,9 +203,8 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
         geometry->curved = geometry->curved || geometry->prototypes[i]->curved;
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
-    if (geometry->n_triangles > 0 && build_triangles(geometry, device, scene) < 0)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu triangles",
-                             geometry->n_triangles);
+    if (geometry->n_couples > 0 && build_triangles(geometry, device, scene) < 0)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene's triangles");
     if (n_curved > 0)
         build_curved(geometry, device, scene, n_curved);
     if (!build_placed(geometry, device, scene))
@@ -237,6 +263,22 @@ static inline uint32_t curved_facet(const struct orl_geometry *geometry, uint32_
     return (uint32_t)(of->n_facets - 1 - primitive);
 }
 
+/* Which triangle: of a couple Embree's coordinates run from its first corner, and past 1 in the
+ * second half. They are rounded. */
+static inline void settle_triangle(const struct orl_geometry *geometry, unsigned primitive, float u,
+                                   float v, struct orl_embree_hit *hit)
+{
+    const struct orl_geometry *const of =
+        hit->placed > 0 ? geometry->placed[hit->placed - 1].prototype : geometry;
+    if (of->met) {
+        hit->index = of->met[primitive];
+        return;
+    }
+    const float across = u + v - 1;
+    hit->index = 2 * primitive + (across > 0);
+    hit->seam = fabsf(across) < 1e-5F;
+}
+
 bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                           struct orl_vec3 direction, double max_distance,
                           struct orl_embree_hit *ret_hit)
@@ -259,8 +301,11 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
     ret_hit->distance = rayhit.ray.tfar;
     ret_hit->curved = rayhit.hit.geomID == GEOMETRY_CURVED;
     ret_hit->placed = placed_of(rayhit.hit.instID[0]);
-    ret_hit->index = ret_hit->curved ? curved_facet(geometry, ret_hit->placed, rayhit.hit.primID)
-                                     : rayhit.hit.primID;
+    ret_hit->seam = false;
+    if (ret_hit->curved)
+        ret_hit->index = curved_facet(geometry, ret_hit->placed, rayhit.hit.primID);
+    else
+        settle_triangle(geometry, rayhit.hit.primID, rayhit.hit.u, rayhit.hit.v, ret_hit);
     return true;
 }
 
@@ -325,8 +370,11 @@ void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct
         for (size_t i = 0; i < ABREAST && first + i < n; i++) {
             ret_found[first + i] = packet.rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
             ret_hits[first + i] =
-                (struct orl_embree_hit){(double)packet.rays.ray.tfar[i], packet.rays.hit.primID[i],
-                                        false, placed_of(packet.rays.hit.instID[0][i])};
+                (struct orl_embree_hit){.distance = (double)packet.rays.ray.tfar[i],
+                                        .placed = placed_of(packet.rays.hit.instID[0][i])};
+            if (ret_found[first + i])
+                settle_triangle(geometry, packet.rays.hit.primID[i], packet.rays.hit.u[i],
+                                packet.rays.hit.v[i], &ret_hits[first + i]);
         }
     }
 }

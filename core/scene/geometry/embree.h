@@ -24,6 +24,7 @@ struct orl_embree_hit {
     double distance;
     uint32_t index;
     bool curved;
+    bool seam;       /* it may be the other of a couple, whose edge is near */
     uint32_t placed; /* which of those, from 1; 0: none */
 };
 

@@ -10,6 +10,7 @@
 #include "base/grow.h"
 #include "scene/geometry/antimatter.h"
 #include "scene/geometry/corners.h"
+#include "scene/geometry/couples.h"
 #include "scene/geometry/embree.h"
 #include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
@@ -53,30 +54,16 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
     }
 }
 
-/* What building needs besides: room for triangles, and scratch. */
+/* What building needs besides: scratch, for the most part. */
 struct builder {
     struct orl_geometry *g;
     const struct orl_description *description;
     struct orl_triangulation triangulation;
-    size_t triangles_room;
+    struct orl_couples couples;
     struct orl_corners corners;
     size_t outlines_room, outline_corners_room;
     struct orl_error *err;
 };
-
-static bool make_room(struct builder *b, size_t more)
-{
-    const size_t wanted = b->g->n_triangles + more;
-    if (wanted < b->triangles_room)
-        return true;
-    const size_t room = wanted + wanted / 2 + 1;
-    struct orl_triple *grown = realloc(b->g->triangles, room * sizeof *grown);
-    if (!grown)
-        return false;
-    b->g->triangles = grown;
-    b->triangles_room = room;
-    return true;
-}
 
 static int refuse_outline(const struct builder *b, const struct orl_surface *surface, int code)
 {
@@ -95,15 +82,16 @@ static int refuse_outline(const struct builder *b, const struct orl_surface *sur
     return code;
 }
 
-static bool add_triangle(struct builder *b, const struct orl_triangle *t, uint32_t facet,
-                         double area)
+/* Makes the corners of the polygon's triangles the geometry's. */
+static bool number_corners(struct builder *b)
 {
-    struct orl_triple *const triple = &b->g->triangles[b->g->n_triangles++];
-    triple->facet = facet;
-    triple->area = area;
-    return orl_corners_add(&b->corners, t->a, &triple->corners[0]) &&
-           orl_corners_add(&b->corners, t->b, &triple->corners[1]) &&
-           orl_corners_add(&b->corners, t->c, &triple->corners[2]);
+    const struct orl_triangulation *const cut = &b->triangulation;
+    for (size_t i = 0; i < 3 * cut->n_triples; i++) {
+        uint32_t *const corner = &cut->triples[i / 3][i % 3];
+        if (!orl_corners_add(&b->corners, orl_sub(cut->corners[*corner], b->g->center), corner))
+            return false;
+    }
+    return true;
 }
 
 /* Of three or four corners, cut off one by one (triangulate.c): then the triangles tell them. */
@@ -143,27 +131,25 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
         orl_triangulate(&b->triangulation, surface->vertices, surface->n_vertices, surface->normal);
     if (code < 0)
         return refuse_outline(b, surface, code);
-    if (!make_room(b, cut->n_triples))
-        return ORL_ERR_NOMEM;
     f->normal = surface->normal;
-    f->first_triangle = (uint32_t)g->n_triangles;
-    f->n_triangles = (uint32_t)cut->n_triples;
     for (size_t i = 0; i < cut->n_triples; i++) {
         const uint32_t *triple = cut->triples[i];
         const struct orl_triangle t = {orl_sub(cut->corners[triple[0]], g->center),
                                        orl_sub(cut->corners[triple[1]], g->center),
                                        orl_sub(cut->corners[triple[2]], g->center)};
-        const double area = 0.5 * orl_length(orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a)));
-        if (!add_triangle(b, &t, facet, area))
-            return ORL_ERR_NOMEM;
-        f->area += area;
+        f->area += orl_triangle_area(&t);
         reach = fmax(reach, fmax(largest(t.a), fmax(largest(t.b), largest(t.c))));
         bend = fmax(bend, fmax(fabs(orl_dot(orl_sub(t.b, t.a), f->normal)),
                                fabs(orl_dot(orl_sub(t.c, t.a), f->normal))));
     }
     f->offset = reach * 0x1p-20;
     f->bent = bend > reach * 0x1p-23;
-    return is_told(cut, surface) || keep_outline(b, surface, facet) ? 0 : ORL_ERR_NOMEM;
+    const bool told = is_told(cut, surface);
+    return number_corners(b) &&
+                   orl_couples_add(&b->couples, facet, cut->triples, (uint32_t)cut->n_triples) &&
+                   (told || keep_outline(b, surface, facet))
+               ? 0
+               : ORL_ERR_NOMEM;
 }
 
 static void add_curved(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet)
@@ -282,6 +268,27 @@ static int measure(struct orl_geometry *g, const struct orl_description *d, stru
     return code;
 }
 
+bool orl_geometry_measure_triangles(struct orl_geometry *geometry)
+{
+    const size_t n = orl_geometry_triangles_end(geometry);
+    if (orl_geometry_is_vast(geometry))
+        return true;
+    geometry->areas = malloc((n + 1) * sizeof *geometry->areas);
+    for (size_t i = 0; geometry->areas && i < n; i++) {
+        const struct orl_triangle t = orl_triangle_of_own(geometry, i);
+        geometry->areas[i] = orl_triangle_area(&t);
+    }
+    return geometry->areas != NULL;
+}
+
+size_t orl_geometry_count_triangles(const struct orl_geometry *geometry)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++)
+        n += !orl_triangle_is_none(geometry, i);
+    return n;
+}
+
 int orl_geometry_prepare_thread(struct orl_error *err)
 {
     return orl_embree_prepare(err);
@@ -307,14 +314,16 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
     g->n_facets = description->n_surfaces;
     g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
-    if (!g->facets || !g->rounds || !make_room(&builder, description->n_surfaces) ||
-        !orl_corners_init(&builder.corners, g))
+    builder.couples.geometry = g;
+    if (!g->facets || !g->rounds || !orl_corners_init(&builder.corners, g))
         goto done;
     code = add_facets(&builder);
     if (code == 0)
         code = add_rivals(g, description);
     if (code == 0)
         code = orl_placed_number(g, err);
+    if (code == 0 && !orl_geometry_measure_triangles(g))
+        code = ORL_ERR_NOMEM;
     if (code == 0)
         code = orl_embree_build(g, description->cancel, err);
     if (code == 0)

@@ -10,12 +10,15 @@
  * clear of the surface, and of what a BSDF with a thickness stands for.
  *
  * What the scene has in several places it keeps once (placed.h): numbers of facets and triangles go
- * on beyond n_facets and n_triangles, and arrays do not.
+ * on beyond the scene's own, and arrays do not.
  *
  * Surfaces that antimatter cuts are met where they are left (antimatter.h).
  *
  * Where two polygons of opposite fronts lie in one place, a hit is on the one whose front the ray
  * meets; in all other cases of two in one place, one has been cut away (coincident.h).
+ *
+ * Triangles are kept two by two: those of a polygon, or of two polygons that follow each other and
+ * share an edge; so some of their numbers are of none (orl_triangle_is_none).
  *
  * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
  * time. Threads: immutable once built; intersect and occluded may be called from any thread.
@@ -35,22 +38,28 @@
 struct orl_facet {
     enum orl_surface_kind kind;
     bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
+    uint8_t step;                   /* polygons: of their triangles' numbers */
     uint32_t material, surface;     /* indices into the description's */
     struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
     const struct orl_curved *round; /* all but polygons: in orl_geometry.rounds; never NULL */
     double offset; /* how far from the surface a ray must start to be clear of it */
     double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
     double area;
-    uint32_t first_triangle, n_triangles; /* polygons: into orl_geometry.triangles */
+    uint32_t first_triangle, n_triangles; /* polygons: see orl_facet_triangle */
     uint32_t first_rival, n_rivals;       /* into orl_geometry.rivals: facets in the same place that
                                              face the other way */
 };
 
-/* A triangle's corners, in orl_geometry.corners: triangles that meet there share them. */
-struct orl_triple {
-    uint32_t corners[3]; /* first: Embree reads them in place */
-    uint32_t facet;
-    double area;
+/*
+ * Two triangles, of the corners 3 0 1 and 1 2 3 in orl_geometry.corners, which all that meet there
+ * share; each is listed from its first, second or third on. Where the second is none, the last two
+ * corners are one.
+ */
+struct orl_couple {
+    uint32_t corners[4]; /* first: Embree reads them in place */
+    struct {
+        uint32_t facet : 30, turn : 2; /* which it is listed from */
+    } halves[2];
 };
 
 struct orl_triangle {
@@ -73,8 +82,8 @@ struct orl_geometry {
     size_t n_facets;
     struct orl_curved *rounds; /* of the facets that are not polygons, from the last one back */
     size_t n_rounds;
-    struct orl_triple *triangles;
-    size_t n_triangles;
+    struct orl_couple *couples;
+    size_t n_couples;
     struct orl_vec3 *corners;
     size_t n_corners;
     struct orl_own_outline *outlines; /* by facet */
@@ -90,6 +99,8 @@ struct orl_geometry {
     size_t n_places;         /* a prototype's: how many; else 0 */
     bool curved;             /* it has facets that are not polygons, or what is placed has */
     struct orl_holes *holes; /* antimatter.h: facets that are not there everywhere; NULL: none */
+    uint32_t *met;           /* Embree's numbers are of these triangles; NULL: of couples */
+    double *areas;           /* by triangle; NULL: of so many, none are kept */
     void *scene;             /* Embree's */
 };
 
@@ -142,13 +153,60 @@ static inline double orl_facet_offset(const struct orl_geometry *geometry, uint3
                                                 : geometry->facets[facet].offset;
 }
 
-/* Of the scene's own. */
+/* Numbers of triangles are less than that. */
+static inline size_t orl_geometry_triangles_end(const struct orl_geometry *geometry)
+{
+    return 2 * geometry->n_couples;
+}
+
+/* A polygon's i-th triangle. */
+static inline uint32_t orl_facet_triangle(const struct orl_facet *facet, uint32_t i)
+{
+    return facet->first_triangle + i * facet->step;
+}
+
+/* All of these are of the scene's own. */
+static inline bool orl_triangle_is_none(const struct orl_geometry *geometry, size_t index)
+{
+    const struct orl_couple *const couple = &geometry->couples[index / 2];
+    return index % 2 == 1 && couple->corners[2] == couple->corners[3];
+}
+
+static inline uint32_t orl_triangle_facet(const struct orl_geometry *geometry, size_t index)
+{
+    return geometry->couples[index / 2].halves[index % 2].facet;
+}
+
+/* Which of the geometry's corners its k-th is. */
+static inline uint32_t orl_triangle_corner(const struct orl_geometry *geometry, size_t index,
+                                           unsigned k)
+{
+    static const uint8_t order[2][5] = {{3, 0, 1, 3, 0}, {1, 2, 3, 1, 2}};
+    const struct orl_couple *const couple = &geometry->couples[index / 2];
+    return couple->corners[order[index % 2][couple->halves[index % 2].turn + k]];
+}
+
 static inline struct orl_triangle orl_triangle_of_own(const struct orl_geometry *geometry,
                                                       size_t index)
 {
-    const uint32_t *const at = geometry->triangles[index].corners;
-    return (struct orl_triangle){geometry->corners[at[0]], geometry->corners[at[1]],
-                                 geometry->corners[at[2]]};
+    const struct orl_vec3 *const corners = geometry->corners;
+    return (struct orl_triangle){corners[orl_triangle_corner(geometry, index, 0)],
+                                 corners[orl_triangle_corner(geometry, index, 1)],
+                                 corners[orl_triangle_corner(geometry, index, 2)]};
+}
+
+static inline double orl_triangle_area(const struct orl_triangle *t)
+{
+    return 0.5 * orl_length(orl_cross(orl_sub(t->b, t->a), orl_sub(t->c, t->a)));
+}
+
+/*
+ * Whether it has so many triangles that what each takes counts for more than what is saved by
+ * keeping what can be worked out.
+ */
+static inline bool orl_geometry_is_vast(const struct orl_geometry *geometry)
+{
+    return geometry->n_couples >= 1 << 16;
 }
 
 /* A polygon's corners, as the files list them: of the scene's own, and of one that can be met. */
@@ -167,9 +225,15 @@ static inline struct orl_vec3 orl_outline_corner(const struct orl_facet_outline 
 
 static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geometry, size_t index)
 {
-    return index < geometry->n_triangles ? orl_triangle_of_own(geometry, index)
-                                         : orl_placed_triangle(geometry, index);
+    return index < orl_geometry_triangles_end(geometry) ? orl_triangle_of_own(geometry, index)
+                                                        : orl_placed_triangle(geometry, index);
 }
+
+/* Their areas, where they are kept. False: out of memory. */
+bool orl_geometry_measure_triangles(struct orl_geometry *geometry);
+
+/* How many there are, of its own. */
+size_t orl_geometry_count_triangles(const struct orl_geometry *geometry);
 
 /* See orl_prepare_thread (oriel/run.h). */
 int orl_geometry_prepare_thread(struct orl_error *err);

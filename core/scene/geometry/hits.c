@@ -11,7 +11,7 @@ static bool meet_what_is_left(const struct orl_geometry *geometry, struct orl_ve
                               struct orl_vec3 direction, double max_distance,
                               struct orl_hit *ret_hit)
 {
-    const size_t most = 2 * geometry->n_facets + 2 * geometry->n_triangles;
+    const size_t most = 2 * geometry->n_facets + 2 * orl_geometry_triangles_end(geometry);
     struct orl_vec3 from = origin;
     double gone = 0;
     for (size_t i = 0; i <= most; i++) {
@@ -67,11 +67,15 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
 static struct orl_facet_outline told_outline(const struct orl_geometry *g,
                                              const struct orl_facet *f)
 {
-    const uint32_t *const first = g->triangles[f->first_triangle].corners;
-    struct orl_facet_outline outline = {g->corners, NULL, {first[1], first[2]}, f->n_triangles + 2};
+    const uint32_t first = orl_facet_triangle(f, 0);
+    struct orl_facet_outline outline = {
+        g->corners,
+        NULL,
+        {orl_triangle_corner(g, first, 1), orl_triangle_corner(g, first, 2)},
+        f->n_triangles + 2};
     if (f->n_triangles == 2)
-        outline.at[2] = g->triangles[f->first_triangle + 1].corners[1];
-    outline.at[f->n_triangles + 1] = first[0];
+        outline.at[2] = orl_triangle_corner(g, orl_facet_triangle(f, 1), 1);
+    outline.at[f->n_triangles + 1] = orl_triangle_corner(g, first, 0);
     return outline;
 }
 
@@ -110,6 +114,14 @@ void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, 
     ret_uv[1] = n2 > 0 ? orl_dot(orl_cross(ab, ap), n) / n2 : 0;
 }
 
+static inline double area_of(const struct orl_geometry *geometry, size_t index)
+{
+    if (geometry->areas)
+        return geometry->areas[index];
+    const struct orl_triangle t = orl_triangle_of_own(geometry, index);
+    return orl_triangle_area(&t);
+}
+
 /*
  * A triangle's point; left: what of the first number times the facet's area is the triangle's own,
  * stretched to serve again.
@@ -118,7 +130,7 @@ static inline struct orl_vec3 triangle_point(const struct orl_geometry *geometry
                                              double left, double v)
 {
     const struct orl_triangle t = orl_triangle_of_own(geometry, index);
-    const double area = geometry->triangles[index].area;
+    const double area = area_of(geometry, index);
     const double share = area > 0 && left > 0 ? left / area : 0;
     const double s = sqrt(share < 1 ? share : 1);
     return orl_add(orl_add(orl_scale(t.a, 1 - s), orl_scale(t.b, s * (1 - v))),
@@ -129,15 +141,15 @@ static inline struct orl_vec3 triangle_point(const struct orl_geometry *geometry
 static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
                                             const struct orl_facet *f, const double u[2])
 {
-    const struct orl_triple *triangles = &geometry->triangles[f->first_triangle];
     double left = u[0] * f->area;
     uint32_t chosen = 0, on = 1;
     for (uint32_t i = 0; i + 1 < f->n_triangles && on; i++) {
-        on = left < triangles[i].area ? 0U : 1U;
-        left -= on ? triangles[i].area : 0;
+        const double area = area_of(geometry, orl_facet_triangle(f, i));
+        on = left < area ? 0U : 1U;
+        left -= on ? area : 0;
         chosen += on;
     }
-    return triangle_point(geometry, f->first_triangle + chosen, left, u[1]);
+    return triangle_point(geometry, orl_facet_triangle(f, chosen), left, u[1]);
 }
 
 void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,

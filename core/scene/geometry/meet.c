@@ -9,8 +9,8 @@ static bool holds(const struct orl_geometry *geometry, const struct orl_facet *f
 {
     const double slack = -facet->offset;
     for (uint32_t i = 0; i < facet->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of_own(geometry, facet->first_triangle + i);
-        *ret_triangle = facet->first_triangle + i;
+        *ret_triangle = orl_facet_triangle(facet, i);
+        const struct orl_triangle t = orl_triangle_of_own(geometry, *ret_triangle);
         const struct orl_vec3 corners[4] = {t.a, t.b, t.c, t.a};
         bool inside = true;
         for (int k = 0; k < 3 && inside; k++) {
@@ -43,16 +43,48 @@ static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hi
 
 /* The plane that a hit lies in: not a bent polygon's mean one, which may be on the far side of the
  * triangle that Embree met. Not a unit normal. */
-static struct orl_vec3 plane_of(const struct orl_facet *facet, const struct orl_triangle *t)
+static inline struct orl_vec3 plane_of(const struct orl_geometry *geometry,
+                                       const struct orl_facet *facet, uint32_t triangle)
 {
-    return facet->bent ? orl_cross(orl_sub(t->b, t->a), orl_sub(t->c, t->a)) : facet->normal;
+    if (!facet->bent)
+        return facet->normal;
+    const struct orl_triangle t = orl_triangle_of_own(geometry, triangle);
+    return orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a));
 }
 
-static inline void settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin,
-                              struct orl_vec3 direction, const struct orl_embree_hit *e,
-                              struct orl_hit *ret_hit)
+/* How far along the ray a triangle's plane lies. */
+static double exact_distance(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                             struct orl_vec3 direction, uint32_t index)
 {
-    const uint32_t index = e->curved ? e->index : geometry->triangles[e->index].facet;
+    const struct orl_facet *const facet = &geometry->facets[orl_triangle_facet(geometry, index)];
+    const struct orl_vec3 plane = plane_of(geometry, facet, index);
+    const struct orl_vec3 corner = geometry->corners[orl_triangle_corner(geometry, index, 0)];
+    return orl_dot(orl_sub(corner, origin), plane) / orl_dot(direction, plane);
+}
+
+/* At the edge that the halves of a couple share Embree's numbers may mean either: of two polygons
+ * it is the one that lies where the ray has met something. */
+static __attribute__((noinline)) uint32_t choose_half(const struct orl_geometry *geometry,
+                                                      struct orl_vec3 origin,
+                                                      struct orl_vec3 direction,
+                                                      const struct orl_embree_hit *e)
+{
+    const uint32_t first = e->index & ~1U, second = e->index | 1U;
+    if (orl_triangle_is_none(geometry, second))
+        return first;
+    const double a = fabs(exact_distance(geometry, origin, direction, first) - e->distance);
+    const double b = fabs(exact_distance(geometry, origin, direction, second) - e->distance);
+    return orl_triangle_facet(geometry, first) == orl_triangle_facet(geometry, second) ? e->index
+           : a <= b                                                                    ? first
+                                                                                       : second;
+}
+
+static inline __attribute__((always_inline)) void
+settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
+           const struct orl_embree_hit *e, struct orl_hit *ret_hit)
+{
+    const uint32_t met = e->seam ? choose_half(geometry, origin, direction, e) : e->index;
+    const uint32_t index = e->curved ? met : orl_triangle_facet(geometry, met);
     const struct orl_facet *facet = &geometry->facets[index];
     double t = e->distance;
     struct orl_vec3 normal = facet->normal;
@@ -61,10 +93,10 @@ static inline void settle_own(const struct orl_geometry *geometry, struct orl_ve
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
-        const struct orl_triangle triangle = orl_triangle_of_own(geometry, e->index);
-        const struct orl_vec3 plane = plane_of(facet, &triangle);
+        const struct orl_vec3 plane = plane_of(geometry, facet, met);
+        const struct orl_vec3 corner = geometry->corners[orl_triangle_corner(geometry, met, 0)];
         const double slope = orl_dot(direction, plane);
-        const double exact = orl_dot(orl_sub(triangle.a, origin), plane) / slope;
+        const double exact = orl_dot(orl_sub(corner, origin), plane) / slope;
         if (fabs(exact - t) <= 1e-3 * t + facet->offset)
             t = exact;
     }
@@ -72,7 +104,7 @@ static inline void settle_own(const struct orl_geometry *geometry, struct orl_ve
     ret_hit->point = orl_madd(origin, direction, t);
     ret_hit->normal = normal;
     ret_hit->facet = index;
-    ret_hit->triangle = e->curved ? 0 : e->index;
+    ret_hit->triangle = e->curved ? 0 : met;
     ret_hit->instance = 0;
     ret_hit->front = orl_dot(direction, normal) < 0;
     if (!ret_hit->front && facet->n_rivals > 0)
@@ -85,20 +117,28 @@ settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
               struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
 {
     const struct orl_placed *const placed = &geometry->placed[e->placed - 1];
-    const struct orl_embree_hit inside = {e->distance / placed->to.scale, e->index, e->curved, 0};
+    const struct orl_embree_hit inside = {e->distance / placed->to.scale, e->index, e->curved,
+                                          e->seam, 0};
     settle_own(placed->prototype, orl_xform_point(&placed->from, origin),
                orl_xform_direction(&placed->from, direction), &inside, ret_hit);
     orl_placed_hit(geometry, placed, origin, direction, ret_hit);
+}
+
+static inline __attribute__((always_inline)) void
+settle(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
+       const struct orl_embree_hit *e, struct orl_hit *ret_hit)
+{
+    if (e->placed > 0)
+        settle_placed(geometry, origin, direction, e, ret_hit);
+    else
+        settle_own(geometry, origin, direction, e, ret_hit);
 }
 
 void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin,
                      struct orl_vec3 direction, const struct orl_embree_hit *e,
                      struct orl_hit *ret_hit)
 {
-    if (e->placed > 0)
-        settle_placed(geometry, origin, direction, e, ret_hit);
-    else
-        settle_own(geometry, origin, direction, e, ret_hit);
+    settle(geometry, origin, direction, e, ret_hit);
 }
 
 bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
@@ -107,6 +147,6 @@ bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
     struct orl_embree_hit e;
     if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))
         return false;
-    orl_meet_settle(geometry, origin, direction, &e, ret_hit);
+    settle(geometry, origin, direction, &e, ret_hit);
     return true;
 }

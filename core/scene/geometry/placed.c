@@ -150,7 +150,7 @@ static double largest(struct orl_vec3 v)
 
 int orl_placed_number(struct orl_geometry *geometry, struct orl_error *err)
 {
-    uint64_t facets = geometry->n_facets, triangles = geometry->n_triangles;
+    uint64_t facets = geometry->n_facets, triangles = orl_geometry_triangles_end(geometry);
     for (size_t i = 0; i < geometry->n_placed; i++) {
         struct orl_placed *const placed = &geometry->placed[i];
         placed->to.offset = orl_sub(placed->to.offset, geometry->center);
@@ -163,7 +163,7 @@ int orl_placed_number(struct orl_geometry *geometry, struct orl_error *err)
         placed->first_facet = (uint32_t)facets;
         placed->first_triangle = (uint32_t)triangles;
         facets += placed->prototype->n_facets;
-        triangles += placed->prototype->n_triangles;
+        triangles += orl_geometry_triangles_end(placed->prototype);
         if (facets + triangles > ORL_LIMIT_PLACED_SURFACES)
             return orl_error_set(err, ORL_ERR_LIMIT,
                                  "more than %lu surfaces and triangles, those of instances counted "

@@ -1,0 +1,106 @@
+#include "scene/geometry/couples.h"
+
+#include <stdlib.h>
+
+#include "base/grow.h"
+
+/* Whether two triangles share an edge, which they run along in opposite directions, and from where
+ * on each is listed then: the first's last corner is the other's first, and the other way round. */
+static bool find_turns(const uint32_t *first, const uint32_t *second, unsigned *ret_turn,
+                       unsigned *ret_other)
+{
+    for (unsigned i = 0; i < 3; i++)
+        for (unsigned k = 0; k < 3; k++)
+            if (first[(i + 2) % 3] == second[k] && first[i] == second[(k + 2) % 3]) {
+                *ret_turn = i;
+                *ret_other = k;
+                return true;
+            }
+    return false;
+}
+
+/* Of a triangle that is turned as the couple has it: where its own list begins in that. */
+static void name_half(struct orl_couple *couple, int half, uint32_t facet, unsigned turn)
+{
+    couple->halves[half].facet = facet & 0x3fffffffU;
+    couple->halves[half].turn = (3 - turn) % 3 & 3U;
+}
+
+/* The first triangle, turned to begin there, alone. */
+static struct orl_couple couple_of(const uint32_t *triangle, unsigned turn, uint32_t facet)
+{
+    const uint32_t last = triangle[turn];
+    struct orl_couple couple = {
+        .corners = {triangle[(turn + 1) % 3], triangle[(turn + 2) % 3], last, last}};
+    name_half(&couple, 0, facet, turn);
+    name_half(&couple, 1, facet, 0);
+    return couple;
+}
+
+/* The second beside it. */
+static void join(struct orl_couple *couple, const uint32_t *triangle, unsigned turn, uint32_t facet)
+{
+    couple->corners[2] = triangle[(turn + 1) % 3];
+    name_half(couple, 1, facet, turn);
+}
+
+static bool add_couple(struct orl_couples *c, const uint32_t *triangle, unsigned turn,
+                       uint32_t facet)
+{
+    struct orl_geometry *const g = c->geometry;
+    if (!orl_grow(&g->couples, &c->room, g->n_couples, sizeof *g->couples))
+        return false;
+    g->couples[g->n_couples++] = couple_of(triangle, turn, facet);
+    return true;
+}
+
+/* The only triangle of a polygon: beside that of the polygon before, if they share an edge. */
+static bool add_one(struct orl_couples *c, uint32_t facet, const uint32_t *triangle)
+{
+    struct orl_geometry *const g = c->geometry;
+    struct orl_facet *const f = &g->facets[facet];
+    unsigned turn, other;
+    if (c->open) {
+        struct orl_couple *const last = &g->couples[g->n_couples - 1];
+        const size_t number = 2 * g->n_couples - 2;
+        const uint32_t before[3] = {orl_triangle_corner(g, number, 0),
+                                    orl_triangle_corner(g, number, 1),
+                                    orl_triangle_corner(g, number, 2)};
+        if (find_turns(before, triangle, &turn, &other)) {
+            *last = couple_of(before, turn, last->halves[0].facet);
+            join(last, triangle, other, facet);
+            f->first_triangle = (uint32_t)number + 1;
+            c->open = false;
+            return true;
+        }
+    }
+    f->first_triangle = (uint32_t)(2 * g->n_couples);
+    c->open = true;
+    return add_couple(c, triangle, 0, facet);
+}
+
+bool orl_couples_add(struct orl_couples *couples, uint32_t facet, uint32_t (*triangles)[3],
+                     uint32_t n)
+{
+    struct orl_geometry *const g = couples->geometry;
+    struct orl_facet *const f = &g->facets[facet];
+    unsigned turn = 0, other = 0;
+    f->n_triangles = n;
+    f->step = 1;
+    if (n == 1)
+        return add_one(couples, facet, triangles[0]);
+    const bool whole = n == 2 && find_turns(triangles[0], triangles[1], &turn, &other);
+    couples->open = false;
+    f->first_triangle = (uint32_t)(2 * g->n_couples);
+    if (whole) {
+        if (!add_couple(couples, triangles[0], turn, facet))
+            return false;
+        join(&g->couples[g->n_couples - 1], triangles[1], other, facet);
+        return true;
+    }
+    f->step = 2;
+    for (uint32_t i = 0; i < n; i++)
+        if (!add_couple(couples, triangles[i], 0, facet))
+            return false;
+    return true;
+}
