@@ -38,7 +38,8 @@ static void add(struct orl_lights *lights, const struct distant *d)
     const double half = 0.5 * d->angle_deg * ORL_DEG_TO_RAD;
     if (d->kind != ORL_MATERIAL_LIGHT || d->angle_deg > widest_sun_deg) {
         lights->domes[lights->n_domes++] =
-            (struct orl_dome){d->direction, cos(half), d->radiance, d->sky, d->pattern};
+            (struct orl_dome){d->direction, cos(half),  d->radiance,
+                              d->sky,       d->pattern, d->kind == ORL_MATERIAL_LIGHT};
         return;
     }
     /* 1 - cos without cancellation: the disc is half a degree across. */
@@ -209,7 +210,8 @@ void orl_lights_digest(const struct orl_lights *lights, unsigned char ret_digest
                                   dome->cos_half_angle,
                                   dome->radiance.r,
                                   dome->radiance.g,
-                                  dome->radiance.b};
+                                  dome->radiance.b,
+                                  dome->light};
         orl_sha256_add(&hash, numbers, sizeof numbers);
         hash_sky(&hash, dome->sky);
         if (dome->pattern)

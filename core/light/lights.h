@@ -18,13 +18,16 @@ struct orl_sun {
     struct orl_rgb irradiance; /* radiance times solid angle: on a plane that faces the sun */
 };
 
-/* A wide distant light: a sky, a ground, a hemisphere of glow. */
+/* A wide distant light: a sky, a ground, a hemisphere of glow. Where they lie over one another all
+ * lights shine, and hide glows; of glows the first does, as in Radiance (sourcehit of rt/source.c).
+ */
 struct orl_dome {
     struct orl_vec3 direction;
     double cos_half_angle;
     struct orl_rgb radiance;
     const struct orl_sky *sky;         /* multiplies radiance; NULL for none */
     const struct orl_pattern *pattern; /* the same, of what is no such sky */
+    bool light;                        /* and no glow */
 };
 
 /* What a dome shines from a direction within it. */

@@ -101,13 +101,20 @@ void orl_world_keep_suns(struct orl_world *world, const bool *keep)
 struct orl_rgb orl_world_dome_radiance(const struct orl_world *world, struct orl_vec3 direction)
 {
     struct orl_rgb sum = orl_gray(0);
+    const struct orl_dome *glow = NULL;
+    bool lit = false;
     for (size_t i = 0; i < world->n_domes; i++) {
         const struct orl_dome *dome = &world->domes[i];
         if (orl_dot(direction, dome->direction) < dome->cos_half_angle)
             continue;
-        sum = orl_rgb_add(sum, orl_dome_radiance(dome, direction));
+        if (dome->light) {
+            sum = orl_rgb_add(sum, orl_dome_radiance(dome, direction));
+            lit = true;
+        } else if (!glow) {
+            glow = dome;
+        }
     }
-    return sum;
+    return glow && !lit ? orl_dome_radiance(glow, direction) : sum;
 }
 
 struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_vec3 direction)

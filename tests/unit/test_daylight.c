@@ -364,6 +364,26 @@ static void test_bad_requests(void **state)
     }
 }
 
+/* Of glows the first shines; a light hides them; lights add up. Values as rtrace's. */
+static void test_sources_over_one_another(void **state)
+{
+    struct orl_world *world =
+        scene_world("void glow a 0 0 4 1 1 1 0\nvoid glow b 0 0 4 2 2 2 0\n"
+                    "void light l 0 0 3 4 4 4\n"
+                    "a source up 0 0 4 0 0 1 180\nb source all 0 0 4 0 0 1 360\n"
+                    "l source x 0 0 4 1 0 0 60\nl source y 0 0 4 1 1 0 60\n",
+                    NULL, NULL, NULL);
+    static const struct {
+        struct orl_vec3 direction;
+        double radiance;
+    } seen[] = {{{0, 0, 1}, 1},      {{0, -.8, .6}, 1},  {{0, 0, -1}, 2},   {{0, -.8, -.6}, 2},
+                {{.96, -.28, 0}, 4}, {{.28, .96, 0}, 4}, {{.96, .28, 0}, 8}};
+    (void)state;
+    for (size_t i = 0; i < sizeof seen / sizeof *seen; i++)
+        assert_true(orl_world_dome_radiance(world, seen[i].direction).g == seen[i].radiance);
+    orl_world_free(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -377,6 +397,7 @@ int main(void)
         cmocka_unit_test(test_weather_row_is_a_perez_sky),
         cmocka_unit_test(test_scene_with_a_sky_is_refused),
         cmocka_unit_test(test_bad_requests),
+        cmocka_unit_test(test_sources_over_one_another),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "scene/geometry/coincident.h"
+#include "scene/geometry/stand.h"
 #include "support/meshes.h"
 #include "support/scene_text.h"
 
@@ -351,6 +352,36 @@ static void test_triangle_shares(void **state)
     orl_description_done(&d);
 }
 
+/* A sensor on a floor, a rounded digit above or under it, looks up; one that is truly under a sheet
+ * sees that; and none that looks down is moved up. */
+static void test_sensors_on_a_floor(void **state)
+{
+    static const struct {
+        double z, facing;
+        bool on; /* nothing is between it and what it faces */
+    } sensors[] = {{1, 1, true},         {1 + 3e-6, 1, true},  {1 - 3e-6, 1, true},
+                   {1 - 9e-5, 1, true},  {1 - 2e-4, 1, false}, {1 - 3e-6, -1, true},
+                   {1 + 3e-6, -1, true}, {1 + 9e-5, -1, true}, {1 + 2e-4, -1, false}};
+    struct orl_description d = scene_parse_text("void plastic m 0 0 5 .5 .5 .5 0 0\n"
+                                                "m polygon p 0 0 12 -9 -9 1 9 -9 1 9 9 1 -9 9 1\n",
+                                                NULL, NULL);
+    struct orl_geometry *g;
+    struct orl_error err;
+    (void)state;
+    assert_int_equal(orl_geometry_new(&d, &g, &err), 0);
+    for (size_t i = 0; i < sizeof sensors / sizeof *sensors; i++) {
+        const struct orl_vec3 at = orl_sub(orl_v3(.3, .2, sensors[i].z), g->center);
+        const struct orl_vec3 facing = orl_v3(0, 0, sensors[i].facing);
+        const struct orl_vec3 from = orl_stand(g, at, facing);
+        struct orl_hit hit;
+        assert_true(orl_dot(orl_sub(from, at), facing) < 3e-4);
+        if (orl_geometry_intersect(g, from, facing, 1, &hit) == sensors[i].on)
+            fail_msg("z %.9g, facing %g", sensors[i].z, sensors[i].facing);
+    }
+    orl_geometry_free(g);
+    orl_description_done(&d);
+}
+
 /* A field of squares, each of two triangles: their corners stand once, where they were written. */
 static void test_shared_corners(void **state)
 {
@@ -402,6 +433,7 @@ int main(void)
         cmocka_unit_test(test_tiny_beside_huge),
         cmocka_unit_test(test_triangle_shares),
         cmocka_unit_test(test_shared_corners),
+        cmocka_unit_test(test_sensors_on_a_floor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,16 @@
 
 enum { MOST_SURFACES = 8 };
 
+/*
+ * So far below a surface a sensor is still on it: rtrace -I starts rays as far ahead, and what
+ * programs write to six digits lies that low by rounding. In small scenes it is a small part of
+ * them.
+ */
+static double sunk_in(const struct orl_geometry *g)
+{
+    return fmin(1.1e-4, g->radius * 0x1p-16);
+}
+
 /* A ray's origin is rounded to floats; this is some ulps of it, and one of the whole scene. */
 static double rounding(const struct orl_geometry *g, struct orl_vec3 point)
 {
@@ -13,7 +23,7 @@ struct orl_vec3 orl_stand(const struct orl_geometry *g, struct orl_vec3 point,
                           struct orl_vec3 normal)
 {
     /* No facet's offset is more than 2^-20 of the radius: what lies further says nothing. */
-    const double span = g->radius * 0x1p-18;
+    const double sunk = sunk_in(g), span = fmax(g->radius * 0x1p-18, 2 * sunk);
     struct orl_vec3 from = orl_madd(point, normal, span);
     double lift = rounding(g, point);
     for (int i = 0; i < MOST_SURFACES; i++) {
@@ -24,7 +34,7 @@ struct orl_vec3 orl_stand(const struct orl_geometry *g, struct orl_vec3 point,
         const double clear = 2 * orl_facet_offset(g, hit.facet);
         const double slope = fmax(0.25, fabs(orl_dot(hit.normal, normal)));
         const double height = orl_dot(orl_sub(hit.point, point), normal);
-        if (fabs(height) * slope <= clear)
+        if (fabs(height) * slope <= clear || (height > 0 && height * slope <= sunk))
             lift = fmax(lift, height + clear / slope);
         from = orl_hit_leave(g, &hit, orl_neg(normal));
     }

@@ -1,7 +1,8 @@
 /*
- * Where a sensor stands: one written down as lying on a surface is to look away from it, not at it,
- * and stays where it is otherwise. What is clear of a surface depends on that surface: ground wider
- * than a town must not lift the sensors of a room by a millimetre, out of the edge of a shadow.
+ * Where a sensor stands: one written down as lying on a surface, or a tenth of a millimetre under
+ * it, is to look away from it, not at it, and stays where it is otherwise. What is clear of a
+ * surface depends on that surface: ground wider than a town must not lift the sensors of a room by
+ * a millimetre, out of the edge of a shadow.
  */
 #ifndef ORL_SCENE_GEOMETRY_STAND_H
 #define ORL_SCENE_GEOMETRY_STAND_H
