@@ -51,6 +51,23 @@ static int read_document(struct orl_job_file *file, struct orl_error *err)
     return rc;
 }
 
+/* A model may have been drawn without any: what to do then is said in its own terms. */
+static int check_asks(const char *path, const json_t *doc, struct orl_error *err)
+{
+    const char *kind = json_string_value(json_object_get(doc, "kind"));
+
+    if ((kind && strcmp(kind, "render") != 0) || json_object_get(doc, "sensors") ||
+        json_object_get(doc, "grids") || json_array_size(json_object_get(doc, "views")) > 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID, "the project has no sensor grids and no views");
+    orl_error_at(err, path, 0, NULL);
+    orl_error_hint(err,
+                   "Add grids or views to the model, or write a job with \"scene\": "
+                   "{\"project\": \"%.200s\"} and \"sensors\" or \"views\"",
+                   path);
+    return ORL_ERR_INVALID;
+}
+
 /* "scene": {"project": PATH, ...} gives way to what the project has. */
 static int resolve_project(struct orl_job_file *file, const char *beside, struct orl_error *err)
 {
@@ -65,6 +82,7 @@ static int resolve_project(struct orl_job_file *file, const char *beside, struct
         orl_project_tell(file->project.project);
         snprintf(file->folder, sizeof file->folder, "%s", file->project.folder);
         rc = orl_project_fill(&file->project, scene, file->doc, err);
+        rc = rc ? rc : check_asks(named, file->doc, err);
     }
     json_decref(scene);
     return rc;

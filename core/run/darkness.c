@@ -41,7 +41,7 @@ static int refuse(const struct orl_run_state *state, struct orl_error *err)
         err, "%s; where darkness is right, the job says \"dark\": \"expected\"",
         lit ? "They may lie inside a solid, face a surface, or be walled in: see whether "
               "windows are open to the outside and normals face the room"
-            : "Give the job a \"sky\", or the scene lights");
+            : "Give the job a \"sky\" (of a project: --sky), or the scene lights");
     return ORL_ERR_UNLIT;
 }
 

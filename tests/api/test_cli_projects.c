@@ -187,6 +187,23 @@ static void test_states_let_in_more_or_less(void **state)
     json_decref(info);
 }
 
+static void test_a_model_without_grids_asks_for_nothing(void **state)
+{
+    struct cli_desk *f = *state;
+    char path[512];
+    json_t *whole = json_load_file(model, 0, NULL);
+    json_t *own = json_object_get(json_object_get(whole, "properties"), "radiance");
+    snprintf(path, sizeof path, "%s/bare.hbjson", f->folder);
+    json_object_del(own, "sensor_grids");
+    json_object_del(own, "views");
+    assert_int_equal(json_dump_file(whole, path, 0), 0);
+    json_decref(whole);
+    const char *const args[] = {"run", path, "-o", f->output, NULL};
+    cli_run(args, &f->result);
+    assert_int_not_equal(f->result.exit_code, 0);
+    assert_non_null(strstr(f->result.err, "no sensor grids and no views"));
+}
+
 /* ---- Years ----------------------------------------------------------------------------------- */
 
 /* A year of the model's, two days of weather, with those shades and the like; result.json. */
@@ -338,6 +355,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_model_is_listed_and_written, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_let_in_more_or_less, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_model_without_grids_asks_for_nothing, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_are_the_shades_of_a_year, set_up,
                                         cli_desk_tear_down),
