@@ -238,7 +238,7 @@ COVER_SUITES := unit stats validation
 COVER_LEFT := test_doubling test_cie171_flux test_cie171_sky test_furnace test_invariance \
 	test_panes_in_series test_mid_air test_materials test_budget test_office_moved test_shadow_edge \
 	test_annual_reuse test_annual_verdicts test_annual_hours test_annual_nodes test_glazing test_reader_polls test_mixtures \
-	test_bsdf_fit test_bsdf_make_trees test_bsdf_make_errors test_plans test_lobes test_effects test_prism
+	test_bsdf_fit test_bsdf_fit_errors test_bsdf_make_trees test_bsdf_make_errors test_plans test_lobes test_effects test_prism
 COVER_BIN := $(filter-out $(COVER_LEFT:%=\%/%),$(foreach s,$(COVER_SUITES),$(filter $(BUILD)/tests/$(s)/%,$(TEST_BIN))))
 COVER_LEAST := 85
 .PHONY: coverage

@@ -138,6 +138,41 @@ static void shaping_done(struct shaping *s)
 
 /* ---- Models ---------------------------------------------------------------------------------- */
 
+/* The mean total of those at the angle, and the largest angle that is clearly less; negative: none.
+ */
+static double total_at(const struct orl_bsdf_fitted_scan *scans, size_t n, double theta_deg,
+                       double *ret_next_deg)
+{
+    const double same_deg = 0.5;
+    double sum = 0;
+    size_t count = 0;
+    *ret_next_deg = -1;
+    for (size_t i = 0; i < n; i++) {
+        if (fabs(scans[i].theta_deg - theta_deg) <= same_deg) {
+            sum += scans[i].total;
+            count++;
+        } else if (scans[i].theta_deg < theta_deg) {
+            *ret_next_deg = fmax(*ret_next_deg, scans[i].theta_deg);
+        }
+    }
+    return sum / (double)count;
+}
+
+/* Of diffuse light: what of it comes beyond the last direction, where the total may go on as it
+ * changed up to there instead of staying. The angle's mean lies a third of the way to the surface.
+ */
+static double error_beyond(const struct orl_bsdf_fitted_scan *scans, size_t n, double most_deg)
+{
+    const double cosine = cos(most_deg * ORL_DEG_TO_RAD);
+    double before_deg, unused;
+    const double last = total_at(scans, n, most_deg, &before_deg);
+    if (before_deg < 0)
+        return cosine * cosine * last; /* it tells nothing of a change */
+    const double before = total_at(scans, n, before_deg, &unused);
+    const double by = fmin(1, (90 - most_deg) / 3 / (most_deg - before_deg));
+    return cosine * cosine * fabs(last - before) * by;
+}
+
 /* What leaving out came to, of one component. */
 static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitted_scan *scans,
                            size_t n, int front, int t)
@@ -154,7 +189,8 @@ static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitt
     }
     f->has[front][t] = true;
     f->theta_most_deg[front][t] = most;
-    f->diffuse[front][t].error = left > 0 ? sqrt(squares / (double)left) : 0;
+    f->diffuse[front][t].error =
+        hypot(left > 0 ? sqrt(squares / (double)left) : 0, error_beyond(scans, n, most));
     f->misplaced[front][t] = left > 0 ? misplaced / (double)left : -1;
 }
 

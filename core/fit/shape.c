@@ -6,6 +6,7 @@
 
 #include "base/grow.h"
 #include "base/kth.h"
+#include "fit/near.h"
 #include "fit/square.h"
 
 /* Cells that the broad part is told by, 4.5 degrees wide. */
@@ -103,21 +104,22 @@ static bool add_leaf(struct tree *t, struct leaf leaf)
     return true;
 }
 
-/* Four values of a cell, or one where no more than a knot tells of it: their mean by the light that
- * they send out. */
-static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, bool once,
+/* Side by side values of a cell: their mean by the light that they send out. values: of the first
+ * four. */
+static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, int side,
                            double values[4])
 {
-    const int n = once ? 1 : 4;
+    const int n = side * side;
     struct orl_vec3 at = {0};
     double sum = 0, z = 0;
     for (int i = 0; i < n; i++) {
-        const struct orl_vec3 d =
-            once ? within(code, level, 0.5, 0.5)
-                 : within(code, level, 0.25 + 0.5 * (i & 1), 0.25 + 0.5 * ((double)(i >> 1)));
-        values[i] = orl_fit_knots_value(t->knots, d);
-        at = orl_madd(at, d, values[i] * d.z + 1e-12);
-        sum += values[i] * d.z;
+        const int row = i / side;
+        const struct orl_vec3 d = within(code, level, (i % side + 0.5) / side, (row + 0.5) / side);
+        const double value = orl_fit_knots_value(t->knots, d);
+        if (i < 4)
+            values[i] = value;
+        at = orl_madd(at, d, value * d.z + 1e-12);
+        sum += value * d.z;
         z += d.z;
     }
     at = orl_normalize(at);
@@ -125,14 +127,27 @@ static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, 
         .code = code, .level = level, .value = (float)(sum / z), .z = (float)(z / n), .at = at};
 }
 
+/* In a leaf that is not fine enough for the knots in it, as many values as there are of these. */
+static int side_for(struct range knots)
+{
+    enum { MOST = 8 };
+    const double n = (double)(knots.end - knots.begin);
+    int side = 2;
+    while (side < MOST && side * side < n)
+        side *= 2;
+    return side;
+}
+
 static bool grow(struct tree *t, uint32_t code, unsigned level, struct range knots)
 {
     if (level >= BASE_LEVEL) {
         const bool once = knots.end - knots.begin < 2 && level == t->bright_level;
         double values[4];
-        const struct leaf leaf = look_at(t, code, level, once, values);
-        if (once || level >= t->finest || !is_uneven(t, values, (double)leaf.z, level, knots))
+        const struct leaf leaf = look_at(t, code, level, once ? 1 : 2, values);
+        if (once || !is_uneven(t, values, (double)leaf.z, level, knots))
             return add_leaf(t, leaf);
+        if (level >= t->finest)
+            return add_leaf(t, look_at(t, code, level, side_for(knots), values));
     }
     if (level == POLL_LEVEL && orl_is_cancelled(t->cancel))
         return false;
@@ -329,8 +344,26 @@ static void find_peak(const struct orl_fit_knots *knots, struct orl_fit_shape *s
     shape->peak_value = (double)knots->knots[top].value;
 }
 
-/* By the noise of rows; and by what knots were corrected by, which is large where rows are too far
- * apart for what they see. Each counts by itself. */
+/* The light between the last rows and the surface, as it is extrapolated; twice as much comes where
+ * that falls by no cosine. */
+static double rim_light(const struct orl_fit_knots *k)
+{
+    enum { AZIMUTHS = 72 };
+    double sum = 0;
+    for (int i = 0; i < AZIMUTHS; i++) {
+        const double phi = 2 * ORL_PI * (i + 0.5) / AZIMUTHS;
+        const struct orl_vec3 d = orl_v3(cos(phi), sin(phi), 0);
+        struct orl_fit_found found;
+        orl_fit_near_find(k, d, &found);
+        const double z = (double)k->knots[found.knot[0]].z;
+        sum += orl_fit_knots_value(k, d) * 0.5 * z * z * 2 * ORL_PI / AZIMUTHS;
+    }
+    return sum;
+}
+
+/* By the noise of rows; by what knots were corrected by, which is large where rows are too far
+ * apart for what they see, each by itself; and by what may be anything from nothing to as much
+ * again as there is at the rim. */
 static double error_of(const struct orl_fit_knots *k)
 {
     double sum = 0;
@@ -340,7 +373,8 @@ static double error_of(const struct orl_fit_knots *k)
         const double off = (double)knot->coefficient - (double)knot->value;
         sum += part * part * (k->noise * k->noise / knot->rows + off * off);
     }
-    return sqrt(sum);
+    const double rim = rim_light(k) / sqrt(3);
+    return sqrt(sum + rim * rim);
 }
 
 static double estimate(const struct orl_fit_knots *k)
@@ -386,6 +420,9 @@ static bool make(struct tree *t, struct orl_fit_shape *shape)
     if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
         return false;
     bool fine = true;
+    shape->total = ORL_PI * shape->floor; /* as it is blended: nothing is lost between leaves */
+    for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
+        shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)
         fine = cluster(&shape->parts[kind], 0, shape->parts[kind].n_lobes, 0, 0);
     return fine;

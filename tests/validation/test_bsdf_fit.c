@@ -181,6 +181,17 @@ static void measure_row(struct bench *bench, enum scatterer which)
         measure(bench, which, thetas[i], 180);
 }
 
+/* Of perfectly diffuse light: rings of the same projected solid angle. */
+static double diffuse_of(enum scatterer which)
+{
+    enum { RINGS = 40 };
+    double sum = 0;
+    for (int i = 0; i < RINGS; i++)
+        sum += scatterer_albedo(
+            which, scatterer_direction(asin(sqrt((i + 0.5) / RINGS)) / ORL_DEG_TO_RAD, 180));
+    return sum / RINGS;
+}
+
 /* What scans tell: totals, and those of the ones left out as the others predict them. */
 static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitted)
 {
@@ -202,8 +213,10 @@ static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitt
     const double rms = sqrt(squares / (double)left_out);
     const struct orl_bsdf_share told =
         fitted->diffuse[fitted->scans[0].front][fitted->scans[0].transmitted];
-    print_message("# %s: left out, off by %.1e, told %.1e\n", scatterers[which].name, rms,
-                  told.error);
+    const double diffuse = diffuse_of(which);
+    print_message("# %s: left out, off by %.1e, told %.1e; diffuse light %.5f off by %+.1e\n",
+                  scatterers[which].name, rms, told.error, diffuse, told.value - diffuse);
+    assert_true(fabs(told.value - diffuse) < 2 * told.error + 0.0005);
     /* What is told compares with measured totals, which have errors of their own. */
     assert_true(told.error < 2 * rms + 0.003 && rms < 2 * told.error + 0.003);
 }

@@ -105,7 +105,8 @@ struct orl_bsdf_fitted_scan {
                        that is a gap in what was measured, which a peak may be lost in; else 0 */
     double noise;   /* of one row where it is dark: standard deviation, 1/sr */
     double total;   /* reflected or transmitted share of the light */
-    double total_error; /* standard error of it: noise of rows, and rows too far apart */
+    double total_error; /* standard error of it: noise of rows, rows too far apart, and what lies
+                           between the last of them and the surface */
     double peak, peak_theta_deg, peak_phi_deg; /* the largest value, 1/sr, and where it is */
     bool left_out;                             /* whether it was predicted from the others; then: */
     double predicted;                          /* the total */
@@ -119,12 +120,14 @@ struct orl_bsdf_fitted {
     enum orl_bsdf_fit_symmetry symmetry;
     size_t rows;
     size_t n_scans;
-    struct orl_bsdf_fitted_scan *scans;  /* owned; by component, then by direction */
-    bool has[2][2];                      /* [from the front?][transmitted?], as of the next two */
-    struct orl_bsdf_share diffuse[2][2]; /* of perfectly diffuse light; its error: by leaving out */
-    double misplaced[2][2];              /* the mean of those left out; negative: none could be */
-    double theta_most_deg[2][2];         /* beyond it incidence is extrapolated */
-    size_t n_outliers;                   /* all of them, of which told are: */
+    struct orl_bsdf_fitted_scan *scans; /* owned; by component, then by direction */
+    bool has[2][2];                     /* [from the front?][transmitted?], as of the next two */
+    struct orl_bsdf_share diffuse[2]
+                                 [2]; /* of perfectly diffuse light; its error: by leaving out,
+                                         and by how the total may go on beyond the last direction */
+    double misplaced[2][2];           /* the mean of those left out; negative: none could be */
+    double theta_most_deg[2][2];      /* beyond it incidence is extrapolated */
+    size_t n_outliers;                /* all of them, of which told are: */
     struct orl_bsdf_outlier outliers[ORL_BSDF_FIT_OUTLIERS_TOLD];
     bool color_left_out; /* CIE X and Z were there */
     char sample[128];    /* its name as the files have it, or "" */

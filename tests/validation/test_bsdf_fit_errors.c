@@ -1,0 +1,114 @@
+/*
+ * Whether the standard error that `bsdf fit` states of a total covers what it is off by, of samples
+ * in closed form (tests/support/scatterers.h): with noise and without, of many rows and few, from
+ * steep to grazing light, all of it by several seeds.
+ *
+ * Bounds. The ratio of the rms made to the rms stated, of 20 scans or more, scatters by 1/sqrt(40),
+ * 16 %: it is at most 1.35, two of these above 1. What is stated holds more than chance does (rows
+ * too far apart, the rim that none was measured in), so that it may be several times too large
+ * where nothing is wrong; over all kinds the ratio is at least a third. Shares within one, two and
+ * three errors are at least those of normal ones, but for four standard deviations of that many.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "fit/scans.h"
+#include "fit/shape.h"
+#include "support/scatterers.h"
+
+enum { SEEDS = 4, ANGLES = 5 };
+static const double thetas[ANGLES] = {8, 32, 56, 74, 83};
+static const double normal_shares[3] = {0.6827, 0.9545, 0.9973};
+/* Of lobes that a tree of 64 cells a side has, of rank 4. */
+static const unsigned levels[2] = {6, 9};
+
+struct tally {
+    size_t count, within[3];
+    double made2, stated2;
+};
+
+static struct orl_fit_shape shape_of(enum scatterer which, const struct scatterer_scan *scan)
+{
+    static const struct orl_fit_reading reading = {0};
+    static const struct orl_fit_making making = {0};
+    enum orl_bsdf_fit_symmetry symmetry;
+    struct orl_fit_data data = {0};
+    struct orl_fit_knots knots;
+    struct orl_fit_shape shape;
+    struct orl_error err = {0};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    scatterer_write(out, which, scan);
+    assert_int_equal(fclose(out), 0);
+    assert_int_equal(orl_fit_read("scan.txt", 0, text, size, &reading, &data, &err), 0);
+    assert_int_equal(orl_fit_sort_scans(&data, ORL_BSDF_FIT_ISOTROPIC, &symmetry, &err), 0);
+    assert_int_equal(orl_fit_knots_make(&data.scans[0], &making, &knots, &err), 0);
+    assert_int_equal(orl_fit_shape_make(&knots, data.scans[0].in, levels, NULL, &shape, &err), 0);
+    orl_fit_knots_done(&knots);
+    orl_fit_data_done(&data);
+    free(text);
+    return shape;
+}
+
+static void count(struct tally *tally, double made, double stated)
+{
+    tally->count++;
+    tally->made2 += made * made;
+    tally->stated2 += stated * stated;
+    for (int k = 0; k < 3; k++)
+        tally->within[k] += fabs(made) < (k + 1) * stated;
+}
+
+static void of_kind(enum scatterer which, double noise, unsigned rows, struct tally *all)
+{
+    struct tally tally = {0};
+    for (size_t i = 0; i < ANGLES; i++) {
+        const double albedo = scatterer_albedo(which, scatterer_direction(thetas[i], 180));
+        for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+            const struct scatterer_scan scan = {thetas[i], 180, rows, noise, true, 100 * i + seed};
+            struct orl_fit_shape shape = shape_of(which, &scan);
+            count(&tally, shape.total - albedo, shape.total_error);
+            count(all, shape.total - albedo, shape.total_error);
+            orl_fit_shape_done(&shape);
+        }
+    }
+    const double ratio = sqrt(tally.made2 / tally.stated2);
+    print_message("# %s, noise %g, %u rows: made %.5f, stated %.5f, ratio %.2f\n",
+                  scatterers[which].name, noise, rows, sqrt(tally.made2 / (double)tally.count),
+                  sqrt(tally.stated2 / (double)tally.count), ratio);
+    assert_true(ratio < 1.35);
+}
+
+static void totals_are_as_wrong_as_stated(void **state)
+{
+    struct tally all = {0};
+    (void)state;
+    for (int which = 0; which < SCATTERERS; which++)
+        for (int few = 0; few < 2; few++)
+            for (int noisy = 0; noisy < 2; noisy++)
+                of_kind((enum scatterer)which, noisy ? 0.02 : 0, few ? 3000 : 10000, &all);
+    const double n = (double)all.count;
+    print_message("# all: %zu scans, within %.3f %.3f %.3f, ratio %.2f\n", all.count,
+                  (double)all.within[0] / n, (double)all.within[1] / n, (double)all.within[2] / n,
+                  sqrt(all.made2 / all.stated2));
+    assert_true(all.made2 > all.stated2 / 9);
+    for (int k = 0; k < 3; k++) {
+        const double p = normal_shares[k];
+        assert_true((double)all.within[k] / n > p - 4 * sqrt(p * (1 - p) / n));
+    }
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {cmocka_unit_test(totals_are_as_wrong_as_stated)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
