@@ -96,6 +96,8 @@ help:
 ##                 is there: a table, and build/bench.json
 ## make bench-scale  how that grows with photons, threads and little memory
 ## make bench-polygons  what five million polygons take to load, in bytes and seconds
+## make bench-slurm  what parts, waves and merging cost, on a Slurm on loopback, and what 1 to 1000 nodes
+##                 are worth by that: tables, and build/bench-slurm.json
 ## make load       how the daemon bears many clients, idle and while all cores render: a table
 ## make dashboards  200 dashboards at once while all cores render, and what one page takes: a table
 ## make eta        what ten jobs were said to take still, beside what they took: a table
@@ -360,6 +362,10 @@ $(BUILD)/tests/bench/speed $(BUILD)/tests/bench/scale: \
 bench: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/speed
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/speed
+.PHONY: bench-slurm
+bench-slurm: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/slurm.py $(BUILD)
 bench-scale: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/scale
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/scale

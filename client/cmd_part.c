@@ -99,6 +99,28 @@ static bool is_last(const struct orl_piece *piece)
     return false;
 }
 
+/* Of its pieces, how many lie in the store: made before it was ended, or by another. Of rows the
+ * first half is what their key names. */
+static size_t count_made(const struct part *part)
+{
+    const json_t *own;
+    size_t i, made = 0;
+
+    json_array_foreach(part->pieces, i, own)
+    {
+        const char *kind = json_string_value(json_object_get(own, "kind"));
+        const char *key = json_string_value(json_object_get(own, "key"));
+        char path[8400];
+
+        if (!kind || !key)
+            continue;
+        snprintf(path, sizeof path, "%.4000s/%.16s-%.64s.opm", part->in_folder.folder,
+                 strcmp(kind, "rows") == 0 ? "annual" : kind, key);
+        made += access(path, F_OK) == 0;
+    }
+    return made;
+}
+
 /* Once all is begun nothing more is wanted: to put it together is for others. */
 static bool is_over(void *ctx)
 {
@@ -106,6 +128,13 @@ static bool is_over(void *ctx)
 
     part->over = part->begun >= json_array_size(part->pieces);
     return part->over;
+}
+
+/* The same when it is asked for others' pieces; but what is not the last may be what one that was
+ * begun needs. */
+static bool is_asked_for_more(struct part *part, bool of_last)
+{
+    return is_over(part) && (of_last || count_made(part) >= json_array_size(part->pieces));
 }
 
 /* Own pieces; and maps that own ones need, should they be missing. */
@@ -121,10 +150,11 @@ static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret
         mine += ret_here[i];
         last += is_last(&pieces[i]);
     }
-    const bool all_made = mine == 0 && is_over(part);
+    const bool ends = mine == 0 && (is_asked_for_more(part, last > 0) || last > 0);
     part->begun += mine;
-    if (all_made || (mine == 0 && last > 0))
+    if (ends)
         return orl_error_set(err, ORL_ERR_CANCELLED, "the job asks for other pieces now");
+    part->over = false;
     for (size_t i = 0; i < n; i++)
         ret_here[i] = ret_here[i] || !is_last(&pieces[i]);
     return 0;
@@ -167,28 +197,6 @@ static int run(const struct part *part, struct orl_task *task, const char *files
     rc = orl_local_run(&task->of.render, files, part->scratch, part->threads, share, &result, err);
     orl_result_done(&result);
     return rc;
-}
-
-/* Of its pieces, how many lie in the store: made before it was ended, or by another. Of rows the
- * first half is what their key names. */
-static size_t count_made(const struct part *part)
-{
-    const json_t *own;
-    size_t i, made = 0;
-
-    json_array_foreach(part->pieces, i, own)
-    {
-        const char *kind = json_string_value(json_object_get(own, "kind"));
-        const char *key = json_string_value(json_object_get(own, "key"));
-        char path[8400];
-
-        if (!kind || !key)
-            continue;
-        snprintf(path, sizeof path, "%.4000s/%.16s-%.64s.opm", part->in_folder.folder,
-                 strcmp(kind, "rows") == 0 ? "annual" : kind, key);
-        made += access(path, F_OK) == 0;
-    }
-    return made;
 }
 
 static int make_pieces(struct part *part, struct orl_error *err)

@@ -10,8 +10,8 @@
 /* Makes the block at hand (first, count), and keeps it. */
 typedef int orl_year_make_block(struct orl_year *y, struct orl_error *err);
 
-/* Sensors of a block: so few that a thousand parts find some each, and no more than one run has at a
- * time. Results do not depend on it. */
+/* Sensors of a block: so few that a thousand parts find some each, and no more than one run has at
+ * a time. Results do not depend on it. */
 size_t orl_year_shared_block(size_t n_sensors);
 
 /* Until the store has all blocks. What cannot be kept is made later, block by block. */

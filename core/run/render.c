@@ -31,7 +31,8 @@ static int compute_stretches(struct orl_rendering *rendering, struct orl_error *
     int code = 0;
     if (orl_run_is_shared(rendering->state))
         return orl_share_sensors(rendering, err);
-    for (size_t first = 0; first < rendering->state->n_sensors && code == 0; first += ORL_STRETCH)
+    for (size_t first = 0; first < rendering->state->n_sensors && code == 0;
+         first += rendering->stretch)
         code = orl_compute_stretch(rendering, first, err);
     return code;
 }
@@ -154,8 +155,10 @@ static int render_views(struct orl_rendering *rendering, struct orl_error *err)
 int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
                    struct orl_error *err)
 {
-    struct orl_rendering rendering = {
-        .state = state, .renderer = renderer, .share = orl_run_sensors_share(state)};
+    struct orl_rendering rendering = {.state = state,
+                                      .renderer = renderer,
+                                      .share = orl_run_sensors_share(state),
+                                      .stretch = ORL_STRETCH};
     orl_run_enter(state, ORL_STAGE_RENDER);
     int code = render_sensors(&rendering, err);
     if (code == 0)

@@ -11,7 +11,7 @@
 #include "render/film/film.h"
 #include "run/pieces.h"
 
-/* Sensors at a time, so that cancelling is heard in between: a piece of a job that is shared. */
+/* Sensors at a time, at the most, so that cancelling is heard in between. */
 enum { ORL_STRETCH = 128 };
 
 /* Where one view stands among all that is rendered. */
@@ -24,9 +24,10 @@ struct orl_view_progress {
 struct orl_rendering {
     struct orl_run_state *state;
     const struct orl_renderer *renderer;
-    size_t first;  /* sensor of this stretch, in their order */
-    double share;  /* of the stage: the sensors' */
-    size_t stride; /* of their order */
+    size_t stretch; /* sensors of each, but for the last one */
+    size_t first;   /* sensor of this stretch, in their order */
+    double share;   /* of the stage: the sensors' */
+    size_t stride;  /* of their order */
     uint64_t samples;
     atomic_uint_fast64_t taken; /* of the sensors' samples */
     double by_lead;             /* of those: the crew's lead's */
@@ -44,7 +45,16 @@ static inline size_t orl_sensor_at(const struct orl_rendering *rendering, size_t
 static inline size_t orl_stretch_size(const struct orl_rendering *rendering, size_t first)
 {
     const size_t left = rendering->state->n_sensors - first;
-    return left < ORL_STRETCH ? left : ORL_STRETCH;
+    return left < rendering->stretch ? left : rendering->stretch;
+}
+
+/* Sensors of a stretch as a piece of a job that is shared: so few that a thousand parts find some
+ * each. Results do not depend on it. */
+static inline size_t orl_shared_stretch(size_t n_sensors)
+{
+    enum { STRETCHES = 2000, LEAST = 8 };
+    const size_t size = n_sensors / STRETCHES;
+    return size < LEAST ? LEAST : size < ORL_STRETCH ? size : ORL_STRETCH;
 }
 
 /* Progress. */

@@ -26,7 +26,7 @@ static int make_stretch(void *ctx, size_t index, void **ret_data, size_t *ret_si
 {
     struct orl_rendering *rendering = ctx;
     const struct orl_run_state *state = rendering->state;
-    const size_t first = index * ORL_STRETCH, count = orl_stretch_size(rendering, first);
+    const size_t first = index * rendering->stretch, count = orl_stretch_size(rendering, first);
     struct stretch_head head;
     struct orl_health before;
     char *to = malloc(stretch_bytes(rendering, count));
@@ -58,7 +58,7 @@ static int take_stretch(void *ctx, size_t index, const void *data, size_t size, 
 {
     struct orl_rendering *rendering = ctx;
     const struct orl_run_state *state = rendering->state;
-    const size_t first = index * ORL_STRETCH, count = orl_stretch_size(rendering, first);
+    const size_t first = index * rendering->stretch, count = orl_stretch_size(rendering, first);
     const char *from = data;
     struct stretch_head head;
     (void)err;
@@ -114,7 +114,9 @@ static void tell_share(void *ctx, double share)
 int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err)
 {
     const struct orl_run_state *state = rendering->state;
-    struct orl_piece_work work = {.n = (state->n_sensors + ORL_STRETCH - 1) / ORL_STRETCH,
+    rendering->stretch = orl_shared_stretch(state->n_sensors);
+    struct orl_piece_work work = {.n = (state->n_sensors + rendering->stretch - 1) /
+                                       rendering->stretch,
                                   .ctx = rendering,
                                   .make = make_stretch,
                                   .take = take_stretch,
@@ -123,7 +125,7 @@ int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err)
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
     for (size_t i = 0; i < work.n; i++)
-        name_stretch(rendering, i * ORL_STRETCH, &work.pieces[i]);
+        name_stretch(rendering, i * rendering->stretch, &work.pieces[i]);
     orl_pieces_foresee(state, &work, rendering->share);
     const int code = orl_run_pieces(state->env, &work, err);
     free(work.pieces);
