@@ -8,7 +8,7 @@
 #include "run/kept_file.h"
 
 /* Raised when what pieces are made of changes, or how they lie in their files. */
-static const char recipe[] = "oriel pieces 3";
+static const char recipe[] = "oriel pieces 4";
 
 bool orl_run_is_shared(const struct orl_run_state *state)
 {

@@ -98,12 +98,32 @@ static void test_techniques(void **state)
     }
 }
 
+/* Seen from behind it is not there: a room behind one is lit as by an opening, by all techniques,
+ * and what it shines is for outdoors alone. */
+static void test_from_behind(void **state)
+{
+    static const char open[] = SKY SUN ROOM(".6");
+    static const char shut[] = SKY SUN "void illum win 0 0 3 60 50 40\n" ROOM(
+        ".6") "win polygon s 0 0 12 4 0 0 4 0 3 0 0 3 0 0 0\n";
+    static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
+                                                    ORL_TECHNIQUE_DIRECT};
+    double error[2];
+    const double paths = run(open, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    (void)state;
+    for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
+        const double lx = run(shut, techniques[i], &error[1]);
+        if (!(fabs(lx - paths) < 4 * hypot(error[0], error[1]) && error[1] < .03 * paths))
+            fail_msg("technique %zu: %g +- %g lx, not %g", i, lx, error[1], paths);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sun_passes),
         cmocka_unit_test(test_by_glass),
         cmocka_unit_test(test_techniques),
+        cmocka_unit_test(test_from_behind),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

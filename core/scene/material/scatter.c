@@ -137,8 +137,8 @@ static struct orl_rgb transmitted(const struct orl_material *material, const str
         return orl_rgb_add(orl_trans_spread(material, hit), orl_trans_straight(material, hit));
     if (material->kind == ORL_MATERIAL_BSDF)
         return orl_gray(0); /* counted with its other parts */
-    if (material->kind == ORL_MATERIAL_ILLUM)
-        return orl_gray(0); /* what passes is suns' and lamps' alone */
+    if (material->kind == ORL_MATERIAL_ILLUM && !(orl_dot(light, hit->normal) > 0))
+        return orl_gray(0); /* of what comes from behind suns' and lamps' alone passes */
     return orl_material_straight(material, hit, light);
 }
 
@@ -169,10 +169,15 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     return sum;
 }
 
+/* Light from before it passes; of what comes from behind, in place of which it shines, that of suns
+ * and lamps. */
 static struct orl_scatter sample_illum(const struct orl_draw *draw)
 {
     const struct orl_rgb share = orl_material_straight(draw->material, draw->hit, draw->from);
-    if (!(draw->lobes & ORL_LOBE_ILLUM) || !(orl_rgb_max(share) > 0))
+    const bool before = orl_dot(draw->from, draw->hit->normal) > 0;
+    const bool from_before = before == (draw->transport == ORL_TRANSPORT_LIGHT);
+    const enum orl_lobes needed = from_before ? ORL_LOBE_TRANSMITTED : ORL_LOBE_ILLUM;
+    if (!(draw->lobes & needed) || !(orl_rgb_max(share) > 0))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     return (struct orl_scatter){.event = ORL_EVENT_STRAIGHT,
                                 .transmitted = true,

@@ -30,8 +30,9 @@
  * What is void in one is a pane of nothing: glass of index 1 that takes no light.
  *
  * An illum shines as a lamp in place of all that comes from behind it, but for suns and lamps,
- * whose light it lets straight through as what views see there does (void or glass); of Radiance's
- * rule only that no illum's light passes another is left out.
+ * whose light it lets straight through as what views see there does (void or glass), as it does all
+ * that comes from before it; of Radiance's rule only that no illum's light passes another is left
+ * out.
  *
  * Known difference: to smooth plastic, metal and trans of a specularity from 0.018 on, rpict adds
  * specular reflection towards grazing (an approximation of Fresnel's, by the eye's direction alone,
@@ -73,8 +74,8 @@ enum orl_lobes {
     ORL_LOBE_REFLECTED = 2,   /* glossy, mirror, BSDF reflection */
     ORL_LOBE_TRANSMITTED = 4, /* straight, refracted, or transmitted by a lobe */
     ORL_LOBE_ALL = 7,
-    ORL_LOBE_ILLUM = 8, /* straight through an illum: for light of suns and lamps that has met
-                           nothing but panes yet */
+    ORL_LOBE_ILLUM = 8, /* straight through an illum from behind: for light of suns and lamps that
+                           has met nothing but panes yet */
 };
 
 /* Draws what happens next. With no allowed lobe, or by its share, the outcome is ABSORBED. */
