@@ -20,21 +20,22 @@ struct ways {
 static bool is_proxy(const struct orl_scene *scene, uint32_t facet)
 {
     const struct orl_facet *f = &scene->geometry->facets[facet];
-    return f->beyond != 0 && f->area > 0 &&
+    return orl_facet_beyond(scene->geometry, facet) != 0 && f->area > 0 &&
            (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING);
 }
 
-static struct orl_vec3 way_across(const struct orl_facet *f)
+static struct orl_vec3 way_across(const struct orl_geometry *geometry, uint32_t facet)
 {
-    return f->beyond > 0 ? f->normal : orl_neg(f->normal);
+    const struct orl_vec3 normal = geometry->facets[facet].normal;
+    return orl_facet_beyond(geometry, facet) > 0 ? normal : orl_neg(normal);
 }
 
 /* False: there are too many. */
-static bool add_way(struct ways *ways, const struct orl_facet *f)
+static bool add_way(struct ways *ways, const struct orl_geometry *geometry, uint32_t facet)
 {
-    const struct orl_vec3 way = way_across(f);
+    const struct orl_vec3 way = way_across(geometry, facet);
     size_t k = 0;
-    ways->reach = fmax(ways->reach, fabs(f->beyond));
+    ways->reach = fmax(ways->reach, fabs(orl_facet_beyond(geometry, facet)));
     while (k < ways->count && orl_dot(way, ways->way[k]) < 1 - 1e-5)
         k++;
     if (k == MOST_WAYS)
@@ -46,12 +47,12 @@ static bool add_way(struct ways *ways, const struct orl_facet *f)
 
 /* How far from one that a proxy reaches: what lies at `self`, or a proxy that looks the other way
  * and reaches for the same things from there. */
-static double reach_to(const struct orl_scene *scene, const struct orl_facet *proxy, uint32_t self)
+static double reach_to(const struct orl_scene *scene, uint32_t proxy, uint32_t self)
 {
-    const struct orl_facet *f = &scene->geometry->facets[self];
+    const struct orl_geometry *const g = scene->geometry;
     const bool faces =
-        is_proxy(scene, self) && orl_dot(way_across(proxy), way_across(f)) < -1 + 1e-3;
-    return fabs(proxy->beyond) + (faces ? fabs(f->beyond) : 0);
+        is_proxy(scene, self) && orl_dot(way_across(g, proxy), way_across(g, self)) < -1 + 1e-3;
+    return fabs(orl_facet_beyond(g, proxy)) + (faces ? fabs(orl_facet_beyond(g, self)) : 0);
 }
 
 /* Looks from a point along a way: is a proxy there that stands for what is at the point? */
@@ -66,8 +67,8 @@ static bool is_covered(const struct orl_scene *scene, const struct orl_geometry 
         const struct orl_facet *f = &proxies->facets[hit.facet];
         at += hit.distance;
         /* Of proxies that stand for each other only the first is one. */
-        if (orl_dot(way_across(f), way) > 1 - 1e-3 &&
-            at <= reach_to(scene, f, self) + 4 * f->offset && hit.facet != self &&
+        if (orl_dot(way_across(proxies, hit.facet), way) > 1 - 1e-3 &&
+            at <= reach_to(scene, hit.facet, self) + 4 * f->offset && hit.facet != self &&
             (!is_proxy(scene, self) || (hit.facet < self && !scene->hidden[hit.facet])))
             return true;
         at += f->offset;
@@ -124,7 +125,7 @@ static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3
             return UINT32_MAX;
         at += hit.distance;
         *ret_apart = at;
-        if (orl_dot(way_across(&proxies->facets[hit.facet]), way) > 1 - 1e-3)
+        if (orl_dot(way_across(proxies, hit.facet), way) > 1 - 1e-3)
             return hit.facet;
         at += proxies->facets[hit.facet].offset;
     }
@@ -135,7 +136,7 @@ static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3
 static void judge_pair(struct orl_scene *scene, const struct ways *ways, uint32_t self)
 {
     const struct orl_facet *f = &scene->geometry->facets[self];
-    const struct orl_vec3 way = orl_neg(way_across(f));
+    const struct orl_vec3 way = orl_neg(way_across(scene->geometry, self));
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, self);
     uint32_t partner = UINT32_MAX;
     double apart = 0;
@@ -148,7 +149,8 @@ static void judge_pair(struct orl_scene *scene, const struct ways *ways, uint32_
     }
     if (partner == UINT32_MAX || partner > self)
         return;
-    const double mine = fabs(f->beyond), its = fabs(scene->geometry->facets[partner].beyond);
+    const double mine = fabs(orl_facet_beyond(scene->geometry, self));
+    const double its = fabs(orl_facet_beyond(scene->geometry, partner));
     const bool one = scene->hidden[self] || scene->hidden[partner];
     struct orl_pairing *pairing = one ? &scene->paired : &scene->not_paired;
     if (one ? apart > fmax(mine, its) + 4 * f->offset : apart <= near_pair * (mine + its))
@@ -164,7 +166,7 @@ int orl_proxies_part(struct orl_scene *scene, struct orl_error *err)
     bool *keep = NULL;
     int code = 0;
     for (uint32_t i = 0; i < n; i++)
-        if (is_proxy(scene, i) && !add_way(&ways, &whole->facets[i])) {
+        if (is_proxy(scene, i) && !add_way(&ways, whole, i)) {
             orl_error_set(err, ORL_ERR_LIMIT,
                           "BSDFs with a thickness face more than %d different ways", MOST_WAYS);
             orl_error_hint(err, "give curved ones thickness 0 and leave out what they stand for");

@@ -55,6 +55,7 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->met = NULL;
     g->areas = NULL;
     g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
+    g->more = malloc((g->n_more + 1) * sizeof *g->more);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
     g->couples = malloc((whole->n_couples + 1) * sizeof *g->couples);
@@ -62,7 +63,7 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->outlines = malloc((g->n_outlines + 1) * sizeof *g->outlines);
     g->outline_corners = malloc((g->n_outline_corners + 1) * sizeof *g->outline_corners);
     if (!g->outlines || !g->outline_corners || !g->facets || !g->rounds || !g->couples ||
-        !g->corners || !g->rivals)
+        !g->corners || !g->rivals || !g->more)
         goto done;
     if (g->n_corners > 0)
         memcpy(g->corners, whole->corners, g->n_corners * sizeof *g->corners);
@@ -71,6 +72,8 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
         memcpy(g->outline_corners, whole->outline_corners,
                g->n_outline_corners * sizeof *g->outline_corners);
     }
+    if (g->n_more > 0)
+        memcpy(g->more, whole->more, g->n_more * sizeof *g->more);
     if (g->n_rivals > 0)
         memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
     memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
@@ -113,6 +116,7 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry->outlines);
     free(geometry->outline_corners);
     free(geometry->rivals);
+    free(geometry->more);
     free(geometry);
 }
 

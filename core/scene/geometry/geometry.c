@@ -180,7 +180,7 @@ static int add_facets(struct builder *b)
         g->facets[facet].material = surface->material;
         g->facets[facet].surface = (uint32_t)i;
         g->facets[facet].round = &orl_curved_none;
-        g->facets[facet].beyond = d->materials[surface->material].thickness;
+        g->facets[facet].has_more = d->materials[surface->material].thickness != 0;
         if (flat)
             code = add_polygon(b, surface, facet);
         else
@@ -191,33 +191,57 @@ static int add_facets(struct builder *b)
     return code;
 }
 
-/* The lists of rivals, by facet. */
-static int add_rivals(struct orl_geometry *g, const struct orl_description *d)
+/* Marks the facets that have rivals, and lists all that have more than others. */
+static bool list_more(struct orl_geometry *g, const struct orl_description *d,
+                      const uint32_t *facet_of)
 {
-    uint32_t *facets = NULL;
-    if (d->n_opposed == 0)
-        return 0;
-    facets = malloc(d->n_surfaces * sizeof *facets);
-    g->rivals = malloc(2 * d->n_opposed * sizeof *g->rivals);
-    if (!facets || !g->rivals) {
-        free(facets);
-        return ORL_ERR_NOMEM;
-    }
-    for (size_t i = 0; i < g->n_facets; i++)
-        facets[g->facets[i].surface] = (uint32_t)i;
+    size_t n = 0;
     for (size_t i = 0; i < 2 * d->n_opposed; i++)
-        g->facets[facets[d->opposed[i / 2].surfaces[i % 2]]].n_rivals++;
-    for (size_t i = 0; i < g->n_facets; i++) {
-        g->facets[i].first_rival = (uint32_t)g->n_rivals;
-        g->n_rivals += g->facets[i].n_rivals;
-        g->facets[i].n_rivals = 0;
+        g->facets[facet_of[d->opposed[i / 2].surfaces[i % 2]]].has_more = true;
+    for (size_t i = 0; i < g->n_facets; i++)
+        n += g->facets[i].has_more;
+    g->more = malloc((n + 1) * sizeof *g->more);
+    for (size_t i = 0; g->more && i < g->n_facets; i++)
+        if (g->facets[i].has_more)
+            g->more[g->n_more++] = (struct orl_facet_more){
+                (uint32_t)i, 0, 0, d->materials[g->facets[i].material].thickness};
+    return g->more != NULL;
+}
+
+static struct orl_facet_more *more_of(struct orl_geometry *g, uint32_t facet)
+{
+    return &g->more[orl_facet_more_of(g, facet) - g->more];
+}
+
+static bool add_rivals(struct orl_geometry *g, const struct orl_description *d,
+                       const uint32_t *facet_of)
+{
+    g->rivals = malloc((2 * d->n_opposed + 1) * sizeof *g->rivals);
+    if (!g->rivals)
+        return false;
+    for (size_t i = 0; i < 2 * d->n_opposed; i++)
+        more_of(g, facet_of[d->opposed[i / 2].surfaces[i % 2]])->n_rivals++;
+    for (size_t i = 0; i < g->n_more; i++) {
+        g->more[i].first_rival = (uint32_t)g->n_rivals;
+        g->n_rivals += g->more[i].n_rivals;
+        g->more[i].n_rivals = 0;
     }
     for (size_t i = 0; i < 2 * d->n_opposed; i++) {
-        struct orl_facet *f = &g->facets[facets[d->opposed[i / 2].surfaces[i % 2]]];
-        g->rivals[f->first_rival + f->n_rivals++] = facets[d->opposed[i / 2].surfaces[1 - i % 2]];
+        struct orl_facet_more *const more = more_of(g, facet_of[d->opposed[i / 2].surfaces[i % 2]]);
+        g->rivals[more->first_rival + more->n_rivals++] =
+            facet_of[d->opposed[i / 2].surfaces[1 - i % 2]];
     }
-    free(facets);
-    return 0;
+    return true;
+}
+
+static int add_more(struct orl_geometry *g, const struct orl_description *d)
+{
+    uint32_t *const facet_of = malloc((d->n_surfaces + 1) * sizeof *facet_of);
+    for (size_t i = 0; facet_of && i < g->n_facets; i++)
+        facet_of[g->facets[i].surface] = (uint32_t)i;
+    const bool made = facet_of && list_more(g, d, facet_of) && add_rivals(g, d, facet_of);
+    free(facet_of);
+    return made ? 0 : ORL_ERR_NOMEM;
 }
 
 /* A description of a prototype alone, which borrows all. */
@@ -319,7 +343,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
         goto done;
     code = add_facets(&builder);
     if (code == 0)
-        code = add_rivals(g, description);
+        code = add_more(g, description);
     if (code == 0)
         code = orl_placed_number(g, err);
     if (code == 0 && !orl_geometry_measure_triangles(g))

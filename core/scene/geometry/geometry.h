@@ -36,18 +36,26 @@
 
 /* A surface as it is shot at: the description's, moved, with what hits need at hand. */
 struct orl_facet {
-    enum orl_surface_kind kind;
-    bool bent; /* a polygon whose triangles do not lie in one plane, as rounded numbers make them */
-    uint8_t step;                   /* polygons: of their triangles' numbers */
+    enum orl_surface_kind kind : 4;
+    bool bent : 1;     /* a polygon whose triangles do not lie in one plane, as rounded numbers make
+                          them */
+    bool has_more : 1; /* orl_facet_more_of */
+    unsigned step : 2; /* polygons: of their triangles' numbers */
+    unsigned n_triangles : 24;      /* polygons; else 0 */
+    uint32_t first_triangle;        /* polygons: see orl_facet_triangle */
     uint32_t material, surface;     /* indices into the description's */
     struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
     const struct orl_curved *round; /* all but polygons: in orl_geometry.rounds; never NULL */
     double offset; /* how far from the surface a ray must start to be clear of it */
-    double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
     double area;
-    uint32_t first_triangle, n_triangles; /* polygons: see orl_facet_triangle */
-    uint32_t first_rival, n_rivals;       /* into orl_geometry.rivals: facets in the same place that
-                                             face the other way */
+};
+
+/* What few facets have. */
+struct orl_facet_more {
+    uint32_t facet;
+    uint32_t first_rival, n_rivals; /* into orl_geometry.rivals: facets in the same place that face
+                                       the other way */
+    double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
 };
 
 /*
@@ -90,6 +98,8 @@ struct orl_geometry {
     size_t n_outlines;
     uint32_t *outline_corners;
     size_t n_outline_corners;
+    struct orl_facet_more *more; /* by facet */
+    size_t n_more;
     uint32_t *rivals;
     size_t n_rivals;
     struct orl_geometry **prototypes; /* owned: what stands in several places (placed.h) */
@@ -139,7 +149,7 @@ static inline bool orl_facet_is_placed(const struct orl_geometry *geometry, uint
     return facet >= geometry->n_facets;
 }
 
-/* Its kind, material and BSDF's thickness; of what is placed nothing else. */
+/* Its kind and material; of what is placed nothing else. */
 static inline const struct orl_facet *orl_facet_of(const struct orl_geometry *geometry,
                                                    uint32_t facet)
 {
@@ -275,6 +285,14 @@ bool orl_geometry_is_cut(const struct orl_geometry *geometry, uint32_t facet);
 int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
                         struct orl_geometry **ret_geometry, struct orl_error *err);
 
+/* Of the scene's own facets that have more. */
+const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geometry, uint32_t facet);
+
+static inline double orl_facet_beyond(const struct orl_geometry *geometry, uint32_t facet)
+{
+    return geometry->facets[facet].has_more ? orl_facet_more_of(geometry, facet)->beyond : 0;
+}
+
 /* Where a ray that leaves a point of a facet, of that front normal, along direction is to start. */
 static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
                                               struct orl_vec3 point, struct orl_vec3 normal,
@@ -285,7 +303,8 @@ static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometr
         return orl_madd(point, normal, side * orl_placed_offset(geometry, facet));
     const struct orl_facet *f = &geometry->facets[facet];
     /* To the side of what it stands for: beyond that. */
-    const double hidden = f->beyond * side < 0 ? fabs(f->beyond) : 0;
+    const double beyond = orl_facet_beyond(geometry, facet);
+    const double hidden = beyond * side < 0 ? fabs(beyond) : 0;
     return orl_madd(point, normal, side * (f->offset + hidden));
 }
 

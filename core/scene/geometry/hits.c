@@ -63,6 +63,19 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
                            : orl_embree_occluded(geometry, origin, direction, max_distance);
 }
 
+const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geometry, uint32_t facet)
+{
+    size_t low = 0, high = geometry->n_more;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (geometry->more[middle].facet <= facet)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &geometry->more[low];
+}
+
 /* The first triangle ends where the outline begins, triangulate.c has the corners cut off so. */
 static struct orl_facet_outline told_outline(const struct orl_geometry *g,
                                              const struct orl_facet *f)

@@ -27,9 +27,9 @@ static bool holds(const struct orl_geometry *geometry, const struct orl_facet *f
 /* A hit on a back is on the front of a rival that lies there. */
 static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hit)
 {
-    const struct orl_facet *facet = &geometry->facets[hit->facet];
-    for (uint32_t i = 0; i < facet->n_rivals; i++) {
-        const uint32_t rival = geometry->rivals[facet->first_rival + i];
+    const struct orl_facet_more *const more = orl_facet_more_of(geometry, hit->facet);
+    for (uint32_t i = 0; i < more->n_rivals; i++) {
+        const uint32_t rival = geometry->rivals[more->first_rival + i];
         uint32_t triangle;
         if (!holds(geometry, &geometry->facets[rival], hit->point, &triangle))
             continue;
@@ -107,7 +107,7 @@ settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct o
     ret_hit->triangle = e->curved ? 0 : met;
     ret_hit->instance = 0;
     ret_hit->front = orl_dot(direction, normal) < 0;
-    if (!ret_hit->front && facet->n_rivals > 0)
+    if (!ret_hit->front && facet->has_more)
         choose_front(geometry, ret_hit);
 }
 
