@@ -177,13 +177,25 @@ void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
     }
 }
 
+static double sum_of(const double *values, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += values[i];
+    return sum;
+}
+
 void orl_gonio_probe_put_aside(struct orl_gonio_probe *probe, uint32_t paths)
 {
-    const size_t cells = 2 * orl_gonio_probe_cells(probe);
-    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-        for (size_t i = 0; i < cells; i++)
-            probe->before[i] += probe->sums[k * cells + i];
-    memset(probe->sums, 0, ORL_GONIO_BATCHES * cells * sizeof *probe->sums);
+    const size_t cells = orl_gonio_probe_cells(probe);
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
+        double *sums = probe->sums + k * 2 * cells;
+        for (size_t part = 0; part < 2; part++)
+            probe->totals_before[k][part] += sum_of(sums + part * cells, cells);
+        for (size_t i = 0; i < 2 * cells; i++)
+            probe->before[i] += sums[i];
+    }
+    memset(probe->sums, 0, 2 * cells * ORL_GONIO_BATCHES * sizeof *probe->sums);
     probe->paths_before += paths;
 }
 
@@ -193,29 +205,18 @@ void orl_gonio_probe_drop(struct orl_gonio_probe *probe)
     memset(probe->sums, 0, ORL_GONIO_BATCHES * cells * sizeof *probe->sums);
     memset(probe->before, 0, cells * sizeof *probe->before);
     memset(probe->heaviest, 0, cells * sizeof *probe->heaviest);
+    memset(probe->totals_before, 0, sizeof probe->totals_before);
     probe->paths_before = 0;
-}
-
-static double sum_of(const double *values, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += values[i];
-    return sum;
 }
 
 void orl_gonio_probe_settle(struct orl_gonio_probe *probe, uint32_t paths)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
-    const double all = (double)paths + probe->paths_before, told = paths / all;
-    for (size_t part = 0; part < 2; part++) {
-        const double before = sum_of(probe->before + part * cells, cells) / ORL_GONIO_BATCHES;
-        double sums[ORL_GONIO_BATCHES];
-        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-            sums[k] = sum_of(probe->sums + (2 * k + part) * cells, cells);
-        const double mean = sum_of(sums, ORL_GONIO_BATCHES) / ORL_GONIO_BATCHES;
-        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-            probe->totals[k][part] += (mean + before + (sums[k] - mean) / sqrt(told)) / all;
-    }
+    const double all = (double)paths + probe->paths_before;
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+        for (size_t part = 0; part < 2; part++)
+            probe->totals[k][part] += (probe->totals_before[k][part] +
+                                       sum_of(probe->sums + (2 * k + part) * cells, cells)) /
+                                      all;
     orl_gonio_probe_drop(probe);
 }

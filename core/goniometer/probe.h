@@ -18,8 +18,9 @@ struct orl_gonio_probe {
     bool front;                /* light comes from there */
     const atomic_bool *cancel; /* may be NULL */
     /* What is counted; owned: */
-    double *sums;                        /* [batch][transmitted][cell out], of one incident cell */
-    double *before;                      /* [transmitted][cell out], of all batches put aside */
+    double *sums;   /* [batch][transmitted][cell out], of one incident cell */
+    double *before; /* [transmitted][cell out], of all batches put aside */
+    double totals_before[ORL_GONIO_BATCHES][2]; /* weights that were put aside, of all cells */
     float *heaviest;                     /* what one path alone brought: [transmitted][cell out] */
     uint32_t paths_before;               /* in each batch that was put aside */
     double totals[ORL_GONIO_BATCHES][2]; /* of all incident cells: shares, summed */
@@ -43,7 +44,7 @@ void orl_gonio_probe_done(struct orl_gonio_probe *probe);
  * a ring. When it is cancelled, some of them. */
 void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to);
 /* Puts aside what is counted, after that many of each batch; these begin anew, by other numbers,
- * and alone tell the error of all (as in sheet.h). */
+ * and alone tell the errors of values (as in sheet.h). */
 void orl_gonio_probe_put_aside(struct orl_gonio_probe *probe, uint32_t paths);
 /* After that many of each batch: fills ret_nodes[transmitted * cells + cell out] with leaves. */
 void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,

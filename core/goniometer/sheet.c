@@ -16,12 +16,14 @@ int orl_gonio_sheet_init(struct orl_gonio_sheet *sheet, const char *basis, bool 
     sheet->sums =
         calloc(sheet->items * ORL_GONIO_BATCHES * 2 * cells * sheet->channels, sizeof *sheet->sums);
     sheet->before = calloc(sheet->items * 2 * cells * sheet->channels, sizeof *sheet->before);
+    sheet->totals_before =
+        calloc(sheet->items * ORL_GONIO_BATCHES * 2, sizeof *sheet->totals_before);
     sheet->heaviest = calloc(sheet->items * 2 * cells, sizeof *sheet->heaviest);
     sheet->lost = calloc(sheet->items, sizeof *sheet->lost);
     sheet->paths = calloc(sheet->items, sizeof *sheet->paths);
     sheet->paths_before = calloc(sheet->items, sizeof *sheet->paths_before);
-    if (sheet->sums && sheet->before && sheet->heaviest && sheet->lost && sheet->paths &&
-        sheet->paths_before)
+    if (sheet->sums && sheet->before && sheet->totals_before && sheet->heaviest && sheet->lost &&
+        sheet->paths && sheet->paths_before)
         return 0;
     orl_gonio_sheet_done(sheet);
     return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the panel's BSDF");
@@ -31,6 +33,7 @@ void orl_gonio_sheet_done(struct orl_gonio_sheet *sheet)
 {
     free(sheet->sums);
     free(sheet->before);
+    free(sheet->totals_before);
     free(sheet->heaviest);
     free(sheet->lost);
     free(sheet->paths);
@@ -57,6 +60,18 @@ static float *heaviest_of(const struct orl_gonio_sheet *sheet, size_t item, bool
     return sheet->heaviest + (item * 2 + transmitted) * (size_t)sheet->basis.n_cells;
 }
 
+/* By luma, of one batch of an item: what goes to all cells of a side. */
+static double sum_all(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
+                      bool transmitted)
+{
+    const double *sums = orl_gonio_sheet_sums(sheet, item, batch, transmitted);
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)sheet->basis.n_cells; i++, sums += sheet->channels)
+        sum +=
+            sheet->channels == 1 ? sums[0] : orl_luma((struct orl_rgb){sums[0], sums[1], sums[2]});
+    return sum;
+}
+
 void orl_gonio_sheet_put_aside(struct orl_gonio_sheet *sheet, size_t item)
 {
     const size_t values = (size_t)sheet->basis.n_cells * sheet->channels;
@@ -64,6 +79,8 @@ void orl_gonio_sheet_put_aside(struct orl_gonio_sheet *sheet, size_t item)
         double *before = before_of(sheet, item, part);
         for (size_t batch = 0; batch < ORL_GONIO_BATCHES; batch++) {
             double *sums = orl_gonio_sheet_sums(sheet, item, batch, part);
+            sheet->totals_before[(item * ORL_GONIO_BATCHES + batch) * 2 + part] +=
+                sum_all(sheet, item, batch, part);
             for (size_t i = 0; i < values; i++)
                 before[i] += sums[i];
             memset(sums, 0, values * sizeof *sums);
@@ -242,52 +259,38 @@ struct orl_gonio_value orl_gonio_sheet_value(const struct orl_gonio_sheet *sheet
                                     hypot(error, path_share(sheet, &images, transmitted)) / omega};
 }
 
+/* Its share, with what was put aside of the batch, in its mean over all mirrors. */
 static double batch_total(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
                           bool transmitted)
 {
+    const struct images images = images_of(sheet, item, 0);
     double sum = 0;
-    for (int out = 0; out < sheet->basis.n_cells; out++) {
-        const struct images images = images_of(sheet, item, out);
-        sum += orl_luma(share_of(sheet, &images, batch, transmitted));
+    for (unsigned m = 0; m < images.count; m++) {
+        const size_t i = images.item[m];
+        sum += (sum_all(sheet, i, batch, transmitted) +
+                sheet->totals_before[(i * ORL_GONIO_BATCHES + batch) * 2 + transmitted]) /
+               ((double)sheet->paths[i] + sheet->paths_before[i]);
     }
-    return sum;
-}
-
-/* Of all batches, and of those put aside. */
-static void totals_of(const struct orl_gonio_sheet *sheet, size_t item, bool transmitted,
-                      double ret_totals[ORL_GONIO_BATCHES + 1])
-{
-    for (size_t k = 0; k <= ORL_GONIO_BATCHES; k++)
-        ret_totals[k] = batch_total(sheet, item, k, transmitted);
+    return sum / images.count;
 }
 
 struct orl_bsdf_share orl_gonio_sheet_share(const struct orl_gonio_sheet *sheet, size_t item,
                                             bool transmitted)
 {
-    const double told = told_part(sheet, item);
-    double totals[ORL_GONIO_BATCHES + 1];
-    totals_of(sheet, item, transmitted, totals);
-    const struct orl_bsdf_share s = orl_gonio_share_of(totals);
-    return (struct orl_bsdf_share){told * s.value + (1 - told) * totals[ORL_GONIO_BATCHES],
-                                   sqrt(told) * s.error};
+    double totals[ORL_GONIO_BATCHES];
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+        totals[k] = batch_total(sheet, item, k, transmitted);
+    return orl_gonio_share_of(totals);
 }
 
 struct orl_bsdf_share orl_gonio_sheet_diffuse(const struct orl_gonio_sheet *sheet, bool front,
                                               bool transmitted)
 {
     const size_t cells = (size_t)sheet->basis.n_cells;
-    double errors[ORL_GONIO_BATCHES] = {0}, value = 0;
-    for (size_t in = 0; in < cells; in++) {
-        const size_t item = front * cells + in;
-        const double told = told_part(sheet, item);
-        const double weight = orl_basis_ring(&sheet->basis, (int)in)->omega_sr / ORL_PI;
-        double totals[ORL_GONIO_BATCHES + 1], mean = 0;
-        totals_of(sheet, item, transmitted, totals);
-        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
-            errors[k] += weight * sqrt(told) * totals[k];
-            mean += totals[k] / ORL_GONIO_BATCHES;
-        }
-        value += weight * (told * mean + (1 - told) * totals[ORL_GONIO_BATCHES]);
-    }
-    return (struct orl_bsdf_share){value, orl_gonio_share_of(errors).error};
+    double totals[ORL_GONIO_BATCHES] = {0};
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+        for (size_t in = 0; in < cells; in++)
+            totals[k] += batch_total(sheet, front * cells + in, k, transmitted) *
+                         orl_basis_ring(&sheet->basis, (int)in)->omega_sr / ORL_PI;
+    return orl_gonio_share_of(totals);
 }

@@ -4,7 +4,8 @@
  * cell on one side: front * cells + cell.
  *
  * Batches that told when to stop tell too small an error: they stopped when it looked small. So
- * they are put aside, others are measured, and these alone tell the error of all.
+ * they are put aside, others are measured, and these alone tell the errors of values. Those of
+ * shares, which nobody looked at to stop, all batches tell.
  *
  * Ownership: the caller's, orl_gonio_sheet_done. While items are measured each is written to by one
  * thread.
@@ -23,6 +24,7 @@ struct orl_gonio_sheet {
     bool exact;             /* read from a file: there is no chance in it */
     double *sums;           /* weights: [item][batch][transmitted][cell out][channel] */
     double *before;         /* of all batches that were put aside: without [batch] */
+    double *totals_before;  /* the same by luma, of all cells: [item][batch][transmitted] */
     float *heaviest;        /* luma that one path alone brought: [item][transmitted][cell out] */
     double *lost;           /* weight given up, by item */
     uint32_t *paths;        /* in each batch, by item */

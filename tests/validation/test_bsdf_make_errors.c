@@ -72,6 +72,8 @@ static void assert_true_errors(const struct tally *tally, const char *name, doub
                   (double)tally->within[0] / n, (double)tally->within[1] / n,
                   (double)tally->within[2] / n, tally->squares / n);
     assert_true(n > 400);
+    /* A square of t has the mean 15/13, and scatters by 1.84. */
+    assert_true(tally->squares / n < 15.0 / 13 + 4 * sqrt(2) * 1.84 / sqrt(n));
     for (int k = 0; k < 3; k++) {
         const double p = nominal[k], share = (double)tally->within[k] / n;
         const double chance = 4 * sqrt(2) * sqrt(p * (1 - p) / n);
@@ -144,10 +146,24 @@ static void compare_part(const struct made *m, const struct made *longer, int pa
     }
 }
 
+/* Shares of directions, reflected and transmitted. Where nothing but a path in millions is left to
+ * chance, as of a sheet that scatters evenly, they may be known to less than is worth to state. */
+static void compare_shares(const struct orl_bsdf_made *made, const struct orl_bsdf_made *longer,
+                           struct tally *tally)
+{
+    const double least = 1e-6;
+    for (size_t i = 0; i < 4 * made->n_directions; i++) {
+        const struct orl_bsdf_share *a = &made->directions[i / 4].shares[i / 2 % 2][i % 2];
+        const struct orl_bsdf_share *b = &longer->directions[i / 4].shares[i / 2 % 2][i % 2];
+        if (a->value > 0 || b->value > 0)
+            count(tally, a->value - b->value, hypot(hypot(a->error, b->error), least));
+    }
+}
+
 /* All seeds, at so many paths or to an accuracy; returns the largest error stated. */
 static double tally_up(struct panel panel, const struct made *longer, const char *name, double room)
 {
-    struct tally tally = {0};
+    struct tally tally = {0}, shares = {0};
     double worst = 0;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
         struct made m = make(panel, seed);
@@ -155,9 +171,11 @@ static double tally_up(struct panel panel, const struct made *longer, const char
         worst = fmax(worst, m.made.worst);
         for (int part = 0; part < 4; part++)
             compare_part(&m, longer, part, &tally);
+        compare_shares(&m.made, &longer->made, &shares);
         done(&m);
     }
     assert_true_errors(&tally, name, room);
+    assert_true_errors(&shares, "shares", 1);
     return worst;
 }
 
