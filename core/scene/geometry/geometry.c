@@ -200,7 +200,7 @@ static bool list_more(struct orl_geometry *g, const struct orl_description *d,
         g->facets[facet_of[d->opposed[i / 2].surfaces[i % 2]]].has_more = true;
     for (size_t i = 0; i < g->n_facets; i++)
         n += g->facets[i].has_more;
-    g->more = malloc((n + 1) * sizeof *g->more);
+    g->more = calloc(n + 1, sizeof *g->more);
     for (size_t i = 0; g->more && i < g->n_facets; i++)
         if (g->facets[i].has_more)
             g->more[g->n_more++] = (struct orl_facet_more){
@@ -290,27 +290,6 @@ static int measure(struct orl_geometry *g, const struct orl_description *d, stru
     g->high = orl_sub(high, g->center);
     g->radius = orl_length(g->high);
     return code;
-}
-
-bool orl_geometry_measure_triangles(struct orl_geometry *geometry)
-{
-    const size_t n = orl_geometry_triangles_end(geometry);
-    if (orl_geometry_is_vast(geometry))
-        return true;
-    geometry->areas = malloc((n + 1) * sizeof *geometry->areas);
-    for (size_t i = 0; geometry->areas && i < n; i++) {
-        const struct orl_triangle t = orl_triangle_of_own(geometry, i);
-        geometry->areas[i] = orl_triangle_area(&t);
-    }
-    return geometry->areas != NULL;
-}
-
-size_t orl_geometry_count_triangles(const struct orl_geometry *geometry)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++)
-        n += !orl_triangle_is_none(geometry, i);
-    return n;
 }
 
 int orl_geometry_prepare_thread(struct orl_error *err)

@@ -63,54 +63,6 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
                            : orl_embree_occluded(geometry, origin, direction, max_distance);
 }
 
-const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geometry, uint32_t facet)
-{
-    size_t low = 0, high = geometry->n_more;
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (geometry->more[middle].facet <= facet)
-            low = middle;
-        else
-            high = middle;
-    }
-    return &geometry->more[low];
-}
-
-/* The first triangle ends where the outline begins, triangulate.c has the corners cut off so. */
-static struct orl_facet_outline told_outline(const struct orl_geometry *g,
-                                             const struct orl_facet *f)
-{
-    const uint32_t first = orl_facet_triangle(f, 0);
-    struct orl_facet_outline outline = {
-        g->corners,
-        NULL,
-        {orl_triangle_corner(g, first, 1), orl_triangle_corner(g, first, 2)},
-        f->n_triangles + 2};
-    if (f->n_triangles == 2)
-        outline.at[2] = orl_triangle_corner(g, orl_facet_triangle(f, 1), 1);
-    outline.at[f->n_triangles + 1] = orl_triangle_corner(g, first, 0);
-    return outline;
-}
-
-struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry, uint32_t facet)
-{
-    const struct orl_own_outline *const outlines = geometry->outlines;
-    const struct orl_facet *const f = &geometry->facets[facet];
-    size_t low = 0, high = geometry->n_outlines;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (outlines[middle].facet < facet)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    if (low == geometry->n_outlines || outlines[low].facet != facet)
-        return f->n_triangles > 0 ? told_outline(geometry, f)
-                                  : (struct orl_facet_outline){geometry->corners, NULL, {0}, 0};
-    return (struct orl_facet_outline){
-        geometry->corners, geometry->outline_corners + outlines[low].first, {0}, outlines[low].n};
-}
-
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2])
 {
     struct orl_curved room;

@@ -1,0 +1,73 @@
+/* What is known of facets and triangles, by their numbers: what few have, areas, outlines. */
+#include "scene/geometry/geometry.h"
+
+#include <stdlib.h>
+
+bool orl_geometry_measure_triangles(struct orl_geometry *geometry)
+{
+    const size_t n = orl_geometry_triangles_end(geometry);
+    if (orl_geometry_is_vast(geometry))
+        return true;
+    geometry->areas = malloc((n + 1) * sizeof *geometry->areas);
+    for (size_t i = 0; geometry->areas && i < n; i++) {
+        const struct orl_triangle t = orl_triangle_of_own(geometry, i);
+        geometry->areas[i] = orl_triangle_area(&t);
+    }
+    return geometry->areas != NULL;
+}
+
+size_t orl_geometry_count_triangles(const struct orl_geometry *geometry)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++)
+        n += !orl_triangle_is_none(geometry, i);
+    return n;
+}
+
+const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geometry, uint32_t facet)
+{
+    size_t low = 0, high = geometry->n_more;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (geometry->more[middle].facet <= facet)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &geometry->more[low];
+}
+
+/* The first triangle ends where the outline begins, triangulate.c has the corners cut off so. */
+static struct orl_facet_outline told_outline(const struct orl_geometry *g,
+                                             const struct orl_facet *f)
+{
+    const uint32_t first = orl_facet_triangle(f, 0);
+    struct orl_facet_outline outline = {
+        g->corners,
+        NULL,
+        {orl_triangle_corner(g, first, 1), orl_triangle_corner(g, first, 2)},
+        f->n_triangles + 2};
+    if (f->n_triangles == 2)
+        outline.at[2] = orl_triangle_corner(g, orl_facet_triangle(f, 1), 1);
+    outline.at[f->n_triangles + 1] = orl_triangle_corner(g, first, 0);
+    return outline;
+}
+
+struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry, uint32_t facet)
+{
+    const struct orl_own_outline *const outlines = geometry->outlines;
+    const struct orl_facet *const f = &geometry->facets[facet];
+    size_t low = 0, high = geometry->n_outlines;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (outlines[middle].facet < facet)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    if (low == geometry->n_outlines || outlines[low].facet != facet)
+        return f->n_triangles > 0 ? told_outline(geometry, f)
+                                  : (struct orl_facet_outline){geometry->corners, NULL, {0}, 0};
+    return (struct orl_facet_outline){
+        geometry->corners, geometry->outline_corners + outlines[low].first, {0}, outlines[low].n};
+}
