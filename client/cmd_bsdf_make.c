@@ -10,6 +10,7 @@
 #include "local.h"
 #include "parts/files.h"
 #include "report.h"
+#include "sharing_line.h"
 #include "words.h"
 
 /* The command line, and the document that it comes to. */
@@ -18,6 +19,8 @@ struct line {
     struct orl_choices words;
     const char *cell, *report, *errors;
     bool color;
+    struct orl_sharing_line sharing;
+    bool shared; /* it asks for parts */
 };
 
 static const struct orl_choice words[] = {
@@ -87,7 +90,6 @@ static int request_of(const struct line *line, struct orl_job_file *file,
                       struct orl_bsdf_make_request *ret_request, struct orl_error *err)
 {
     const char *first = line->local.operand;
-    json_t *doc;
     int rc;
     if (orl_names_document(first)) {
         rc = orl_job_file_read(first, file, err);
@@ -97,11 +99,10 @@ static int request_of(const struct line *line, struct orl_job_file *file,
             orl_error_at(err, first, 0, NULL);
         return rc;
     }
-    doc = document_of(line);
-    rc = doc ? orl_bsdf_make_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err)
-             : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    json_decref(doc);
-    return rc;
+    snprintf(file->folder, sizeof file->folder, ".");
+    file->doc = document_of(line);
+    return file->doc ? orl_bsdf_make_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err)
+                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 /* ---- What was made --------------------------------------------------------------------------- */
@@ -148,6 +149,28 @@ static int write_report(const char *path, const struct orl_bsdf_made *made, stru
     return rc;
 }
 
+/* In parts, where the command line asks for that; their folder is beside the XML. */
+static int run(const struct line *line, const struct orl_job_file *file,
+               const struct orl_bsdf_make_request *request, struct orl_bsdf_made *ret_made,
+               struct orl_error *err)
+{
+    struct orl_shared_job shared;
+    const struct orl_local_share share = {&shared.sharing.pieces, &shared.sharing.store};
+    const char *slash = strrchr(line->local.output, '/');
+    char beside[4096];
+    int rc;
+    if (!line->shared)
+        return orl_local_make_bsdf(request, file->folder, line->local.threads, NULL, ret_made, err);
+    snprintf(beside, sizeof beside, "%.*s", slash ? (int)(slash - line->local.output) + 1 : 1,
+             slash ? line->local.output : ".");
+    rc = orl_shared_job_open(&shared, &line->sharing, file->doc, file->folder, beside,
+                             line->local.threads, orl_local_interrupted(), err);
+    if (rc == 0)
+        rc = orl_local_make_bsdf(request, file->folder, line->local.threads, &share, ret_made, err);
+    orl_shared_job_done(&shared, rc == 0);
+    return rc;
+}
+
 static int make(const struct line *line)
 {
     struct orl_job_file file = {0};
@@ -157,8 +180,7 @@ static int make(const struct line *line)
     int rc = request_of(line, &file, &request, &err);
     request.tell_errors = line->errors != NULL;
     if (rc == 0)
-        rc = orl_local_make_bsdf(&request, file.folder[0] ? file.folder : ".", line->local.threads,
-                                 &made, &err);
+        rc = run(line, &file, &request, &made, &err);
     if (rc == 0)
         rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
     if (rc == 0 && line->errors)
@@ -177,7 +199,7 @@ static int make(const struct line *line)
 
 int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
 {
-    enum { OTHERS = 6 };
+    enum { OTHERS = 6 + ORL_SHARING_OPTIONS };
     struct line line = {.local = {.most = 64}, .words = {words, WORDS, {NULL}}};
     struct orl_option options[OTHERS + WORDS] = {
         {.name = "output",
@@ -199,6 +221,7 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
          .help = "write the same file with standard errors in place of values, to plot or read",
          .value = &line.errors},
         ORL_OPTION_THREADS(&line.local.threads_text),
+        ORL_OPTIONS_SHARING(&line.sharing),
     };
     int code;
     orl_words_options(&line.words, options + OTHERS);
@@ -209,5 +232,6 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
     if (orl_names_document(line.local.operand) && says_more(&line))
         return orl_usage_error(self, "\"%s\" says itself what is made, alone on its line",
                                line.local.operand);
-    return make(&line);
+    line.shared = orl_sharing_asked(self, &line.sharing, &code);
+    return code ? code : make(&line);
 }

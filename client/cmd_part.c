@@ -91,7 +91,7 @@ static bool is_mine(const struct part *part, const struct orl_piece *piece)
 /* What others need, and nothing else depends on for this part's sake. */
 static bool is_last(const struct orl_piece *piece)
 {
-    static const char *const last[] = {"sensors", "view", "sky", "rows", "run", "speed"};
+    static const char *const last[] = {"sensors", "view", "sky", "rows", "run", "speed", "lot"};
 
     for (size_t i = 0; i < sizeof last / sizeof *last; i++)
         if (strcmp(piece->kind, last[i]) == 0)
@@ -174,12 +174,18 @@ static int run(const struct part *part, struct orl_task *task, const char *files
     const struct orl_local_tell teller = {tell_nothing, NULL};
     struct orl_result result = {0};
     struct orl_study study = {0};
+    struct orl_bsdf_made made = {0};
     json_t *results = NULL;
     int rc;
 
     if (task->kind == ORL_TASK_ANNUAL)
         return orl_local_annual(&task->of.annual, files, part->scratch, NULL, part->threads, share,
                                 &teller, err);
+    if (task->kind == ORL_TASK_BSDF_MAKE) {
+        rc = orl_local_make_bsdf(&task->of.bsdf_make, files, part->threads, share, &made, err);
+        orl_bsdf_made_done(&made);
+        return rc;
+    }
     if (task->kind == ORL_TASK_STUDY) {
         rc = orl_local_study(&task->of.study, files, part->scratch, part->threads, share, &study,
                              err);

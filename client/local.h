@@ -78,7 +78,8 @@ int orl_local_study(const struct orl_study_request *request, const char *folder,
 
 /* Makes a panel's BSDF, with progress on stderr. */
 int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char *folder,
-                        uint32_t threads, struct orl_bsdf_made *ret_made, struct orl_error *err);
+                        uint32_t threads, const struct orl_local_share *share,
+                        struct orl_bsdf_made *ret_made, struct orl_error *err);
 
 /* The same of one that is converted; its source is what the file says. */
 int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,

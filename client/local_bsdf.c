@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include <oriel/bsdf_shared.h>
 #include <oriel/files.h>
 
 #include "progress.h"
@@ -55,13 +56,21 @@ static void making_stop(struct making *m)
 }
 
 int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char *folder,
-                        uint32_t threads, struct orl_bsdf_made *ret_made, struct orl_error *err)
+                        uint32_t threads, const struct orl_local_share *share,
+                        struct orl_bsdf_made *ret_made, struct orl_error *err)
 {
+    struct orl_bsdf_pieces pieces = {.store = NULL};
+    const struct orl_bsdf_sharing shared = orl_bsdf_share(&pieces);
     struct making m;
     int rc = making_start(&m, folder, threads, err);
 
     if (rc)
         return rc;
+    if (share) {
+        pieces.pieces = share->pieces;
+        pieces.store = share->store;
+        m.env.shared = &shared;
+    }
     rc = orl_bsdf_make(request, &m.env, ret_made, err);
     making_stop(&m);
     return rc;

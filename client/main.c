@@ -58,8 +58,8 @@ static const struct orl_subcommand commands[] = {
      "cannot be repeated: an input is another by now, or absent.",
      orl_cmd_verify},
     {"part", "FILE", "Do one part of a job that is done in parts",
-     "FILE is one that run, annual or study with --parts or --slurm has written; they start this\n"
-     "themselves, or have Slurm start it. What comes of it lies beside FILE.",
+     "FILE is one that run, annual, study or bsdf make with --parts or --slurm has written; they\n"
+     "start this themselves, or have Slurm start it. What comes of it lies beside FILE.",
      orl_cmd_part},
     {"study", "STUDY.json -o DIR [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Show what accuracy costs in time, by techniques and settings",

@@ -1,10 +1,13 @@
 #include "goniometer/klems.h"
+
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "goniometer/made.h"
 #include "goniometer/provenance.h"
 #include "goniometer/reading.h"
+#include "goniometer/request.h"
 
 enum { AT_ONCE = 16 }; /* items between two words of progress */
 
@@ -17,8 +20,9 @@ struct round {
     uint32_t *wanted; /* paths in each batch, by item; 0: enough there are */
     uint32_t number;
     size_t first;
-    bool short_of;       /* an item's error was foreseen above the accuracy, for want of paths */
-    atomic_bool starved; /* a file could not be read for want of memory */
+    bool short_of;        /* an item's error was foreseen above the accuracy, for want of paths */
+    size_t *todo, n_todo; /* of a round that is shared: items that want more */
+    atomic_bool starved;  /* a file could not be read for want of memory */
 };
 
 static void measure_item(void *arg, size_t index, uint32_t member)
@@ -33,7 +37,7 @@ static void measure_item(void *arg, size_t index, uint32_t member)
         orl_gonio_sheet_measure(r->sheet, &r->lamp, item, r->wanted[item]);
 }
 
-static int measure(struct round *r)
+static int measure(struct round *r, struct orl_error *err)
 {
     const size_t items = r->sheet->items;
     if (r->env->progress)
@@ -42,14 +46,140 @@ static int measure(struct round *r)
         const size_t count = items - r->first < AT_ONCE ? items - r->first : AT_ONCE;
         const int code = orl_crew_try(r->env->crew, count, measure_item, r);
         if (code < 0 || orl_is_cancelled(r->env->cancel))
-            return ORL_ERR_CANCELLED;
+            return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
         if (atomic_load(&r->starved))
-            return ORL_ERR_NOMEM;
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         if (r->env->progress)
             r->env->progress(r->env->ctx, r->number, (double)(r->first + count) / (double)items);
     }
     return 0;
 }
+
+/* ---- Rounds that are shared ------------------------------------------------------------------ */
+
+/* Items of a lot. */
+enum { LOT = 4 };
+
+static size_t lot_size(const struct round *r, size_t lot)
+{
+    const size_t left = r->n_todo - lot * LOT;
+    return left < LOT ? left : LOT;
+}
+
+/* An item in its bytes: this, what it counted in all batches, and its heaviest paths. */
+struct kept_item {
+    double lost;
+    uint64_t paths;
+};
+
+static size_t sums_bytes(const struct round *r)
+{
+    return (size_t)ORL_GONIO_BATCHES * 2 * (size_t)r->sheet->basis.n_cells * r->sheet->channels *
+           sizeof *r->sheet->sums;
+}
+
+static size_t heaviest_bytes(const struct round *r)
+{
+    return 2 * (size_t)r->sheet->basis.n_cells * sizeof *r->sheet->heaviest;
+}
+
+static float *heaviest_of(const struct round *r, size_t item)
+{
+    return r->sheet->heaviest + item * 2 * (size_t)r->sheet->basis.n_cells;
+}
+
+static size_t item_bytes(const struct round *r)
+{
+    return sizeof(struct kept_item) + sums_bytes(r) + heaviest_bytes(r);
+}
+
+static double lot_core_s(void *ctx, size_t lot)
+{
+    const struct round *r = ctx;
+    double s = 0;
+    for (size_t i = 0; i < lot_size(r, lot); i++) {
+        const size_t item = r->todo[lot * LOT + i];
+        s += ORL_GONIO_PATH_S * ORL_GONIO_BATCHES * (r->wanted[item] - r->sheet->paths[item]);
+    }
+    return s;
+}
+
+static void measure_todo(void *arg, size_t index, uint32_t member)
+{
+    struct round *r = arg;
+    const size_t item = r->todo[r->first + index];
+    (void)member;
+    orl_gonio_sheet_measure(r->sheet, &r->lamp, item, r->wanted[item]);
+}
+
+static int make_lot(void *ctx, size_t lot, void **ret_data, size_t *ret_size, struct orl_error *err)
+{
+    struct round *r = ctx;
+    const size_t n = lot_size(r, lot), bytes = item_bytes(r);
+    char *to = malloc(n * bytes);
+    *ret_data = to;
+    *ret_size = n * bytes;
+    r->first = lot * LOT;
+    if (!to)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (orl_crew_try(r->env->crew, n, measure_todo, r) < 0 || orl_is_cancelled(r->env->cancel))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+    for (size_t i = 0; i < n; i++, to += bytes) {
+        const size_t item = r->todo[r->first + i];
+        const struct kept_item kept = {r->sheet->lost[item], r->sheet->paths[item]};
+        memcpy(to, &kept, sizeof kept);
+        memcpy(to + sizeof kept, orl_gonio_sheet_sums(r->sheet, item, 0, false), sums_bytes(r));
+        memcpy(to + sizeof kept + sums_bytes(r), heaviest_of(r, item), heaviest_bytes(r));
+    }
+    return 0;
+}
+
+static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *ret_taken,
+                    struct orl_error *err)
+{
+    const struct round *r = ctx;
+    const size_t n = lot_size(r, lot), bytes = item_bytes(r);
+    const char *from = data;
+    (void)err;
+    *ret_taken = size == n * bytes;
+    for (size_t i = 0; i < n && *ret_taken; i++, from += bytes) {
+        const size_t item = r->todo[lot * LOT + i];
+        struct kept_item kept;
+        memcpy(&kept, from, sizeof kept);
+        r->sheet->lost[item] = kept.lost;
+        r->sheet->paths[item] = (uint32_t)kept.paths;
+        memcpy(orl_gonio_sheet_sums(r->sheet, item, 0, false), from + sizeof kept, sums_bytes(r));
+        memcpy(heaviest_of(r, item), from + sizeof kept + sums_bytes(r), heaviest_bytes(r));
+    }
+    return 0;
+}
+
+static void tell_share(void *ctx, double share)
+{
+    const struct round *r = ctx;
+    if (r->env->progress)
+        r->env->progress(r->env->ctx, r->number, share);
+}
+
+static int share_round(struct round *r, struct orl_error *err)
+{
+    char name[32];
+    snprintf(name, sizeof name, "round %u", r->number);
+    r->n_todo = 0;
+    for (size_t item = 0; item < r->sheet->items; item++)
+        if (r->wanted[item] > r->sheet->paths[item])
+            r->todo[r->n_todo++] = item;
+    const struct orl_bsdf_lots lots = {.name = name,
+                                       .n = (r->n_todo + LOT - 1) / LOT,
+                                       .ctx = r,
+                                       .core_s = lot_core_s,
+                                       .make = make_lot,
+                                       .take = take_lot,
+                                       .told = tell_share};
+    return r->env->shared->run(r->env->shared->ctx, &lots, err);
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
 
 /* All of them that mirrors make of one have as many paths. */
 static void want_mirrored(struct round *r, size_t item, uint32_t paths)
@@ -108,12 +238,10 @@ static int measure_all(struct round *r, struct orl_error *err)
         r->wanted[item] = first;
     r->sheet->exact = r->sample->file != NULL;
     do {
-        code = measure(r);
+        code = r->env->shared && !r->sample->file ? share_round(r, err) : measure(r, err);
         r->number++;
     } while (code == 0 && accurate && want_more(r));
-    return code < 0
-               ? orl_error_set(err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
-               : 0;
+    return code;
 }
 
 /* ---- The file -------------------------------------------------------------------------------- */
@@ -180,14 +308,17 @@ int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
     if (code < 0)
         return code;
     uint32_t *wanted = malloc(sheet.items * sizeof *wanted);
+    size_t *todo = malloc(sheet.items * sizeof *todo);
     struct round round = {.request = request,
                           .env = env,
                           .sample = sample,
                           .sheet = &sheet,
                           .lamp = {sample, sobol, request->seed, env->cancel},
                           .wanted = wanted,
+                          .todo = todo,
                           .number = 1};
-    code = wanted ? measure_all(&round, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    code = wanted && todo ? measure_all(&round, err)
+                          : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0)
         code = orl_gonio_tell(&sheet, made, err);
     if (code == 0) {
@@ -197,6 +328,7 @@ int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
             code = write_out(&round, true, made, err);
     }
     free(wanted);
+    free(todo);
     orl_gonio_sheet_done(&sheet);
     return code;
 }

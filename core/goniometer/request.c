@@ -59,6 +59,23 @@ uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request)
                                                       : 16384;
 }
 
+/* Incident cells on both sides; mirrors of a tree of rank 4 are measured once. */
+static double incident_cells(const struct orl_bsdf_make_request *request)
+{
+    static const double of_basis[ORL_BSDF_BASES] = {145, 73, 41, 0, 0};
+    const double side = request->resolution;
+    const int mirrors = (request->symmetry & 1) + (request->symmetry >> 1 & 1);
+    if (request->basis == ORL_BSDF_TENSOR_TREE_3)
+        return side; /* rings of half of it */
+    return request->basis == ORL_BSDF_TENSOR_TREE_4 ? 2 * ldexp(side * side, -mirrors)
+                                                    : 2 * of_basis[request->basis];
+}
+
+double orl_bsdf_make_core_s(const struct orl_bsdf_make_request *request)
+{
+    return ORL_GONIO_PATH_S * incident_cells(request) * orl_bsdf_make_paths(request);
+}
+
 int orl_gonio_check_tree(uint32_t resolution, double cull, struct orl_error *err)
 {
     if (resolution < 4 || resolution > 128 || (resolution & (resolution - 1)))

@@ -15,4 +15,7 @@ int orl_gonio_check_tree(uint32_t resolution, double cull, struct orl_error *err
 /* Frees names, their list, and a name. */
 void orl_gonio_free_names(char **files, size_t n_files, char *name);
 
+/* Seconds of one core that a path is thought to take: of panels of some surfaces. */
+#define ORL_GONIO_PATH_S 4e-6
+
 #endif

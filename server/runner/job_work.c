@@ -60,8 +60,12 @@ struct orl_job_work orl_job_work(const struct orl_task *task, const struct orl_f
     const struct orl_job *job = &task->of.render;
     const struct orl_annual_request *year = &task->of.annual.request;
     const struct orl_study_request *study = &task->of.study;
-    if (task->kind == ORL_TASK_BSDF_MAKE || task->kind == ORL_TASK_BSDF_FIT)
+    const struct orl_bsdf_make_request *panel = &task->of.bsdf_make;
+    if (task->kind == ORL_TASK_BSDF_FIT)
         return (struct orl_job_work){ORL_WAY_WHOLE, 0};
+    if (task->kind == ORL_TASK_BSDF_MAKE)
+        return (struct orl_job_work){panel->accuracy > 0 ? ORL_WAY_UNKNOWN : ORL_WAY_KNOWN,
+                                     orl_bsdf_make_core_s(panel)};
     if (task->kind == ORL_TASK_RENDER && job->goal.deadline_s > 0)
         return (struct orl_job_work){ORL_WAY_DEADLINE, 0};
     if (task->kind == ORL_TASK_RENDER && (job->goal.relative_error > 0 || job->goal.dgp_error > 0))
@@ -81,7 +85,7 @@ bool orl_job_goes_in_parts(const struct orl_job_work *work, double least_s,
                            char ret_why[ORL_WHY_MAX])
 {
     static const char *const plain[ORL_WAY_COUNT] = {
-        [ORL_WAY_WHOLE] = "jobs of its kind are not done in parts",
+        [ORL_WAY_WHOLE] = "a fit to measurements is one piece: all of them tell each value",
         [ORL_WAY_DEADLINE] = "what it finds by its deadline depends on the machine",
         [ORL_WAY_UNKNOWN] = "how much work its accuracy takes is not known beforehand"};
     const bool large = work->s >= least_s;

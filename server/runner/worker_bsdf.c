@@ -8,6 +8,7 @@
 
 #include <oriel/bsdf.h>
 #include <oriel/bsdf_kept.h>
+#include <oriel/bsdf_shared.h>
 
 #include "bsdf_fit_json.h"
 #include "bsdf_json.h"
@@ -168,9 +169,12 @@ int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_task *task,
     const struct orl_bsdf_make_request *request = &task->of.bsdf_make;
     struct told told = {worker, request->accuracy > 0 && !orl_bsdf_basis_is_tree(request->basis),
                         0};
-    const struct orl_bsdf_make_env env = env_of(&told, files);
+    struct orl_bsdf_make_env env = env_of(&told, files);
+    struct orl_bsdf_pieces pieces = {&worker->sharing.pieces, &worker->sharing.store};
+    const struct orl_bsdf_sharing shared = orl_bsdf_share(&pieces);
     const struct orl_bsdf_keep keep = keep_of(worker);
     struct orl_bsdf_made made = {0};
+    env.shared = worker->in_parts ? &shared : NULL;
     struct orl_map_info info;
     int rc = orl_bsdf_make_kept(request, &env, &keep, &info, &made, err);
     if (rc)

@@ -4,6 +4,7 @@
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -64,6 +65,41 @@ static void test_a_study(void **state)
 {
     parted_compare(*state, parted_study, in_parts);
     assert_nothing_is_left(*state);
+}
+
+static void make_bsdf(struct cli_desk *f, const char *document, const char *file, bool parts)
+{
+    char path[160], to[160];
+    snprintf(path, sizeof path, "%s/%s", f->folder, document);
+    snprintf(to, sizeof to, "%s/%s", f->folder, file);
+    const char *const args[] = {"bsdf", "make", path, "-o", to, "-j", "1", parts ? "--parts" : NULL,
+                                "3",    NULL};
+    cli_run(args, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    assert_true(parts == (strstr(f->result.err, "parts: ") != NULL));
+}
+
+static void compare_bsdfs(struct cli_desk *f, const char *document)
+{
+    make_bsdf(f, document, "whole.xml", false);
+    make_bsdf(f, document, "parts.xml", true);
+    char *whole = cli_read_file(f->folder, "whole.xml");
+    char *parts = cli_read_file(f->folder, "parts.xml");
+    assert_true(strlen(whole) > 1000);
+    assert_string_equal(whole, parts);
+    free(whole);
+    free(parts);
+}
+
+static void test_bsdfs(void **state)
+{
+    struct cli_desk *f = *state;
+    char path[160];
+    compare_bsdfs(f, parted_panel);
+    compare_bsdfs(f, parted_tree);
+    snprintf(path, sizeof path, "%s/parts", f->folder);
+    assert_int_equal(access(path, F_OK), -1);
 }
 
 /* Killed in the middle: what was made serves again. */
@@ -207,6 +243,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_rounds, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_study, parted_set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_bsdfs, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_pieces_serve_again, parted_set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_part_is_done_twice, parted_set_up,
                                         cli_desk_tear_down),

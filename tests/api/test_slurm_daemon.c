@@ -47,6 +47,13 @@ static void test_a_goal(void **state)
     parted_compare_daemons(*state, parted_goal, path);
 }
 
+static void test_bsdfs(void **state)
+{
+    char path[80];
+    parted_submit(*state, parted_panel, path);
+    parted_compare_daemons(*state, parted_panel, path);
+}
+
 /* How its parts stand: in its status, its events and the daemon's figures. */
 static void test_parts_are_told_of(void **state)
 {
@@ -207,6 +214,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_year, parted_daemon_set_up, parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_a_study, parted_daemon_set_up,
                                         parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_bsdfs, parted_daemon_set_up, parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_a_goal, parted_daemon_set_up, parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_parts_are_told_of, parted_daemon_set_up,
                                         parted_daemon_tear_down),

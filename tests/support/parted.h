@@ -16,6 +16,8 @@ extern const char *const parted_long;   /* the same, of seconds rather than tent
 extern const char *const parted_goal;   /* an accuracy, in rounds */
 extern const char *const parted_annual; /* 150 sensors, two days of weather */
 extern const char *const parted_study;  /* two techniques, three seeds */
+extern const char *const parted_panel;  /* a matrix of slats, to an accuracy, in rounds */
+extern const char *const parted_tree;   /* a tree of them */
 
 /* For cmocka. */
 int parted_set_up(void **state);

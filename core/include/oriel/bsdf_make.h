@@ -100,8 +100,33 @@ void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
  * accuracy 2048. */
 uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request);
 
+/* Seconds of one core that it takes, roughly: nothing of the panel is known. With an accuracy those
+ * to begin with. */
+double orl_bsdf_make_core_s(const struct orl_bsdf_make_request *request);
+
 /* What can be told of a request without its files: 0, ORL_ERR_INVALID, ORL_ERR_RANGE. */
 int orl_bsdf_make_validate(const struct orl_bsdf_make_request *request, struct orl_error *err);
+
+/* Work in lots, none of which needs another: what comes of one goes by bytes. */
+struct orl_bsdf_lots {
+    const char *name; /* no others of the BSDF have it */
+    size_t n;
+    void *ctx;
+    double (*core_s)(void *ctx, size_t lot); /* that one core is thought to take for it */
+    /* Makes one, which is then the caller's own, too: *ret_data by malloc, for others, its size a
+     * multiple of 4. */
+    int (*make)(void *ctx, size_t lot, void **ret_data, size_t *ret_size, struct orl_error *err);
+    /* Takes what others have made of one. *ret_taken: it is what it should be. */
+    int (*take)(void *ctx, size_t lot, const void *data, size_t size, bool *ret_taken,
+                struct orl_error *err);
+    void (*told)(void *ctx, double share); /* how much of them is made elsewhere */
+};
+
+/* Has all lots made or taken (oriel/bsdf_shared.h). */
+struct orl_bsdf_sharing {
+    void *ctx;
+    int (*run)(void *ctx, const struct orl_bsdf_lots *lots, struct orl_error *err);
+};
 
 struct orl_bsdf_make_env {
     const struct orl_files *files; /* borrowed */
@@ -111,6 +136,9 @@ struct orl_bsdf_make_env {
      * it is of the round. May be NULL. */
     void (*progress)(void *ctx, uint32_t round, double fraction);
     void *ctx;
+    /* Borrowed: who makes paths of incident directions with it: the same BSDF. NULL: nobody. Not
+     * of what is fitted or converted. */
+    const struct orl_bsdf_sharing *shared;
 };
 
 /* A share of light with its standard error. */

@@ -1,0 +1,353 @@
+#include "goniometer/tree_blocks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "goniometer/probe.h"
+#include "goniometer/reading.h"
+#include "goniometer/request.h"
+#include "goniometer/resolve.h"
+
+enum { AT_ONCE = 16 };
+/* Of each incident cell, in each batch, to see how bright it gets. */
+enum { SURVEY_PATHS = 4 };
+/* Branches of all trees together: a quarter of a gigabyte, twice that while they are joined. */
+enum { MOST_BRANCHES = 1 << 20 };
+
+/* Of the peak: values that paths are sent for; those whose error counts begin a little higher
+ * (trees.c), since a few paths tell the peak a little too high. */
+static const double heeded_from = 0.007;
+
+int orl_gonio_trees_fail(int code, struct orl_error *err)
+{
+    if (code == ORL_ERR_LIMIT) {
+        orl_error_set(err, code, "the panel's trees have more than %d branches", MOST_BRANCHES);
+        orl_error_hint(err,
+                       "Ask for a lower resolution, a larger cull, or more paths: what is noise "
+                       "of single cells then is none of those joined");
+        return code;
+    }
+    return orl_error_set(
+        err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory for the panel's BSDF");
+}
+
+size_t orl_gonio_original_of(const struct orl_gonio_trees *t, size_t block, unsigned *ret_mirror)
+{
+    size_t a = block;
+    *ret_mirror = 0;
+    if (t->rank == 3 || t->split == 0)
+        return block;
+    for (unsigned axis = 0; axis < 2; axis++) { /* the top bit of x, then of y */
+        if (!(t->request->symmetry >> axis & 1) || !(a >> (2 * (t->split - 1) + axis) & 1))
+            continue;
+        for (unsigned level = 0; level < t->split; level++)
+            a ^= (size_t)1 << (2 * level + axis);
+        *ret_mirror |= 5U << axis; /* of A and of B */
+    }
+    return a;
+}
+
+/* ---- Blocks ---------------------------------------------------------------------------------- */
+
+/* What one thread measures by. */
+struct work {
+    const struct orl_gonio_trees *t;
+    struct orl_gonio_block *block;
+    struct orl_gonio_probe probe;
+    struct orl_gonio_node *nodes; /* of one incident cell, to be used up; with an accuracy */
+    size_t side;
+};
+
+static struct orl_gonio_seen look(const struct work *w, bool transmitted, double from)
+{
+    const size_t cells = orl_gonio_probe_cells(&w->probe);
+    return orl_gonio_resolve(w->nodes + transmitted * cells, w->t->levels, &w->t->cull, from);
+}
+
+/* Whether the cell's values will be known as well as was asked for, by twice as many paths. */
+static bool is_resolved(const struct work *w, const struct orl_gonio_node *nodes)
+{
+    const double accuracy = sqrt(2) * w->t->request->accuracy;
+    bool resolved = true;
+    memcpy(w->nodes, nodes, 2 * orl_gonio_probe_cells(&w->probe) * sizeof *nodes);
+    for (int k = 0; k < 2 && resolved; k++)
+        resolved = look(w, k, w->t->from[w->side][k]).worst <= accuracy;
+    return resolved;
+}
+
+/* Paths are doubled until as many again will tell enough. Returns how many there are in each batch;
+ * less than those to begin with: cancelled. */
+static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_node *nodes)
+{
+    const struct orl_gonio_trees *t = w->t;
+    uint32_t sent = 0, paths = t->paths;
+    for (;;) {
+        orl_gonio_probe_send(&w->probe, a, sent, paths);
+        if (orl_is_cancelled(t->cancel))
+            return 0;
+        orl_gonio_probe_tell(&w->probe, paths, nodes);
+        const bool resolved = is_resolved(w, nodes);
+        if (resolved || 4ULL * paths > t->paths_most) {
+            w->block->short_of = w->block->short_of || !resolved;
+            return paths;
+        }
+        sent = paths;
+        paths *= 2;
+    }
+}
+
+/* One finest cell. */
+static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    const struct orl_gonio_trees *t = w->t;
+    uint32_t paths = t->paths, sets = 1;
+    if (t->sample->file) {
+        orl_gonio_read_cell(&w->probe, t->sample->file, a, ret_nodes);
+        return !orl_is_cancelled(t->cancel);
+    }
+    if (t->request->accuracy > 0) {
+        paths = decide(w, a, ret_nodes);
+        orl_gonio_probe_put_aside(&w->probe, paths);
+        sets = 2;
+    }
+    orl_gonio_probe_send(&w->probe, a, 0, paths);
+    if (orl_is_cancelled(t->cancel))
+        return false;
+    orl_gonio_probe_tell(&w->probe, paths, ret_nodes);
+    orl_gonio_probe_settle(&w->probe, paths);
+    w->block->paths += (uint64_t)paths * sets * ORL_GONIO_BATCHES;
+    return true;
+}
+
+/* The nodes of incident cell a at a level, from the finest cells up. */
+static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_node *ret_nodes)
+{
+    const unsigned in = orl_gonio_parts_in(w->t->rank);
+    if (level == w->t->levels)
+        return measure_cell(w, a, ret_nodes);
+    struct orl_gonio_node *parts = malloc(in * orl_gonio_nodes_at(level + 1) * sizeof *parts);
+    bool fine = parts != NULL;
+    for (unsigned k = 0; k < in && fine; k++)
+        fine = grow(w, level + 1, in * a + k, parts + k * orl_gonio_nodes_at(level + 1));
+    fine = fine && orl_gonio_join_level(&w->block->forest, parts, orl_gonio_nodes_at(level), level,
+                                        ret_nodes);
+    free(parts);
+    return fine;
+}
+
+static int open_work(const struct orl_gonio_trees *t, size_t place, struct work *w)
+{
+    *w = (struct work){.t = t, .block = &t->blocks[place], .side = place / t->n_blocks};
+    w->probe = (struct orl_gonio_probe){.sample = t->sample,
+                                        .sobol = t->sobol,
+                                        .seed = t->request->seed,
+                                        .rank = t->rank,
+                                        .levels = t->levels,
+                                        .front = w->side == 1,
+                                        .cancel = t->cancel};
+    w->nodes = malloc(2 * orl_gonio_probe_cells(&w->probe) * sizeof *w->nodes);
+    return w->nodes ? orl_gonio_probe_init(&w->probe, NULL) : ORL_ERR_NOMEM;
+}
+
+static void close_work(struct work *w)
+{
+    orl_gonio_probe_done(&w->probe);
+    free(w->nodes);
+}
+
+/* How bright cells out get, by a few paths into every incident cell of a block. */
+static void survey_block(void *arg, size_t index, uint32_t member)
+{
+    const struct orl_gonio_trees *t = arg;
+    const size_t place = t->todo[t->first + index];
+    const unsigned below = (t->rank == 4 ? 2 : 1) * (t->levels - t->split);
+    const uint32_t first = (uint32_t)(place % t->n_blocks) << below;
+    struct work w;
+    (void)member;
+    w.block = &t->blocks[place];
+    w.block->code = open_work(t, place, &w);
+    for (uint32_t a = first; w.block->code == 0 && a < first + (1U << below); a++) {
+        orl_gonio_probe_send(&w.probe, a, 0, SURVEY_PATHS);
+        orl_gonio_probe_tell(&w.probe, SURVEY_PATHS, w.nodes);
+        orl_gonio_probe_drop(&w.probe);
+        for (int k = 0; k < 2; k++)
+            w.block->peaks[k] = fmax(w.block->peaks[k], look(&w, k, 0).peak);
+    }
+    close_work(&w);
+}
+
+static void measure_block(void *arg, size_t index, uint32_t member)
+{
+    const struct orl_gonio_trees *t = arg;
+    const size_t place = t->todo[t->first + index];
+    struct orl_gonio_block *block = &t->blocks[place];
+    struct work w;
+    (void)member;
+    block->forest = (struct orl_gonio_forest){.rank = t->rank, .cull = t->cull};
+    block->tops = malloc(orl_gonio_nodes_at(t->split) * sizeof *block->tops);
+    block->code = open_work(t, place, &w);
+    if (block->code == 0 &&
+        (!block->tops || !grow(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
+        block->code = ORL_ERR_NOMEM;
+    memcpy(block->totals, w.probe.totals, sizeof block->totals);
+    block->lost = w.probe.lost;
+    close_work(&w);
+}
+
+/* What blocks are gone through for: the survey, or the measurement. */
+struct pass {
+    struct orl_gonio_trees *t;
+    const struct orl_bsdf_make_env *env;
+    const char *name;
+    orl_crew_body body;
+    uint32_t paths;              /* of a cell in each batch, to begin with */
+    double share_from, share_to; /* of the whole */
+};
+
+/* Some of them. */
+static int do_blocks(const struct pass *pass, size_t first, size_t count)
+{
+    struct orl_gonio_trees *t = pass->t;
+    t->first = first;
+    const int code = orl_crew_try(pass->env->crew, count, pass->body, t);
+    if (code < 0 || orl_is_cancelled(pass->env->cancel))
+        return ORL_ERR_CANCELLED;
+    for (size_t i = first; i < first + count; i++)
+        if (t->blocks[t->todo[i]].code < 0)
+            return t->blocks[t->todo[i]].code;
+    return 0;
+}
+
+static int check_branches(const struct orl_gonio_trees *t)
+{
+    size_t branches = 0;
+    for (size_t i = 0; i < t->n_todo; i++)
+        branches += t->blocks[t->todo[i]].forest.count;
+    return branches > MOST_BRANCHES ? ORL_ERR_LIMIT : 0;
+}
+
+/* By pieces; of the whole they go from one share to another. */
+static int for_blocks(const struct pass *pass)
+{
+    struct orl_gonio_trees *t = pass->t;
+    const struct orl_bsdf_make_env *env = pass->env;
+    const double share_from = pass->share_from, share_to = pass->share_to;
+    if (env->progress)
+        env->progress(env->ctx, 1, share_from);
+    for (size_t first = 0, count; first < t->n_todo; first += count) {
+        count = t->n_todo - first < AT_ONCE ? t->n_todo - first : AT_ONCE;
+        int code = do_blocks(pass, first, count);
+        if (code == 0)
+            code = check_branches(t);
+        if (code < 0)
+            return code;
+        if (env->progress)
+            env->progress(env->ctx, 1,
+                          share_from + (share_to - share_from) * (double)(first + count) /
+                                           (double)t->n_todo);
+    }
+    return 0;
+}
+
+/* ---- Blocks that are shared ------------------------------------------------------------------ */
+
+/* Blocks of a lot. */
+enum { LOT = 4 };
+
+static size_t lot_size(const struct orl_gonio_trees *t, size_t lot)
+{
+    const size_t left = t->n_todo - lot * LOT;
+    return left < LOT ? left : LOT;
+}
+
+static double lot_core_s(void *ctx, size_t lot)
+{
+    const struct pass *pass = ctx;
+    const struct orl_gonio_trees *t = pass->t;
+    const double cells = ldexp(1, (int)((t->rank == 4 ? 2 : 1) * (t->levels - t->split)));
+    const int sets = t->request->accuracy > 0 ? 2 : 1;
+    return ORL_GONIO_PATH_S * ORL_GONIO_BATCHES * sets * (double)lot_size(t, lot) * cells *
+           pass->paths;
+}
+
+static int make_lot(void *ctx, size_t lot, void **ret_data, size_t *ret_size, struct orl_error *err)
+{
+    const struct pass *pass = ctx;
+    const struct orl_gonio_trees *t = pass->t;
+    const size_t n = lot_size(t, lot), first = lot * LOT, tops = orl_gonio_nodes_at(t->split);
+    const int code = do_blocks(pass, first, n);
+    if (code < 0)
+        return orl_gonio_trees_fail(code, err);
+    *ret_size = 0;
+    for (size_t i = first; i < first + n; i++)
+        *ret_size += orl_gonio_block_bytes(&t->blocks[t->todo[i]], tops);
+    char *to = malloc(*ret_size + 1);
+    *ret_data = to;
+    for (size_t i = first; i < first + n && to; i++)
+        to = orl_gonio_block_pack(&t->blocks[t->todo[i]], tops, to);
+    return to ? 0 : orl_gonio_trees_fail(ORL_ERR_NOMEM, err);
+}
+
+static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *ret_taken,
+                    struct orl_error *err)
+{
+    const struct orl_gonio_trees *t = ((const struct pass *)ctx)->t;
+    const char *from = data, *end = from + size;
+    (void)err;
+    for (size_t i = lot * LOT; i < lot * LOT + lot_size(t, lot) && from; i++) {
+        struct orl_gonio_block *block = &t->blocks[t->todo[i]];
+        block->forest.rank = t->rank;
+        block->forest.cull = t->cull;
+        from =
+            orl_gonio_block_unpack(block, orl_gonio_nodes_at(t->split), from, (size_t)(end - from));
+    }
+    *ret_taken = from == end;
+    return 0;
+}
+
+static void tell_share(void *ctx, double share)
+{
+    const struct pass *pass = ctx;
+    if (pass->env->progress)
+        pass->env->progress(pass->env->ctx, 1,
+                            pass->share_from + share * (pass->share_to - pass->share_from));
+}
+
+/* Here, or with others; err is set. */
+static int go_through(struct pass *pass, struct orl_error *err)
+{
+    const struct orl_gonio_trees *t = pass->t;
+    const struct orl_bsdf_sharing *shared = pass->env->shared;
+    const struct orl_bsdf_lots lots = {.name = pass->name,
+                                       .n = (t->n_todo + LOT - 1) / LOT,
+                                       .ctx = pass,
+                                       .core_s = lot_core_s,
+                                       .make = make_lot,
+                                       .take = take_lot,
+                                       .told = tell_share};
+    int code;
+    if (shared && !t->sample->file) {
+        code = shared->run(shared->ctx, &lots, err);
+        return code < 0 || check_branches(t) == 0 ? code : orl_gonio_trees_fail(ORL_ERR_LIMIT, err);
+    }
+    code = for_blocks(pass);
+    return code < 0 ? orl_gonio_trees_fail(code, err) : 0;
+}
+
+int orl_gonio_measure_blocks(struct orl_gonio_trees *t, const struct orl_bsdf_make_env *env,
+                             struct orl_error *err)
+{
+    const double part = 0.05; /* that the survey is of the whole, more or less */
+    struct pass all = {t, env, "blocks", measure_block, t->paths, 0, 1};
+    struct pass survey = {t, env, "survey", survey_block, SURVEY_PATHS, 0, part};
+    if (!(t->request->accuracy > 0))
+        return go_through(&all, err);
+    const int code = go_through(&survey, err);
+    all.share_from = part;
+    for (size_t i = 0; i < t->n_todo; i++)
+        for (int k = 0; k < 2; k++) {
+            double *from = &t->from[t->todo[i] / t->n_blocks][k];
+            *from = fmax(*from, heeded_from * t->blocks[t->todo[i]].peaks[k]);
+        }
+    return code < 0 ? code : go_through(&all, err);
+}
