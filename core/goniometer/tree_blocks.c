@@ -11,7 +11,7 @@
 enum { AT_ONCE = 16 };
 /* Of each incident cell, in each batch, to see how bright it gets. */
 enum { SURVEY_PATHS = 4 };
-/* Branches of all trees together: a quarter of a gigabyte, twice that while they are joined. */
+/* Branches of all trees together: 0.4 gigabytes, twice that while they are joined. */
 enum { MOST_BRANCHES = 1 << 20 };
 
 /* Of the peak: values that paths are sent for; those whose error counts begin a little higher
