@@ -400,9 +400,10 @@ static void test_shared_corners(void **state)
     struct orl_geometry *g = NULL;
     assert_int_equal(orl_geometry_new(&d, &g, NULL), 0);
     assert_int_equal(orl_geometry_count_triangles(g), 2 * SQUARES);
-    assert_true(g->n_couples < 1.01 * SQUARES);
+    assert_true((double)g->n_couples < 1.01 * SQUARES);
     assert_true(g->n_corners >= (ACROSS + 1) * (ACROSS + 1));
-    assert_true(g->n_corners < 1.1 * (ACROSS + 1) * (ACROSS + 1)); /* a few are not found again */
+    assert_true((double)g->n_corners <
+                1.1 * (ACROSS + 1) * (ACROSS + 1)); /* a few are not found again */
     for (size_t i = 0; i < orl_geometry_triangles_end(g); i++) {
         const struct orl_surface *s = &d.surfaces[g->facets[orl_triangle_facet(g, i)].surface];
         double nearest[3] = {INFINITY, INFINITY, INFINITY};
