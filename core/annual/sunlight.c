@@ -14,11 +14,16 @@ static double disc_radius(double angle_rad)
     return tan(0.5 * angle_rad);
 }
 
-/* A point of a disc of that radius about a frame's n; at is in the unit disc. */
+/* A point of a disc of that radius about a frame's n, not unit; at is in the unit disc. */
+static inline struct orl_vec3 disc_point(const struct orl_frame *frame, double radius,
+                                         const double at[2])
+{
+    return orl_madd(orl_madd(frame->n, frame->u, radius * at[0]), frame->v, radius * at[1]);
+}
+
 static struct orl_vec3 on_disc(const struct orl_frame *frame, double radius, const double at[2])
 {
-    return orl_normalize(
-        orl_madd(orl_madd(frame->n, frame->u, radius * at[0]), frame->v, radius * at[1]));
+    return orl_normalize(disc_point(frame, radius, at));
 }
 
 /* ---- Straight -------------------------------------------------------------------------------- */
@@ -83,14 +88,18 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
     const double far = sqrt(orl_random_uniform(random));
     const struct orl_circle circle = orl_circle_turn(orl_random_uniform(random));
     const double at[2] = {far * circle.cosine, far * circle.sine};
-    const bool coarse = query->place.outside && !query->all;
+    const bool coarse = query->place.outside && !query->all, mirrored = scene->mirrors.n_planes > 0;
     const size_t stride = query->all ? 1 : coarse ? STRIDE_OUTSIDE : STRIDE_INSIDE;
     const size_t first = (size_t)(orl_random_uniform(random) * (double)stride);
     const size_t a_circle = coarse ? (scene->a_circle + 1) / 2 : scene->a_circle;
     const size_t count = scene->a_circle > 0 ? scene->n_nodes / scene->a_circle * a_circle : 0;
     for (size_t i = first; i < count; i += stride) {
         const size_t k = coarse ? i / a_circle * scene->a_circle + i % a_circle * 2 : i;
-        const struct orl_rgb light = light_of(scene, query, on_disc(&scene->nodes[k], radius, at));
+        const struct orl_vec3 sun = disc_point(&scene->nodes[k], radius, at);
+        /* Half of all suns are behind the place: they are passed over before anything is asked. */
+        if (!mirrored && !(orl_dot(sun, query->place.normal) > 0))
+            continue;
+        const struct orl_rgb light = light_of(scene, query, orl_normalize(sun));
         if (!(orl_rgb_max(light) > 0))
             continue;
         const double luma = orl_luma(orl_rgb_mul(query->weight, light)) * (double)stride;
