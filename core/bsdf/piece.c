@@ -122,11 +122,7 @@ static void on_end(void *ctx, const XML_Char *name)
     if (r->code < 0)
         return;
     const char *const text = trimmed(r);
-    if (is_at(r, "Material", "Name"))
-        strncpy(piece->material, text, sizeof piece->material - 1);
-    else if (is_at(r, "Material", "Manufacturer"))
-        strncpy(piece->maker, text, sizeof piece->maker - 1);
-    else if (is_at(r, "Material", "Width"))
+    if (is_at(r, "Material", "Width"))
         read_size(r, text, &piece->width);
     else if (is_at(r, "Material", "Height"))
         read_size(r, text, &piece->height);

@@ -10,7 +10,6 @@
 #include <oriel/error.h>
 
 struct orl_bsdf_piece {
-    char material[128], maker[128];  /* "" when not given */
     double width, height, thickness; /* m; 0 when not given */
     char *geometry;                  /* MGF, owned; NULL for none */
     size_t geometry_size;

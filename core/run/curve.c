@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "run/rounds.h"
+#include "scene/material/lobed.h"
 
 enum { MOST_SENSORS = 64, MOST_PIXELS = 4096, MOST_PIXELS_OF_MAPS = 16384 };
 /* Nobody gets there: a pilot ends by its rounds. */
@@ -86,13 +87,24 @@ static double samples_of(const struct orl_run_state *state)
     return unit * ceil(fmax(share * ORL_DEFAULT_GATHER_SAMPLES, fewest_samples) / unit);
 }
 
+/* Why nobody knows what an accuracy would take; NULL: somebody does. */
+static const char *why_unknown(const struct orl_run_state *state)
+{
+    const struct orl_world *const world = state->world;
+    if (orl_lobed_narrow_of(world->geometry, world->materials))
+        return "not known: materials have lobes narrower than draws are made for";
+    if (state->result->plan.by_chance && state->job->technique == ORL_TECHNIQUE_BACKWARD)
+        return "not known: paths come upon light by way of mirrors or lenses by chance only";
+    return NULL;
+}
+
 int orl_run_pilot(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_pilot *pilot = state->pilot;
     struct orl_job job = *state->job;
-    if (state->result->plan.by_chance && job.technique == ORL_TECHNIQUE_BACKWARD) {
-        snprintf(pilot->curve->model, sizeof pilot->curve->model,
-                 "not known: paths come upon light by way of mirrors or lenses by chance only");
+    const char *const why = why_unknown(state);
+    if (why) {
+        snprintf(pilot->curve->model, sizeof pilot->curve->model, "%s", why);
         return 0;
     }
     int code = take_some_sensors(state, pilot, err);

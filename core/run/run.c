@@ -31,21 +31,17 @@ static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_goal *const goal = &state->job->goal;
     const struct orl_world *const world = state->world;
-    if (!(goal->relative_error > 0 || goal->dgp_error > 0))
+    const bool promised = goal->relative_error > 0 || goal->dgp_error > 0;
+    const struct orl_pattern *const lobes =
+        promised ? orl_lobed_narrow_of(world->geometry, world->materials) : NULL;
+    if (!lobes)
         return 0;
-    for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const struct orl_material *const m = &world->materials[world->geometry->facets[i].material];
-        const struct orl_pattern *const lobes = orl_lobed_narrow(m);
-        if (!lobes)
-            continue;
-        orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                      "its lobes are narrower than draws are made for: no accuracy can be promised "
-                      "where it is met");
-        orl_error_at(err, lobes->file, lobes->line, lobes->name);
-        orl_error_hint(err, "describe it as a BSDF, or ask for photons and samples instead");
-        return ORL_ERR_UNSUPPORTED;
-    }
-    return 0;
+    orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                  "its lobes are narrower than draws are made for: no accuracy can be promised "
+                  "where it is met");
+    orl_error_at(err, lobes->file, lobes->line, lobes->name);
+    orl_error_hint(err, "describe it as a BSDF, or ask for photons and samples instead");
+    return ORL_ERR_UNSUPPORTED;
 }
 
 /* Mist is for paths. */
@@ -86,7 +82,7 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
         return code;
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
-    if (code == 0)
+    if (code == 0 && !state->pilot) /* of a plan it is told, orl_run_pilot */
         code = admit_goal(state, err);
     if (code == 0)
         code = admit_mist(state, err);

@@ -247,6 +247,27 @@ static void test_the_technique(void **state)
     }
 }
 
+/* Where no accuracy can be promised a plan says so, and is made all the same. */
+static void test_narrow_lobes(void **state)
+{
+    static const char lobes[] =
+        "m(x,y,z) = x*(Dx + 2*RdotP*NxP) + y*(Dy + 2*RdotP*NyP) + z*(Dz + 2*RdotP*NzP);\n"
+        "lobe(x,y,z,o) = if(m(x,y,z) - .9995, 100, 0);\n";
+    struct cli_desk *f = *state;
+    char scene[2048];
+
+    snprintf(scene, sizeof scene,
+             "%svoid metfunc gloss\n2 lobe l.cal\n0\n4 .8 .6 .4 .5\n"
+             "gloss polygon east\n0\n0\n12 3 0 0  3 0 3  3 4 3  3 4 0\n",
+             scene_text);
+    cli_write_file(f->folder, "room.rad", scene);
+    cli_write_file(f->folder, "l.cal", lobes);
+    plan(f, NULL);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    assert_non_null(strstr(f->result.out, "not known: materials have lobes narrower"));
+}
+
 static void test_nothing_is_written(void **state)
 {
     struct cli_desk *f = *state;
@@ -309,6 +330,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_json_is_what_a_run_says, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_skies, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_the_technique, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_narrow_lobes, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_nothing_is_written, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_mistakes, set_up, cli_desk_tear_down),
     };

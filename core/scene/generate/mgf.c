@@ -126,6 +126,11 @@ static int add_copy(void *ctx, const struct orl_xform_use *use, struct orl_error
 {
     struct orl_mgf_frame *frame = ctx;
     struct orl_mgf_copy *grown;
+    if (frame->n_copies >= frame->most)
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "transforms within one another make more than %u "
+                             "copies",
+                             ORL_LIMIT_XFORM_ARRAY);
     if (use->n_files > 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.60s' is no transform", use->files[0]);
     grown = realloc(frame->copies, (frame->n_copies + 1) * sizeof *grown);
@@ -162,8 +167,13 @@ static int begin_xform(struct orl_mgf_reader *r)
     if (r->n_frames == ORL_MGF_DEPTH)
         return orl_mgf_fail(r, ORL_ERR_LIMIT, "transforms are nested deeper than %d",
                             ORL_MGF_DEPTH);
-    *frame = (struct orl_mgf_frame){
-        .outer = r->xform, .start = r->at, .line = r->line, .n_objects = r->n_objects};
+    *frame = (struct orl_mgf_frame){.most = ORL_LIMIT_XFORM_ARRAY,
+                                    .outer = r->xform,
+                                    .start = r->at,
+                                    .line = r->line,
+                                    .n_objects = r->n_objects};
+    for (size_t i = 0; i < r->n_frames; i++)
+        frame->most -= r->frames[i].n_copies < frame->most ? r->frames[i].n_copies : frame->most;
     r->n_frames++;
     code = orl_xform_expand(r->words + 1, r->n_words - 1, refuse_file, add_copy, frame, &why);
     if (code < 0)

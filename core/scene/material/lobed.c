@@ -391,6 +391,15 @@ const struct orl_pattern *orl_lobed_narrow(const struct orl_material *material)
     return found;
 }
 
+const struct orl_pattern *orl_lobed_narrow_of(const struct orl_geometry *geometry,
+                                              const struct orl_material *materials)
+{
+    const struct orl_pattern *found = NULL;
+    for (size_t i = 0; i < geometry->n_facets && !found; i++)
+        found = orl_lobed_narrow(&materials[geometry->facets[i].material]);
+    return found;
+}
+
 bool orl_lobed_any_transmits(const struct orl_material *material)
 {
     if (material->mixed)

@@ -40,6 +40,9 @@ void orl_lobed_look(const struct orl_material *material, const struct orl_hit *h
 /* Of a material and its parts: the first lobes of which draws do not see all, or NULL; and whether
  * any lets light through. */
 const struct orl_pattern *orl_lobed_narrow(const struct orl_material *material);
+/* The same of all surfaces. */
+const struct orl_pattern *orl_lobed_narrow_of(const struct orl_geometry *geometry,
+                                              const struct orl_material *materials);
 bool orl_lobed_any_transmits(const struct orl_material *material);
 
 #endif
