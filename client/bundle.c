@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <oriel/bsdf_fit.h>
 #include <oriel/limits.h>
@@ -14,6 +15,7 @@
 
 #include "digest.h"
 #include "json_get.h"
+#include "library.h"
 #include "main_files.h"
 #include "parts/files.h"
 #include "progress.h"
@@ -37,6 +39,19 @@ static bool is_xml(const char *name)
     return length > 4 && strcmp(name + length - 4, ".xml") == 0;
 }
 
+/* Where a file is: below the folder, or else in the user's library. */
+static int find_path(const char *folder, const char *name, char *ret_path, size_t size,
+                     struct orl_error *err)
+{
+    char of_library[4096];
+    const int rc = orl_join_path(folder, name, ret_path, size, err);
+
+    if (rc == 0 && access(ret_path, F_OK) != 0 &&
+        orl_library_path(name, of_library, sizeof of_library))
+        snprintf(ret_path, size, "%s", of_library);
+    return rc;
+}
+
 /* Adds a file unless it is there already: one file may be referred to many times. */
 static int add_part(struct orl_upload *bundle, const char *folder, const char *name, bool resource,
                     struct orl_error *err)
@@ -53,7 +68,7 @@ static int add_part(struct orl_upload *bundle, const char *folder, const char *n
         orl_error_hint(err, "an upload carries only files below the folder: move it there");
         return ORL_ERR_INVALID;
     }
-    rc = orl_join_path(folder, name, path, sizeof path, err);
+    rc = find_path(folder, name, path, sizeof path, err);
     if (rc)
         return rc;
     if (bundle->n_parts == bundle->room)
@@ -85,7 +100,7 @@ static int look_at(const char *const *main_files, size_t n_files, const struct o
 int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
                        struct orl_upload *ret_bundle, struct orl_error *err)
 {
-    const struct orl_files files = orl_files_from_folder(folder);
+    const struct orl_files files = orl_library_files(folder);
     struct orl_upload bundle = {.room = ORL_LIMIT_SCENE_FILES};
     struct orl_scene_summary summary = {0};
     int rc;
@@ -113,7 +128,7 @@ done:
 int orl_bundle_add_referenced(struct orl_upload *bundle, const char *folder,
                               const char *const *names, size_t count, struct orl_error *err)
 {
-    const struct orl_files files = orl_files_from_folder(folder);
+    const struct orl_files files = orl_library_files(folder);
     struct orl_scene_summary summary = {0};
     int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
 

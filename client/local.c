@@ -13,6 +13,7 @@
 
 #include "annual_job.h"
 #include "follow.h"
+#include "library.h"
 #include "parts/files.h"
 #include "plan_table.h"
 #include "progress.h"
@@ -156,7 +157,7 @@ static int local_start(struct local *local, const char *folder, const char *outp
 {
     int rc;
 
-    local->files = orl_files_from_folder(folder);
+    local->files = orl_library_files(folder);
     local->store = orl_map_store_in_folder(&local->maps);
     local->env = (struct orl_run_env){.files = &local->files,
                                       .store = &local->store,
@@ -278,7 +279,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
 int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,
                    orl_local_tell_plan *tell, void *ctx, struct orl_error *err)
 {
-    const struct orl_files files = orl_files_from_folder(folder);
+    const struct orl_files files = orl_library_files(folder);
     struct orl_run_env env = {.files = &files};
     int rc = prepare(&env, threads, err);
 
@@ -365,7 +366,7 @@ int orl_local_study(const struct orl_study_request *request, const char *folder,
                     uint32_t threads, const struct orl_local_share *share,
                     struct orl_study *ret_study, struct orl_error *err)
 {
-    const struct orl_files files = orl_files_from_folder(folder);
+    const struct orl_files files = orl_library_files(folder);
     struct orl_progress_line progress;
     const struct orl_study_env env = {.crew = orl_crew_start(threads),
                                       .files = &files,

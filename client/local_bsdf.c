@@ -5,8 +5,8 @@
 #include <stdio.h>
 
 #include <oriel/bsdf_shared.h>
-#include <oriel/files.h>
 
+#include "library.h"
 #include "progress.h"
 
 /* A BSDF on its way. */
@@ -39,7 +39,7 @@ static int making_start(struct making *m, const char *folder, uint32_t threads,
 
     *m = (struct making){.env = {.cancel = orl_local_interrupted(), .progress = on_progress}};
     if (folder) {
-        m->files = orl_files_from_folder(folder);
+        m->files = orl_library_files(folder);
         m->env.files = &m->files;
     }
     m->env.ctx = &m->progress;

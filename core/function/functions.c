@@ -112,7 +112,7 @@ static int read_file(struct orl_functions *functions, const struct orl_files *fi
         return orl_functions_define(functions, context, NULL, 0, text, strlen(text), err);
     if (code == ORL_ERR_NOT_FOUND) {
         orl_error_set(err, code, "there is no function file '%.200s'", name);
-        orl_error_hint(err, "upload it with the scene, by this name");
+        orl_error_hint(err, "put it beside the scene, by this name, or into a folder of RAYPATH");
     }
     return code;
 }

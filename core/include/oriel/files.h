@@ -28,6 +28,9 @@ struct orl_files {
     bool (*digest)(void *ctx, const char *name, unsigned char ret_digest[32]);
     /* These bytes are not wanted again for now: the provider may let go of the memory they take. */
     void (*passed)(void *ctx, const struct orl_file *file, size_t begin, size_t end);
+    /* Opens a file of the user's own library, where function files, fonts and data lie that scenes
+     * count on: by a name that open does not know. Errors and close are those of open. */
+    int (*library)(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err);
 };
 
 /* Files held in memory, the caller's: names[i] has contents[i]. Borrowed throughout. */

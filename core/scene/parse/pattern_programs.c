@@ -11,11 +11,22 @@
 
 #include "base/grow.h"
 #include "function/ray_names.h"
+#include "function/standard.h"
 
 enum { MOST_EXPRESSIONS = 8 }; /* of any type: prism2 */
 
 /* ---- Function files ---------------------------------------------------------------------------
  */
+
+/* A function file of the scene or of the user's library, but that this program has its own of those
+ * that nearly all scenes count on: these are the same wherever a scene is rendered. */
+static int find_functions(struct orl_parser *parser, const char *folder, const char *name,
+                          size_t *ret_index, struct orl_error *err)
+{
+    return orl_standard_text(name)
+               ? orl_sources_find_own(&parser->sources, folder, name, ret_index, err)
+               : orl_sources_find(&parser->sources, folder, name, ret_index, err);
+}
 
 /* The scene's files as a provider of function files: names are resolved, the source is known. */
 static int open_source(void *ctx, const char *name, struct orl_file *ret_file,
@@ -23,7 +34,7 @@ static int open_source(void *ctx, const char *name, struct orl_file *ret_file,
 {
     struct orl_parser *const parser = ctx;
     size_t index = 0;
-    const int code = orl_sources_find(&parser->sources, "", name, &index, err);
+    const int code = find_functions(parser, "", name, &index, err);
     if (code == 0)
         *ret_file = parser->sources.items[index].file;
     return code;
@@ -39,7 +50,7 @@ static int load(struct orl_parser *parser, const struct orl_scope *scope, const 
     *ret_context = ORL_FUNCTION_GLOBAL;
     if (strcmp(name, ".") == 0)
         return 0;
-    const int code = orl_sources_find(&parser->sources, scope->folder, name, &index, &missing);
+    const int code = find_functions(parser, scope->folder, name, &index, &missing);
     if (code == 0)
         return orl_functions_load(parser->functions, &files, parser->sources.items[index].name,
                                   false, ret_context, err);

@@ -116,8 +116,12 @@ static void find_digest(const struct orl_sources *sources, struct orl_source *it
     orl_sha256_finish(&hash, item->content);
 }
 
+/* The scene's own files, or the user's library. */
+typedef int opener(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err);
+
 /* Opens and hashes a file under its resolved name. */
-static int add_item(struct orl_sources *sources, const char *name, struct orl_error *err)
+static int add_item(struct orl_sources *sources, const char *name, opener *open,
+                    struct orl_error *err)
 {
     struct orl_source *item;
     const char *slash;
@@ -126,7 +130,7 @@ static int add_item(struct orl_sources *sources, const char *name, struct orl_er
         return code;
     item = sources->items + sources->count;
     memset(item, 0, sizeof *item);
-    code = sources->files->open(sources->files->ctx, name, &item->file, err);
+    code = open(sources->files->ctx, name, &item->file, err);
     if (code < 0)
         return code;
     item->open = true;
@@ -147,7 +151,7 @@ static int add_item(struct orl_sources *sources, const char *name, struct orl_er
     return 0;
 }
 
-static int find_as(struct orl_sources *sources, const char *name, size_t *ret_index,
+static int find_as(struct orl_sources *sources, const char *name, opener *open, size_t *ret_index,
                    struct orl_error *err)
 {
     int code;
@@ -157,7 +161,7 @@ static int find_as(struct orl_sources *sources, const char *name, size_t *ret_in
             return 0;
         }
     }
-    code = add_item(sources, name, err);
+    code = add_item(sources, name, open, err);
     if (code == 0)
         *ret_index = sources->count - 1;
     return code;
@@ -171,9 +175,9 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     int code;
     if (!join(folder, name, path) || !join("", name, plain))
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is no name of a file", name);
-    code = find_as(sources, path, ret_index, &first);
+    code = find_as(sources, path, sources->files->open, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
-        code = find_as(sources, plain, ret_index, err);
+        code = find_as(sources, plain, sources->files->open, ret_index, err);
         if (code == ORL_ERR_NOT_FOUND)
             orl_error_set(err, code, "no file named '%.200s', nor '%.200s'", path, plain);
     } else if (code < 0 && err) {
@@ -184,8 +188,8 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
 
 /* Files written on Windows have '\\' between folders: what is not there by that name is looked for
  * with '/'. */
-int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,
-                     size_t *ret_index, struct orl_error *err)
+int orl_sources_find_own(struct orl_sources *sources, const char *folder, const char *name,
+                         size_t *ret_index, struct orl_error *err)
 {
     char turned[PATH_BYTES];
     struct orl_error first = {0}, second = {0};
@@ -199,6 +203,22 @@ int orl_sources_find(struct orl_sources *sources, const char *folder, const char
         last = code == ORL_ERR_NOT_FOUND ? &first : &second;
     }
     if (code < 0 && err) /* of what was found by another name nothing is left to say */
+        *err = *last;
+    return code;
+}
+
+int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,
+                     size_t *ret_index, struct orl_error *err)
+{
+    opener *const library = sources->files->library;
+    struct orl_error first = {0}, second = {0};
+    const struct orl_error *last = &first;
+    int code = orl_sources_find_own(sources, folder, name, ret_index, &first);
+    if (code == ORL_ERR_NOT_FOUND && library && *name != '/' && *name != '.') {
+        code = find_as(sources, name, library, ret_index, &second);
+        last = code == ORL_ERR_NOT_FOUND ? &first : &second;
+    }
+    if (code < 0 && err) /* that the library lacks it, too, is no news */
         *err = *last;
     return code;
 }

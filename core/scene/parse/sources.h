@@ -51,11 +51,16 @@ void orl_sources_init(struct orl_sources *sources, const struct orl_files *files
 void orl_sources_done(struct orl_sources *sources);
 
 /*
- * Finds a file mentioned as name in a file of that folder ("" for none). ret_index is good for
+ * Finds a file mentioned as name in a file of that folder ("" for none), or else in the user's
+ * library (names that start with '.' or '/' are not looked for there). ret_index is good for
  * ever; pointers to items only until the next call. ORL_ERR_NOT_FOUND, _IO, _LIMIT, _NOMEM.
  */
 int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,
                      size_t *ret_index, struct orl_error *err);
+
+/* The same without the library. */
+int orl_sources_find_own(struct orl_sources *sources, const char *folder, const char *name,
+                         size_t *ret_index, struct orl_error *err);
 
 /* Counts a file once more in the digest: the caller named it twice. */
 void orl_sources_count_again(struct orl_sources *sources, size_t index);

@@ -279,7 +279,9 @@ static int find_file(struct orl_parser *parser, const struct orl_scope *scope, s
     }
     orl_parser_fail(parser, scope, err, code, "%.400s", missing.message);
     if (code == ORL_ERR_NOT_FOUND)
-        orl_error_hint(err, "fonts and texts are files of the scene: put a copy beside it");
+        orl_error_hint(err,
+                       "fonts and texts are files: put a copy beside the scene, or into a folder "
+                       "of RAYPATH");
     return code;
 }
 
