@@ -172,6 +172,33 @@ static const char glaze2[] = GLAZE
     "fr(r) = r + (1 - r)*grazing`G.; ft(t) = t - t*grazing`G.; rclr = fr(.076); tclr = ft(.883);\n"
     "cr(front,t,back) : front + t*t*back;\n";
 
+/* Patterns of things, of how much A1: dirt by fractal noise; the rings of wood about a line along
+ * x, y or z, which noise bends, bright and dark by turns; veins by turbulence. */
+static const char dirt[] = "dirt = 1 - .5*A1 - .5*A1*fnoise3(Px,Py,Pz);\n";
+static const char woodpat[] =
+    "off`W.(x) = mod(x, 50) - 25; bend`W. = 7*fnoise3(Px/40, Py/40, Pz/40);\n"
+    "ring`W.(a,b) = bend`W. + sqrt(off`W.(a)^2 + off`W.(b)^2 + 25);\n"
+    "shade`W.(r) = hermite(.6 - .5*A1, .6 + .5*A1, 2, .5, 2*tri(r, .5));\n"
+    "xgrain = shade`W.(ring`W.(Py,Pz)); ygrain = shade`W.(ring`W.(Px,Pz));\n"
+    "zgrain = shade`W.(ring`W.(Px,Py));\n";
+static const char marble[] = "marble = 1 + A1*(turbulence(Px,Py,Pz,.05) - 1);\n";
+
+/* Walls of bricks: joints A1 wide, courses A2 high, bricks A3 long, each course A4 further than the
+ * one below; bricks return A5 and mortar A6 of the light. On walls along y or x, or on both. */
+static const char brick[] = "course`B. = floor(Pz/A2); on`B. = Pz - A2*course`B. - A1;\n"
+                            "of`B.(h) = and(on`B., mod(h + A4*course`B., A3) - A1);\n"
+                            "f_brick_x = of`B.(Px); f_brick_y = of`B.(Py);\n"
+                            "f_brick_xy = if(.5 - Nx^2, of`B.(Px + 2*A1), of`B.(Py + 2*A1));\n"
+                            "brick_x = if(f_brick_x, A5, A6); brick_y = if(f_brick_y, A5, A6);\n"
+                            "brick_xy = if(f_brick_xy, A5, A6);\n";
+
+/* Normals of wrinkles A1 high and A2 long, A3 apart, along x, y or z by turns. */
+static const char wrinkle[] =
+    "turn`W. = noise3(Px/(3*A2), Py/(3*A2), Pz/(3*A2)); rise`W. = Rdot*A1/A3;\n"
+    "xwrink = rise`W.*Sqrt(-turn`W.)*fnoise3(Px/A3, Py/A2, Pz/A2);\n"
+    "ywrink = rise`W.*Sqrt(1 - abs(turn`W.))*fnoise3(Px/A2, Py/A3, Pz/A2);\n"
+    "zwrink = rise`W.*Sqrt(turn`W.)*fnoise3(Py/A2, Py/A2, Pz/A3);\n";
+
 static const struct {
     const char *name, *text;
 } texts[] = {{ORL_STANDARD_START, start},
@@ -184,7 +211,12 @@ static const struct {
              {"glaze1.cal", glaze1},
              {"glaze2.cal", glaze2},
              {"source.cal", source},
-             {"picture.cal", picture}};
+             {"picture.cal", picture},
+             {"dirt.cal", dirt},
+             {"woodpat.cal", woodpat},
+             {"marble.cal", marble},
+             {"brick.cal", brick},
+             {"wrinkle.cal", wrinkle}};
 
 const char *orl_standard_text(const char *name)
 {

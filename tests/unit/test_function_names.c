@@ -90,6 +90,25 @@ static void test_ray_names(void **state)
     }
 }
 
+/* The value that a standard file's name has at a place of the ray. */
+static double value_of(const char *file, const char *expression, const double *arguments,
+                       size_t n_arguments, const double inputs[ORL_RAY_INPUTS])
+{
+    struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
+    struct orl_function *function = NULL;
+    struct orl_function_request request = {.expressions = &expression,
+                                           .n_expressions = 1,
+                                           .arguments = arguments,
+                                           .n_arguments = n_arguments};
+    double value = 0;
+    assert_int_equal(orl_functions_load(set, NULL, file, false, &request.context, NULL), 0);
+    assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
+    orl_function_at(function, function_scratch, inputs, &value);
+    orl_function_free(function);
+    orl_functions_free(set);
+    return value;
+}
+
 /* Our own texts of standard files beside the values of Radiance's (rcalc, 9 digits). */
 static void test_standard_files(void **state)
 {
@@ -147,23 +166,49 @@ static void test_standard_files(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
-        struct orl_function *function = NULL;
-        struct orl_function_request request = {.expressions = &rows[i].expression,
-                                               .n_expressions = 1,
-                                               .arguments = rows[i].arguments,
-                                               .n_arguments = 10};
-        double inputs[ORL_RAY_INPUTS] = {0}, value = 0;
+        double inputs[ORL_RAY_INPUTS] = {0};
         memcpy(inputs, rows[i].inputs, sizeof rows[i].inputs);
-        assert_int_equal(orl_functions_load(set, NULL, rows[i].file, false, &request.context, NULL),
-                         0);
-        assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
-        orl_function_at(function, function_scratch, inputs, &value);
+        const double value =
+            value_of(rows[i].file, rows[i].expression, rows[i].arguments, 10, inputs);
         if (!(fabs(value - rows[i].value) < 1e-8 * fmax(1, fabs(rows[i].value))))
             fail_msg("%s of %s, row %zu, is %.10g, not %.10g", rows[i].expression, rows[i].file, i,
                      rows[i].value, value);
-        orl_function_free(function);
-        orl_functions_free(set);
+    }
+}
+
+/* Our own texts of patterns beside what rtrace -ov makes of a glow that Radiance's have: six
+ * digits. The ray's direction is 0 0 -1, the normal 0 0 1. */
+static void test_standard_patterns(void **state)
+{
+    static const struct {
+        const char *file, *expression;
+        double at[3], arguments[6], value;
+    } rows[] = {
+        {"dirt.cal", "dirt", {.37, 1.9, -2.4}, {.6}, .6559205},
+        {"dirt.cal", "dirt", {12.3, -7.1, .21}, {1}, .408183},
+        {"woodpat.cal", "xgrain", {3.7, 19.1, -24}, {.6}, .8236888},
+        {"woodpat.cal", "ygrain", {33.7, 1.1, 5.2}, {.4}, .7585553},
+        {"woodpat.cal", "zgrain", {-13.7, 41.3, 2}, {.8}, .9795288},
+        {"marble.cal", "marble", {.37, .12, .44}, {.5}, .6614192},
+        {"marble.cal", "marble", {2.1, -1.4, .3}, {1}, .1973827},
+        {"brick.cal", "brick_x", {.5, .1, .245}, {.01, .08, .21, .105, .6, .3}, .3},
+        {"brick.cal", "brick_y", {.5, .317, .21}, {.01, .08, .21, .105, .6, .3}, .6},
+        {"brick.cal", "brick_xy", {.41, .317, .215}, {.01, .08, .21, .105, .6, .3}, .6},
+        {"brick.cal", "brick_xy", {.41, .317, .165}, {.01, .08, .21, .105, .6, .3}, .3},
+        {"wrinkle.cal", "xwrink + 2", {.37, 1.9, -2.4}, {.02, .3, .7}, 2},
+        {"wrinkle.cal", "ywrink + 2", {1.37, -.9, .4}, {.02, .3, .7}, 1.996685},
+        {"wrinkle.cal", "zwrink + 2", {1.37, -.9, .4}, {.02, .3, .7}, 1.984475},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        double inputs[ORL_RAY_INPUTS] = {0, 0, -1, 0, 0, 1};
+        inputs[ORL_RAY_RDOT] = 1;
+        memcpy(inputs + 6, rows[i].at, sizeof rows[i].at);
+        const double value =
+            value_of(rows[i].file, rows[i].expression, rows[i].arguments, 6, inputs);
+        if (!(fabs(value - rows[i].value) < 1e-6))
+            fail_msg("%s of %s, row %zu, is %.7g, not %.7g", rows[i].expression, rows[i].file, i,
+                     rows[i].value, value);
     }
 }
 
@@ -189,23 +234,13 @@ static void test_panes(void **state)
     };
     (void)state;
     for (size_t i = 0; i < 2 * (sizeof rows / sizeof *rows); i++) {
-        struct orl_functions *const set = orl_functions_new(orl_function_ray_names, ORL_RAY_INPUTS);
-        struct orl_function *function = NULL;
-        struct orl_function_request request = {.expressions = &rows[i / 2].expression,
-                                               .n_expressions = 1,
-                                               .arguments = arguments,
-                                               .n_arguments = 19};
-        double inputs[ORL_RAY_INPUTS] = {0}, value = 0;
+        double inputs[ORL_RAY_INPUTS] = {0};
         inputs[ORL_RAY_RDOT] = i % 2 ? -.25 : .6;
-        assert_int_equal(
-            orl_functions_load(set, NULL, rows[i / 2].file, false, &request.context, NULL), 0);
-        assert_int_equal(orl_function_compile(set, &request, &function, NULL), 0);
-        orl_function_at(function, function_scratch, inputs, &value);
+        const double value =
+            value_of(rows[i / 2].file, rows[i / 2].expression, arguments, 19, inputs);
         if (!(fabs(value - rows[i / 2].values[i % 2]) < 2e-9))
             fail_msg("%s is %.10g, not %.10g", rows[i / 2].expression, value,
                      rows[i / 2].values[i % 2]);
-        orl_function_free(function);
-        orl_functions_free(set);
     }
 }
 
@@ -252,8 +287,9 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_standard_names), cmocka_unit_test(test_ray_names),
-        cmocka_unit_test(test_standard_files), cmocka_unit_test(test_panes),
-        cmocka_unit_test(test_noise),          cmocka_unit_test(test_noise_gradient),
+        cmocka_unit_test(test_standard_files), cmocka_unit_test(test_standard_patterns),
+        cmocka_unit_test(test_panes),          cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_noise_gradient),
     };
     return cmocka_run_group_tests(tests, function_set_up, function_tear_down);
 }
