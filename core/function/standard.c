@@ -199,6 +199,24 @@ static const char wrinkle[] =
     "ywrink = rise`W.*Sqrt(1 - abs(turn`W.))*fnoise3(Px/A2, Py/A3, Pz/A2);\n"
     "zwrink = rise`W.*Sqrt(turn`W.)*fnoise3(Py/A2, Py/A2, Pz/A3);\n";
 
+/* Normals of plaster, A1 rough: the gradient of noise, and five times that of wider noise in
+ * cracks, which lie where a sum of noises is nearly nothing. */
+static const char adobe[] =
+    "bend`A. = fnoise3(Px, Py, Pz)/30; cu = Px/3 + bend`A.; cv = Py/3 + bend`A.;\n"
+    "cw = Pz/3 + bend`A.; in_crack = .02 - abs(noise3(cu,cv,cw) + .4*fnoise3(cu,cv,cw));\n"
+    "cdx = 5*A1*noise3x(cu,cv,cw); cdy = 5*A1*noise3y(cu,cv,cw); cdz = 5*A1*noise3z(cu,cv,cw);\n"
+    "dx = A1*noise3x(Px,Py,Pz) + if(in_crack, cdx, 0);\n"
+    "dy = A1*noise3y(Px,Py,Pz) + if(in_crack, cdy, 0);\n"
+    "dz = A1*noise3z(Px,Py,Pz) + if(in_crack, cdz, 0);\n";
+
+/* Normals of sawn wood, A1 rough, the grain along x, y or z: turned across it by noise that is ten
+ * times as long in z. */
+static const char woodtex[] =
+    "turn`W. = PI*fnoise3(Px, Py, Pz/10); sin`W. = A1*Rdot*sin(turn`W.);\n"
+    "cos`W. = A1*Rdot*cos(turn`W.); xgrain_dx = 0; xgrain_dy = sin`W.; xgrain_dz = cos`W.;\n"
+    "ygrain_dx = cos`W.; ygrain_dy = 0; ygrain_dz = sin`W.; zgrain_dx = cos`W.;\n"
+    "zgrain_dy = sin`W.; zgrain_dz = 0;\n";
+
 static const struct {
     const char *name, *text;
 } texts[] = {{ORL_STANDARD_START, start},
@@ -216,7 +234,9 @@ static const struct {
              {"woodpat.cal", woodpat},
              {"marble.cal", marble},
              {"brick.cal", brick},
-             {"wrinkle.cal", wrinkle}};
+             {"wrinkle.cal", wrinkle},
+             {"adobe.cal", adobe},
+             {"woodtex.cal", woodtex}};
 
 const char *orl_standard_text(const char *name)
 {
