@@ -67,6 +67,8 @@ static void test_sun_passes(void **state)
     (void)state;
     check_sun("void illum win 0 0 3 60 50 40\n", 1);
     check_sun("void illum win 1 void 0 3 60 50 40\n", 1);
+    /* Patterns are of what it shines. */
+    check_sun("void brightfunc dim 2 if(Dz,.5,.25) . 0 0\ndim illum win 1 void 0 3 60 50 40\n", 1);
     check_sun("void plastic paint 0 0 5 .5 .5 .5 0 0\nvoid illum win 1 paint 0 3 60 50 40\n", 0);
 }
 
@@ -103,8 +105,9 @@ static void test_techniques(void **state)
 static void test_from_behind(void **state)
 {
     static const char open[] = SKY SUN ROOM(".6");
-    static const char shut[] = SKY SUN "void illum win 0 0 3 60 50 40\n" ROOM(
-        ".6") "win polygon s 0 0 12 4 0 0 4 0 3 0 0 3 0 0 0\n";
+    static const char shut[] = SKY SUN "void brightfunc dim 2 if(Dz,.5,.25) . 0 0\n"
+                                       "dim illum win 0 0 3 60 50 40\n" ROOM(
+                                           ".6") "win polygon s 0 0 12 4 0 0 4 0 3 0 0 3 0 0 0\n";
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
                                                     ORL_TECHNIQUE_DIRECT};
     double error[2];

@@ -69,7 +69,10 @@ struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
 {
     const struct pane pane = pane_at(material, hit, cosine);
     const struct orl_rgb through = pane_share(&pane, pane_transmittance);
-    return material->pattern ? orl_rgb_mul(through, orl_left_at(material, hit)) : through;
+    /* An illum's pattern is of what it shines, not of what it lets through. */
+    return material->pattern && material->kind == ORL_MATERIAL_GLASS
+               ? orl_rgb_mul(through, orl_left_at(material, hit))
+               : through;
 }
 
 struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const struct orl_hit *hit,

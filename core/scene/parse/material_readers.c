@@ -431,7 +431,7 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     material->color = orl_material_rgb(parser, 0);
     const struct orl_material *const seen =
         material->seen_as >= 0 ? &parser->out->materials[material->seen_as] : NULL;
-    const bool glass = seen && seen->kind == ORL_MATERIAL_GLASS;
+    const bool glass = seen && seen->kind == ORL_MATERIAL_GLASS && !seen->pattern;
     material->transmissivity = glass ? seen->transmissivity : orl_gray(seen ? 0 : 1);
     material->ior = glass ? seen->ior : 1;
     orl_parser_warn(parser,
