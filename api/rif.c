@@ -15,6 +15,7 @@ struct reading {
     json_t *lists[4];            /* owned: materials, illum, scene; the last is of views */
     json_t *left_out, *commands; /* owned */
     int width, height;
+    bool backs_unseen; /* of views: rpict's -bv- */
     struct orl_error *err;
 };
 enum { MATERIALS, ILLUM, SCENE, VIEWS };
@@ -168,6 +169,15 @@ static int set_size(struct reading *r, char *value)
     return 0;
 }
 
+/* Options of rpict: what this program heeds of them. */
+static int heed_options(struct reading *r, char *value)
+{
+    for (char *word; (word = next_word(&value)) != NULL;)
+        if (strcmp(word, "-bv-") == 0 || strcmp(word, "-bv+") == 0)
+            r->backs_unseen = word[3] == '-';
+    return 0;
+}
+
 static bool is_named(const char *word, const char *name)
 {
     const size_t length = strlen(word);
@@ -195,7 +205,8 @@ static int read_assignment(struct reading *r, char *line)
            : is_named(name, "objects")    ? leave_objects(r, value)
            : is_named(name, "view")       ? add_view(r, value)
            : is_named(name, "RESOLUTION") ? set_size(r, value)
-                                          : 0;
+           : is_named(name, "render") || is_named(name, "rpict") ? heed_options(r, value)
+                                                                 : 0;
 }
 
 /* One line with those that go on, without comments. Returns what follows it. */
@@ -233,6 +244,10 @@ static json_t *make_project(struct reading *r)
     {
         json_object_set_new(view, "width", json_integer(r->width));
         json_object_set_new(view, "height", json_integer(r->height));
+        if (r->backs_unseen) {
+            const char *const options = json_string_value(json_object_get(view, "view"));
+            json_object_set_new(view, "view", json_sprintf("%s -bv-", options ? options : ""));
+        }
     }
     json_array_extend(r->lists[MATERIALS], r->lists[ILLUM]);
     json_array_extend(r->lists[MATERIALS], r->lists[SCENE]);

@@ -73,12 +73,14 @@ bool orl_run_is_dark(struct orl_run_state *state)
 {
     const struct orl_world *world = state->world;
     size_t count = 0;
-    /* A port is a way in; parallel views see from everywhere; no light at all is soon found out. */
+    /* A port is a way in; parallel views see from everywhere, and some through what they are
+     * behind; no light at all is soon found out. */
     if (world->n_ports > 0 || world->n_suns + world->n_domes + world->n_emitters == 0)
         return false;
     for (size_t i = 0; i < state->job->n_views; i++) {
         struct orl_view view;
-        if (orl_view_parse(state->job->views[i].view, &view, NULL) < 0 || view.type == 'l')
+        if (orl_view_parse(state->job->views[i].view, &view, NULL) < 0 || view.type == 'l' ||
+            view.backs_unseen)
             return false;
     }
     struct orl_outlook *outlooks = list_outlooks(state, &count);
@@ -110,7 +112,7 @@ static bool lies_on_surface(const struct orl_geometry *g, struct orl_vec3 point)
 void orl_run_judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view)
 {
     const struct orl_outlook outlook = {moved(state, view->point), {0, 0, 0}};
-    if (view->type == 'l')
+    if (view->type == 'l' || view->backs_unseen)
         return;
     if (lies_on_surface(state->world->geometry, outlook.point))
         orl_run_warn(state, "view '%s': the eye lies on a surface: which side it sees is chance",

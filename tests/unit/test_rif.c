@@ -52,6 +52,22 @@ static void test_commands_become_files(void **state)
     json_decref(project);
 }
 
+/* What rpict's -bv- says is said of each view. */
+static void test_backs_are_unseen_where_rpict_is_told_so(void **state)
+{
+    (void)state;
+    static const char text[] = "scene= a.rad\nview= a -vp 1 2 3\nview= b -vf b.vf\n"
+                               "render= @render.opt\nrender= -ab 1 -bv-\nRES= 8\n";
+    json_t *project = NULL;
+    struct orl_error err = {0};
+    assert_int_equal(orl_rif_read("room.rif", text, sizeof text - 1, &project, &err), 0);
+    assert_member(project, "views",
+                  "[{\"name\":\"a\",\"view\":\"-vp 1 2 3 -bv-\",\"width\":8,\"height\":8},"
+                  "{\"name\":\"b\",\"file\":\"b.vf\",\"width\":8,\"height\":8,"
+                  "\"view\":\" -bv-\"}]");
+    json_decref(project);
+}
+
 static void assert_refused(const char *text, int line, const char *why)
 {
     json_t *project = NULL;
@@ -81,6 +97,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_materials_come_first),
         cmocka_unit_test(test_commands_become_files),
+        cmocka_unit_test(test_backs_are_unseen_where_rpict_is_told_so),
         cmocka_unit_test(test_what_makes_no_scene_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -129,6 +129,30 @@ static void test_furnace(void **state)
     }
 }
 
+/* The furnace again, seen from outside it with -bv-: through the wall from
+ * behind, by both techniques. Without that it is black. */
+static void test_through_backs(void **state)
+{
+    static const char scene[] = "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
+                                "void plastic w 0 0 5 .5 .5 .5 0 0\nw bubble wall 0 0 4 0 0 0 1\n";
+    static const char *const views[] = {"-vtv -vp 0 -5 .5 -vd 0 1 0 -vh 6 -vv 6 -bv-",
+                                        "-vtl -vp 0 -5 .5 -vd 0 1 0 -vh .5 -vv .5 -bv -x 9 -y 9"};
+    static const double wall = .5 * 100 * .01 / (1 - .5 * .99);
+    static picture p;
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        look(&(struct look){.scene = scene,
+                            .view = views[i % 2],
+                            .photons = 200000,
+                            .technique = i < 2 ? ORL_TECHNIQUE_BACKWARD : ORL_TECHNIQUE_GATHER},
+             p);
+        if (!(fabs(mean(p) / wall - 1) < (i < 2 ? .012 : .03)))
+            fail_msg("%d: %g, not %g", i, mean(p), wall);
+    }
+    look(&(struct look){.scene = scene, .view = "-vtv -vp 0 -5 .5 -vd 0 1 0 -vh 6 -vv 6"}, p);
+    assert_true(mean(p) == 0);
+}
+
 /* Thin glass of index 1.52 at that angle, t the share that one pass leaves: both polarisations. */
 static double through_glass(double cosine, double transmissivity)
 {
@@ -270,7 +294,7 @@ int main(void)
         cmocka_unit_test(test_room_with_a_pane), cmocka_unit_test(test_from_outside),
         cmocka_unit_test(test_gloss_and_lamps),  cmocka_unit_test(test_lobes_and_mirrors),
         cmocka_unit_test(test_lobes_in_lobes),   cmocka_unit_test(test_what_stands_behind),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_through_backs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -81,6 +81,7 @@ static double error_of(const struct groups *groups, uint32_t n, double mean)
 static struct orl_shader shader_of(const struct painter *p)
 {
     return (struct orl_shader){.world = p->backward->world,
+                               .backs_unseen = p->painting->view->backs_unseen,
                                .irradiance = p->painting->irradiance,
                                .sobol = &p->backward->sobol,
                                .pane_samples = p->of_rays->pane_samples,

@@ -29,7 +29,8 @@ static const char *parse_numbers(const char *text, const char *option, double *v
     for (int i = 0; i < count; i++) {
         text = next_word(text, word, sizeof word);
         if (!text) {
-            orl_error_set(err, ORL_ERR_SYNTAX, "view option %s needs %d numbers", option, count);
+            orl_error_set(err, ORL_ERR_SYNTAX, "view option %s needs %d number%s", option, count,
+                          count > 1 ? "s" : "");
             return NULL;
         }
         values[i] = strtod(word, &end);
@@ -166,6 +167,22 @@ static const char *parse_option(const char *word, const char *text, struct orl_v
     return text;
 }
 
+/* rpict's -bv, which turns the other way what was, -bv+ and -bv-: false where it is none. */
+static bool parse_backs(const char *word, struct orl_view *view)
+{
+    if (strncmp(word, "-bv", 3) != 0 || strlen(word) > 4)
+        return false;
+    if (word[3] == '\0')
+        view->backs_unseen = !view->backs_unseen;
+    else if (strchr("+1yt", word[3]))
+        view->backs_unseen = false;
+    else if (strchr("-0nf", word[3]))
+        view->backs_unseen = true;
+    else
+        return false;
+    return true;
+}
+
 /* rpict's -x -y -pa. */
 static const char *parse_size(const char *word, const char *text, struct orl_view *view,
                               struct orl_error *err)
@@ -206,6 +223,8 @@ int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error
                 return code;
             continue;
         }
+        if (parse_backs(word, &view))
+            continue;
         text = strcmp(word, "-x") == 0 || strcmp(word, "-y") == 0 || strcmp(word, "-pa") == 0
                    ? parse_size(word, text, &view, err)
                    : parse_option(word, text, &view, err);

@@ -1,7 +1,7 @@
 /*
  * Views as Radiance defines them: -vt v (perspective), l (parallel), a (angular fisheye), h
  * (hemispherical fisheye), s (planispheric fisheye: stereographic) and c (cylindrical panorama),
- * with -vp -vd -vu -vh -vv -vs -vl -vo -va; and rpict's -x -y -pa beside them.
+ * with -vp -vd -vu -vh -vv -vs -vl -vo -va; and rpict's -x -y -pa -bv beside them.
  *
  * Image coordinates: x from the left, y from the bottom, both 0..1.
  */
@@ -22,6 +22,7 @@ struct orl_view {
     struct orl_vec3 h, v; /* image axes, scaled to the image's extent, but for 'a' and of 'c' h */
     uint32_t x, y;        /* pixels asked for; 0: not said */
     double pixel_aspect;  /* likewise */
+    bool backs_unseen;    /* -bv-: backs of opaque surfaces are not there for its rays */
 };
 
 /* Parses "-vtv -vp 0 0 0 ..."; a leading VIEW=, rpict, rvu or rview is passed over. */

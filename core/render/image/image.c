@@ -387,6 +387,7 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     struct painter painter = {.gather = gather,
                               .painting = painting,
                               .shader = {.world = gather->world,
+                                         .backs_unseen = painting->view->backs_unseen,
                                          .irradiance = painting->irradiance,
                                          .sobol = &gather->sobol,
                                          .gloss_samples = GLOSS_SAMPLES,

@@ -38,13 +38,31 @@ static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radianc
     look->shaded->rest = orl_rgb_add(look->shaded->rest, orl_rgb_mul(weight, radiance));
 }
 
+/* What -bv- of Radiance's programs leaves out from behind, to this view's rays alone. */
+static bool is_unseen(const struct look *look, const struct orl_hit *hit)
+{
+    switch (look->shader->backs_unseen && !hit->front
+                ? orl_world_material(scene_of(look), hit)->kind
+                : ORL_MATERIAL_VOID) {
+    case ORL_MATERIAL_PLASTIC:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_ASHIKHMIN:
+    case ORL_MATERIAL_LOBED:
+        return true;
+    default:
+        return false;
+    }
+}
+
 /* Whether a branch that starts there is outside: ports tell, and where an illum is looked through,
- * a look around. */
+ * or a surface from behind, a look around. */
 static bool is_outside(const struct look *look, const struct branch *from,
                        const struct orl_hit *hit, struct orl_vec3 start, bool transmitted)
 {
     const struct orl_world *world = scene_of(look);
-    if (transmitted && !world->open && orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM)
+    if (transmitted && !world->open &&
+        (orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM || is_unseen(look, hit)))
         return orl_world_is_outside(look->shader->world, start);
     return orl_world_outside_after(world, hit, transmitted, from->outside);
 }
@@ -226,11 +244,14 @@ static void split(struct look *look, const struct branch *at, const struct orl_h
         follow(look, at, hit, &bent[i]);
 }
 
-/* What a view sees there: an illum is something else to it. NULL: nothing at all. */
+/* What a view sees there: an illum is something else to it, and some backs are nothing. NULL:
+ * nothing at all. */
 static const struct orl_material *seen_at(const struct look *look, const struct orl_hit *hit)
 {
     const struct orl_world *world = scene_of(look);
     const struct orl_material *m = orl_world_material(world, hit);
+    if (is_unseen(look, hit))
+        return NULL;
     if (m->kind != ORL_MATERIAL_ILLUM)
         return m;
     return m->seen_as >= 0 ? &world->materials[m->seen_as] : NULL;

@@ -63,6 +63,7 @@ struct orl_shader {
     uint32_t first_gloss; /* ... and which of them come first; sequence 0: each look has its own */
     double dimmest;       /* branches below this share of the ray are not followed; */
     bool by_lot;          /* or one in some is, and then counts for all: no bias */
+    bool backs_unseen;    /* those of opaque surfaces are passed as if they were not there */
     bool irradiance;      /* of the first diffuse surface, behind glass too, instead of radiance */
     enum orl_suns suns;
     const bool *lamps_apart; /* by facet: not shown where met straight either; NULL: none are */
