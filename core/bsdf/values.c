@@ -126,7 +126,7 @@ static inline double gain_of(const struct orl_bsdf *bsdf, struct orl_vec3 in)
 {
     if (!(bsdf->bound[in.z > 0] > 1))
         return 1;
-    return fmax(1, orl_rgb_max(orl_bsdf_filed_color(bsdf, in, ORL_BSDF_BOTH)));
+    return orl_larger(1, orl_rgb_max(orl_bsdf_filed_color(bsdf, in, ORL_BSDF_BOTH)));
 }
 
 struct orl_rgb orl_bsdf_eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out)
@@ -140,7 +140,7 @@ struct orl_rgb orl_bsdf_eval(const struct orl_bsdf *bsdf, struct orl_vec3 in, st
 struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool transmitted)
 {
     const struct orl_component *component = bsdf->views[in_front][transmitted].component;
-    const double gain = fmax(1, bsdf->info.max_albedo[in_front]);
+    const double gain = orl_larger(1, bsdf->info.max_albedo[in_front]);
     /* What of a colour is everywhere is for no single tint to say. */
     if (!component || component->chroma.present)
         return orl_gray(0);
@@ -171,7 +171,7 @@ struct orl_rgb orl_bsdf_straight(const struct orl_bsdf *bsdf, struct orl_vec3 in
 
 double orl_bsdf_max_albedo(const struct orl_bsdf *bsdf, bool in_front)
 {
-    return fmin(1, bsdf->bound[in_front]);
+    return orl_smaller(1, bsdf->bound[in_front]);
 }
 
 double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,

@@ -11,7 +11,7 @@ static double blend(double z, double sky, double ground)
 /* The angle between unit vectors, one of which may be rounded. */
 static double angle_of(double cosine)
 {
-    return acos(fmin(fmax(cosine, -1.0), 1.0));
+    return acos(orl_smaller(orl_larger(cosine, -1.0), 1.0));
 }
 
 /* exp, that a far too negative argument does not slow down; so defined in rayinit.cal. */
@@ -25,7 +25,7 @@ static double perez(const double a[10], struct orl_vec3 d)
 {
     const double cos_gamma = d.x * a[7] + d.y * a[8] + d.z * a[9];
     const double gamma = angle_of(cos_gamma);
-    const double gradation = 1.0 + a[2] * damped(a[3] / fmax(d.z, 0.01));
+    const double gradation = 1.0 + a[2] * damped(a[3] / orl_larger(d.z, 0.01));
     const double indicatrix = 1.0 + a[4] * damped(a[5] * gamma) + a[6] * cos_gamma * cos_gamma;
     return blend(d.z, a[0] * gradation * indicatrix, a[1]);
 }
@@ -67,7 +67,7 @@ double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction)
 {
     const double value =
         sky->kind == ORL_SKY_PEREZ ? perez(sky->a, direction) : cie(sky->a, direction);
-    return fmax(value, 0.0);
+    return orl_larger(value, 0.0);
 }
 
 /* ---- Over the upper half ---- */
@@ -110,7 +110,7 @@ static struct orl_vec3 sun_of(const struct orl_sky *sky)
 double orl_sky_horizontal(const struct orl_sky *sky)
 {
     const struct orl_vec3 sun = sun_of(sky);
-    const double level = hypot(sun.x, sun.y), middle = fmin(fmax(sun.z, 0.011), 0.999);
+    const double level = hypot(sun.x, sun.y), middle = orl_smaller(orl_larger(sun.z, 0.011), 0.999);
     const double east = level > 0 ? sun.x / level : 1, north = level > 0 ? sun.y / level : 0;
     const double edges[4] = {0, 0.01, middle, 1};
     double at[GAUSS], weights[GAUSS], sum = 0;

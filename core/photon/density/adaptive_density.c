@@ -65,7 +65,7 @@ static struct shape shape_of(const struct orl_moments *m, double least_area)
 {
     const double held = 2e-3 * (m->xx + m->yy), xx = m->xx + held, yy = m->yy + held;
     const double determinant = xx * yy - m->xy * m->xy;
-    struct shape shape = {.room = m->area, .level = fmax(m->area, least_area)};
+    struct shape shape = {.room = m->area, .level = orl_larger(m->area, least_area)};
     if (determinant > 0) {
         shape.a = (yy * m->x - m->xy * m->y) / determinant;
         shape.b = (xx * m->y - m->xy * m->x) / determinant;
@@ -125,7 +125,7 @@ static double agreement(const struct sums *sums, const struct shapes *shapes, in
     const double variance = density * a_photon * (1 / in->plane + 1 / out->plane);
     const double enough = sqrt(variance) * (step < DOUBTED ? doubt[step] : 1);
     const double off = fabs(plane_of(ring, out) - plane_of(disc, in)) / enough;
-    const double x = fmin(fmax((differs - off) / (differs - agrees), 0), 1);
+    const double x = orl_smaller(orl_larger((differs - off) / (differs - agrees), 0), 1);
     return x * x * (3 - 2 * x);
 }
 
@@ -138,12 +138,12 @@ static double value_of(const struct sum *disc, const struct shape *shape, double
     const double level = disc->all / shape->level;
     *ret_plane = 0;
     if (!(shape->room >= shape->level) || !(shape->plane > 0))
-        return fmax(level, 0);
+        return orl_larger(level, 0);
     const double off = plane_of(disc, shape) - level;
     const double variance = disc->squares / shape->level * (1 / shape->plane - 1 / shape->level);
     if (off * off > 0)
         *ret_plane = off * off / (off * off + variance);
-    return fmax(level + *ret_plane * off, 0);
+    return orl_larger(level + *ret_plane * off, 0);
 }
 
 /* ---- From disc to disc ----------------------------------------------------------------------- */
@@ -156,7 +156,7 @@ static double bias_of(const struct shapes *shapes, const double values[RINGS], i
                       int other)
 {
     const double a = shapes->discs[one].room, b = shapes->discs[other].room;
-    return fabs(b - a) > 0.3 * fmin(a, b)
+    return fabs(b - a) > 0.3 * orl_smaller(a, b)
                ? (values[other] - values[one]) * shapes->discs[disc].room / (b - a)
                : 0;
 }
@@ -174,7 +174,7 @@ static double curve_of(const struct shapes *shapes, const double values[RINGS], 
         return 0;
     const double wide = bias_of(shapes, values, at, widest + 1, widest);
     const double narrow = bias_of(shapes, values, at, widest + 2, widest + 1);
-    return wide * narrow > 0 ? copysign(fmin(fabs(wide), fabs(narrow)), wide) : 0;
+    return wide * narrow > 0 ? copysign(orl_smaller(fabs(wide), fabs(narrow)), wide) : 0;
 }
 
 static void move_on(struct blend *blend, const double values[RINGS], int to, double share)
@@ -238,7 +238,7 @@ static struct sums leave_out(const struct sums *all, const struct orl_nested_dis
         const struct sum *ring = &all->rings[i];
         const struct orl_nested_disc *r = &rings->rings[i];
         sums.rings[i] =
-            (struct sum){factor * fmax(ring->all - (double)r->mass[batch], 0),
+            (struct sum){factor * orl_larger(ring->all - (double)r->mass[batch], 0),
                          factor * (ring->x - (double)r->by_x[batch]),
                          factor * (ring->y - (double)r->by_y[batch]), factor * ring->squares};
     }
@@ -262,7 +262,7 @@ static double channel_of(const struct orl_nested_discs *rings, const struct shap
         disc.y += (double)ring->by_y[ORL_MASS_FLUX + channel];
         const double level = disc.all / shape->level;
         const double plane = blend->planes[i] > 0 ? plane_of(&disc, shape) - level : 0;
-        value += blend->weights[i] * fmax(level + blend->planes[i] * plane, 0);
+        value += blend->weights[i] * orl_larger(level + blend->planes[i] * plane, 0);
     }
     return value;
 }
@@ -278,7 +278,8 @@ static void take_curve_out(struct orl_density *density, const struct blend *whol
     const double chance = surely * surely * orl_batches_variance(curve);
     if (!(square > chance) || !(whole->value > 0))
         return;
-    const double share = fmin(1 - chance / square, most_taken * whole->value / fabs(whole->curve));
+    const double share =
+        orl_smaller(1 - chance / square, most_taken * whole->value / fabs(whole->curve));
     density->irradiance =
         orl_rgb_scale(density->irradiance, 1 - share * whole->curve / whole->value);
     density->bias -= share * whole->curve;
@@ -357,7 +358,7 @@ struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_densi
                                           channel_of(&rings, &shapes, &blend, 2)};
     density.radius = rings.radius * blend.radius;
     density.evenness = blend.radius;
-    density.clear = fmin(rings.clear, density.radius);
+    density.clear = orl_smaller(rings.clear, density.radius);
     part_by_batch(&sums, &rings, &shapes, &blend, &density);
     scale_by(&density, h->flux_unit);
     return density;
@@ -391,7 +392,7 @@ static double reach_in(const struct orl_adaptive_density *adapt, double widest,
         radii[i] = sqrt((double)orl_disc_search_enough(&hunt, first2, (float)(most * most))) * cell;
     }
     qsort(radii, PROBES, sizeof *radii, compare);
-    return fmin(2 * radii[3 * PROBES / 4], widest);
+    return orl_smaller(2 * radii[3 * PROBES / 4], widest);
 }
 
 int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct orl_photon_map *map,

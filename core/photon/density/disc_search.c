@@ -363,7 +363,7 @@ struct orl_disc_search orl_disc_search_of(const struct orl_leaf_sums *sums,
     hunt.direction[2] = (float)query->normal.z;
     if (query->footing) {
         const double flat = orl_footing_flat(query->footing) / hunt.cell;
-        hunt.flat2 = (float)fmin(flat * flat, 1e30);
+        hunt.flat2 = (float)orl_smaller(flat * flat, 1e30);
     }
     return hunt;
 }

@@ -249,7 +249,7 @@ static inline void add_leaf(struct ask *ask, uint32_t leaf)
     const double area = ask->footprint
                             ? orl_footprint_area(ask->footprint, sqrt((double)reach2) * cell)
                             : ORL_PI * (double)reach2 * cell * cell;
-    const double share = map->header->flux_unit / fmax(area, ORL_PI * cell * cell);
+    const double share = map->header->flux_unit / orl_larger(area, ORL_PI * cell * cell);
     ask->sum = orl_rgb_add(ask->sum, orl_rgb_scale(sum, share));
     orl_batches_add(&ask->parts, &parts, share);
     ask->found += found;
@@ -291,7 +291,7 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
     orl_box_locate(spread->map, query->point, ask.at);
     if (query->footing) {
         const double flat = orl_footing_flat(query->footing) / h->cell;
-        ask.flat2 = (float)fmin(flat * flat, 1e30);
+        ask.flat2 = (float)orl_smaller(flat * flat, 1e30);
     }
     struct orl_density_query all;
     struct ask whole = ask;
@@ -317,7 +317,7 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
         search->health.sparse++;
     return (struct orl_density){.irradiance = whole.sum,
                                 .radius = widest,
-                                .clear = fmin(clear, widest),
+                                .clear = orl_smaller(clear, widest),
                                 .found = whole.found,
                                 .patch = patch,
                                 .standard_error = sqrt(orl_batches_variance(&whole.parts)),

@@ -132,7 +132,7 @@ static void add_up(const struct orl_disc_search *hunt, float radius2,
                    struct orl_nested_discs *rings)
 {
     const struct orl_frame *frame = hunt->footprint ? &hunt->footprint->frame : NULL;
-    rings->radius = fmax(sqrt((double)radius2), 1) * hunt->cell;
+    rings->radius = orl_larger(sqrt((double)radius2), 1) * hunt->cell;
     rings->cut = hunt->footprint != NULL;
     memset(rings->rings, 0, sizeof rings->rings);
     add_wholes(hunt, frame, sqrtf(radius2), rings->rings);
@@ -152,7 +152,7 @@ static float find_in_footprint(struct orl_disc_search *hunt, double disc, double
                                struct orl_footprint *footprint)
 {
     const double most = hunt->query->max_radius;
-    double reach = fmin(2 * disc, most);
+    double reach = orl_smaller(2 * disc, most);
     for (;;) {
         orl_footprint_make(hunt->query->footing, reach, footprint);
         orl_disc_search_keep_to(hunt, footprint);
@@ -191,7 +191,7 @@ void orl_nested_discs_gather(const struct orl_leaf_sums *sums, const struct orl_
         return;
     if (!cut) {
         radius2 = find_in_disc(&hunt, order);
-        disc = fmax(sqrt((double)radius2), 1) * hunt.cell;
+        disc = orl_larger(sqrt((double)radius2), 1) * hunt.cell;
         cut = query->footing && hunt.patches + hunt.photons > 0 &&
               !orl_footing_is_free(query->footing, disc);
     }
@@ -201,6 +201,6 @@ void orl_nested_discs_gather(const struct orl_leaf_sums *sums, const struct orl_
         ret_rings->clear = footprint.clear;
     }
     add_up(&hunt, radius2, ret_rings);
-    ret_rings->clear = fmin(ret_rings->clear, ret_rings->radius);
+    ret_rings->clear = orl_smaller(ret_rings->clear, ret_rings->radius);
     ret_rings->disc = sqrt(ret_rings->discs[0].area / ORL_PI);
 }

@@ -25,7 +25,7 @@ static const double even = 0.9, quite_even = 0.995;
 static uint8_t tag_of(const struct orl_world *world, double clear)
 {
     const double code = floor(255 + 8 * log2(clear / world->geometry->radius));
-    return code > 0 ? (uint8_t)fmin(code, 255) : 0;
+    return code > 0 ? (uint8_t)orl_smaller(code, 255) : 0;
 }
 
 double orl_record_clear(const struct orl_world *world, uint32_t tag)
@@ -47,7 +47,7 @@ static struct orl_record_note note_of(const struct orl_density *density)
     struct orl_record_note note = {.bias = 0};
     double most = 0;
     for (int i = 0; i < ORL_MAP_BATCHES; i++)
-        most = fmax(most, fabs(density->parts.luma[i] - mean));
+        most = orl_larger(most, fabs(density->parts.luma[i] - mean));
     if (!(luma > 0) || !(most > 0))
         return note;
     note.unit = (float)(most / INT8_MAX / luma);
@@ -273,7 +273,7 @@ static double facing_weight(struct orl_vec3 normal, uint16_t own, uint16_t code)
     if (code == own)
         return 1;
     const double cosine = orl_dot(orl_normal_decode(code), normal);
-    return fmin(fmax((cosine - cosine_30) / (1 - cosine_30), 0), 1);
+    return orl_smaller(orl_larger((cosine - cosine_30) / (1 - cosine_30), 0), 1);
 }
 
 static void add_noted(struct noted *sum, const struct noted *more, double factor)
@@ -320,8 +320,8 @@ static struct orl_rgb fit_value(const struct fit *fit, struct noted *ret_noted)
     add_noted(ret_noted, &fit->noted, 1 / weight);
     add_noted(ret_noted, &fit->noted_by_x, -a / weight);
     add_noted(ret_noted, &fit->noted_by_y, -b / weight);
-    return (struct orl_rgb){fmax(sum.r / weight, 0), fmax(sum.g / weight, 0),
-                            fmax(sum.b / weight, 0)};
+    return (struct orl_rgb){orl_larger(sum.r / weight, 0), orl_larger(sum.g / weight, 0),
+                            orl_larger(sum.b / weight, 0)};
 }
 
 /* A map that came without notes tells no errors. */
@@ -349,7 +349,7 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
     const struct orl_vec3 way = orl_sub(at, footing->point);
     if (distance > orl_record_clear(footing->world, record.tag) && !orl_footing_joins(footing, at))
         return;
-    const double bell = fmax(1 - share * share, 0);
+    const double bell = orl_larger(1 - share * share, 0);
     const double weight =
         bell * bell *
         facing_weight(footing->normal, orl_normal_encode(footing->normal), record.normal);
@@ -391,7 +391,7 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
     density.bias = noted.bias;
     density.standard_error = sqrt(orl_batches_variance(&density.parts));
     const double mean = orl_luma(fit.value) / fit.weight;
-    density.spread = sqrt(fmax(fit.squares / fit.weight - mean * mean, 0));
+    density.spread = sqrt(orl_larger(fit.squares / fit.weight - mean * mean, 0));
     return density;
 }
 

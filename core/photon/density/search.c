@@ -271,7 +271,7 @@ static struct orl_density find_within(struct walk *walk, double max_radius)
         density.radius = sqrt((double)walk->candidates[walk->k - 1].distance2) * cell;
     }
     /* Photons on one spot have no area to spread over but a cell's. */
-    density.radius = fmax(density.radius, cell);
+    density.radius = orl_larger(density.radius, cell);
     density.clear = density.radius;
     return density;
 }
@@ -289,13 +289,13 @@ static struct orl_density find_in_footprint(struct walk *walk, double disc,
 {
     const double most = walk->query->max_radius;
     struct orl_density density;
-    double reach = fmin(2 * disc, most);
+    double reach = orl_smaller(2 * disc, most);
     walk->footprint = footprint;
     for (;;) {
         orl_footprint_make(walk->query->footing, reach, footprint);
         walk->hint2 = hint_of(walk, disc);
         density = find_within(walk, reach);
-        density.clear = fmin(footprint->clear, density.radius);
+        density.clear = orl_smaller(footprint->clear, density.radius);
         if (!(reach < most) || density.found >= walk->enough)
             return density;
         reach = most;
@@ -319,7 +319,7 @@ static struct walk walk_of(const struct orl_photon_map *map, const struct orl_de
         walk.room = 2 * ORL_SEARCH_MOST;
     if (query->footing) {
         const double flat = orl_footing_flat(query->footing) / map->header->cell;
-        walk.flat2 = (float)fmin(flat * flat, 1e30);
+        walk.flat2 = (float)orl_smaller(flat * flat, 1e30);
     }
     return walk;
 }
@@ -352,7 +352,7 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
         return density;
     const double area = walk.footprint ? orl_footprint_area(walk.footprint, density.radius)
                                        : ORL_PI * density.radius * density.radius;
-    density.area = fmax(area, ORL_PI * cell * cell);
+    density.area = orl_larger(area, ORL_PI * cell * cell);
     spread_fluxes(&walk, &density);
     return density;
 }
@@ -373,7 +373,7 @@ double orl_density_bias(const struct orl_photon_map *map, const struct orl_densi
         second = orl_density_estimate(map, &other, search);
     }
     search->health = before; /* it is no estimate of its own */
-    if (fmax(second.area, estimate->area) < least * fmin(second.area, estimate->area))
+    if (orl_larger(second.area, estimate->area) < least * orl_smaller(second.area, estimate->area))
         return 0;
     struct orl_batches difference = second.parts;
     orl_batches_add(&difference, &estimate->parts, -1);

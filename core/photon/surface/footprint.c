@@ -105,7 +105,7 @@ static void heights_of(const struct orl_footing *footing, double radius, double 
     struct orl_hit hit;
     if (orl_geometry_intersect(footing->world->geometry, start, footing->normal, high, &hit))
         high = 0.5 * hit.distance;
-    ret_heights[0] = fmin(low, fmax(high, low / hair));
+    ret_heights[0] = orl_smaller(low, orl_larger(high, low / hair));
     ret_heights[1] = high;
 }
 
@@ -114,7 +114,7 @@ static bool meets_wall(const struct orl_footing *footing, double height, struct 
                        double length, struct orl_hit *ret_hit)
 {
     const struct orl_geometry *geometry = footing->world->geometry;
-    const double step = fmin(orl_facet_offset(geometry, footing->facet), 0.5 * length);
+    const double step = orl_smaller(orl_facet_offset(geometry, footing->facet), 0.5 * length);
     const struct orl_vec3 over = orl_madd(footing->point, footing->normal, height);
     if (!orl_geometry_intersect(geometry, orl_madd(over, direction, step), direction, length - step,
                                 ret_hit) ||
@@ -229,7 +229,8 @@ static bool fits(const struct march *m, struct orl_vec3 point)
 static bool step_over(struct march *m, double length)
 {
     const struct orl_world *world = m->footing->world;
-    const double gap = fmax(hair * orl_facet_offset(world->geometry, m->facet), 0x1p-50 * length);
+    const double gap =
+        orl_larger(hair * orl_facet_offset(world->geometry, m->facet), 0x1p-50 * length);
     struct orl_hit hit;
     const struct orl_vec3 above = orl_madd(point_at(m, length + gap), m->frame->n, gap);
     if (!orl_geometry_intersect(world->geometry, above, orl_neg(m->frame->n), 2 * gap, &hit) ||
@@ -245,7 +246,7 @@ static void stop_at_edge(const struct march *m, double length, const struct orl_
                          struct spoke *spoke)
 {
     spoke->length =
-        fmin(spoke->length, orl_length(orl_sub(point_at(m, length), m->footing->point)));
+        orl_smaller(spoke->length, orl_length(orl_sub(point_at(m, length), m->footing->point)));
     spoke->line = *line;
     spoke->ended = true;
 }
@@ -266,7 +267,7 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
         if (flat && !isfinite(exit))
             exit = at;
         /* A facet that bends away before its far end is left out from its near end on. */
-        if (i > 0 && !fits(&m, point_at(&m, fmin(exit, spoke->length))))
+        if (i > 0 && !fits(&m, point_at(&m, orl_smaller(exit, spoke->length))))
             break;
         if (exit >= spoke->length)
             return;
@@ -330,7 +331,7 @@ static void spread(const struct orl_footing *footing, const struct orl_frame *fr
         spokes[i] = (struct spoke){.length = radius / cos(ORL_PI / SECTORS)};
         stop_at_walls(footing, frame, heights, direction, &spokes[i]);
         if (spokes[i].ended)
-            *ret_clear = fmin(*ret_clear, cos(ORL_PI / SECTORS) * spokes[i].length);
+            *ret_clear = orl_smaller(*ret_clear, cos(ORL_PI / SECTORS) * spokes[i].length);
         stop_at_edges(footing, frame, direction, &spokes[i]);
         if (orl_geometry_is_cut(footing->world->geometry, footing->facet))
             stop_at_cuts(footing, frame, direction, &spokes[i]);
@@ -364,7 +365,8 @@ static struct orl_wedge wedge_between(const struct spoke *a, const struct spoke 
         }
     }
     /* Within the straight line through either end, wherever it turns. */
-    wedge.radius = fmin(radius, cos(2 * ORL_PI / SECTORS) * fmin(a->length, b->length));
+    wedge.radius =
+        orl_smaller(radius, cos(2 * ORL_PI / SECTORS) * orl_smaller(a->length, b->length));
     return wedge;
 }
 
@@ -382,7 +384,7 @@ void orl_footprint_make(const struct orl_footing *footing, double radius,
 static int sector_of(double x, double y)
 {
     static const double tangents[3] = {0.1989123673796580, 0.4142135623730950, 0.6681786379192989};
-    const double a = fabs(x), b = fabs(y), low = fmin(a, b), high = fmax(a, b);
+    const double a = fabs(x), b = fabs(y), low = orl_smaller(a, b), high = orl_larger(a, b);
     int sector = 0;
     for (int i = 0; i < 3; i++)
         sector += low >= tangents[i] * high;
@@ -414,14 +416,15 @@ static double before_line(double offset, double from, double to)
 static double wedge_area(const struct orl_wedge *wedge, double radius, int at)
 {
     const struct orl_line *line = &wedge->border;
-    const double width = 2 * ORL_PI / SECTORS, r = fmin(radius, wedge->radius);
+    const double width = 2 * ORL_PI / SECTORS, r = orl_smaller(radius, wedge->radius);
     if ((line->normal[0] == 0 && line->normal[1] == 0) || line->offset >= r)
         return 0.5 * width * r * r;
     /* Within `half` of its normal the line is nearer than the circle. */
     const double half = acos(line->offset / r);
     const double normal = atan2(line->normal[1], line->normal[0]);
     const double start = remainder(at * width - normal, 2 * ORL_PI);
-    const double from = fmin(fmax(start, -half), half), to = fmin(fmax(start + width, -half), half);
+    const double from = orl_smaller(orl_larger(start, -half), half),
+                 to = orl_smaller(orl_larger(start + width, -half), half);
     return 0.5 * (before_line(line->offset, from, to) + (width - (to - from)) * r * r);
 }
 

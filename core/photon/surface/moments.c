@@ -33,7 +33,7 @@ static void add_triangle(struct orl_moments *m, const struct orl_line *line, con
 /* Where a line meets the circle, to either side of its normal: the azimuth, and back. */
 static void meet_circle(const struct orl_line *line, double radius, int side, double ret_azimuth[2])
 {
-    const double c = line->offset / radius, s = side * sqrt(fmax(1 - c * c, 0));
+    const double c = line->offset / radius, s = side * sqrt(orl_larger(1 - c * c, 0));
     ret_azimuth[0] = line->normal[0] * c - line->normal[1] * s;
     ret_azimuth[1] = line->normal[1] * c + line->normal[0] * s;
 }
@@ -42,7 +42,7 @@ static void meet_circle(const struct orl_line *line, double radius, int side, do
 static void add_wedge(struct orl_moments *m, const struct orl_wedge *wedge, double radius, int at)
 {
     const struct orl_line *line = &wedge->border;
-    const double width = 2 * ORL_PI / ORL_FOOTPRINT_SECTORS, r = fmin(radius, wedge->radius);
+    const double width = 2 * ORL_PI / ORL_FOOTPRINT_SECTORS, r = orl_smaller(radius, wedge->radius);
     const double *begin = orl_footprint_azimuths[at];
     const double *end = orl_footprint_azimuths[(at + 1) % ORL_FOOTPRINT_SECTORS];
     if ((line->normal[0] == 0 && line->normal[1] == 0) || line->offset >= r) {
@@ -53,8 +53,8 @@ static void add_wedge(struct orl_moments *m, const struct orl_wedge *wedge, doub
     const double half = acos(line->offset / r);
     const double normal = atan2(line->normal[1], line->normal[0]);
     const double turned = remainder(at * width - normal, 2 * ORL_PI);
-    const double from = fmin(fmax(turned, -half), half);
-    const double to = fmin(fmax(turned + width, -half), half);
+    const double from = orl_smaller(orl_larger(turned, -half), half);
+    const double to = orl_smaller(orl_larger(turned + width, -half), half);
     double first[2] = {begin[0], begin[1]}, last[2] = {end[0], end[1]};
     if (!(to > from)) {
         add_part(m, r, width, begin, end);

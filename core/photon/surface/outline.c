@@ -108,7 +108,7 @@ static double tube_exit(const struct orl_facet *f, const struct orl_frame *frame
     if (around != 0)
         best = fabs(radius * sine_20 / around);
     if (fabs(climb) > 1e-9)
-        best = fmin(best, fmax((climb > 0 ? length - z : -z) / climb, 0));
+        best = orl_smaller(best, orl_larger((climb > 0 ? length - z : -z) / climb, 0));
     return best;
 }
 
@@ -138,7 +138,8 @@ static double distance2_to_edge(struct orl_vec3 point, struct orl_vec3 a, struct
 {
     const struct orl_vec3 edge = orl_sub(b, a), way = orl_sub(point, a);
     const double length2 = orl_dot(edge, edge);
-    const double share = length2 > 0 ? fmin(fmax(orl_dot(way, edge) / length2, 0), 1) : 0;
+    const double share =
+        length2 > 0 ? orl_smaller(orl_larger(orl_dot(way, edge) / length2, 0), 1) : 0;
     const struct orl_vec3 off = orl_madd(way, edge, -share);
     return orl_dot(off, off);
 }
@@ -150,9 +151,9 @@ static double round_clearance(const struct orl_facet *f, struct orl_vec3 point)
     if (f->kind != ORL_SURFACE_RING)
         return 0;
     const double at = orl_length(orl_sub(point, f->round->center[0]));
-    return fmax(fmin(f->round->radius[1] - at,
-                     f->round->radius[0] > 0 ? at - f->round->radius[0] : INFINITY),
-                0);
+    return orl_larger(orl_smaller(f->round->radius[1] - at,
+                                  f->round->radius[0] > 0 ? at - f->round->radius[0] : INFINITY),
+                      0);
 }
 
 double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point)
@@ -167,7 +168,7 @@ double orl_outline_clearance(const struct orl_world *world, uint32_t facet, stru
     double best = INFINITY;
     for (uint32_t i = 0; i < corners.outline.n; i++) {
         const struct orl_vec3 next = corner(&corners, i);
-        best = fmin(best, distance2_to_edge(point, last, next));
+        best = orl_smaller(best, distance2_to_edge(point, last, next));
         last = next;
     }
     return sqrt(best);

@@ -21,10 +21,10 @@ static void lay_out(struct orl_planes *planes, uint32_t facet, uint32_t first)
     for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
         const struct orl_vec3 a = corner_of(g, orl_facet_triangle(f, i / 3), i % 3);
         const double x = orl_dot(a, plane->frame.u), y = orl_dot(a, plane->frame.v);
-        low[0] = fmin(low[0], x);
-        low[1] = fmin(low[1], y);
-        high[0] = fmax(high[0], x);
-        high[1] = fmax(high[1], y);
+        low[0] = orl_smaller(low[0], x);
+        low[1] = orl_smaller(low[1], y);
+        high[0] = orl_larger(high[0], x);
+        high[1] = orl_larger(high[1], y);
     }
     plane->wide = high[0] - low[0];
     plane->high = high[1] - low[1];

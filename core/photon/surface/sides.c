@@ -27,8 +27,8 @@ static void over_line(const struct flat *flat, const struct orl_line *line, doub
                         z * (z > 0 ? p->high.z : p->low.z);
     const double least = x * (x > 0 ? p->low.x : p->high.x) + y * (y > 0 ? p->low.y : p->high.y) +
                          z * (z > 0 ? p->low.z : p->high.z);
-    *ret_least = fmax(over - p->reach, least) - line->offset;
-    *ret_most = fmin(over + p->reach, most) - line->offset;
+    *ret_least = orl_larger(over - p->reach, least) - line->offset;
+    *ret_most = orl_smaller(over + p->reach, most) - line->offset;
 }
 
 static enum orl_side side_of(const struct flat *flat, const struct orl_wedge *wedge)
@@ -69,8 +69,9 @@ static double inner_radius(const struct orl_footprint *footprint)
     double inner = INFINITY;
     for (int i = 0; i < SECTORS; i++) {
         const struct orl_wedge *wedge = &footprint->wedges[i];
-        inner = fmin(inner,
-                     has_border(wedge) ? fmin(wedge->radius, wedge->border.offset) : wedge->radius);
+        inner =
+            orl_smaller(inner, has_border(wedge) ? orl_smaller(wedge->radius, wedge->border.offset)
+                                                 : wedge->radius);
     }
     return inner;
 }
@@ -82,7 +83,7 @@ static bool is_known(struct orl_bound *bound, struct orl_vec3 normal, double off
         if (!(orl_dot(normal, bound->normals[i]) > 1 - 1e-12) ||
             !(fabs(offset - bound->offsets[i]) <= 1e-6 * bound->radius))
             continue;
-        bound->offsets[i] = fmin(bound->offsets[i], offset);
+        bound->offsets[i] = orl_smaller(bound->offsets[i], offset);
         return true;
     }
     return false;
@@ -93,7 +94,7 @@ struct orl_bound orl_footprint_bound(const struct orl_footprint *footprint)
     const struct orl_frame *frame = &footprint->frame;
     struct orl_bound bound = {.radius = INFINITY};
     for (int i = 0; i < SECTORS; i++)
-        bound.radius = fmin(bound.radius, footprint->wedges[i].radius);
+        bound.radius = orl_smaller(bound.radius, footprint->wedges[i].radius);
     for (int i = 0; i < SECTORS; i++) {
         const struct orl_line *line = &footprint->wedges[i].border;
         const struct orl_vec3 normal =
@@ -113,6 +114,6 @@ double orl_footprint_even(const struct orl_footprint *footprint, double disc)
     const double area = ORL_PI * disc * disc;
     double radius = disc;
     for (int i = 0; i < 3; i++)
-        radius *= sqrt(area / fmax(orl_footprint_area(footprint, radius), 0.05 * area));
+        radius *= sqrt(area / orl_larger(orl_footprint_area(footprint, radius), 0.05 * area));
     return radius;
 }

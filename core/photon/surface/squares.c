@@ -34,7 +34,7 @@ static double area_of(const struct outline *outline)
 
 static uint32_t step_at(double at, double width, uint32_t most)
 {
-    return (uint32_t)fmin(fmax(at / width, 0), most - 1);
+    return (uint32_t)orl_smaller(orl_larger(at / width, 0), most - 1);
 }
 
 /* A triangle's area into the squares of one row. */
@@ -43,8 +43,8 @@ static void add_row(const struct orl_squares *squares, const struct outline *row
 {
     double low = INFINITY, high = -INFINITY;
     for (uint32_t i = 0; i < row->count; i++) {
-        low = fmin(low, row->corners[i].x);
-        high = fmax(high, row->corners[i].x);
+        low = orl_smaller(low, row->corners[i].x);
+        high = orl_larger(high, row->corners[i].x);
     }
     for (uint32_t x = step_at(low, squares->width, squares->across);
          row->count > 2 && x <= step_at(high, squares->width, squares->across); x++) {
@@ -60,8 +60,10 @@ void orl_squares_add(const struct orl_squares *squares, const struct orl_flat *f
 {
     for (uint32_t i = 0; i < triangles && squares->across > 0; i++) {
         const struct orl_flat *t = &flats[i];
-        const double low = fmin(fmin(t->corners[0].y, t->corners[1].y), t->corners[2].y);
-        const double high = fmax(fmax(t->corners[0].y, t->corners[1].y), t->corners[2].y);
+        const double low =
+            orl_smaller(orl_smaller(t->corners[0].y, t->corners[1].y), t->corners[2].y);
+        const double high =
+            orl_larger(orl_larger(t->corners[0].y, t->corners[1].y), t->corners[2].y);
         for (uint32_t y = step_at(low, squares->height, squares->down);
              y <= step_at(high, squares->height, squares->down); y++) {
             struct outline row = {.count = 3};

@@ -40,7 +40,7 @@ void orl_beam_cells_init(struct orl_beam_cells *cells)
                 for (uint32_t corner = 0; corner < 4; corner++) {
                     const struct orl_vec3 at =
                         direction_at(x + (corner & 1), y + (corner >> 1), side);
-                    reach = fmax(reach, orl_length(orl_sub(at, middle)));
+                    reach = orl_larger(reach, orl_length(orl_sub(at, middle)));
                 }
                 cells->direction[cell][0] = (float)middle.x;
                 cells->direction[cell][1] = (float)middle.y;
@@ -56,7 +56,8 @@ static uint32_t cell_of(struct orl_vec3 d)
     const struct orl_square s = orl_disk_to_square(d.x, d.y);
     const double x = 0.5 * (s.x + 1) * ORL_BEAM_SIDE, y = 0.5 * (s.y + 1) * ORL_BEAM_SIDE;
     const double most = ORL_BEAM_SIDE - 1;
-    return interleave((uint32_t)fmin(fmax(x, 0), most), (uint32_t)fmin(fmax(y, 0), most));
+    return interleave((uint32_t)orl_smaller(orl_larger(x, 0), most),
+                      (uint32_t)orl_smaller(orl_larger(y, 0), most));
 }
 
 /* What a table is made from: rows of it are worked out by a crew, and added up in order. */
@@ -151,18 +152,20 @@ struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct 
     double low_u = INFINITY, high_u = -INFINITY, low_v = INFINITY, high_v = -INFINITY;
     struct orl_vec3 corner = f->round->center[0];
     if (f->n_triangles == 0) { /* a ring */
-        low_u = orl_dot(corner, beam->frame.u) - fmax(f->round->radius[0], f->round->radius[1]);
-        high_u = low_u + 2 * fmax(f->round->radius[0], f->round->radius[1]);
-        low_v = orl_dot(corner, beam->frame.v) - fmax(f->round->radius[0], f->round->radius[1]);
-        high_v = low_v + 2 * fmax(f->round->radius[0], f->round->radius[1]);
+        low_u =
+            orl_dot(corner, beam->frame.u) - orl_larger(f->round->radius[0], f->round->radius[1]);
+        high_u = low_u + 2 * orl_larger(f->round->radius[0], f->round->radius[1]);
+        low_v =
+            orl_dot(corner, beam->frame.v) - orl_larger(f->round->radius[0], f->round->radius[1]);
+        high_v = low_v + 2 * orl_larger(f->round->radius[0], f->round->radius[1]);
     }
     for (uint32_t i = 0; i < 3 * f->n_triangles; i++) {
         const struct orl_triangle t = orl_triangle_of(geometry, orl_facet_triangle(f, i / 3));
         corner = i % 3 == 0 ? t.a : i % 3 == 1 ? t.b : t.c;
-        low_u = fmin(low_u, orl_dot(corner, beam->frame.u));
-        high_u = fmax(high_u, orl_dot(corner, beam->frame.u));
-        low_v = fmin(low_v, orl_dot(corner, beam->frame.v));
-        high_v = fmax(high_v, orl_dot(corner, beam->frame.v));
+        low_u = orl_smaller(low_u, orl_dot(corner, beam->frame.u));
+        high_u = orl_larger(high_u, orl_dot(corner, beam->frame.u));
+        low_v = orl_smaller(low_v, orl_dot(corner, beam->frame.v));
+        high_v = orl_larger(high_v, orl_dot(corner, beam->frame.v));
     }
     shaft.half_u = 0.5 * (high_u - low_u);
     shaft.half_v = 0.5 * (high_v - low_v);

@@ -65,7 +65,7 @@ static struct orl_bright_spot spot_of(const struct orl_photon_map *map, uint64_t
     const struct run run = sum_run(map, first, n);
     const struct orl_vec3 mean = orl_scale(run.offsets, 1.0 / (double)n);
     const struct orl_vec3 at = orl_add(run.origin, mean);
-    const double spread2 = fmax(run.squares / (double)n - orl_dot(mean, mean), 0);
+    const double spread2 = orl_larger(run.squares / (double)n - orl_dot(mean, mean), 0);
     const struct orl_vec3 normal =
         orl_length(run.normals) > 0 ? orl_normalize(run.normals) : run.normals;
     /* Of a square the mean square of the distance from its middle is 2/3 of that of half a side. */
@@ -137,7 +137,7 @@ static bool splat_of(const struct orl_bright_spot *spot, struct orl_vec3 point,
     const struct orl_vec3 facing =
         orl_v3((double)spot->normal[0], (double)spot->normal[1], (double)spot->normal[2]);
     const double half = (double)spot->half;
-    const double d2 = fmax(orl_dot(way, way), half * half), d = sqrt(d2);
+    const double d2 = orl_larger(orl_dot(way, way), half * half), d = sqrt(d2);
     const double there = -orl_dot(way, facing) / d, here = orl_dot(way, frame->n) / d;
     if (!(d > 0) || !(there > 0) || !(here > 0))
         return false;
@@ -146,16 +146,16 @@ static bool splat_of(const struct orl_bright_spot *spot, struct orl_vec3 point,
     const struct orl_square at = orl_disk_to_square(local.x, local.y);
     ret->at[0] = (float)(0.5 * (at.x + 1));
     ret->at[1] = (float)(0.5 * (at.y + 1));
-    ret->half = (float)fmin(wide * sqrt(fmax(here, wide) / ORL_PI) + 1e-6, 0.5);
+    ret->half = (float)orl_smaller(wide * sqrt(orl_larger(here, wide) / ORL_PI) + 1e-6, 0.5);
     ret->light = (float)((double)spot->flux * there * here / d2);
     return ret->light > 0;
 }
 
 static double overlap(const struct splat *s, const struct area *a, int axis)
 {
-    const double low = fmax((double)s->at[axis] - (double)s->half, a->low[axis]);
-    const double high = fmin((double)s->at[axis] + (double)s->half, a->high[axis]);
-    return fmax(high - low, 0) / (2 * (double)s->half);
+    const double low = orl_larger((double)s->at[axis] - (double)s->half, a->low[axis]);
+    const double high = orl_smaller((double)s->at[axis] + (double)s->half, a->high[axis]);
+    return orl_larger(high - low, 0) / (2 * (double)s->half);
 }
 
 /* Those of a list that are in an area go to the list behind it; how many, and their light there. */
@@ -246,7 +246,7 @@ void orl_bright_draw(const struct orl_bright_view *view, double u[2])
         const struct orl_bright_cell *halves = &view->cells[view->cells[cell].low];
         const double p = (double)halves[0].mass / ((double)halves[0].mass + (double)halves[1].mass);
         const bool second = !(u[axis] < p);
-        u[axis] = fmin(second ? (u[axis] - p) / (1 - p) : u[axis] / p, 1 - 0x1p-53);
+        u[axis] = orl_smaller(second ? (u[axis] - p) / (1 - p) : u[axis] / p, 1 - 0x1p-53);
         size[axis] *= 0.5;
         low[axis] += second ? size[axis] : 0;
         cell = view->cells[cell].low + second;

@@ -136,7 +136,7 @@ static double height(const struct orl_vpl_node *node, const double normal[3], do
     const double least = least_cosine * near;
     if (!(most > 0))
         return 0;
-    return most > least ? fmin(middle + turned + node->radius, 2 * near) : least;
+    return most > least ? orl_smaller(middle + turned + node->radius, 2 * near) : least;
 }
 
 /* About how much the lamps of a node light a place: zero only if none can. */
@@ -229,7 +229,7 @@ bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, do
         probability *= go_left ? share : 1 - share;
         node = go_left ? left : right;
     }
-    *ret_lamp = node->first + (uint32_t)(fmin(fmax(u, 0), 1 - 0x1p-53) * node->count);
+    *ret_lamp = node->first + (uint32_t)(orl_smaller(orl_larger(u, 0), 1 - 0x1p-53) * node->count);
     *ret_probability = probability / node->count;
     return true;
 }

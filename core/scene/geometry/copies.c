@@ -54,6 +54,7 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->n_couples = 0;
     g->met = NULL;
     g->areas = NULL;
+    g->listed = NULL;
     g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
     g->more = malloc((g->n_more + 1) * sizeof *g->more);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
@@ -86,7 +87,7 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
         f->n_triangles = keep[i] ? f->n_triangles : 0;
     }
     keep_couples(g, whole, keep);
-    code = orl_geometry_measure_triangles(g) ? orl_embree_build(g, NULL, err) : ORL_ERR_NOMEM;
+    code = orl_geometry_list_triangles(g) ? orl_embree_build(g, NULL, err) : ORL_ERR_NOMEM;
 done:
     if (code == 0)
         *ret_geometry = g;
@@ -112,6 +113,7 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry->couples);
     free(geometry->met);
     free(geometry->areas);
+    free(geometry->listed);
     free(geometry->corners);
     free(geometry->outlines);
     free(geometry->outline_corners);

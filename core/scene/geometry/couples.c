@@ -85,7 +85,7 @@ bool orl_couples_add(struct orl_couples *couples, uint32_t facet, uint32_t (*tri
     struct orl_geometry *const g = couples->geometry;
     struct orl_facet *const f = &g->facets[facet];
     unsigned turn = 0, other = 0;
-    f->n_triangles = n & 0xffffffU;
+    f->n_triangles = n & 0x7fffffU;
     f->step = 1;
     if (n == 1)
         return add_one(couples, facet, triangles[0]);

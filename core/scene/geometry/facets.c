@@ -3,19 +3,6 @@
 
 #include <stdlib.h>
 
-bool orl_geometry_measure_triangles(struct orl_geometry *geometry)
-{
-    const size_t n = orl_geometry_triangles_end(geometry);
-    if (orl_geometry_is_vast(geometry))
-        return true;
-    geometry->areas = malloc((n + 1) * sizeof *geometry->areas);
-    for (size_t i = 0; geometry->areas && i < n; i++) {
-        const struct orl_triangle t = orl_triangle_of_own(geometry, i);
-        geometry->areas[i] = orl_triangle_area(&t);
-    }
-    return geometry->areas != NULL;
-}
-
 size_t orl_geometry_count_triangles(const struct orl_geometry *geometry)
 {
     size_t n = 0;
@@ -53,7 +40,7 @@ static struct orl_facet_outline told_outline(const struct orl_geometry *g,
     return outline;
 }
 
-struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry, uint32_t facet)
+struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geometry, uint32_t facet)
 {
     const struct orl_own_outline *const outlines = geometry->outlines;
     const struct orl_facet *const f = &geometry->facets[facet];
@@ -70,4 +57,58 @@ struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometr
                                   : (struct orl_facet_outline){geometry->corners, NULL, {0}, 0};
     return (struct orl_facet_outline){
         geometry->corners, geometry->outline_corners + outlines[low].first, {0}, outlines[low].n};
+}
+
+/* Of more than these what is listed would be a sixth of what they take. */
+static const size_t few_couples = 1 << 15;
+
+/* Of every facet, in the files' order. */
+static bool list_outlines(struct orl_geometry *g)
+{
+    struct orl_own_outline *const outlines = malloc((g->n_facets + 1) * sizeof *outlines);
+    uint32_t n_corners = 0, *corners = NULL;
+    for (uint32_t i = 0; outlines && i < g->n_facets; i++) {
+        outlines[i] = (struct orl_own_outline){i, n_corners, orl_outline_looked_up(g, i).n};
+        n_corners += outlines[i].n;
+    }
+    corners = malloc(((size_t)n_corners + 1) * sizeof *corners);
+    if (!outlines || !corners) {
+        free(outlines);
+        free(corners);
+        return false;
+    }
+    for (uint32_t i = 0; i < g->n_facets; i++) {
+        const struct orl_facet_outline outline = orl_outline_looked_up(g, i);
+        for (uint32_t k = 0; k < outline.n; k++)
+            corners[outlines[i].first + k] = outline.own ? outline.own[k] : outline.at[k];
+    }
+    free(g->outlines);
+    free(g->outline_corners);
+    g->outlines = outlines;
+    g->n_outlines = g->n_facets;
+    g->outline_corners = corners;
+    g->n_outline_corners = n_corners;
+    return true;
+}
+
+bool orl_geometry_list_triangles(struct orl_geometry *geometry)
+{
+    const size_t n = orl_geometry_triangles_end(geometry);
+    if (geometry->n_couples >= few_couples)
+        return true;
+    struct orl_listed *const listed = malloc((n + 1) * sizeof *listed);
+    geometry->areas = malloc((n + 1) * sizeof *geometry->areas);
+    if (!listed || !geometry->areas || !list_outlines(geometry)) {
+        free(listed);
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_triangle t = orl_triangle_of_own(geometry, i);
+        geometry->areas[i] = orl_triangle_area(&t);
+        listed[i].facet = orl_triangle_facet(geometry, i);
+        for (unsigned k = 0; k < 3; k++)
+            listed[i].corners[k] = orl_triangle_corner(geometry, i, k);
+    }
+    geometry->listed = listed;
+    return true;
 }

@@ -180,7 +180,8 @@ static int add_facets(struct builder *b)
         g->facets[facet].material = surface->material;
         g->facets[facet].surface = (uint32_t)i;
         g->facets[facet].round = &orl_curved_none;
-        g->facets[facet].has_more = d->materials[surface->material].thickness != 0;
+        g->facets[facet].stands_off = d->materials[surface->material].thickness != 0;
+        g->facets[facet].has_more = g->facets[facet].stands_off;
         if (flat)
             code = add_polygon(b, surface, facet);
         else
@@ -325,7 +326,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
         code = add_more(g, description);
     if (code == 0)
         code = orl_placed_number(g, err);
-    if (code == 0 && !orl_geometry_measure_triangles(g))
+    if (code == 0 && !orl_geometry_list_triangles(g))
         code = ORL_ERR_NOMEM;
     if (code == 0)
         code = orl_embree_build(g, description->cancel, err);

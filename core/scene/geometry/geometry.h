@@ -41,7 +41,8 @@ struct orl_facet {
                           them */
     bool has_more : 1; /* orl_facet_more_of */
     unsigned step : 2; /* polygons: of their triangles' numbers */
-    unsigned n_triangles : 24;      /* polygons; else 0 */
+    bool stands_off : 1;            /* orl_facet_beyond is not 0 */
+    unsigned n_triangles : 23;      /* polygons; else 0 */
     uint32_t first_triangle;        /* polygons: see orl_facet_triangle */
     uint32_t material, surface;     /* indices into the description's */
     struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
@@ -74,6 +75,11 @@ struct orl_triangle {
     struct orl_vec3 a, b, c;
 };
 
+/* A triangle as its couple has it. */
+struct orl_listed {
+    uint32_t corners[3], facet;
+};
+
 /* Of a polygon whose outline its triangles do not tell (orl_outline_of_facet). */
 struct orl_own_outline {
     uint32_t facet, first, n; /* corners, by orl_geometry.outline_corners */
@@ -94,7 +100,7 @@ struct orl_geometry {
     size_t n_couples;
     struct orl_vec3 *corners;
     size_t n_corners;
-    struct orl_own_outline *outlines; /* by facet */
+    struct orl_own_outline *outlines; /* by facet; where triangles are listed, of every facet */
     size_t n_outlines;
     uint32_t *outline_corners;
     size_t n_outline_corners;
@@ -106,12 +112,13 @@ struct orl_geometry {
     size_t n_prototypes;
     struct orl_placed *placed; /* those places */
     size_t n_placed;
-    size_t n_places;         /* a prototype's: how many; else 0 */
-    bool curved;             /* it has facets that are not polygons, or what is placed has */
-    struct orl_holes *holes; /* antimatter.h: facets that are not there everywhere; NULL: none */
-    uint32_t *met;           /* Embree's numbers are of these triangles; NULL: of couples */
-    double *areas;           /* by triangle; NULL: of so many, none are kept */
-    void *scene;             /* Embree's */
+    size_t n_places;           /* a prototype's: how many; else 0 */
+    bool curved;               /* it has facets that are not polygons, or what is placed has */
+    struct orl_holes *holes;   /* antimatter.h: facets that are not there everywhere; NULL: none */
+    uint32_t *met;             /* Embree's numbers are of these triangles; NULL: of couples */
+    struct orl_listed *listed; /* triangles, and ... */
+    double *areas;             /* ... theirs; NULL: of so many, none are kept */
+    void *scene;               /* Embree's */
 };
 
 /* What a ray has met, and where: all that a material is asked at. */
@@ -184,7 +191,8 @@ static inline bool orl_triangle_is_none(const struct orl_geometry *geometry, siz
 
 static inline uint32_t orl_triangle_facet(const struct orl_geometry *geometry, size_t index)
 {
-    return geometry->couples[index / 2].halves[index % 2].facet;
+    return geometry->listed ? geometry->listed[index].facet
+                            : geometry->couples[index / 2].halves[index % 2].facet;
 }
 
 /* Which of the geometry's corners its k-th is. */
@@ -192,6 +200,8 @@ static inline uint32_t orl_triangle_corner(const struct orl_geometry *geometry, 
                                            unsigned k)
 {
     static const uint8_t order[2][5] = {{3, 0, 1, 3, 0}, {1, 2, 3, 1, 2}};
+    if (geometry->listed)
+        return geometry->listed[index].corners[k];
     const struct orl_couple *const couple = &geometry->couples[index / 2];
     return couple->corners[order[index % 2][couple->halves[index % 2].turn + k]];
 }
@@ -225,7 +235,19 @@ struct orl_facet_outline {
     const uint32_t *own;            /* which of them; or NULL: at */
     uint32_t at[4], n;
 };
-struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry, uint32_t facet);
+struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geometry, uint32_t facet);
+static inline struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry,
+                                                            uint32_t facet)
+{
+    if (!geometry->listed)
+        return orl_outline_looked_up(geometry, facet);
+    const struct orl_own_outline *const own = &geometry->outlines[facet];
+    struct orl_facet_outline outline; /* without at, which is not read */
+    outline.corners = geometry->corners;
+    outline.own = geometry->outline_corners + own->first;
+    outline.n = own->n;
+    return outline;
+}
 
 static inline struct orl_vec3 orl_outline_corner(const struct orl_facet_outline *outline,
                                                  uint32_t i)
@@ -239,8 +261,9 @@ static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geo
                                                         : orl_placed_triangle(geometry, index);
 }
 
-/* Their areas, where they are kept. False: out of memory. */
-bool orl_geometry_measure_triangles(struct orl_geometry *geometry);
+/* What is kept of them beside couples, and the outlines of all facets, unless they are too many.
+ * False: out of memory. */
+bool orl_geometry_list_triangles(struct orl_geometry *geometry);
 
 /* How many there are, of its own. */
 size_t orl_geometry_count_triangles(const struct orl_geometry *geometry);
@@ -290,7 +313,7 @@ const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geomet
 
 static inline double orl_facet_beyond(const struct orl_geometry *geometry, uint32_t facet)
 {
-    return geometry->facets[facet].has_more ? orl_facet_more_of(geometry, facet)->beyond : 0;
+    return geometry->facets[facet].stands_off ? orl_facet_more_of(geometry, facet)->beyond : 0;
 }
 
 /* Where a ray that leaves a point of a facet, of that front normal, along direction is to start. */

@@ -91,15 +91,13 @@ static inline double area_of(const struct orl_geometry *geometry, size_t index)
  * A triangle's point; left: what of the first number times the facet's area is the triangle's own,
  * stretched to serve again.
  */
-static inline struct orl_vec3 triangle_point(const struct orl_geometry *geometry, size_t index,
-                                             double left, double v)
+static inline struct orl_vec3 triangle_point(const struct orl_triangle *t, double area, double left,
+                                             double v)
 {
-    const struct orl_triangle t = orl_triangle_of_own(geometry, index);
-    const double area = area_of(geometry, index);
     const double share = area > 0 && left > 0 ? left / area : 0;
     const double s = sqrt(share < 1 ? share : 1);
-    return orl_add(orl_add(orl_scale(t.a, 1 - s), orl_scale(t.b, s * (1 - v))),
-                   orl_scale(t.c, s * v));
+    return orl_add(orl_add(orl_scale(t->a, 1 - s), orl_scale(t->b, s * (1 - v))),
+                   orl_scale(t->c, s * v));
 }
 
 /* The first coordinate picks the triangle by area. Which of two it is, is chance, and no branch. */
@@ -114,7 +112,27 @@ static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
         left -= on ? area : 0;
         chosen += on;
     }
-    return triangle_point(geometry, orl_facet_triangle(f, chosen), left, u[1]);
+    const uint32_t index = orl_facet_triangle(f, chosen);
+    const struct orl_triangle t = orl_triangle_of_own(geometry, index);
+    return triangle_point(&t, area_of(geometry, index), left, u[1]);
+}
+
+/* The same of many, where the triangles are one or two: looked up once. */
+static void sample_simple(const struct orl_geometry *geometry, const struct orl_facet *f,
+                          const double (*u)[2], size_t n, struct orl_vec3 *ret_points)
+{
+    struct orl_triangle t[2];
+    double area[2];
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        t[i] = orl_triangle_of_own(geometry, orl_facet_triangle(f, i));
+        area[i] = area_of(geometry, orl_facet_triangle(f, i));
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double left = u[i][0] * f->area;
+        const bool second = f->n_triangles > 1 && !(left < area[0]);
+        ret_points[i] =
+            triangle_point(&t[second], area[second], second ? left - area[0] : left, u[i][1]);
+    }
 }
 
 void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
@@ -122,7 +140,9 @@ void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
 {
     const struct orl_facet *f = &geometry->facets[facet];
     struct orl_vec3 normal;
-    if (f->kind == ORL_SURFACE_POLYGON)
+    if (f->kind == ORL_SURFACE_POLYGON && (f->n_triangles == 1 || f->n_triangles == 2))
+        sample_simple(geometry, f, u, n, ret_points);
+    else if (f->kind == ORL_SURFACE_POLYGON)
         for (size_t i = 0; i < n; i++)
             ret_points[i] = polygon_point(geometry, f, u[i]);
     else

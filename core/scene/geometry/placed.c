@@ -73,7 +73,7 @@ struct orl_facet orl_facet_at(const struct orl_geometry *geometry, uint32_t face
     f.offset = placed->offset;
     f.area *= placed->to.scale * placed->to.scale;
     f.first_triangle += placed->first_triangle;
-    f.has_more = false;
+    f.has_more = f.stands_off = false;
     return f;
 }
 
