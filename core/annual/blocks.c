@@ -227,7 +227,7 @@ static int find_paths(struct orl_year *y, struct orl_error *err)
                              .first = y->first,
                              .count = y->count,
                              .samples = y->result->samples};
-    int code = orl_keep_ask(&y->keep, &it, err);
+    int code = y->shares_rows ? 0 : orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
         return code;
     if (!fill_parts(&it, parts))
@@ -245,7 +245,7 @@ static int find_suns(struct orl_year *y, struct orl_error *err)
     const size_t bytes = y->count * ORL_SUN_ROWS * y->hours.suns.count * sizeof *y->sun_rows;
     const struct part parts[MOST_PARTS] = {{y->sun_rows, bytes}};
     struct orl_keeping it = {.what = ORL_YEARS_SUN, .first = y->first, .count = y->count};
-    int code = orl_keep_ask(&y->keep, &it, err);
+    int code = y->shares_rows ? 0 : orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
         return code;
     if (!fill_parts(&it, parts)) {
@@ -288,10 +288,9 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
     return code == 0 ? hand_over(y, err) : code;
 }
 
-static int run_block(struct orl_year *y, struct orl_error *err)
+/* Paths and suns times all hours. */
+static int make_rows(struct orl_year *y, struct orl_error *err)
 {
-    if (orl_year_is_sun_only(y))
-        return run_sun_only(y, err);
     struct orl_crew *crew = y->env->run->crew;
     double since = orl_year_now(y);
     int code = find_paths(y, err);
@@ -304,9 +303,42 @@ static int run_block(struct orl_year *y, struct orl_error *err)
     code = orl_crew_try(crew, y->count, fill_factors, y);
     if (code == 0)
         code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
+    orl_year_book(y, ORL_ANNUAL_HOURS, &since);
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
+}
+
+/* Made, or by who shares the year. */
+static int find_rows(struct orl_year *y, struct orl_error *err)
+{
+    const struct part parts[MOST_PARTS] = {
+        {y->rows, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows},
+        {y->result->overcast + y->first, y->count * sizeof *y->result->overcast},
+        {y->result->overcast_se + y->first, y->count * sizeof *y->result->overcast_se}};
+    struct orl_keeping it = {.what = ORL_YEARS_ROWS,
+                             .first = y->first,
+                             .count = y->count,
+                             .samples = y->result->samples};
+    if (!y->shares_rows)
+        return make_rows(y, err);
+    int code = orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
-        return orl_year_failed(y, code, err);
-    code = hand_over(y, err);
+        return code;
+    if (!fill_parts(&it, parts))
+        code = make_rows(y, err);
+    if (code == 0)
+        put_parts(y, &it, parts);
+    orl_keep_done(&y->keep, &it);
+    return code;
+}
+
+static int run_block(struct orl_year *y, struct orl_error *err)
+{
+    if (orl_year_is_sun_only(y))
+        return run_sun_only(y, err);
+    int code = find_rows(y, err);
+    double since = orl_year_now(y);
+    if (code == 0)
+        code = hand_over(y, err);
     orl_year_book(y, ORL_ANNUAL_HOURS, &since);
     return code;
 }
@@ -385,6 +417,8 @@ static void tell_done(const struct orl_year *y)
 /* What of a block others can make. */
 static int make_block(struct orl_year *y, struct orl_error *err)
 {
+    if (y->shares_rows)
+        return find_rows(y, err);
     const int code = find_paths(y, err);
     return code == 0 ? find_suns(y, err) : code;
 }
@@ -399,6 +433,8 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
         code = y->env->begins(y->env->ctx, y->result, err);
     y->blocks_s = orl_year_now(y);
     const bool shared = y->env->run->pieces && y->keep.store && !orl_year_is_sun_only(y);
+    /* Coefficients are in no row: then blocks are shared by their paths. */
+    y->shares_rows = shared && !y->result->coefficients;
     y->block = shared ? orl_year_shared_block(n) : ORL_YEAR_BLOCK;
     if (code == 0 && shared)
         code = orl_year_share_blocks(y, make_block, err);

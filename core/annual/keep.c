@@ -64,6 +64,8 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
 static void name(const struct orl_keep *keep, struct orl_keeping *it)
 {
     const uint64_t numbers[] = {(uint64_t)it->what, it->first, it->count};
+    const struct orl_pieces *const shared = keep->year->env->run->pieces;
+    const char *const job = shared && shared->job ? shared->job : "";
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, keep->site, ORL_DIGEST_HEX);
@@ -73,12 +75,14 @@ static void name(const struct orl_keep *keep, struct orl_keeping *it)
         add_vector(&hash, keep->year->request->sensors[i].direction);
     }
     finish(&hash, it->key);
-    if (it->what != ORL_YEARS_PATHS)
+    if (it->what != ORL_YEARS_PATHS && it->what != ORL_YEARS_ROWS)
         return;
     memcpy(it->family, it->key, sizeof it->family);
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, it->family, ORL_DIGEST_HEX);
     orl_sha256_add(&hash, &it->samples, sizeof it->samples);
+    if (it->what == ORL_YEARS_ROWS)
+        orl_sha256_add(&hash, job, strlen(job));
     finish(&hash, it->key);
 }
 
@@ -92,7 +96,7 @@ static void forget(struct orl_keep *keep, const struct orl_error *why)
 
 static struct orl_annual_reused *told(struct orl_keep *keep, const struct orl_keeping *it)
 {
-    return &keep->year->result->reuse.of[it->what];
+    return it->what < ORL_YEARS_KINDS ? &keep->year->result->reuse.of[it->what] : &keep->rows;
 }
 
 /* The one that was asked for. */

@@ -6,6 +6,7 @@
  *   map    the same                      sunlight on surfaces inside (sun_map.h)
  *   paths  the same, sensors, samples    coefficients of a block of sensors, batch by batch
  *   sun    the same, sensors             the sun straight to them, of every time of the file
+ *   rows   the same, samples, the job    all hours of them: of use to the runs that share the job
  *
  * The site is its place, north, and the times of the weather file's rows; not what was measured
  * then. Samples go on where fewer ended: paths of less accuracy are not made again.
@@ -20,13 +21,16 @@
 
 struct orl_year;
 
+enum { ORL_YEARS_ROWS = ORL_YEARS_KINDS }; /* one more, of which nobody is told */
+
 struct orl_keep {
     struct orl_year *year;
     const struct orl_map_store *store; /* NULL: nothing is kept */
     bool off;                          /* no more is asked of it, or put there */
     struct orl_error why;              /* that is so, if something failed */
     bool damaged;                      /* something was */
-    char site[ORL_DIGEST_HEX + 1];     /* a digest of what all four depend on */
+    struct orl_annual_reused rows;     /* what is told of no one */
+    char site[ORL_DIGEST_HEX + 1];     /* a digest of what all depend on */
 };
 
 /* Of a year whose scene is loaded and whose hours are read. scene: its digest. */
@@ -34,9 +38,9 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
 
 /* One that is asked for. Sensors: count of them from first on; of suns and map 0. */
 struct orl_keeping {
-    enum orl_annual_kept what;
+    unsigned what; /* an orl_annual_kept, or ORL_YEARS_ROWS */
     size_t first, count;
-    uint32_t samples; /* of paths */
+    uint32_t samples; /* of paths and rows */
     double core_s;    /* of suns and map: that one core is thought to take (oriel/pieces.h) */
     char key[ORL_DIGEST_HEX + 1], family[ORL_DIGEST_HEX + 1], path[4096];
     bool owed;                 /* it is to be put or dropped */

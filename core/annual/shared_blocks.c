@@ -34,15 +34,16 @@ static uint64_t block_bytes(const struct orl_year *y)
     return of_batch * y->count * ORL_ANNUAL_BATCHES;
 }
 
-/* Whether the store has all of the block at hand; its key is that of its paths. */
+/* Whether the store has all of the block at hand; its key is that of its rows or paths. */
 static bool is_made(struct orl_year *y, struct orl_piece *ret_piece)
 {
-    struct orl_keeping paths = {.what = ORL_YEARS_PATHS,
+    struct orl_keeping paths = {.what = y->shares_rows ? ORL_YEARS_ROWS : ORL_YEARS_PATHS,
                                 .first = y->first,
                                 .count = y->count,
                                 .samples = y->result->samples},
                        sun = {.what = ORL_YEARS_SUN, .first = y->first, .count = y->count};
-    const bool has_paths = orl_keep_has(&y->keep, &paths), has_sun = orl_keep_has(&y->keep, &sun);
+    const bool has_paths = orl_keep_has(&y->keep, &paths);
+    const bool has_sun = y->shares_rows || orl_keep_has(&y->keep, &sun);
     *ret_piece = (struct orl_piece){
         .kind = "rows", .work = (double)y->count, .core_s = block_s(y), .bytes = block_bytes(y)};
     memcpy(ret_piece->key, paths.key, sizeof ret_piece->key);

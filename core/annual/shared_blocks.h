@@ -1,6 +1,6 @@
 /*
- * Blocks of a year's sensors as pieces of a year that is shared (oriel/pieces.h): what takes time
- * of each, paths and the sun straight to its sensors, lies in the store.
+ * Blocks of a year's sensors as pieces of a year that is shared (oriel/pieces.h): the rows of each
+ * lie in the store, or what takes time of them, paths and the sun straight to its sensors.
  */
 #ifndef ORL_ANNUAL_SHARED_BLOCKS_H
 #define ORL_ANNUAL_SHARED_BLOCKS_H

@@ -63,7 +63,8 @@ struct orl_year {
     double told;                /* of the run's progress: it never falls */
     size_t kept;                /* sensors that came without being computed */
     /* Of the sensors of a block: */
-    size_t block; /* sensors of each, but for the last one */
+    bool shares_rows; /* with other runs: whoever makes a block makes its hours */
+    size_t block;     /* sensors of each, but for the last one */
     size_t first, count;
     atomic_size_t traced;   /* batches */
     uint32_t traced_before; /* samples of each batch that were there */

@@ -159,7 +159,7 @@ def measure_here(bench):
            "sensor": (light[1]["parts"] - light[0]["parts"]) / more,
            "alone": (whole[1]["lead"] - whole[0]["lead"]) / more,
            "merge": (light[1]["lead"] - light[0]["lead"]) / more,
-           "bytes": deep["bytes"] / small}
+           "bytes": (light[1]["bytes"] - light[0]["bytes"]) / more}
     per["sensor"] -= 16 * per["sample"]
     per["alone"] -= 16 * per["sample"]
     return {"per": per, "part": (split["parts"] - light[1]["parts"]) / 7,
