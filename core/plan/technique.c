@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "plan/decide.h"
+#include "scene/material/lobed.h"
 
 enum { MOST_LAMPS = 4000000, DEEPEST = 1000 };
 enum { PHOTONS_A_WINDOW = 40000, LEAST_WINDOWS = 3 };
@@ -17,6 +18,13 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
     const struct orl_job *job = survey->request->job;
     if (survey->world->scene->mist) {
         snprintf(ret_why, ORL_WHY_MAX, "there is mist: paths are scattered by it, photons are not");
+        return ORL_TECHNIQUE_BACKWARD;
+    }
+    if (lit->classes[ORL_LIT_LOBE].lit &&
+        orl_lobed_narrow_of(survey->world->geometry, survey->world->materials)) {
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "lobes of functions that draws do not see all of: paths ask them for the light of "
+                 "suns and lamps, photons would be few and bright");
         return ORL_TECHNIQUE_BACKWARD;
     }
     if (orl_job_asks_for_glare(job) && !orl_lit_by_chance(lit, &survey->world->images)) {

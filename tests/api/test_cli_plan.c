@@ -266,6 +266,14 @@ static void test_narrow_lobes(void **state)
     if (f->result.exit_code != 0)
         fail_msg("%s", f->result.err);
     assert_non_null(strstr(f->result.out, "not known: materials have lobes narrower"));
+    /* Where a lamp lights them photons would be few and bright: paths ask the functions. */
+    strcat(scene, "void light bulb\n0\n0\n3 99 99 99\nbulb sphere lamp\n0\n0\n4 1 2 2 .1\n");
+    cli_write_file(f->folder, "room.rad", scene);
+    cli_write_file(f->folder, "job.json", JOB("{}"));
+    json_t *const doc = planned(f, "1");
+    assert_string_equal(
+        json_string_value(json_object_get(json_object_get(doc, "plan"), "technique")), "backward");
+    json_decref(doc);
 }
 
 static void test_nothing_is_written(void **state)
