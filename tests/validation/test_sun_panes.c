@@ -167,6 +167,41 @@ static void a_narrow_lobe_is_found_in_mid_air(void **state)
     free(bsdf.data);
 }
 
+/*
+ * The same pane by itself, and sensors that face the sun at a slant: no window of a room, but its
+ * lobe is aimed at all the same. By even rays alone one in a thousand met it: a
+ * seed was off by eight times the truth.
+ */
+static void a_pane_that_stands_free_is_aimed_at(void **state)
+{
+    enum { N = 2, SEEDS = 8 };
+    static const struct orl_sensor near[N] = {{{2, .2, .4}, {0, .6, .8}},
+                                              {{2.5, .1, 1}, {.5, .3, .8124}}};
+    const struct text bsdf = make_clear_file(6, 0.6, 0.2);
+    double lx[N], most[N] = {0, 0}, truth[N];
+    (void)state;
+    struct scene_run run = {.scene = SUN "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n" PANE,
+                            .resource_name = "pane.xml",
+                            .resource_text = bsdf.data,
+                            .sensors = near,
+                            .n_sensors = N,
+                            .technique = ORL_TECHNIQUE_BACKWARD,
+                            .samples = 131072};
+    scene_run_lx(&run, truth);
+    run.samples = 2048;
+    for (run.seed = 1; run.seed <= SEEDS; run.seed++) {
+        scene_run_lx(&run, lx);
+        for (int i = 0; i < N; i++)
+            most[i] = fmax(most[i], fabs(lx[i] / truth[i] - 1));
+    }
+    for (int i = 0; i < N; i++) {
+        print_message("sensor %d: %.4g lx, the worst of 8 seeds off by %.3g of it\n", i, truth[i],
+                      most[i]);
+        assert_true(truth[i] > 100 && most[i] < 0.06);
+    }
+    free(bsdf.data);
+}
+
 /* Red glass, so to speak: lux are Visible's, whatever the colour. */
 static void colour_leaves_illuminance_alone(void **state)
 {
@@ -215,6 +250,7 @@ int main(void)
         cmocka_unit_test(a_bsdfs_patch_is_blurred),
         cmocka_unit_test(what_is_added_lights_the_room),
         cmocka_unit_test(a_narrow_lobe_is_found_in_mid_air),
+        cmocka_unit_test(a_pane_that_stands_free_is_aimed_at),
         cmocka_unit_test(colour_leaves_illuminance_alone),
         cmocka_unit_test(a_view_through_counts_once),
     };

@@ -31,23 +31,67 @@ static int find_beam(const struct maker *maker, uint32_t facet, const struct orl
     return code < 0 ? code : (int)aim->n_beams++;
 }
 
-static int add_shafts(const struct maker *maker, const struct orl_port *port)
+enum { MOST_FREE_PANES = 1024 };
+
+static bool is_pane(const struct orl_world *world, uint32_t facet)
+{
+    const struct orl_facet *f = &world->geometry->facets[facet];
+    return (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING) && f->area > 0 &&
+           orl_material_transmits_lobes(&world->materials[f->material]);
+}
+
+/* Ports, or else what stands free; those beyond the most are left to the other ways. */
+static bool list_panes(struct orl_aim *aim)
+{
+    const struct orl_world *world = aim->world;
+    aim->n_panes = (uint32_t)world->n_ports;
+    if (world->n_ports > 0)
+        return true;
+    aim->panes = malloc(MOST_FREE_PANES * sizeof *aim->panes);
+    for (uint32_t i = 0;
+         aim->panes && i < world->geometry->n_facets && aim->n_panes < MOST_FREE_PANES; i++)
+        if (is_pane(world, i))
+            aim->panes[aim->n_panes++] = i;
+    return aim->panes != NULL;
+}
+
+static uint32_t pane_facet(const struct orl_aim *aim, uint32_t pane)
+{
+    return aim->panes ? aim->panes[pane] : aim->world->ports[pane].facet;
+}
+
+/* ORL_NO_PORT: it is none. */
+static int32_t pane_of(const struct orl_aim *aim, uint32_t facet)
+{
+    uint32_t low = 0, high = aim->n_panes;
+    if (!aim->panes)
+        return orl_world_port_of(aim->world, facet);
+    while (low < high) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (aim->panes[middle] < facet)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < aim->n_panes && aim->panes[low] == facet ? (int32_t)low : ORL_NO_PORT;
+}
+
+static int add_shafts(const struct maker *maker, uint32_t pane)
 {
     struct orl_aim *aim = maker->aim;
     const struct orl_world *world = aim->world;
-    const struct orl_facet *facet = &world->geometry->facets[port->facet];
-    const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
-    if (!flat || !orl_material_transmits_lobes(&world->materials[facet->material]))
+    const uint32_t facet = pane_facet(aim, pane);
+    if (!is_pane(world, facet))
         return 0;
     for (size_t s = 0; s < world->n_suns; s++) {
-        if (!(orl_dot(world->suns[s].frame.n, port->outward) > 0))
+        if (!aim->panes && !(orl_dot(world->suns[s].frame.n, world->ports[pane].outward) > 0))
             continue;
-        const int beam = find_beam(maker, port->facet, &world->suns[s]);
+        const int beam = find_beam(maker, facet, &world->suns[s]);
         if (beam < 0)
             return beam;
         if (beam < ORL_MOST_BEAMS)
             aim->shafts[aim->n_shafts++] =
-                orl_shaft_of(world->geometry, &aim->beams[beam], (uint32_t)beam, port->facet);
+                orl_shaft_of(world->geometry, &aim->beams[beam], (uint32_t)beam, facet);
     }
     return 0;
 }
@@ -58,24 +102,24 @@ int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struc
     const struct maker maker = {aim, sobol, crew};
     int code = 0;
     *aim = (struct orl_aim){.world = world};
-    aim->first_shaft = calloc(world->n_ports + 1, sizeof *aim->first_shaft);
+    if (!list_panes(aim))
+        return ORL_ERR_NOMEM;
+    aim->first_shaft = calloc((size_t)aim->n_panes + 1, sizeof *aim->first_shaft);
     if (!aim->first_shaft)
         return ORL_ERR_NOMEM;
     bool lobes = false;
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const uint32_t m = world->geometry->facets[world->ports[i].facet].material;
-        lobes = lobes || orl_material_transmits_lobes(&world->materials[m]);
-    }
+    for (uint32_t i = 0; i < aim->n_panes; i++)
+        lobes = lobes || is_pane(world, pane_facet(aim, i));
     if (!lobes || world->n_suns == 0)
         return 0;
     aim->cells = malloc(sizeof *aim->cells);
     aim->beams = calloc(ORL_MOST_BEAMS, sizeof *aim->beams);
-    aim->shafts = calloc(world->n_ports * world->n_suns, sizeof *aim->shafts);
+    aim->shafts = calloc(aim->n_panes * world->n_suns, sizeof *aim->shafts);
     if (!aim->cells || !aim->beams || !aim->shafts)
         return ORL_ERR_NOMEM;
     orl_beam_cells_init(aim->cells);
-    for (size_t i = 0; i < world->n_ports && code == 0; i++) {
-        code = add_shafts(&maker, &world->ports[i]);
+    for (uint32_t i = 0; i < aim->n_panes && code == 0; i++) {
+        code = add_shafts(&maker, i);
         aim->first_shaft[i + 1] = aim->n_shafts;
     }
     return code;
@@ -84,6 +128,7 @@ int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struc
 void orl_aim_done(struct orl_aim *aim)
 {
     free(aim->first_shaft);
+    free(aim->panes);
     free(aim->cells);
     free(aim->beams);
     free(aim->shafts);
@@ -109,12 +154,11 @@ static double port_density(const struct orl_aim *aim, const struct orl_aimed *ai
 }
 
 /* The same for rays drawn along beams. */
-static double beam_density(const struct orl_aim *aim, const struct orl_aimed *aimed,
+static double beam_density(const struct orl_aim *aim, const struct orl_aimed *aimed, int32_t pane,
                            struct orl_vec3 point)
 {
-    const int32_t port = aim->world->port_of_facet[aimed->hit.facet];
     double sum = 0;
-    for (uint32_t i = aim->first_shaft[port]; i < aim->first_shaft[port + 1]; i++)
+    for (uint32_t i = aim->first_shaft[pane]; i < aim->first_shaft[pane + 1]; i++)
         sum += orl_shaft_density(&aim->shafts[i], &aim->beams[aim->shafts[i].beam], aim->cells,
                                  point, aimed->direction);
     return sum / aim->n_shafts;
@@ -157,15 +201,14 @@ bool orl_aim_sample(const struct orl_aim *aim, const struct orl_effort *effort, 
         return false;
     ret_aimed->met = orl_geometry_intersect(aim->world->geometry, point, ret_aimed->direction,
                                             INFINITY, &ret_aimed->hit);
-    const bool at_port =
-        ret_aimed->met && orl_world_port_of(aim->world, ret_aimed->hit.facet) != ORL_NO_PORT;
+    const int32_t pane = ret_aimed->met ? pane_of(aim, ret_aimed->hit.facet) : ORL_NO_PORT;
     if (facet != UINT32_MAX && (!ret_aimed->met || ret_aimed->hit.facet != facet))
         return false;
     double density = effort->rays[ORL_WAY_COSINE] * cosine / ORL_PI;
-    if (at_port && effort->rays[ORL_WAY_PORT] > 0)
+    if (pane != ORL_NO_PORT && effort->rays[ORL_WAY_PORT] > 0)
         density += effort->rays[ORL_WAY_PORT] * port_density(aim, ret_aimed);
-    if (at_port && effort->rays[ORL_WAY_BEAM] > 0)
-        density += effort->rays[ORL_WAY_BEAM] * beam_density(aim, ret_aimed, point);
+    if (pane != ORL_NO_PORT && effort->rays[ORL_WAY_BEAM] > 0)
+        density += effort->rays[ORL_WAY_BEAM] * beam_density(aim, ret_aimed, pane, point);
     ret_aimed->weight = cosine / density;
     return true;
 }

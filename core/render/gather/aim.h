@@ -2,7 +2,8 @@
  * Rays from a place, towards where light may come from. A ray is drawn in one of three ways:
  *   by the cosine;
  *   at a port: a point uniform over one of them;
- *   along a beam: at a port whose lobes send a sun that way, by how much (beam.h).
+ *   along a beam: at a pane whose lobes send a sun that way, by how much (beam.h): a port, or where
+ *   there are none, for nothing is a building, one that stands free.
  * A place draws some of each, and where several ways could have made a ray it weighs by the sum of
  * their densities, each times its number: the balance heuristic for many samples of Veach and
  * Guibas 1995. The last two count only when the ray first meets what it was aimed at, so that no
@@ -21,7 +22,9 @@ struct orl_aim {
     struct orl_shaft *shafts;      /* every beam by way of every pane */
     struct orl_beam_cells *cells;
     uint32_t n_beams, n_shafts;
-    uint32_t *first_shaft; /* per port, and one more */
+    uint32_t *first_shaft; /* per pane, and one more */
+    uint32_t *panes;       /* facets, ascending; NULL: panes are the world's ports */
+    uint32_t n_panes;
 };
 
 /* Returns 0 or ORL_ERR_NOMEM; orl_aim_done in either case. */
