@@ -199,7 +199,7 @@ static int make_line(struct orl_parser *parser, struct setting *s, double spacin
     const int gap = (int)(fabs(spacing) * ORL_GLYPH_SIDE);
     struct orl_set_letter *const letters =
         orl_arena_take(parser->out->arena, (s->n + 1) * sizeof *letters);
-    s->steps = malloc((s->n + 1) * sizeof *s->steps);
+    s->steps = calloc(s->n + 1, sizeof *s->steps);
     int at = 0;
     if (!letters || !s->steps) {
         free(s->steps);
@@ -260,8 +260,7 @@ static char *join_words(const struct orl_primitive *primitive, size_t first, siz
             break;
         if (i > first)
             line[(*ret_size)++] = ' ';
-        memcpy(line + *ret_size, word, length);
-        *ret_size += length;
+        *ret_size = (size_t)(stpcpy(line + *ret_size, word) - line);
     }
     return line;
 }
@@ -298,11 +297,11 @@ static int set_text(struct orl_parser *parser, const struct orl_scope *scope,
         return code;
     if (words)
         joined = join_words(&parser->primitive, first + 2, &size);
-    else
+    else if (source)
         size = source->file.size;
-    if (words && !joined)
+    if (words ? !joined : !source)
         return ORL_ERR_NOMEM;
-    if (size >= MOST_TEXT)
+    if (!words && size >= MOST_TEXT)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
                                "its text has %zu bytes, more "
                                "than %d",
