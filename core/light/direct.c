@@ -86,6 +86,25 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
     return true;
 }
 
+/*
+ * How much a ray that is a float may meet a tube or cone before the point that it is aimed at,
+ * which near the rim is much: as far as to one a little thicker, as with spheres.
+ */
+static double float_room(const struct orl_facet *facet, const struct orl_lamp_aim *aim)
+{
+    if (facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING)
+        return 0;
+    const struct orl_curved *const round = facet->round;
+    const double r = orl_larger(round->radius[0], round->radius[1]);
+    const struct orl_vec3 axis = orl_sub(round->center[1], round->center[0]);
+    const double length2 = orl_dot(axis, axis), along = orl_dot(aim->light, axis);
+    const double across2 = /* of the ray, where there is an axis */
+        facet->kind == ORL_SURFACE_BUBBLE || !(length2 > 0) ? 1 : 1 - along * along / length2;
+    const double room = 2 * r * (aim->distance * 0x1p-20 + facet->offset);
+    const double rc = -r * orl_dot(aim->light, aim->normal);
+    return room / (rc + sqrt(rc * rc + orl_larger(across2, 0) * room));
+}
+
 /* Any other surface: uniform by area. */
 static bool aim_by_area(const struct orl_world *world, const struct orl_emitter *emitter,
                         struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
@@ -101,7 +120,10 @@ static bool aim_by_area(const struct orl_world *world, const struct orl_emitter 
     ret_aim->normal = normal;
     ret_aim->distance = d;
     ret_aim->measure_sr = -orl_dot(ret_aim->light, normal) * facet->area / d2;
-    return ret_aim->measure_sr > 0;
+    if (!(ret_aim->measure_sr > 0))
+        return false;
+    ret_aim->distance -= float_room(facet, ret_aim);
+    return true;
 }
 
 bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitter,
