@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/number.h"
-#include "scene/grid/grid.h"
+#include "scene/grid/ies.h"
 
 struct reading {
     const char *name;
@@ -140,6 +140,15 @@ int orl_grid_read_data(const char *name, const char *text, size_t size, struct o
 {
     if (size >= 2 && memcmp(text, "#?", 2) == 0)
         return orl_grid_read_spectra(name, text, size, ret_grid, err);
+    if (orl_ies_is(text, size)) {
+        struct orl_ies ies;
+        const int code = orl_ies_read(name, text, size, &ies, err);
+        if (code < 0)
+            return code;
+        const int made = orl_ies_grid(&ies, ret_grid, err);
+        orl_ies_done(&ies);
+        return made;
+    }
     struct reading r = {.name = name, .at = text, .end = text + size, .line = 1};
     r.grid = calloc(1, sizeof *r.grid);
     if (!r.grid)

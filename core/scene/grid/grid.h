@@ -42,7 +42,7 @@ struct orl_grid {
     size_t source; /* which of the scene's files it is; its reader's */
 };
 
-/* A data file, or a picture of spectra. ORL_ERR_SYNTAX, with file and line; ORL_ERR_LIMIT, _NOMEM.
+/* A data file, a luminaire's (ies.h), or a picture of spectra. ORL_ERR_SYNTAX, with file and line; ORL_ERR_LIMIT, _NOMEM.
  */
 int orl_grid_read_data(const char *name, const char *text, size_t size, struct orl_grid **ret_grid,
                        struct orl_error *err);

@@ -11,6 +11,7 @@
 
 #include "scene/generate/command.h"
 #include "scene/generate/solids.h"
+#include "scene/parse/luminaires.h"
 #include "scene/parse/markers.h"
 #include "scene/parse/objects.h"
 #include "scene/parse/packages.h"
@@ -40,6 +41,7 @@ static const struct generator *find_generator(const char *name)
         {.name = "genrev", .run_with = orl_genrev},
         {.name = "genworm", .run_with = orl_genworm},
         {.name = "gensurf", .run_with = orl_gensurf},
+        {.name = "ies2rad", .run_in = orl_parser_ies2rad},
         {.name = "mgf2rad", .run_in = orl_parser_mgf2rad},
         {.name = "pkgBSDF", .run_in = orl_parser_package},
     };
@@ -295,7 +297,8 @@ static int refuse(const char *name, struct orl_error *err)
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
     orl_error_hint(
         err, "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, genbranch, "
-             "genrev, genworm, gensurf, gensky, gendaylit, mgf2rad and pkgBSDF are read here; run "
+             "genrev, genworm, gensurf, gensky, gendaylit, ies2rad, mgf2rad and pkgBSDF are read "
+             "here; run "
              "others beforehand and include their output");
     return ORL_ERR_UNSUPPORTED;
 }

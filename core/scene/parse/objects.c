@@ -6,6 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "scene/grid/ies.h"
 #include "scene/parse/material_rules.h"
 #include "scene/parse/stl.h"
 
@@ -257,6 +258,8 @@ enum orl_object_kind orl_object_kind_of(const char *name, const struct orl_file 
         return ORL_OBJECT_OBJ;
     if (ends_with(name, ".stl") && orl_stl_is(file->data, file->size))
         return ORL_OBJECT_STL;
+    if (ends_with(name, ".ies") && orl_ies_is(file->data, file->size))
+        return ORL_OBJECT_IES;
     return ORL_OBJECT_NONE;
 }
 

@@ -6,6 +6,7 @@
 #include <oriel/limits.h>
 
 #include "scene/parse/compiled.h"
+#include "scene/parse/luminaires.h"
 #include "scene/parse/markers.h"
 #include "scene/parse/objects.h"
 
@@ -116,10 +117,26 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
     return code;
 }
 
+/* As the text that ies2rad writes of it. */
+static int read_luminaire(struct orl_parser *parser, const struct orl_scope *scope,
+                          const struct orl_file *file, struct orl_error *err)
+{
+    struct orl_text text = {0};
+    int code = orl_luminaire_write(scope, file, &text, err);
+    if (code == 0 && text.warnings[0])
+        orl_parser_warn(parser, "%s: %s", scope->file, text.warnings);
+    if (code == 0)
+        code = orl_parser_read(parser, scope, text.data, text.size, 1, err);
+    orl_text_done(&text);
+    return code;
+}
+
 int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct orl_file *file, struct orl_error *err)
 {
     const enum orl_object_kind kind = orl_object_kind_of(scope->file, file);
+    if (kind == ORL_OBJECT_IES)
+        return read_luminaire(parser, scope, file, err);
     return kind != ORL_OBJECT_NONE ? orl_parser_object(parser, scope, file, kind, err)
                                    : orl_parser_read(parser, scope, file->data, file->size, 0, err);
 }

@@ -1,0 +1,241 @@
+#include "scene/grid/ies.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/vec.h>
+
+#include "base/number.h"
+
+static const double feet_m = 0.3048;
+
+struct reading {
+    const char *name, *at, *end;
+    int line;
+    struct orl_ies *ies;
+};
+
+static int fail(const struct reading *r, int code, const char *what, struct orl_error *err)
+{
+    orl_error_set(err, code, "%s", what);
+    orl_error_at(err, r->name, r->line, NULL);
+    return code;
+}
+
+/* ---- Its head -------------------------------------------------------------------------------- */
+
+/* The line at hand, without its end; goes to the next one. */
+static const char *next_line(struct reading *r, size_t *ret_length)
+{
+    const char *const line = r->at;
+    const char *const feed = memchr(line, '\n', (size_t)(r->end - line));
+    const char *const end = feed ? feed : r->end;
+    *ret_length = (size_t)(end - line);
+    while (*ret_length > 0 && (line[*ret_length - 1] == '\r' || line[*ret_length - 1] == ' '))
+        --*ret_length;
+    r->at = feed ? feed + 1 : r->end;
+    r->line++;
+    return line;
+}
+
+static bool begins(const char *line, size_t length, const char *with)
+{
+    const size_t n = strlen(with);
+    return length >= n && memcmp(line, with, n) == 0;
+}
+
+bool orl_ies_is(const char *text, size_t size)
+{
+    struct reading r = {.at = text, .end = text + size};
+    for (int lines = 0; r.at < r.end && lines < 1000; lines++) {
+        size_t length;
+        const char *const line = next_line(&r, &length);
+        if (begins(line, length, "TILT="))
+            return true;
+    }
+    return false;
+}
+
+/* What the first line says of the standard's year: those that mean the same are one. */
+static int year_of(const char *line, size_t length)
+{
+    static const struct {
+        const char *head;
+        int year;
+    } heads[] = {{"IESNA:LM-63-1995", 1995},
+                 {"IESNA:LM-63-2002", 2002},
+                 {"IES:LM-63-2019", 2002},
+                 {"IESNA91", 1986}};
+    for (size_t i = 0; i < sizeof heads / sizeof *heads; i++)
+        if (begins(line, length, heads[i].head))
+            return heads[i].year;
+    return 1986;
+}
+
+static int read_head(struct reading *r, struct orl_error *err)
+{
+    for (size_t length; r->at < r->end;) {
+        const char *const line = next_line(r, &length);
+        if (r->line == 1)
+            r->ies->year = year_of(line, length);
+        if (!begins(line, length, "TILT="))
+            continue;
+        if (length == 9 && memcmp(line + 5, "NONE", 4) == 0)
+            return 0;
+        fail(r, ORL_ERR_UNSUPPORTED, "what a lamp gives by its tilt is not simulated", err);
+        orl_error_hint(err, "write TILT=NONE where the luminaire hangs as it was measured");
+        return ORL_ERR_UNSUPPORTED;
+    }
+    return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is no IES file", err);
+}
+
+/* ---- Its numbers ----------------------------------------------------------------------------- */
+
+static int read_number(struct reading *r, double *ret, struct orl_error *err)
+{
+    while (r->at < r->end && strchr(" \t\r\n,", *r->at) && *r->at)
+        r->line += *r->at++ == '\n';
+    const char *const word = r->at;
+    while (r->at < r->end && *r->at && !strchr(" \t\r\n,", *r->at))
+        r->at++;
+    if (r->at == word)
+        return fail(r, ORL_ERR_SYNTAX, "the file ends before its numbers do", err);
+    if (orl_number_read(word, (size_t)(r->at - word), ret) != ORL_NUMBER_OK || fabs(*ret) > 1e12)
+        return fail(r, ORL_ERR_SYNTAX, "here a number is expected", err);
+    return 0;
+}
+
+/* Each number takes two bytes of the file. */
+static int read_count(struct reading *r, double least, uint32_t *ret, struct orl_error *err)
+{
+    double value = 0;
+    const int code = read_number(r, &value, err);
+    if (code == 0 &&
+        !(value >= least && value <= (double)(r->end - r->at) / 2 + 1 && value == floor(value)))
+        return fail(r, ORL_ERR_SYNTAX, "this is no number of angles, or of more than follow", err);
+    *ret = code == 0 ? (uint32_t)value : 0;
+    return code;
+}
+
+/* Lamps, their lumens, the multiplier, counts of angles, type, units, sizes, and factors. */
+static int read_sizes(struct reading *r, struct orl_error *err)
+{
+    struct orl_ies *const ies = r->ies;
+    double unused = 0, multiplier = 1, type = 0, units = 0, ballast = 1, photometric = 1;
+    double *const first[] = {&unused, &unused, &multiplier}, *const rest[] = {
+                                                                 &type,        &units,
+                                                                 &ies->width,  &ies->length,
+                                                                 &ies->height, &ballast,
+                                                                 &photometric, &unused};
+    int code = 0;
+    for (size_t i = 0; i < 3 && code == 0; i++)
+        code = read_number(r, first[i], err);
+    if (code == 0)
+        code = read_count(r, 2, &ies->n_vertical, err);
+    if (code == 0)
+        code = read_count(r, 1, &ies->n_horizontal, err);
+    for (size_t i = 0; i < 8 && code == 0; i++)
+        code = read_number(r, rest[i], err);
+    if (code < 0)
+        return code;
+    if (type != 1 && type != 2)
+        return fail(r, ORL_ERR_UNSUPPORTED, "its photometry is neither of type C nor of type B",
+                    err);
+    if (units != 1 && units != 2)
+        return fail(r, ORL_ERR_SYNTAX, "its units are neither 1, feet, nor 2, metres", err);
+    const double unit_m = units == 1 ? feet_m : 1;
+    ies->type_b = type == 2;
+    ies->factor = multiplier * ballast * (ies->year == 1986 ? photometric : 1);
+    ies->width *= unit_m;
+    ies->length *= unit_m;
+    ies->height *= unit_m;
+    if (!(ies->factor >= 0))
+        return fail(r, ORL_ERR_RANGE, "its factors come to less than nothing", err);
+    return 0;
+}
+
+static int read_angles(struct reading *r, uint32_t n, double **ret, struct orl_error *err)
+{
+    double *const angles = *ret = malloc(n * sizeof *angles);
+    int code = angles ? 0 : fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire", err);
+    for (uint32_t i = 0; i < n && code == 0; i++) {
+        code = read_number(r, &angles[i], err);
+        if (code == 0 && (fabs(angles[i]) > 360 || (i > 0 && !(angles[i] > angles[i - 1]))))
+            code = fail(r, ORL_ERR_SYNTAX, "angles rise, and are within 360 degrees", err);
+    }
+    return code;
+}
+
+static int read_candela(struct reading *r, struct orl_error *err)
+{
+    struct orl_ies *const ies = r->ies;
+    const size_t n = (size_t)ies->n_vertical * ies->n_horizontal;
+    if (n > (size_t)(r->end - r->at) / 2 + 1)
+        return fail(r, ORL_ERR_SYNTAX, "it has fewer numbers than angles", err);
+    ies->candela = malloc(n * sizeof *ies->candela);
+    int code = ies->candela ? 0 : fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire", err);
+    for (size_t i = 0; i < n && code == 0; i++) {
+        double value = 0;
+        code = read_number(r, &value, err);
+        if (code == 0 && value < 0)
+            code = fail(r, ORL_ERR_RANGE, "an intensity is negative", err);
+        ies->candela[i] = (float)value;
+    }
+    return code;
+}
+
+int orl_ies_read(const char *name, const char *text, size_t size, struct orl_ies *ret_ies,
+                 struct orl_error *err)
+{
+    *ret_ies = (struct orl_ies){.year = 1986};
+    struct reading r = {.name = name, .at = text, .end = text + size, .ies = ret_ies};
+    int code = read_head(&r, err);
+    r.line++;
+    if (code == 0)
+        code = read_sizes(&r, err);
+    if (code == 0)
+        code = read_angles(&r, ret_ies->n_vertical, &ret_ies->vertical, err);
+    if (code == 0)
+        code = read_angles(&r, ret_ies->n_horizontal, &ret_ies->horizontal, err);
+    if (code == 0)
+        code = read_candela(&r, err);
+    if (code < 0)
+        orl_ies_done(ret_ies);
+    return code;
+}
+
+void orl_ies_done(struct orl_ies *ies)
+{
+    free(ies->vertical);
+    free(ies->horizontal);
+    free(ies->candela);
+    *ies = (struct orl_ies){.year = 0};
+}
+
+/* ---- As a grid ------------------------------------------------------------------------------- */
+
+static void take_axis(struct orl_grid *grid, double **places, uint32_t n)
+{
+    double *const p = *places;
+    grid->axes[grid->n_axes++] = (struct orl_grid_axis){p[0], p[n - 1] - p[0], n, p};
+    *places = NULL;
+}
+
+int orl_ies_grid(struct orl_ies *ies, struct orl_grid **ret_grid, struct orl_error *err)
+{
+    struct orl_grid *const grid = calloc(1, sizeof *grid);
+    if (!grid)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a luminaire");
+    grid->channels = 1;
+    grid->n_values = (size_t)ies->n_vertical * ies->n_horizontal;
+    if (ies->n_horizontal > 1)
+        take_axis(grid, &ies->horizontal, ies->n_horizontal);
+    take_axis(grid, &ies->vertical, ies->n_vertical);
+    for (size_t i = 0; i < grid->n_values; i++)
+        ies->candela[i] = (float)((double)ies->candela[i] / ORL_EFFICACY_LM_PER_W);
+    grid->values = ies->candela;
+    ies->candela = NULL;
+    *ret_grid = grid;
+    return 0;
+}

@@ -1,0 +1,329 @@
+#include "scene/parse/luminaires.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/number.h"
+#include "scene/grid/ies.h"
+
+/* Nothing is smaller, m. */
+static const double least = 1e-3, tiny = 1e-6;
+
+enum body { BOX, DISC, BALL };
+
+/* What shines, m: its body's length along x, width along y, height; of round ones the width. */
+struct shape {
+    enum body body;
+    double length, width, height;
+};
+
+struct luminaire {
+    const char *file; /* as scene text may name it */
+    char name[128];
+    double factor, color[3], illum_radius;
+    double unit; /* of the scene, in a metre */
+};
+
+/* ---- Shapes ---------------------------------------------------------------------------------- */
+
+static struct shape box(double length, double width, double height)
+{
+    return (struct shape){BOX, fmax(length, least), fmax(width, least), fmax(height, least / 2)};
+}
+
+static struct shape disc(double width, double height)
+{
+    return (struct shape){DISC, width, width, fmax(height, least / 2)};
+}
+
+/* An ellipse that is nearly round is, others are boxes about it. */
+static struct shape ellipse(double length, double width, double height, struct orl_text *text)
+{
+    const double mean = (length + width) / 2;
+    const bool round = fabs(length - mean) < mean / 2;
+    orl_text_warn(text, "its opening is an ellipse: it shines as a %s",
+                  round ? "circular one" : "box");
+    return round ? disc(width, height) : box(width, length, height);
+}
+
+static int sign_of(double size)
+{
+    return size < 0 ? 0 : size == 0 ? 1 : 2;
+}
+
+/* Signs of length, width and height, - 0 +, as one number. */
+#define SIGNS(l, w, h) (100 * ((l) + 1) + 10 * ((w) + 1) + (h) + 1)
+
+/* What LM-63 means by negative sizes, before 1995, of then, and since 2002. False: nothing. */
+static bool shape_of(const struct orl_ies *ies, struct orl_text *text, struct shape *ret)
+{
+    const double l = fabs(ies->length), w = fabs(ies->width), h = fabs(ies->height);
+    const int signs = 100 * sign_of(ies->length) + 10 * sign_of(ies->width) + sign_of(ies->height);
+    const bool is_1986 = ies->year == 1986, is_1995 = ies->year == 1995;
+    switch (signs) {
+    case SIGNS(0, 0, 0):
+        *ret = (struct shape){BALL, least, least, least};
+        return true;
+    case SIGNS(1, 1, 0):
+    case SIGNS(1, 1, 1):
+    case SIGNS(0, 1, 1):
+    case SIGNS(1, 0, 1):
+        *ret = box(l, w, h);
+        return true;
+    case SIGNS(0, -1, 0):
+        *ret = disc(w, h);
+        return true;
+    case SIGNS(0, -1, 1):
+        *ret = disc(w, h);
+        return is_1986 || is_1995;
+    case SIGNS(0, -1, -1):
+        *ret = (struct shape){BALL, w, w, w};
+        return is_1995;
+    case SIGNS(-1, -1, 0):
+    case SIGNS(-1, -1, 1):
+        *ret = fabs(l - w) < tiny ? disc(w, h) : ellipse(w, l, h, text);
+        return !is_1986 && !is_1995;
+    case SIGNS(1, -1, 0):
+        *ret = ellipse(l, w, 0, text);
+        return is_1986;
+    case SIGNS(-1, -1, -1):
+        *ret = (struct shape){BALL, w, w, w};
+        if (fabs(l - w) < tiny && fabs(l - h) < tiny)
+            return true;
+        break;
+    case SIGNS(-1, 1, 1):
+    case SIGNS(1, -1, 1):
+        *ret = ellipse(l, w, h, text);
+        if (is_1995)
+            return true;
+        break;
+    default:
+        break;
+    }
+    orl_text_warn(text, "its opening is a lying cylinder or an ellipsoid: it shines as a box");
+    *ret = box(l, w, h);
+    return l > 0 || w > 0;
+}
+
+/* ---- Scene text ------------------------------------------------------------------------------ */
+
+static void add_rectangle(const struct luminaire *lamp, const struct shape *s, const char *suffix,
+                          const int corners[4], struct orl_text *text)
+{
+    orl_text_add(text, "'%s_light' polygon '%s.%s'\n0\n0\n12\n", lamp->name, lamp->name, suffix);
+    for (int i = 0; i < 4; i++)
+        orl_text_add(text, "\t%g\t%g\t%g\n", (corners[i] & 1 ? .5 : -.5) * s->length * lamp->unit,
+                     (corners[i] & 2 ? .5 : -.5) * s->width * lamp->unit,
+                     (corners[i] & 4 ? .5 : -.5) * s->height * lamp->unit);
+}
+
+static void add_disc(const struct luminaire *lamp, const struct shape *s, int side,
+                     struct orl_text *text)
+{
+    orl_text_add(text, "'%s_light' ring '%s.%s'\n0\n0\n8 0 0 %g 0 0 %d 0 %g\n", lamp->name,
+                 lamp->name, side > 0 ? "u" : "d", side * .5 * s->height * lamp->unit, side,
+                 .5 * s->width * lamp->unit);
+}
+
+struct faces {
+    bool lower, upper, sides;
+};
+
+static void add_body(const struct luminaire *lamp, const struct shape *s, const struct faces *faces,
+                     struct orl_text *text)
+{
+    static const int down[4] = {0, 2, 3, 1}, up[4] = {4, 5, 7, 6},
+                     sides[4][4] = {{0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}};
+    static const char *const names[4] = {"1", "2", "3", "4"};
+    if (s->body == BALL) {
+        orl_text_add(text, "'%s_light' sphere '%s.s'\n0\n0\n4 0 0 0 %g\n", lamp->name, lamp->name,
+                     .5 * s->width * lamp->unit);
+        return;
+    }
+    if (faces->lower && s->body == BOX)
+        add_rectangle(lamp, s, "d", down, text);
+    if (faces->upper && s->body == BOX)
+        add_rectangle(lamp, s, "u", up, text);
+    for (int i = 0; i < 4 && faces->sides && s->body == BOX; i++)
+        add_rectangle(lamp, s, names[i], sides[i], text);
+    if (faces->lower && s->body == DISC)
+        add_disc(lamp, s, -1, text);
+    if (faces->upper && s->body == DISC)
+        add_disc(lamp, s, 1, text);
+    if (faces->sides && s->body == DISC)
+        orl_text_add(text, "'%s_light' cylinder '%s.c'\n0\n0\n7 0 0 %g 0 0 %g %g\n", lamp->name,
+                     lamp->name, .5 * s->height * lamp->unit, -.5 * s->height * lamp->unit,
+                     .5 * s->width * lamp->unit);
+}
+
+/* The angles of a direction that the file's are looked up by, and how it is turned before. */
+static void name_angles(const struct orl_ies *ies, const char **ret_angles, const char **ret_turn)
+{
+    const double first = ies->horizontal[0], last = ies->horizontal[ies->n_horizontal - 1];
+    const bool half_turn =
+        ies->n_horizontal > 1 && !ies->type_b && fabs(first - 90) < tiny && fabs(last - 270) < tiny;
+    *ret_turn = half_turn ? " -rz -90" : "";
+    if (ies->type_b)
+        *ret_angles = fabs(first) < tiny ? "srcB_horiz2 srcB_vert" : "srcB_horiz srcB_vert";
+    else if (ies->n_horizontal < 2)
+        *ret_angles = "src_theta";
+    else if (last - first <= 90 + tiny)
+        *ret_angles = "src_phi4 src_theta";
+    else if (last - first <= 180 + tiny)
+        *ret_angles = fabs(first - 90) < tiny ? "src_phi2+90 src_theta" : "src_phi2 src_theta";
+    else
+        *ret_angles = "src_phi src_theta";
+}
+
+static void add_distribution(const struct luminaire *lamp, const struct orl_ies *ies,
+                             const struct shape *s, bool sides, struct orl_text *text)
+{
+    const double factor = lamp->factor * ies->factor;
+    const double area = s->body == BOX ? s->width * s->length : M_PI / 4 * s->width * s->width;
+    const char *angles, *turn;
+    name_angles(ies, &angles, &turn);
+    const bool flat = s->body == BALL || !sides;
+    const int n = 3 + (strchr(angles, ' ') ? 2 : 1) + (*turn ? 2 : 0);
+    orl_text_add(text, "void brightdata '%s_dist'\n%d %s '%s' source.cal %s%s\n0\n", lamp->name, n,
+                 s->body == BALL   ? "corr"
+                 : !sides          ? "flatcorr"
+                 : s->body == DISC ? "cylcorr"
+                                   : "boxcorr",
+                 lamp->file, angles, turn);
+    if (flat)
+        orl_text_add(text, "1 %g\n", factor / area);
+    else if (s->body == DISC)
+        orl_text_add(text, "3 %g %g %g\n", factor, s->width, s->height);
+    else
+        orl_text_add(text, "4 %g %g %g %g\n", factor, s->length, s->width, s->height);
+}
+
+static int write_luminaire(const struct luminaire *lamp, const char *resolved,
+                           const struct orl_file *file, struct orl_text *text,
+                           struct orl_error *err)
+{
+    struct orl_ies ies;
+    struct shape shape = {BALL, 2 * lamp->illum_radius, 2 * lamp->illum_radius, 0};
+    const int code = orl_ies_read(resolved, file->data, file->size, &ies, err);
+    if (code < 0)
+        return code;
+    if (!(lamp->illum_radius > 0) && !shape_of(&ies, text, &shape)) {
+        orl_ies_done(&ies);
+        orl_error_set(err, ORL_ERR_RANGE, "its sizes make no shape that LM-63 has");
+        orl_error_at(err, resolved, 0, NULL);
+        return ORL_ERR_RANGE;
+    }
+    struct faces faces = {
+        .lower = ies.vertical[0]<90 - tiny, .upper = ies.vertical[ies.n_vertical - 1]> 90 + tiny};
+    faces.sides = faces.lower && faces.upper && shape.height > least;
+    add_distribution(lamp, &ies, &shape, faces.sides, text);
+    orl_text_add(text, "'%s_dist' %s '%s_light'\n0\n0\n3 %g %g %g\n", lamp->name,
+                 lamp->illum_radius > 0 ? "illum" : "light", lamp->name, lamp->color[0],
+                 lamp->color[1], lamp->color[2]);
+    add_body(lamp, &shape, &faces, text);
+    orl_ies_done(&ies);
+    return 0;
+}
+
+/* ---- Words ----------------------------------------------------------------------------------- */
+
+static int name_lamp(struct luminaire *lamp, const char *file, struct orl_error *err)
+{
+    const char *const slash = strrchr(file, '/'), *const base = slash ? slash + 1 : file;
+    const char *const dot = strrchr(base, '.');
+    if (strchr(file, '\''))
+        return orl_error_set(err, ORL_ERR_SYNTAX, "a luminaire's file has no ' in its name");
+    snprintf(lamp->name, sizeof lamp->name, "%.*s", dot && dot > base ? (int)(dot - base) : 100,
+             base);
+    lamp->file = file;
+    return 0;
+}
+
+/* "-dUNIT[/N]". */
+static int read_unit(const char *option, double *ret_unit, struct orl_error *err)
+{
+    static const struct {
+        char letter;
+        double a_metre;
+    } units[] = {{'m', 1}, {'c', 100}, {'i', 1 / .0254}, {'f', 1 / .3048}};
+    double by = 1;
+    const bool plain = option[2] && option[3] == '\0';
+    const bool divided = option[2] && option[3] == '/' &&
+                         orl_number_read(option + 4, strlen(option + 4), &by) == ORL_NUMBER_OK &&
+                         by > 0 && by < 1e6;
+    for (size_t i = 0; i < 4 && (plain || divided); i++)
+        if (units[i].letter == option[2]) {
+            *ret_unit = units[i].a_metre * by;
+            return 0;
+        }
+    return orl_error_set(err, ORL_ERR_SYNTAX,
+                         "ies2rad: '%.40s' is no unit: -dm, -dc, -di or -df, and /1000 of it, say",
+                         option);
+}
+
+static int read_option(struct orl_words *words, struct luminaire *lamp, struct orl_error *err)
+{
+    const char *const option = words->at[0];
+    int code = 0;
+    words->at++, words->left--;
+    if (strncmp(option, "-d", 2) == 0)
+        return read_unit(option, &lamp->unit, err);
+    if (strcmp(option, "-s") == 0)
+        return 0;
+    if (strcmp(option, "-m") == 0)
+        code = orl_words_number(words, option, &lamp->factor, err);
+    else if (strcmp(option, "-i") == 0)
+        code = orl_words_number(words, option, &lamp->illum_radius, err);
+    else if (strcmp(option, "-c") == 0)
+        for (int i = 0; i < 3 && code == 0; i++)
+            code = orl_words_number(words, option, &lamp->color[i], err);
+    else if (words->left > 0 &&
+             (strcmp(option, "-o") == 0 || strcmp(option, "-p") == 0 || strcmp(option, "-l") == 0 ||
+              (strcmp(option, "-t") == 0 && strcmp(words->at[0], "default") == 0)))
+        words->at++, words->left--; /* names of files that are not written here */
+    else
+        code = orl_error_set(err, ORL_ERR_UNSUPPORTED, "ies2rad: '%.40s' is not supported", option);
+    if (code == 0 && !(lamp->factor >= 0 && lamp->illum_radius >= 0 && lamp->color[0] >= 0 &&
+                       lamp->color[1] >= 0 && lamp->color[2] >= 0))
+        code = orl_error_set(err, ORL_ERR_RANGE, "ies2rad: numbers below 0");
+    return code;
+}
+
+static const struct luminaire usual = {.factor = 1, .color = {1, 1, 1}, .unit = 1};
+
+int orl_parser_ies2rad(struct orl_parser *parser, const struct orl_scope *scope,
+                       const char *const *words, size_t count, struct orl_text *text,
+                       struct orl_error *err)
+{
+    struct orl_words left = {.program = "ies2rad", .at = words + 1, .left = count - 1};
+    struct luminaire lamp = usual;
+    size_t index = 0;
+    int code = 0;
+    while (code == 0 && left.left > 0 && left.at[0][0] == '-')
+        code = read_option(&left, &lamp, err);
+    if (code == 0 && left.left != 1)
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "ies2rad takes one file here");
+    if (code == 0)
+        code = name_lamp(&lamp, left.at[0], err);
+    if (code == 0)
+        code = orl_sources_find(&parser->sources, scope->folder, lamp.file, &index, err);
+    if (code < 0)
+        return code;
+    const struct orl_source *const source = &parser->sources.items[index];
+    return write_luminaire(&lamp, source->name, &source->file, text, err);
+}
+
+int orl_luminaire_write(const struct orl_scope *scope, const struct orl_file *file,
+                        struct orl_text *text, struct orl_error *err)
+{
+    const char *const slash = strrchr(scope->file, '/');
+    struct luminaire lamp = usual;
+    int code = name_lamp(&lamp, slash ? slash + 1 : scope->file, err);
+    if (code == 0)
+        code = write_luminaire(&lamp, scope->file, file, text, err);
+    if (code == 0 && text->failed)
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return code;
+}
