@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/mman.h>
 
 #include "bsdf/front.h"
 
@@ -203,8 +202,8 @@ void orl_bsdf_unref(struct orl_bsdf *bsdf)
 {
     if (!bsdf || atomic_fetch_sub_explicit(&bsdf->references, 1, memory_order_acq_rel) > 1)
         return;
-    if (bsdf->file)
-        munmap(bsdf->file, bsdf->file_size);
+    if (bsdf->file.data)
+        orl_sealed_close(&bsdf->file);
     else
         orl_document_done(&bsdf->document);
     free(bsdf);

@@ -1,44 +1,22 @@
 #include "bsdf/compiled.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include "base/checksum.h"
+#include "base/sealed.h"
 #include "bsdf/front.h"
 
-struct header {
-    char magic[8]; /* "ORIELBS" and NUL */
-    uint32_t version, byte_order;
-    uint64_t shape; /* of the structs */
-    uint64_t size;  /* of the file */
-    unsigned char content[ORL_COMPILED_DIGEST];
-    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all after the header */
-    unsigned char reserved[32];                 /* 0 */
-    unsigned char of_header[ORL_CHECKSUM_BYTES];
-};
-_Static_assert(sizeof(struct header) == 128, "a multiple of 64");
-
-/* Sizes of all that is written as it stands. */
-static const uint64_t shape =
-    ((((uint64_t)sizeof(struct orl_bsdf) * 1000 + sizeof(struct orl_component)) * 1000 +
-      sizeof(struct orl_tree)) *
-         1000 +
-     sizeof(struct orl_basis)) *
-        100 +
-    sizeof(void *);
-
-enum { STEP = 16 << 20, BOUNDARY = 64 };
-
-static uint64_t aligned(uint64_t offset)
-{
-    return (offset + BOUNDARY - 1) / BOUNDARY * BOUNDARY;
-}
+static const struct orl_sealed_kind kind = {
+    .magic = "ORIELBS",
+    .version = ORL_COMPILED_VERSION,
+    .shape = ((((uint64_t)sizeof(struct orl_bsdf) * 1000 + sizeof(struct orl_component)) * 1000 +
+               sizeof(struct orl_tree)) *
+                  1000 +
+              sizeof(struct orl_basis)) *
+                 100 +
+             sizeof(void *),
+    .what = "BSDF"};
 
 /* ---- The arrays ------------------------------------------------------------------------------ */
 
@@ -133,58 +111,26 @@ static void find_arrays(struct orl_bsdf *bsdf, struct arrays *ret)
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
-struct output {
-    int fd;
-    struct orl_checksum sum;
-};
-
-static int write_all(int fd, const char *data, size_t size)
+static void put(struct orl_sealed_writer *out, const void *data, size_t bytes)
 {
-    while (size > 0) {
-        const ssize_t n = write(fd, data, size);
-        if (n < 0 && errno != EINTR)
-            return -1;
-        data += n > 0 ? n : 0;
-        size -= n > 0 ? (size_t)n : 0;
-    }
-    return 0;
+    orl_sealed_put(out, data, bytes);
+    orl_sealed_align(out, ORL_SEALED_BOUNDARY);
 }
 
-/* With zeros up to the next boundary. */
-static int put(struct output *out, const void *data, size_t bytes)
-{
-    static const char zeros[BOUNDARY];
-    const size_t rest = aligned(bytes) - bytes;
-    orl_checksum_add(&out->sum, data, bytes);
-    orl_checksum_add(&out->sum, zeros, rest);
-    return write_all(out->fd, data, bytes) < 0 ? -1 : write_all(out->fd, zeros, rest);
-}
-
-static int write_file(int fd, struct orl_bsdf *image, const struct arrays *arrays,
-                      const unsigned char *content, uint64_t *ret_bytes)
+static void write_body(struct orl_sealed_writer *out, struct orl_bsdf *image,
+                       const struct arrays *arrays)
 {
     const void *data[ARRAYS_MAX];
-    struct output out = {.fd = fd};
-    struct header h = {.magic = "ORIELBS",
-                       .version = ORL_COMPILED_VERSION,
-                       .byte_order = 0x01020304U,
-                       .shape = shape,
-                       .size = sizeof h + aligned(sizeof *image)};
-    orl_checksum_init(&out.sum);
+    uint64_t size = ORL_SEALED_HEADER + orl_sealed_aligned(sizeof *image);
     for (size_t i = 0; i < arrays->count; i++) {
-        const uintptr_t offset = h.size;
+        const uintptr_t offset = size;
         data[i] = pointer_in(arrays->items[i].slot);
         memcpy(arrays->items[i].slot, &offset, sizeof offset);
-        h.size += aligned(arrays->items[i].bytes);
+        size += orl_sealed_aligned(arrays->items[i].bytes);
     }
-    int failed = write_all(fd, (const char *)&h, sizeof h) < 0 || put(&out, image, sizeof *image);
-    for (size_t i = 0; i < arrays->count && !failed; i++)
-        failed = put(&out, data[i], arrays->items[i].bytes);
-    memcpy(h.content, content, sizeof h.content);
-    orl_checksum_finish(&out.sum, h.checksum);
-    orl_checksum_of(&h, offsetof(struct header, of_header), h.of_header);
-    *ret_bytes = h.size;
-    return !failed && pwrite(fd, &h, sizeof h, 0) == (ssize_t)sizeof h ? 0 : -1;
+    put(out, image, sizeof *image);
+    for (size_t i = 0; i < arrays->count; i++)
+        put(out, data[i], arrays->items[i].bytes);
 }
 
 int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_COMPILED_DIGEST],
@@ -192,88 +138,26 @@ int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_
 {
     struct orl_bsdf *image = malloc(sizeof *image);
     struct arrays *arrays = malloc(sizeof *arrays);
-    int fd = -1, code = 0;
-    if (!image || !arrays) {
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing a BSDF");
-        goto done;
+    struct orl_sealed_writer *out = malloc(sizeof *out);
+    int code = image && arrays && out ? 0 : ORL_ERR_NOMEM;
+    if (code < 0)
+        orl_error_set(err, code, "out of memory writing a BSDF");
+    else
+        code = orl_sealed_begin(out, &kind, path, err);
+    if (code == 0) {
+        memcpy(image, bsdf, sizeof *image);
+        memset(image->views, 0, sizeof image->views);
+        find_arrays(image, arrays);
+        write_body(out, image, arrays);
+        code = orl_sealed_end(out, content, ret_bytes, err);
     }
-    memcpy(image, bsdf, sizeof *image);
-    memset(image->views, 0, sizeof image->views);
-    find_arrays(image, arrays);
-    fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (fd < 0 || write_file(fd, image, arrays, content, ret_bytes) < 0)
-        code = orl_error_set(err, orl_err_of_errno(errno), "cannot write the BSDF '%s': %s", path,
-                             strerror(errno));
-done:
-    if (fd >= 0)
-        close(fd);
-    if (fd >= 0 && code < 0)
-        unlink(path);
+    free(out);
     free(arrays);
     free(image);
     return code;
 }
 
 /* ---- Opening --------------------------------------------------------------------------------- */
-
-static int map_file(const char *path, char **ret_file, size_t *ret_size, struct orl_error *err)
-{
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    struct stat st;
-    int code = 0;
-    if (fd < 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot open the BSDF '%s': %s", path,
-                             strerror(errno));
-    if (fstat(fd, &st) != 0 ||
-        st.st_size < (off_t)(sizeof(struct header) + sizeof(struct orl_bsdf)))
-        code = orl_error_set(err, ORL_ERR_CORRUPT, "the compiled BSDF '%s' is cut short", path);
-    if (code == 0) {
-        *ret_size = (size_t)st.st_size;
-        *ret_file = mmap(NULL, *ret_size, PROT_READ, MAP_SHARED, fd, 0);
-        if (*ret_file == MAP_FAILED)
-            code = orl_error_set(err, ORL_ERR_IO, "cannot map the BSDF '%s': %s", path,
-                                 strerror(errno));
-    }
-    close(fd);
-    return code;
-}
-
-/* Of a large file the pages are let go as they are read: what is asked of it comes back. */
-static void sum_body(const char *file, size_t size, unsigned char ret_sum[ORL_CHECKSUM_BYTES])
-{
-    struct orl_checksum sum;
-    orl_checksum_init(&sum);
-    for (size_t at = sizeof(struct header); at < size;) {
-        const size_t end = size - at < STEP ? size : at + STEP;
-        orl_checksum_add(&sum, file + at, end - at);
-        if (size > STEP)
-            madvise((void *)(uintptr_t)file, end / STEP * STEP, MADV_DONTNEED);
-        at = end;
-    }
-    orl_checksum_finish(&sum, ret_sum);
-}
-
-static int check(const char *file, size_t size, const unsigned char *content, const char *path,
-                 struct orl_error *err)
-{
-    const struct header *h = (const void *)file;
-    unsigned char sum[ORL_CHECKSUM_BYTES];
-    if (memcmp(h->magic, "ORIELBS", 8) != 0)
-        return orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is no compiled BSDF", path);
-    if (h->version != ORL_COMPILED_VERSION || h->byte_order != 0x01020304U || h->shape != shape)
-        return orl_error_set(err, ORL_ERR_VERSION, "'%s' is a compiled BSDF of another version",
-                             path);
-    orl_checksum_of(h, offsetof(struct header, of_header), sum);
-    if (memcmp(sum, h->of_header, sizeof sum) != 0 || h->size != size ||
-        memcmp(h->content, content, ORL_COMPILED_DIGEST) != 0)
-        return orl_error_set(err, ORL_ERR_CORRUPT,
-                             "the compiled BSDF '%s' is cut, damaged or of another file", path);
-    sum_body(file, size, sum);
-    if (memcmp(sum, h->checksum, sizeof sum) != 0)
-        return orl_error_set(err, ORL_ERR_CORRUPT, "the compiled BSDF '%s' fails its checksum",
-                             path);
-    return 0;
-}
 
 /* From offsets to pointers. */
 static int take_apart(struct orl_bsdf *bsdf, struct arrays *arrays, char *file, size_t size)
@@ -295,33 +179,30 @@ int orl_bsdf_open(const char *path, const unsigned char content[ORL_COMPILED_DIG
 {
     struct orl_bsdf *bsdf = malloc(sizeof *bsdf);
     struct arrays *arrays = malloc(sizeof *arrays);
-    char *file = MAP_FAILED;
-    size_t size = 0;
+    struct orl_sealed_file file = {0};
     int code;
     if (!bsdf || !arrays) {
         free(bsdf);
         free(arrays);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a BSDF");
     }
-    code = map_file(path, &file, &size, err);
-    if (code == 0)
-        code = check(file, size, content, path, err);
+    code = orl_sealed_open(&kind, path, content, &file, err);
+    if (code == 0 && file.size < ORL_SEALED_HEADER + sizeof *bsdf)
+        code = ORL_ERR_CORRUPT;
     if (code == 0) {
-        memcpy(bsdf, file + sizeof(struct header), sizeof *bsdf);
-        code = take_apart(bsdf, arrays, file, size);
-        if (code < 0)
-            orl_error_set(err, code, "the compiled BSDF '%s' is damaged", path);
+        memcpy(bsdf, file.data + ORL_SEALED_HEADER, sizeof *bsdf);
+        code = take_apart(bsdf, arrays, file.data, file.size);
     }
     free(arrays);
     if (code < 0) {
-        if (file != MAP_FAILED)
-            munmap(file, size);
+        if (file.data)
+            orl_error_set(err, code, "the kept BSDF '%s' is damaged", path);
+        orl_sealed_close(&file);
         free(bsdf);
         return code;
     }
     atomic_init(&bsdf->references, 1);
     bsdf->file = file;
-    bsdf->file_size = size;
     orl_bsdf_set_views(bsdf);
     *ret_bsdf = bsdf;
     return 0;

@@ -2,11 +2,8 @@
  * A loaded BSDF in a file, as it stands in memory: mapped again it is there at once, without its
  * XML, and threads and programs that have it open share its pages.
  *
- * File: a header, then struct orl_bsdf with offsets in place of its pointers, then the arrays they
- * point to, all at 64-byte boundaries. It is for the machine that wrote it. A file is refused as
- * ORL_ERR_VERSION when it is of another version, byte order or shape of structs, and as
- * ORL_ERR_CORRUPT when it is cut or damaged (all of it is verified, at the speed of reading) or of
- * another content; what passes is taken as this program wrote it, since only it writes there.
+ * A sealed file (base/sealed.h): struct orl_bsdf with offsets in place of its pointers, then the
+ * arrays they point to.
  *
  * Whatever changes what loading makes of a file, or how it lies in memory, is a new version.
  */

@@ -12,6 +12,7 @@
 
 #include <oriel/bsdf.h>
 
+#include "base/sealed.h"
 #include "bsdf/document.h"
 
 struct orl_component_view {
@@ -25,8 +26,7 @@ struct orl_bsdf {
     struct orl_component_view views[2][2]; /* [light comes from the front?][transmitted?] */
     double bound[2]; /* on R + T as filed, of light from the back, the front, in any channel */
     struct orl_bsdf_info info;
-    void *file; /* a compiled one, mapped (compiled.h), which holds all arrays; NULL: none */
-    size_t file_size;
+    struct orl_sealed_file file; /* a compiled one (compiled.h), which holds all arrays; or none */
 };
 
 /* Sets the views, by what parts are present. */
