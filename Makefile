@@ -31,7 +31,7 @@ OPT_fuzz    := $(OPT_asan) -fsanitize=fuzzer-no-link
 STD      := -std=c17 -D_GNU_SOURCE -ffp-contract=off -g
 CFLAGS   ?=
 ALL_CFLAGS = $(STD) $(WARNINGS) $(WERROR) $(OPT_$(MODE)) $(CFLAGS) -pthread
-ALL_LDFLAGS = $(OPT_$(MODE)) $(LDFLAGS) -pthread
+ALL_LDFLAGS = $(OPT_$(MODE)) -Wl,--build-id $(LDFLAGS) -pthread
 
 # Embree 3 on Debian 12, 4 on later releases; core/scene/geometry/embree.c serves both.
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)

@@ -16,7 +16,7 @@ export const TECHNIQUES = {
 };
 
 export const MAPS = {
-  global: 'Global photons', caustic: 'Caustic photons', precomputed: 'Precomputed photons', bsdf: 'Loaded BSDF', annual: 'Light of a year', made: 'BSDF made of geometry',
+  global: 'Global photons', caustic: 'Caustic photons', precomputed: 'Precomputed photons', bsdf: 'Loaded BSDF', scene: 'Loaded scene', annual: 'Light of a year', made: 'BSDF made of geometry',
 };
 
 // What leaving an effect out costs at most.

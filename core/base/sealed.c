@@ -121,8 +121,8 @@ static int map_file(const struct orl_sealed_kind *kind, const char *path,
         return orl_error_set(err, ORL_ERR_IO, "cannot open the %s '%s': %s", kind->what, path,
                              strerror(errno));
     if (fstat(fd, &st) != 0 || st.st_size < ORL_SEALED_HEADER) {
-        code = orl_error_set(err, ORL_ERR_CORRUPT, "the kept %s '%s' is cut short", kind->what,
-                             path);
+        code =
+            orl_error_set(err, ORL_ERR_CORRUPT, "the kept %s '%s' is cut short", kind->what, path);
     } else {
         const size_t size = (size_t)st.st_size;
         void *const data = mmap(NULL, size, PROT_READ, MAP_SHARED, fd, 0);

@@ -1,46 +1,10 @@
 #include "function/compiler.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/grow.h"
-
-struct orl_function {
-    struct orl_program program;
-    struct orl_instruction *code; /* of all segments */
-    struct orl_segment *segments;
-    struct orl_site *sites;
-    struct orl_argument *arguments;
-    double *tables, *args;
-    size_t n_expressions, n_inputs;
-    uint64_t inputs;
-    uint32_t operations;
-};
-
-void orl_function_free(struct orl_function *function)
-{
-    if (!function)
-        return;
-    free(function->code);
-    free(function->segments);
-    free(function->sites);
-    free(function->arguments);
-    free(function->tables);
-    free(function->args);
-    free(function);
-}
-
-uint64_t orl_function_inputs(const struct orl_function *function)
-{
-    return function->inputs;
-}
-
-bool orl_function_is_constant(const struct orl_function *function, size_t expression,
-                              double *ret_value)
-{
-    return orl_segment_is_number(&function->segments[expression], ret_value);
-}
+#include "function/program.h"
 
 /* ---- Compilation ------------------------------------------------------------------------------
  */
@@ -154,6 +118,11 @@ static int link_program(struct orl_compiler *c, struct orl_function *f)
         f->segments[i].n = n;
         at += n;
     }
+    f->n_code = at;
+    f->n_segments = c->n_bodies;
+    f->n_sites = c->n_sites;
+    f->n_arguments = c->n_arguments;
+    f->n_tables = c->n_tables;
     f->sites = c->sites;
     f->arguments = c->arguments;
     f->tables = c->tables;
@@ -214,46 +183,4 @@ int orl_function_compile(struct orl_functions *functions,
     else
         *ret_function = function;
     return code;
-}
-
-/* ---- Values -----------------------------------------------------------------------------------
- */
-
-struct orl_function_outcome orl_function_evaluate(const struct orl_function *function,
-                                                  struct orl_function_scratch *scratch,
-                                                  const struct orl_function_lanes *inputs,
-                                                  unsigned lanes,
-                                                  struct orl_function_lanes *ret_values)
-{
-    struct orl_function_outcome outcome = {0, !orl_machine_begin(&function->program, scratch)};
-    uint32_t operations = function->operations;
-    for (uint32_t i = 0; !outcome.exceeded && i < function->n_expressions; i++) {
-        const struct orl_function_outcome one = orl_machine_run(
-            &function->program, scratch, i, inputs, lanes, &operations, &ret_values[i]);
-        outcome.undefined |= one.undefined;
-        outcome.exceeded = one.exceeded;
-    }
-    for (size_t i = 0; outcome.exceeded && i < function->n_expressions; i++)
-        for (int l = 0; l < ORL_FUNCTION_LANES; l++)
-            if (lanes >> l & 1)
-                ret_values[i].at[l] = 0;
-    return outcome;
-}
-
-struct orl_function_outcome orl_function_at(const struct orl_function *function,
-                                            struct orl_function_scratch *scratch,
-                                            const double *inputs, double *ret_values)
-{
-    struct orl_function_lanes wide[ORL_FUNCTION_INPUTS];
-    struct orl_function_lanes values[ORL_FUNCTION_EXPRESSIONS];
-    for (size_t i = 0; i < function->n_inputs; i++)
-        for (int l = 0; function->inputs >> i & 1 && l < ORL_FUNCTION_LANES; l++)
-            wide[i].at[l] = inputs[i];
-    for (size_t i = 0; i < function->n_expressions; i++)
-        values[i].at[0] = 0;
-    const struct orl_function_outcome outcome =
-        orl_function_evaluate(function, scratch, wide, 1, values);
-    for (size_t i = 0; i < function->n_expressions; i++)
-        ret_values[i] = values[i].at[0];
-    return outcome;
 }

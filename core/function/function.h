@@ -123,6 +123,13 @@ uint64_t orl_function_inputs(const struct orl_function *function);
 bool orl_function_is_constant(const struct orl_function *function, size_t expression,
                               double *ret_value);
 
+/*
+ * Writes a program to a stream, or reads one (base/stream.h); NULL is one, too. What is read is
+ * owned by whoever has the slot, also when it is cut short.
+ */
+struct orl_stream;
+void orl_function_pass(struct orl_function **function, struct orl_stream *stream);
+
 /* ---- Values -----------------------------------------------------------------------------------
  */
 

@@ -107,6 +107,23 @@ static int settle_prototypes(struct orl_description *d, struct orl_error *err)
     return code;
 }
 
+int orl_scene_settle(struct orl_description *description, struct orl_error *err)
+{
+    struct orl_description *const d = description;
+    if (d->settled)
+        return 0;
+    d->n_read = orl_description_count_surfaces(d) + d->n_degenerate;
+    int code = settle_places(d, err);
+    if (code == 0)
+        code = settle(d, err);
+    if (code == 0)
+        code = settle_prototypes(d, err);
+    if (code == ORL_ERR_NOMEM)
+        orl_error_set(err, code, "out of memory for the scene");
+    d->settled = code == 0;
+    return code;
+}
+
 int orl_scene_new(struct orl_description *description, struct orl_scene **ret_scene,
                   struct orl_error *err)
 {
@@ -119,13 +136,7 @@ int orl_scene_new(struct orl_description *description, struct orl_scene **ret_sc
     atomic_init(&scene->holders, 1);
     scene->description = *description;
     memset(description, 0, sizeof *description);
-    scene->n_read =
-        orl_description_count_surfaces(&scene->description) + scene->description.n_degenerate;
-    code = settle_places(&scene->description, err);
-    if (code == 0)
-        code = settle(&scene->description, err);
-    if (code == 0)
-        code = settle_prototypes(&scene->description, err);
+    code = orl_scene_settle(&scene->description, err);
     if (code == 0)
         code = orl_geometry_new(&scene->description, &scene->geometry, err);
     if (code == 0 && scene->description.n_patterns > 0)

@@ -42,7 +42,6 @@ struct orl_pairing {
 
 struct orl_scene {
     struct orl_description description; /* owned */
-    uint64_t n_read;                    /* surfaces of the files; of two in one place some go */
     struct orl_geometry *geometry;      /* owned; what light meets */
     struct orl_geometry *seen;          /* owned: what views meet, or NULL for the same */
     struct orl_geometry *proxies;       /* owned: BSDFs that stand for geometry, or NULL */
@@ -61,8 +60,15 @@ struct orl_scene {
 };
 
 /*
- * Takes the description over (it is emptied, also on failure) and builds all but the ports. Returns
- * 0, and a scene that the caller holds, or ORL_ERR_NOMEM, _UNSUPPORTED, _LIMIT, _CANCELLED.
+ * Settles which of surfaces in one place light meets, once: what rays are to meet is all that is
+ * left. ORL_ERR_NOMEM, _LIMIT, _RANGE, _CANCELLED.
+ */
+int orl_scene_settle(struct orl_description *description, struct orl_error *err);
+
+/*
+ * Takes the description over (it is emptied, also on failure), settles it unless it is, and builds
+ * all but the ports. Returns 0, and a scene that the caller holds, or ORL_ERR_NOMEM, _UNSUPPORTED,
+ * _LIMIT, _CANCELLED.
  */
 int orl_scene_new(struct orl_description *description, struct orl_scene **ret_scene,
                   struct orl_error *err);

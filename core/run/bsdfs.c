@@ -7,10 +7,9 @@
 #include <oriel/sha256.h>
 
 #include "bsdf/compiled.h"
+#include "run/keeping.h"
 
 enum { LEAST_BYTES = 1 << 20 };
-
-static const char kind[] = "bsdf";
 
 /* What is kept depends on the XML and on how it is kept. */
 static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
@@ -29,8 +28,7 @@ struct request {
     struct orl_run_state *state;
     const struct orl_bsdf_xml *xml;
     const unsigned char *content;
-    char path[4096];
-    char key[ORL_DIGEST_HEX + 1];
+    struct orl_bsdf *bsdf; /* once it is there */
 };
 
 /* Where the digest was told and not worked out, the XML may be another by now. */
@@ -45,77 +43,54 @@ static int check_content(const struct request *r, struct orl_error *err)
     return orl_error_set(err, ORL_ERR_CORRUPT, "the file is damaged in the store");
 }
 
-/* From XML, into the path that the store gave. */
-static int load_and_keep(struct request *r, struct orl_bsdf **ret_bsdf, struct orl_error *err)
+static int make(void *ctx, struct orl_error *err)
 {
-    const struct orl_run_env *env = r->state->env;
-    const struct orl_map_store *store = env->store;
-    const double started = env->now_s(env->ctx);
-    struct orl_map_info info = {.kind = "", .key = ""};
+    struct request *const r = ctx;
+    const int code = check_content(r, err);
+    return code < 0 ? code : orl_bsdf_load(r->xml, &r->bsdf, err);
+}
+
+static int keep(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
+{
+    const struct request *const r = ctx;
     struct orl_bsdf_info about;
-    struct orl_error why = {0};
-    int code = check_content(r, err);
-    if (code == 0)
-        code = orl_bsdf_load(r->xml, ret_bsdf, err);
-    if (code < 0) {
-        store->abandon(store->ctx, kind, r->key);
-        return code;
-    }
-    orl_bsdf_describe(*ret_bsdf, &about);
-    info.stored = about.values;
-    memcpy(info.kind, kind, sizeof kind);
-    memcpy(info.key, r->key, sizeof info.key);
-    code = orl_bsdf_write(*ret_bsdf, r->content, r->path, &info.bytes, &why);
-    info.seconds = env->now_s(env->ctx) - started;
-    if (code == 0)
-        code = store->commit(store->ctx, &info, &why);
-    if (code == 0) {
-        store->release(store->ctx, kind, r->key);
-    } else {
-        store->abandon(store->ctx, kind, r->key);
-        orl_run_warn(r->state, "the BSDF '%s' could not be kept for later jobs: %s", r->xml->name,
-                     why.message);
-    }
-    return 0;
+    orl_bsdf_describe(r->bsdf, &about);
+    info->stored = about.values;
+    return orl_bsdf_write(r->bsdf, r->content, path, &info->bytes, err);
+}
+
+static int open_kept(void *ctx, const char *path, struct orl_error *err)
+{
+    struct request *const r = ctx;
+    return orl_bsdf_open(path, r->content, &r->bsdf, err);
 }
 
 static int load(void *ctx, const struct orl_bsdf_xml *given,
                 const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
                 struct orl_error *err)
 {
-    struct request r = {.state = ctx, .content = content};
+    struct orl_run_state *const state = ctx;
     struct orl_bsdf_xml heeding = *given;
-    const struct orl_bsdf_xml *const xml = r.xml = &heeding;
-    const struct orl_map_store *store = r.state->env->store;
-    struct orl_map_info info;
-    bool hit = true;
-    heeding.cancel = r.state->env->cancel;
-    heeding.crew = r.state->env->crew;
-    orl_run_progress(r.state, 0);
-    if (!store || xml->size < LEAST_BYTES)
-        return orl_bsdf_load(xml, ret_bsdf, err);
-    make_key(content, r.key);
-    for (int attempt = 0; attempt < 2 && hit; attempt++) {
-        int code =
-            store->acquire(store->ctx, kind, r.key, r.state->env->cancel, r.path, &hit, &info, err);
-        if (code == ORL_ERR_CANCELLED)
-            return code;
-        if (code < 0)
-            break;
-        if (!hit)
-            return load_and_keep(&r, ret_bsdf, err);
-        code = orl_bsdf_open(r.path, content, ret_bsdf, err);
-        if (code == 0) {
-            store->release(store->ctx, kind, r.key);
-            return 0;
-        }
-        orl_run_warn(r.state,
-                     "the BSDF '%s' was kept, but damaged or out of date: it is read again",
-                     xml->name);
-        store->abandon(store->ctx, kind, r.key);
-    }
-    memset(err, 0, sizeof *err);
-    return orl_bsdf_load(xml, ret_bsdf, err);
+    struct request r = {.state = state, .xml = &heeding, .content = content};
+    char key[ORL_DIGEST_HEX + 1];
+    const struct orl_keepable thing = {.kind = "bsdf",
+                                       .key = key,
+                                       .what = "BSDF",
+                                       .name = given->name,
+                                       .ctx = &r,
+                                       .open = open_kept,
+                                       .make = make,
+                                       .keep = keep};
+    heeding.cancel = state->env->cancel;
+    heeding.crew = state->env->crew;
+    orl_run_progress(state, 0);
+    if (!state->env->store || given->size < LEAST_BYTES)
+        return orl_bsdf_load(&heeding, ret_bsdf, err);
+    make_key(content, key);
+    const int code = orl_run_keep(state, &thing, err);
+    if (code == 0)
+        *ret_bsdf = r.bsdf;
+    return code;
 }
 
 struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state)

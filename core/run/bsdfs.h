@@ -1,10 +1,7 @@
 /*
- * BSDFs by the store: the XML is read once, and what comes of it is kept beside the photon maps, as
- * kind "bsdf", for later jobs to map (bsdf/compiled.h). Small files, which load as fast as they can
- * be found, are left alone; without a store all are.
- *
- * The result is the same either way, to the bit. A kept file that is damaged or of an earlier
- * version is made again, with a warning; one that cannot be kept costs nothing but time.
+ * BSDFs by the store: the XML is read once, and what comes of it is kept (keeping.h), as kind
+ * "bsdf", for later jobs to map (bsdf/compiled.h). Small files, which load as fast as they can be
+ * found, are left alone; without a store all are.
  */
 #ifndef ORL_RUN_BSDFS_H
 #define ORL_RUN_BSDFS_H

@@ -19,7 +19,7 @@ void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *sc
     const double tolerance = 1e-3; /* the check of BSDFs passes that over, too */
     struct orl_health *h = &state->result->health;
     h->degenerate = d->n_degenerate;
-    h->surfaces = scene->n_read;
+    h->surfaces = scene->description.n_read;
     h->instances = d->n_placements;
     for (size_t i = 0; i < d->n_materials; i++) {
         const struct orl_material *m = &d->materials[i];

@@ -8,8 +8,8 @@
 #include <oriel/sha256.h>
 
 #include "base/shelf.h"
-#include "run/bsdfs.h"
-#include "scene/parse/parse.h"
+#include "light/scene.h"
+#include "run/kept_scene.h"
 
 /* ---- The shelf ------------------------------------------------------------------------------- */
 
@@ -94,16 +94,10 @@ static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
                : 0;
 }
 
-static int parse(struct orl_run_state *state, struct orl_description *ret_description,
-                 struct orl_error *err)
+static int read_files(struct orl_run_state *state, struct orl_description *ret_description,
+                      struct orl_error *err)
 {
-    const struct orl_job *job = state->job;
-    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(state);
-    int code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
-                                    state->env->files, &loader, ret_description, err);
-    ret_description->cancel = state->env->cancel;
-    if (code == 0 && state->swaps)
-        code = orl_swaps_apply(state->swaps, job->n_scene_files, ret_description, err);
+    const int code = orl_run_read_scene(state, ret_description, err);
     return code < 0 ? code : heed_cancel(state, err);
 }
 
@@ -157,7 +151,7 @@ int orl_run_load(struct orl_run_state *state, struct orl_error *err)
         state->scene = orl_shelf_share(shelf, key, &sharing);
     const bool found = state->scene != NULL;
     if (!found)
-        code = parse(state, &description, err);
+        code = read_files(state, &description, err);
     if (code == 0)
         code =
             orl_run_sky(state, found ? &state->scene->description : &description, &daylight, err);

@@ -8,7 +8,7 @@
 int orl_map_verify(const char *kind, const char *path, struct orl_error *err)
 {
     struct orl_photon_map *map = NULL;
-    if (strcmp(kind, "bsdf") == 0)
+    if (strcmp(kind, "bsdf") == 0 || strcmp(kind, "scene") == 0)
         return 0;
     if (strcmp(kind, "annual") == 0 || strcmp(kind, "made") == 0) {
         struct orl_kept_about about;

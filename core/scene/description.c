@@ -45,6 +45,7 @@ int orl_description_let_go(struct orl_description *description)
     d->surfaces = NULL;
     orl_arena_free(d->outlines);
     d->outlines = NULL;
+    orl_sealed_close(&d->file);
     return 0;
 }
 
@@ -77,5 +78,6 @@ void orl_description_done(struct orl_description *description)
     free(description->warnings);
     orl_arena_free(description->arena);
     orl_arena_free(description->outlines);
+    orl_sealed_close(&description->file);
     memset(description, 0, sizeof *description);
 }

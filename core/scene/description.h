@@ -22,6 +22,7 @@
 #include <oriel/bsdf.h>
 #include <oriel/vec.h>
 
+#include "base/sealed.h"
 #include "scene/generate/xform.h"
 
 struct orl_arena;
@@ -83,6 +84,7 @@ struct orl_material {
     struct orl_medium media[2];    /* dielectric, interface: behind the normal, in front of it */
     double max_radius;             /* glow: fourth argument */
     struct orl_bsdf *bsdf;         /* BSDF: a reference held */
+    uint32_t bsdf_file;            /* BSDF: which of the description's files it is */
     double thickness;              /* BSDF: as written, signed */
     struct orl_vec3 up;            /* BSDF: as written, not projected */
     bool peak;                     /* aBSDF: what goes nearly straight through goes straight */
@@ -210,6 +212,17 @@ struct orl_placement {
     size_t main_file;       /* of those that the caller named */
 };
 
+/* A file that was read, and a name under which none was found: the scene's own, or the library's.
+ */
+struct orl_file_read {
+    unsigned char content[32]; /* its SHA-256 */
+    bool library;
+};
+struct orl_file_missed {
+    const char *name;
+    bool library;
+};
+
 struct orl_description {
     struct orl_material *materials;
     size_t n_materials;
@@ -233,16 +246,22 @@ struct orl_description {
     size_t n_undefined; /* patterns that have no value somewhere (material/pattern.h) */
     char **files;       /* names of all files read, in order of first use */
     size_t n_files;
+    struct orl_file_read *read;     /* each of them; in the arena */
+    struct orl_file_missed *missed; /* what else was looked for; in the arena */
+    size_t n_missed;                /* SIZE_MAX: too many to be listed */
     size_t n_main;          /* the first n_main of them were named by the caller as scene text */
     size_t *first_surfaces; /* of each name that the caller gave; in the arena */
     size_t n_first_surfaces;
+    bool settled;             /* of two in one place one is met (light/scene.h), and ... */
+    uint64_t n_read;          /* ... so many surfaces there were in the files */
     uint64_t n_degenerate;    /* polygons dropped: zero area or fewer than three distinct corners */
     unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;
     size_t n_warnings;
-    struct orl_arena *arena;    /* holds the strings above, but for surfaces' names */
-    struct orl_arena *outlines; /* these, vertices, and what is round; NULL: let go */
-    const atomic_bool *cancel;  /* heard while geometry is built from this; NULL: nothing */
+    struct orl_arena *arena;     /* holds the strings above, but for surfaces' names */
+    struct orl_arena *outlines;  /* these, vertices, and what is round; NULL: let go */
+    struct orl_sealed_file file; /* in place of outlines, where it was kept (keep/keep.h) */
+    const atomic_bool *cancel;   /* heard while geometry is built from this; NULL: nothing */
 };
 
 /* Adds a copy of the text to the warnings; without memory for it nothing happens. */

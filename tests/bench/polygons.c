@@ -2,7 +2,8 @@
  * `make bench-polygons`: what a scene of five million polygons takes to load and to keep. Polygons
  * that share their corners, and such as share none (support/polygons.h): parsed a second, by
  * processor time and by the clock; resident bytes a polygon once it is loaded, and at most; and a
- * job by orl_run, stage by stage, with a second one that finds the scene on the shelf.
+ * job by orl_run, stage by stage, that keeps what it has read, with a second one that finds the scene
+ * on the shelf, and a third, in another process, that finds what was kept (scene/keep/keep.h).
  *
  * ORIEL_POLYGONS: how many, 5000000. ORIEL_POLYGONS_KINDS: of "shared", "apart".
  */
@@ -115,23 +116,39 @@ static void run_job(const struct files *files, const struct orl_run_env *env, co
     orl_result_done(&result);
 }
 
-static void run_jobs(const struct files *files)
+static void run_some(const struct files *files, const char *const *which, size_t n)
 {
     const struct orl_files from = orl_files_from_folder(files->folder);
     struct orl_crew *const crew = orl_crew_start(2);
     struct orl_shelf *const shelf = orl_shelf_new(UINT64_MAX);
+    struct orl_folder_store kept;
+    const struct orl_map_store store = orl_map_store_in_folder(&kept);
     atomic_bool cancel = false;
     const struct orl_run_env env = {.crew = crew,
                                     .files = &from,
+                                    .store = &store,
                                     .shelf = shelf,
                                     .files_id = "polygons",
                                     .output_folder = files->folder,
                                     .cancel = &cancel,
                                     .now_s = bench_wall_s};
-    run_job(files, &env, "first job");
-    run_job(files, &env, "second job");
+    snprintf(kept.folder, sizeof kept.folder, "%s/kept", files->folder);
+    for (size_t i = 0; i < n; i++)
+        run_job(files, &env, which[i]);
     orl_shelf_free(shelf);
     orl_crew_stop(crew);
+}
+
+static void run_jobs(const struct files *files)
+{
+    static const char *const which[] = {"first job", "second job"};
+    run_some(files, which, 2);
+}
+
+static void run_another(const struct files *files)
+{
+    static const char *const which[] = {"kept scene"};
+    run_some(files, which, 1);
 }
 
 /* Each in a process of its own. */
@@ -162,6 +179,7 @@ int main(void)
         printf("%zu polygons, corners %s\n", files.polygons, kinds[apart]);
         in_child(load, &files);
         in_child(run_jobs, &files);
+        in_child(run_another, &files);
     }
     bench_remove_folder(files.folder);
     return 0;

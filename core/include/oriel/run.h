@@ -135,9 +135,9 @@ enum { ORL_DIGEST_HEX = 64 };
 
 struct orl_map_info {
     /* "global", "caustic" or "precomputed"; in a store also "bsdf": no photon map, but a BSDF kept
-     * as it is after loading, in which stored counts values and nothing is emitted; "annual"; and
-     * "made": a BSDF made of geometry or measurements (oriel/bsdf_kept.h), whose paths, or rows,
-     * are emitted. */
+     * as it is after loading, in which stored counts values and nothing is emitted; "scene", what a
+     * scene's files say, in which it counts surfaces; "annual"; and "made": a BSDF made of geometry
+     * or measurements (oriel/bsdf_kept.h), whose paths, or rows, are emitted. */
     char kind[16];
     char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
     /* Digest of all of that but the target: of two maps of one family the larger continues the
@@ -152,8 +152,8 @@ struct orl_map_info {
 };
 
 /*
- * Where maps, and BSDFs that take time to load, live between jobs. All calls come from the run's
- * lead thread.
+ * Where maps, and BSDFs and scenes that take time to load, live between jobs. All calls come from
+ * the run's lead thread.
  */
 struct orl_map_store {
     void *ctx;
@@ -190,7 +190,8 @@ struct orl_folder_store {
 struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state);
 
 /* Is a photon map, at that path, as it was written? All of it is read. ORL_ERR_IO, _CORRUPT,
- * _VERSION. Of the kind "bsdf" nothing is said: a job that opens one looks at all of it. */
+ * _VERSION. Of the kinds "bsdf" and "scene" nothing is said: a job that opens one looks at all of
+ * it. */
 int orl_map_verify(const char *kind, const char *path, struct orl_error *err);
 
 /* ---- Results --------------------------------------------------------------------------------- */

@@ -30,6 +30,7 @@ static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *sco
         return code;
     }
     material->bsdf = orl_bsdf_ref(bsdf);
+    material->bsdf_file = (uint32_t)source;
     return 0;
 }
 

@@ -200,6 +200,27 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
     return code;
 }
 
+/* All that were read, and what was not there. */
+static bool list_files(const struct orl_sources *sources, struct orl_description *out)
+{
+    const size_t n_missed = sources->n_missed > ORL_SOURCES_MISSED ? 0 : sources->n_missed;
+    out->read = orl_arena_take(out->arena, (sources->count + 1) * sizeof *out->read);
+    out->missed = orl_arena_take(out->arena, (n_missed + 1) * sizeof *out->missed);
+    if (!out->read || !out->missed)
+        return false;
+    for (size_t i = 0; i < sources->count; i++) {
+        const struct orl_source *const item = &sources->items[i];
+        out->files[i] = item->name;
+        out->read[i].library = item->library;
+        memcpy(out->read[i].content, item->content, sizeof out->read[i].content);
+    }
+    out->n_files = sources->count;
+    if (n_missed > 0)
+        memcpy(out->missed, sources->missed, n_missed * sizeof *out->missed);
+    out->n_missed = sources->n_missed > n_missed ? SIZE_MAX : n_missed;
+    return true;
+}
+
 /* What is left to fill in when all has been read. */
 static int finish(struct orl_parser *parser, struct orl_error *err)
 {
@@ -207,11 +228,8 @@ static int finish(struct orl_parser *parser, struct orl_error *err)
     const struct orl_sources *sources = &parser->sources;
     struct orl_sha256 digest = sources->digest;
     out->files = calloc(sources->count ? sources->count : 1, sizeof *out->files);
-    if (!out->files)
+    if (!out->files || !list_files(sources, out))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    for (size_t i = 0; i < sources->count; i++)
-        out->files[i] = sources->items[i].name;
-    out->n_files = sources->count;
     orl_sha256_finish(&digest, out->digest);
     out->n_degenerate = parser->degenerate.count;
     orl_parser_report(parser);

@@ -6,6 +6,8 @@
 
 #include <oriel/limits.h>
 
+#include "base/grow.h"
+
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
                       const struct orl_bsdf_loader *loader, struct orl_arena *arena)
 {
@@ -30,6 +32,7 @@ void orl_sources_done(struct orl_sources *sources)
         orl_bsdf_unref(sources->items[i].bsdf);
     }
     free(sources->items);
+    free(sources->missed);
     memset(sources, 0, sizeof *sources);
 }
 
@@ -116,13 +119,29 @@ static void find_digest(const struct orl_sources *sources, struct orl_source *it
     orl_sha256_finish(&hash, item->content);
 }
 
-/* The scene's own files, or the user's library. */
-typedef int opener(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err);
+/* Without memory for it there are too many. */
+static void note_missed(struct orl_sources *sources, const char *name, bool library)
+{
+    for (size_t i = 0; i < sources->n_missed && i < ORL_SOURCES_MISSED; i++)
+        if (sources->missed[i].library == library && strcmp(sources->missed[i].name, name) == 0)
+            return;
+    if (sources->n_missed > ORL_SOURCES_MISSED)
+        return;
+    if (!orl_grow(&sources->missed, &sources->missed_room, sources->n_missed,
+                  sizeof *sources->missed)) {
+        sources->n_missed = ORL_SOURCES_MISSED + 1;
+        return;
+    }
+    const char *const kept = orl_arena_text(sources->arena, name, strlen(name));
+    sources->missed[sources->n_missed] = (struct orl_file_missed){kept, library};
+    sources->n_missed = kept ? sources->n_missed + 1 : ORL_SOURCES_MISSED + 1;
+}
 
-/* Opens and hashes a file under its resolved name. */
-static int add_item(struct orl_sources *sources, const char *name, opener *open,
+/* Opens and hashes a file under its resolved name: the scene's own, or the user's library's. */
+static int add_item(struct orl_sources *sources, const char *name, bool library,
                     struct orl_error *err)
 {
+    const struct orl_files *const files = sources->files;
     struct orl_source *item;
     const char *slash;
     int code = make_room(sources, err);
@@ -130,10 +149,13 @@ static int add_item(struct orl_sources *sources, const char *name, opener *open,
         return code;
     item = sources->items + sources->count;
     memset(item, 0, sizeof *item);
-    code = open(sources->files->ctx, name, &item->file, err);
+    code = (library ? files->library : files->open)(files->ctx, name, &item->file, err);
+    if (code == ORL_ERR_NOT_FOUND)
+        note_missed(sources, name, library);
     if (code < 0)
         return code;
     item->open = true;
+    item->library = library;
     slash = strrchr(name, '/');
     item->name = orl_arena_text(sources->arena, name, strlen(name));
     item->folder = orl_arena_text(sources->arena, name,
@@ -151,7 +173,7 @@ static int add_item(struct orl_sources *sources, const char *name, opener *open,
     return 0;
 }
 
-static int find_as(struct orl_sources *sources, const char *name, opener *open, size_t *ret_index,
+static int find_as(struct orl_sources *sources, const char *name, bool library, size_t *ret_index,
                    struct orl_error *err)
 {
     int code;
@@ -161,10 +183,17 @@ static int find_as(struct orl_sources *sources, const char *name, opener *open, 
             return 0;
         }
     }
-    code = add_item(sources, name, open, err);
+    code = add_item(sources, name, library, err);
     if (code == 0)
         *ret_index = sources->count - 1;
     return code;
+}
+
+int orl_sources_open(struct orl_sources *sources, const char *name, bool library, size_t *ret_index,
+                     struct orl_error *err)
+{
+    return library && !sources->files->library ? ORL_ERR_NOT_FOUND
+                                               : find_as(sources, name, library, ret_index, err);
 }
 
 static int find_from(struct orl_sources *sources, const char *folder, const char *name,
@@ -175,9 +204,9 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     int code;
     if (!join(folder, name, path) || !join("", name, plain))
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is no name of a file", name);
-    code = find_as(sources, path, sources->files->open, ret_index, &first);
+    code = find_as(sources, path, false, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
-        code = find_as(sources, plain, sources->files->open, ret_index, err);
+        code = find_as(sources, plain, false, ret_index, err);
         if (code == ORL_ERR_NOT_FOUND)
             orl_error_set(err, code, "no file named '%.200s', nor '%.200s'", path, plain);
     } else if (code < 0 && err) {
@@ -210,12 +239,12 @@ int orl_sources_find_own(struct orl_sources *sources, const char *folder, const 
 int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,
                      size_t *ret_index, struct orl_error *err)
 {
-    opener *const library = sources->files->library;
+    const bool library = sources->files->library != NULL;
     struct orl_error first = {0}, second = {0};
     const struct orl_error *last = &first;
     int code = orl_sources_find_own(sources, folder, name, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && library && *name != '/' && *name != '.') {
-        code = find_as(sources, name, library, ret_index, &second);
+        code = find_as(sources, name, true, ret_index, &second);
         last = code == ORL_ERR_NOT_FOUND ? &first : &second;
     }
     if (code < 0 && err) /* that the library lacks it, too, is no news */

@@ -17,12 +17,13 @@
 #include <oriel/sha256.h>
 
 #include "base/arena.h"
+#include "scene/description.h"
 
 struct orl_source {
     char *name;   /* resolved: how the provider found it */
     char *folder; /* "a" for "a/b.rad", "" for "b.rad" */
     struct orl_file file;
-    bool open;
+    bool open, library; /* library: the user's, not the scene's own */
     unsigned char content[ORL_SHA256_BYTES];
     struct orl_bsdf *bsdf; /* a reference, once it was loaded as one */
 };
@@ -37,13 +38,17 @@ struct orl_bsdf_loader {
     const atomic_bool *cancel; /* heard while scene text is read; NULL: nothing */
 };
 
+enum { ORL_SOURCES_MISSED = 1024 };
+
 struct orl_sources {
     const struct orl_files *files;
     const struct orl_bsdf_loader *loader; /* NULL: none */
     struct orl_arena *arena;
     struct orl_source *items;
     size_t count, room;
-    struct orl_sha256 digest; /* over length and SHA-256 of the content of each file used */
+    struct orl_file_missed *missed; /* names that no file had, each once */
+    size_t n_missed, missed_room;   /* one more than ORL_SOURCES_MISSED: not all are listed */
+    struct orl_sha256 digest;       /* over length and SHA-256 of the content of each file used */
 };
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
@@ -61,6 +66,10 @@ int orl_sources_find(struct orl_sources *sources, const char *folder, const char
 /* The same without the library. */
 int orl_sources_find_own(struct orl_sources *sources, const char *folder, const char *name,
                          size_t *ret_index, struct orl_error *err);
+
+/* A file by the name that the provider knows it by: the scene's own, or the library's. */
+int orl_sources_open(struct orl_sources *sources, const char *name, bool library, size_t *ret_index,
+                     struct orl_error *err);
 
 /* Counts a file once more in the digest: the caller named it twice. */
 void orl_sources_count_again(struct orl_sources *sources, size_t index);

@@ -1,0 +1,131 @@
+#include "function/program.h"
+
+#include <stdlib.h>
+
+#include "base/stream.h"
+#include "function/compiler.h"
+
+void orl_function_free(struct orl_function *function)
+{
+    if (!function)
+        return;
+    free(function->code);
+    free(function->segments);
+    free(function->sites);
+    free(function->arguments);
+    free(function->tables);
+    free(function->args);
+    free(function);
+}
+
+uint64_t orl_function_inputs(const struct orl_function *function)
+{
+    return function->inputs;
+}
+
+bool orl_function_is_constant(const struct orl_function *function, size_t expression,
+                              double *ret_value)
+{
+    return orl_segment_is_number(&function->segments[expression], ret_value);
+}
+
+/* ---- Kept -------------------------------------------------------------------------------------
+ */
+
+/* Where each segment's code begins, in one array of all. */
+static void pass_code(struct orl_stream *stream, struct orl_function *f)
+{
+    orl_stream_array(stream, &f->code, f->n_code, sizeof *f->code);
+    for (size_t i = 0; i < f->n_segments && stream->code == 0; i++) {
+        struct orl_segment segment = f->segments[i];
+        uint64_t first = orl_stream_reads(stream) ? 0 : (uint64_t)(segment.code - f->code);
+        segment.code = NULL;
+        segment.room = 0;
+        orl_stream_value(stream, &segment);
+        orl_stream_value(stream, &first);
+        if (first > f->n_code || segment.n > f->n_code - first)
+            orl_stream_fail(stream, ORL_ERR_CORRUPT);
+        if (orl_stream_reads(stream) && stream->code == 0) {
+            f->segments[i] = segment;
+            f->segments[i].code = f->code + first;
+        }
+    }
+}
+
+static void pass_counts(struct orl_stream *stream, struct orl_function *f)
+{
+    size_t *const counts[] = {&f->n_code,   &f->n_segments,    &f->n_sites,  &f->n_arguments,
+                              &f->n_tables, &f->n_expressions, &f->n_inputs, &f->program.n_args};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        orl_stream_value(stream, counts[i]);
+    orl_stream_value(stream, &f->program.n_variables);
+    orl_stream_value(stream, &f->inputs);
+    orl_stream_value(stream, &f->operations);
+}
+
+void orl_function_pass(struct orl_function **function, struct orl_stream *stream)
+{
+    const bool reads = orl_stream_reads(stream);
+    bool there = !reads && *function;
+    orl_stream_value(stream, &there);
+    if (reads)
+        *function = NULL;
+    if (there)
+        orl_stream_room(stream, function, 1, sizeof **function);
+    struct orl_function *const f = *function;
+    if (!f)
+        return;
+    pass_counts(stream, f);
+    orl_stream_room(stream, &f->segments, f->n_segments, sizeof *f->segments);
+    pass_code(stream, f);
+    orl_stream_array(stream, &f->sites, f->n_sites, sizeof *f->sites);
+    orl_stream_array(stream, &f->arguments, f->n_arguments, sizeof *f->arguments);
+    orl_stream_array(stream, &f->tables, f->n_tables, sizeof *f->tables);
+    orl_stream_array(stream, &f->args, f->program.n_args, sizeof *f->args);
+    if (reads)
+        f->program =
+            (struct orl_program){f->segments, f->sites,          f->arguments,          f->tables,
+                                 f->args,     f->program.n_args, f->program.n_variables};
+}
+
+/* ---- Values -----------------------------------------------------------------------------------
+ */
+
+struct orl_function_outcome orl_function_evaluate(const struct orl_function *function,
+                                                  struct orl_function_scratch *scratch,
+                                                  const struct orl_function_lanes *inputs,
+                                                  unsigned lanes,
+                                                  struct orl_function_lanes *ret_values)
+{
+    struct orl_function_outcome outcome = {0, !orl_machine_begin(&function->program, scratch)};
+    uint32_t operations = function->operations;
+    for (uint32_t i = 0; !outcome.exceeded && i < function->n_expressions; i++) {
+        const struct orl_function_outcome one = orl_machine_run(
+            &function->program, scratch, i, inputs, lanes, &operations, &ret_values[i]);
+        outcome.undefined |= one.undefined;
+        outcome.exceeded = one.exceeded;
+    }
+    for (size_t i = 0; outcome.exceeded && i < function->n_expressions; i++)
+        for (int l = 0; l < ORL_FUNCTION_LANES; l++)
+            if (lanes >> l & 1)
+                ret_values[i].at[l] = 0;
+    return outcome;
+}
+
+struct orl_function_outcome orl_function_at(const struct orl_function *function,
+                                            struct orl_function_scratch *scratch,
+                                            const double *inputs, double *ret_values)
+{
+    struct orl_function_lanes wide[ORL_FUNCTION_INPUTS];
+    struct orl_function_lanes values[ORL_FUNCTION_EXPRESSIONS];
+    for (size_t i = 0; i < function->n_inputs; i++)
+        for (int l = 0; function->inputs >> i & 1 && l < ORL_FUNCTION_LANES; l++)
+            wide[i].at[l] = inputs[i];
+    for (size_t i = 0; i < function->n_expressions; i++)
+        values[i].at[0] = 0;
+    const struct orl_function_outcome outcome =
+        orl_function_evaluate(function, scratch, wide, 1, values);
+    for (size_t i = 0; i < function->n_expressions; i++)
+        ret_values[i] = values[i].at[0];
+    return outcome;
+}

@@ -1,0 +1,22 @@
+/*
+ * A program once it is compiled. Inside of core/function only.
+ */
+#ifndef ORL_FUNCTION_PROGRAM_H
+#define ORL_FUNCTION_PROGRAM_H
+
+#include "function/machine.h"
+
+struct orl_function {
+    struct orl_program program;   /* of what follows */
+    struct orl_instruction *code; /* of all segments */
+    struct orl_segment *segments;
+    struct orl_site *sites;
+    struct orl_argument *arguments;
+    double *tables, *args;
+    size_t n_code, n_segments, n_sites, n_arguments, n_tables;
+    size_t n_expressions, n_inputs;
+    uint64_t inputs;
+    uint32_t operations;
+};
+
+#endif

@@ -1,0 +1,141 @@
+#include "run/kept_scene.h"
+
+#include <sodium.h>
+#include <string.h>
+
+#include "base/build.h"
+#include "light/scene.h"
+#include "run/bsdfs.h"
+#include "run/keeping.h"
+#include "scene/keep/keep.h"
+#include "scene/parse/parse.h"
+
+enum { LEAST_SURFACES = 10000, LEAST_BYTES = 1 << 18 };
+
+struct reading {
+    struct orl_run_state *state;
+    struct orl_description *description;       /* of the caller's */
+    unsigned char content[ORL_SEALED_CONTENT]; /* what it is of */
+};
+
+/* ---- What it goes by ------------------------------------------------------------------------- */
+
+/* Whether the text names other files of surfaces: then its size says little. */
+static bool names_more(const struct orl_file *file)
+{
+    static const char *const endings[] = {".rad", ".oct", ".rtm", ".obj", ".stl", ".mgf"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (memmem(file->data, file->size, endings[i], strlen(endings[i])))
+            return true;
+    return false;
+}
+
+/* The scene's own files, as far as the job names them; *ret_large: it may be worth keeping. */
+static int digest_files(const struct orl_run_state *state, struct orl_sha256 *hash, bool *ret_large)
+{
+    const struct orl_job *const job = state->job;
+    struct orl_arena *const arena = orl_arena_new();
+    struct orl_sources sources;
+    size_t bytes = 0;
+    int code = arena ? 0 : ORL_ERR_NOMEM;
+    *ret_large = false;
+    orl_sources_init(&sources, state->env->files, NULL, arena);
+    for (size_t i = 0; i < job->n_scene_files && code == 0; i++) {
+        const char *const name = job->scene_files[i];
+        size_t index = 0;
+        orl_sha256_add(hash, name, strlen(name) + 1);
+        code = orl_sources_open(&sources, name, false, &index, NULL);
+        if (code < 0)
+            break;
+        const struct orl_source *const item = &sources.items[index];
+        orl_sha256_add(hash, item->content, sizeof item->content);
+        bytes += item->file.size;
+        *ret_large = *ret_large || bytes >= LEAST_BYTES || names_more(&item->file);
+    }
+    orl_sources_done(&sources);
+    orl_arena_free(arena);
+    return code;
+}
+
+/* False: it is not to be kept. */
+static bool identify(struct reading *r)
+{
+    static const char start[] = "oriel scene";
+    const struct orl_run_state *const state = r->state;
+    struct orl_sha256 hash;
+    bool large;
+    if (!state->env->store)
+        return false;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, start, sizeof start);
+    if (!orl_build_add(&hash) || digest_files(state, &hash, &large) < 0 || !large)
+        return false;
+    if (state->swaps)
+        orl_swaps_digest(state->swaps, &hash);
+    orl_sha256_finish(&hash, r->content);
+    return true;
+}
+
+/* ---- Read, or found -------------------------------------------------------------------------- */
+
+static int make(void *ctx, struct orl_error *err)
+{
+    const struct reading *const r = ctx;
+    const struct orl_run_state *const state = r->state;
+    const struct orl_job *const job = state->job;
+    struct orl_description *const d = r->description;
+    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(r->state);
+    int code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
+                                    state->env->files, &loader, d, err);
+    d->cancel = state->env->cancel;
+    if (code == 0 && state->swaps)
+        code = orl_swaps_apply(state->swaps, job->n_scene_files, d, err);
+    if (code == 0)
+        code = orl_scene_settle(d, err);
+    return code;
+}
+
+static bool is_worth_it(void *ctx)
+{
+    const struct reading *const r = ctx;
+    return r->description->n_read >= LEAST_SURFACES && orl_description_can_be_kept(r->description);
+}
+
+static int keep(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
+{
+    const struct reading *const r = ctx;
+    info->stored = r->description->n_read;
+    return orl_description_keep(r->description, r->content, path, &info->bytes, err);
+}
+
+static int open_kept(void *ctx, const char *path, struct orl_error *err)
+{
+    const struct reading *const r = ctx;
+    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(r->state);
+    const int code =
+        orl_description_open(path, r->content, r->state->env->files, &loader, r->description, err);
+    if (code == 0)
+        r->description->cancel = r->state->env->cancel;
+    return code;
+}
+
+int orl_run_read_scene(struct orl_run_state *state, struct orl_description *ret_description,
+                       struct orl_error *err)
+{
+    struct reading r = {.state = state, .description = ret_description};
+    char key[ORL_DIGEST_HEX + 1];
+    const struct orl_keepable thing = {
+        .kind = "scene",
+        .key = key,
+        .what = "scene",
+        .name = state->job->n_scene_files > 0 ? state->job->scene_files[0] : "",
+        .ctx = &r,
+        .open = open_kept,
+        .make = make,
+        .is_worth_it = is_worth_it,
+        .keep = keep};
+    if (!identify(&r))
+        return make(&r, err);
+    sodium_bin2hex(key, sizeof key, r.content, sizeof r.content);
+    return orl_run_keep(state, &thing, err);
+}

@@ -1,0 +1,181 @@
+#include "scene/keep/keep_parts.h"
+
+#include "scene/material/pattern.h"
+#include "scene/material/text.h"
+
+/* By numbers from 1; 0: none. */
+void orl_keep_pattern(struct orl_keeping *k, struct orl_pattern **slot)
+{
+    const bool reads = orl_stream_reads(&k->stream);
+    uint32_t number = !reads && *slot ? (*slot)->index + 1 : 0;
+    orl_stream_value(&k->stream, &number);
+    if (number > k->d->n_patterns)
+        orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
+    else if (reads)
+        *slot = number > 0 ? k->d->patterns[number - 1] : NULL;
+}
+
+/* Of one that is only looked at otherwise. */
+static void pass_other(struct orl_keeping *k, const struct orl_pattern **slot)
+{
+    struct orl_pattern *pattern = (struct orl_pattern *)(uintptr_t)*slot;
+    orl_keep_pattern(k, &pattern);
+    *slot = pattern;
+}
+
+static void pass_grid(struct orl_keeping *k, const struct orl_grid **slot)
+{
+    const struct orl_description *const d = k->d;
+    uint32_t number = 0;
+    while (!orl_stream_reads(&k->stream) && number < d->n_grids && d->grids[number] != *slot)
+        number++;
+    orl_stream_value(&k->stream, &number);
+    if (number >= d->n_grids)
+        orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
+    else
+        *slot = d->grids[number];
+}
+
+/* ---- Texts ----------------------------------------------------------------------------------- */
+
+static void pass_glyph(struct orl_keeping *k, struct orl_glyph *glyph)
+{
+    const unsigned char *corners = glyph->corners;
+    glyph->corners = NULL;
+    orl_stream_value(&k->stream, glyph);
+    if (glyph->n < 0)
+        orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
+    else
+        orl_stream_kept(&k->stream, k->d->arena, &corners, (size_t)glyph->n, 2);
+    glyph->corners = corners;
+}
+
+static void pass_letter(struct orl_keeping *k, struct orl_set_letter *letter)
+{
+    struct orl_glyph image = {.n = 0};
+    struct orl_glyph *own = NULL;
+    if (!orl_stream_reads(&k->stream))
+        image = *letter->glyph;
+    orl_stream_value(&k->stream, &letter->at);
+    pass_glyph(k, &image);
+    if (!orl_stream_reads(&k->stream))
+        return;
+    own = orl_arena_take(k->d->arena, sizeof *own);
+    if (!own) {
+        orl_stream_fail(&k->stream, ORL_ERR_NOMEM);
+        return;
+    }
+    *own = image;
+    letter->glyph = own;
+}
+
+/* Room for an array in the arena when it is read, else what is there. */
+static void *room(struct orl_keeping *k, const void *there, size_t n, size_t item)
+{
+    if (!orl_stream_reads(&k->stream))
+        return (void *)(uintptr_t)there;
+    if (n > (size_t)(k->stream.end - k->stream.at)) /* each takes a byte at least */
+        orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
+    void *const made = k->stream.code == 0 ? orl_arena_take(k->d->arena, (n + 1) * item) : NULL;
+    if (!made)
+        orl_stream_fail(&k->stream, ORL_ERR_NOMEM);
+    return made;
+}
+
+static void pass_line(struct orl_keeping *k, struct orl_lettering_line *line)
+{
+    orl_stream_value(&k->stream, &line->n);
+    orl_stream_value(&k->stream, &line->width);
+    struct orl_set_letter *const letters = room(k, line->letters, line->n, sizeof *letters);
+    for (size_t i = 0; letters && i < line->n && k->stream.code == 0; i++)
+        pass_letter(k, &letters[i]);
+    line->letters = letters;
+}
+
+static void pass_text(struct orl_keeping *k, const struct orl_lettering **slot)
+{
+    struct orl_lettering *const text = room(k, *slot, 1, sizeof *text);
+    if (!text)
+        return;
+    struct orl_lettering image = *text;
+    image.lines = NULL;
+    orl_stream_value(&k->stream, &image);
+    struct orl_lettering_line *const lines = room(k, text->lines, image.n_lines, sizeof *lines);
+    for (size_t i = 0; lines && i < image.n_lines && k->stream.code == 0; i++)
+        pass_line(k, &lines[i]);
+    if (!orl_stream_reads(&k->stream))
+        return;
+    image.lines = lines;
+    *text = image;
+    *slot = text;
+}
+
+/* ---- Patterns -------------------------------------------------------------------------------- */
+
+/* All but what it points to, and what is known once geometry is built. */
+static void pass_image(struct orl_stream *stream, struct orl_pattern *p, bool *has_text)
+{
+    struct orl_pattern image = *p;
+    *has_text = image.text != NULL;
+    image.name = image.file = NULL;
+    image.key = NULL;
+    image.function = image.values = NULL;
+    image.under = image.other = NULL;
+    image.text = NULL;
+    image.bands = NULL;
+    image.known = NULL;
+    image.n_known = 0;
+    image.facets = NULL;
+    image.surfaces = NULL;
+    for (size_t i = 0; i < ORL_GRID_CHANNELS; i++)
+        image.grids[i] = NULL;
+    for (int i = 0; i < 2; i++)
+        image.mixed[i].pattern = NULL;
+    orl_stream_value(stream, &image);
+    orl_stream_value(stream, has_text);
+    if (orl_stream_reads(stream))
+        *p = image;
+}
+
+static void pass_pattern(struct orl_keeping *k, struct orl_pattern *p)
+{
+    struct orl_stream *const stream = &k->stream;
+    struct orl_arena *const arena = k->d->arena;
+    bool has_text;
+    pass_image(stream, p, &has_text);
+    orl_stream_text(stream, arena, &p->name);
+    orl_stream_text(stream, arena, &p->file);
+    orl_stream_kept(stream, arena, &p->key, p->key_size, 1);
+    orl_function_pass(&p->function, stream);
+    orl_function_pass(&p->values, stream);
+    pass_other(k, &p->under);
+    pass_other(k, &p->other);
+    for (int i = 0; i < 2; i++)
+        pass_other(k, &p->mixed[i].pattern);
+    for (uint32_t i = 0; i < p->n_grids && i < ORL_GRID_CHANNELS; i++)
+        pass_grid(k, &p->grids[i]);
+    orl_stream_kept(stream, arena, &p->bands, p->n_bands, sizeof *p->bands);
+    if (has_text)
+        pass_text(k, &p->text);
+}
+
+static void make_room(struct orl_keeping *k, size_t n)
+{
+    struct orl_description *const d = k->d;
+    orl_stream_room(&k->stream, &d->patterns, n, sizeof(struct orl_pattern *));
+    for (size_t i = 0; i < n && k->stream.code == 0; i++) {
+        orl_stream_room(&k->stream, &d->patterns[i], 1, sizeof *d->patterns[i]);
+        d->n_patterns = i + 1;
+    }
+}
+
+/* They name each other: all are there before any is filled. */
+void orl_keep_patterns(struct orl_keeping *k)
+{
+    size_t n = k->d->n_patterns;
+    orl_stream_value(&k->stream, &n);
+    if (orl_stream_reads(&k->stream))
+        make_room(k, n);
+    for (size_t i = 0; i < n && k->stream.code == 0; i++)
+        pass_pattern(k, k->d->patterns[i]);
+}
