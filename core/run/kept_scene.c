@@ -14,9 +14,18 @@ enum { LEAST_SURFACES = 10000, LEAST_BYTES = 1 << 18 };
 
 struct reading {
     struct orl_run_state *state;
+    struct orl_bsdf_loader loader;
+    struct orl_sources sources;                /* main files, once they are opened */
     struct orl_description *description;       /* of the caller's */
     unsigned char content[ORL_SEALED_CONTENT]; /* what it is of */
 };
+
+/* Sources, unless they are there. */
+static void begin(struct reading *r)
+{
+    if (!r->sources.arena)
+        orl_sources_init(&r->sources, r->state->env->files, &r->loader, orl_arena_new());
+}
 
 /* ---- What it goes by ------------------------------------------------------------------------- */
 
@@ -31,29 +40,26 @@ static bool names_more(const struct orl_file *file)
 }
 
 /* The scene's own files, as far as the job names them; *ret_large: it may be worth keeping. */
-static int digest_files(const struct orl_run_state *state, struct orl_sha256 *hash, bool *ret_large)
+static int digest_files(struct reading *r, struct orl_sha256 *hash, bool *ret_large)
 {
-    const struct orl_job *const job = state->job;
-    struct orl_arena *const arena = orl_arena_new();
-    struct orl_sources sources;
+    const struct orl_job *const job = r->state->job;
     size_t bytes = 0;
-    int code = arena ? 0 : ORL_ERR_NOMEM;
+    int code = r->sources.arena ? 0 : ORL_ERR_NOMEM;
     *ret_large = false;
-    orl_sources_init(&sources, state->env->files, NULL, arena);
     for (size_t i = 0; i < job->n_scene_files && code == 0; i++) {
         const char *const name = job->scene_files[i];
         size_t index = 0;
         orl_sha256_add(hash, name, strlen(name) + 1);
-        code = orl_sources_open(&sources, name, false, &index, NULL);
+        if (orl_sources_is_resource(name))
+            continue;
+        code = orl_sources_find(&r->sources, "", name, &index, NULL);
         if (code < 0)
             break;
-        const struct orl_source *const item = &sources.items[index];
+        const struct orl_source *const item = &r->sources.items[index];
         orl_sha256_add(hash, item->content, sizeof item->content);
         bytes += item->file.size;
         *ret_large = *ret_large || bytes >= LEAST_BYTES || names_more(&item->file);
     }
-    orl_sources_done(&sources);
-    orl_arena_free(arena);
     return code;
 }
 
@@ -68,7 +74,10 @@ static bool identify(struct reading *r)
         return false;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, start, sizeof start);
-    if (!orl_build_add(&hash) || digest_files(state, &hash, &large) < 0 || !large)
+    if (!orl_build_add(&hash))
+        return false;
+    begin(r);
+    if (digest_files(r, &hash, &large) < 0 || !large)
         return false;
     if (state->swaps)
         orl_swaps_digest(state->swaps, &hash);
@@ -80,13 +89,13 @@ static bool identify(struct reading *r)
 
 static int make(void *ctx, struct orl_error *err)
 {
-    const struct reading *const r = ctx;
+    struct reading *const r = ctx;
     const struct orl_run_state *const state = r->state;
     const struct orl_job *const job = state->job;
     struct orl_description *const d = r->description;
-    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(r->state);
-    int code = orl_scene_parse_with((const char *const *)job->scene_files, job->n_scene_files,
-                                    state->env->files, &loader, d, err);
+    begin(r);
+    int code = orl_scene_parse_begun((const char *const *)job->scene_files, job->n_scene_files,
+                                     &r->sources, d, err);
     d->cancel = state->env->cancel;
     if (code == 0 && state->swaps)
         code = orl_swaps_apply(state->swaps, job->n_scene_files, d, err);
@@ -110,10 +119,9 @@ static int keep(void *ctx, const char *path, struct orl_map_info *info, struct o
 
 static int open_kept(void *ctx, const char *path, struct orl_error *err)
 {
-    const struct reading *const r = ctx;
-    const struct orl_bsdf_loader loader = orl_run_bsdf_loader(r->state);
-    const int code =
-        orl_description_open(path, r->content, r->state->env->files, &loader, r->description, err);
+    struct reading *const r = ctx;
+    begin(r);
+    const int code = orl_description_open(path, r->content, &r->sources, r->description, err);
     if (code == 0)
         r->description->cancel = r->state->env->cancel;
     return code;
@@ -122,7 +130,8 @@ static int open_kept(void *ctx, const char *path, struct orl_error *err)
 int orl_run_read_scene(struct orl_run_state *state, struct orl_description *ret_description,
                        struct orl_error *err)
 {
-    struct reading r = {.state = state, .description = ret_description};
+    struct reading r = {
+        .state = state, .loader = orl_run_bsdf_loader(state), .description = ret_description};
     char key[ORL_DIGEST_HEX + 1];
     const struct orl_keepable thing = {
         .kind = "scene",
@@ -137,5 +146,11 @@ int orl_run_read_scene(struct orl_run_state *state, struct orl_description *ret_
     if (!identify(&r))
         return make(&r, err);
     sodium_bin2hex(key, sizeof key, r.content, sizeof r.content);
-    return orl_run_keep(state, &thing, err);
+    const int code = orl_run_keep(state, &thing, err);
+    if (r.sources.arena) { /* cancelled while another job read it */
+        struct orl_arena *const arena = r.sources.arena;
+        orl_sources_done(&r.sources);
+        orl_arena_free(arena);
+    }
+    return code;
 }

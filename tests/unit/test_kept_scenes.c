@@ -65,6 +65,14 @@ static bool read_text(const struct text_files *t, struct orl_description *ret)
     return taken;
 }
 
+static int open_kept(const char *path, const unsigned char *of, const struct text_files *t,
+                     struct orl_description *ret, struct orl_error *err)
+{
+    struct orl_sources sources;
+    orl_sources_init(&sources, &t->files, NULL, orl_arena_new());
+    return orl_description_open(path, of, &sources, ret, err);
+}
+
 static unsigned char *keep(const struct orl_description *d, const char *path, size_t *ret_size)
 {
     struct orl_error err = {0};
@@ -90,7 +98,7 @@ static bool returns(const struct text_files *t)
     }
     path = scratch_path("scene");
     unsigned char *const first = keep(&d, path, &size);
-    if (orl_description_open(path, content, &t->files, NULL, &kept, &err) < 0)
+    if (open_kept(path, content, t, &kept, &err) < 0)
         fail_msg("%s", err.message);
     assert_true(kept.settled);
     assert_memory_equal(kept.digest, d.digest, sizeof d.digest);
@@ -242,7 +250,7 @@ static int open_as(const char *path, const struct text_files *t)
 {
     struct orl_description kept = {0};
     struct orl_error err = {0};
-    const int code = orl_description_open(path, content, &t->files, NULL, &kept, &err);
+    const int code = open_kept(path, content, t, &kept, &err);
     if (code < 0)
         assert_true(err.message[0] != '\0');
     orl_description_done(&kept);
@@ -304,8 +312,7 @@ static void damaged_files_are_refused(void **state)
     path = scratch_path("damaged");
     unsigned char *const data = keep(&d, path, &size);
     orl_description_done(&d);
-    assert_int_equal(orl_description_open(path, other, &t.files, NULL, &kept, NULL),
-                     ORL_ERR_CORRUPT);
+    assert_int_equal(open_kept(path, other, &t, &kept, NULL), ORL_ERR_CORRUPT);
     for (size_t at = 0; at < size; at += 1 + size / 97) {
         data[at] ^= 4;
         write_bytes(path, data, size);

@@ -23,7 +23,8 @@ static const struct orl_sealed_kind kind = {
 /* ---- The files that it was read from --------------------------------------------------------- */
 
 /* Are the caller's files what they were? */
-static void hold_against(struct orl_keeping *k, const char *name, const struct orl_file_read *read)
+static void hold_against(struct orl_scene_keeping *k, const char *name,
+                         const struct orl_file_read *read)
 {
     size_t index = 0;
     int code = orl_sources_open(&k->sources, name, read->library, &index, NULL);
@@ -35,7 +36,7 @@ static void hold_against(struct orl_keeping *k, const char *name, const struct o
         orl_stream_fail(&k->stream, code);
 }
 
-static void check_missed(struct orl_keeping *k, const struct orl_file_missed *missed)
+static void check_missed(struct orl_scene_keeping *k, const struct orl_file_missed *missed)
 {
     size_t index = 0;
     const int code = orl_sources_open(&k->sources, missed->name, missed->library, &index, NULL);
@@ -44,7 +45,7 @@ static void check_missed(struct orl_keeping *k, const struct orl_file_missed *mi
 }
 
 /* Room for arrays of names and of what is known of each, when they are read. */
-static bool make_room(struct orl_keeping *k)
+static bool make_room(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     if (!orl_stream_reads(&k->stream))
@@ -57,7 +58,7 @@ static bool make_room(struct orl_keeping *k)
     return k->stream.code == 0;
 }
 
-static void pass_files(struct orl_keeping *k)
+static void pass_files(struct orl_scene_keeping *k)
 {
     struct orl_stream *const stream = &k->stream;
     struct orl_description *const d = k->d;
@@ -84,7 +85,7 @@ static void pass_files(struct orl_keeping *k)
 
 /* ---- The rest -------------------------------------------------------------------------------- */
 
-static void pass_prototypes(struct orl_keeping *k)
+static void pass_prototypes(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     size_t n = d->n_prototypes;
@@ -100,7 +101,7 @@ static void pass_prototypes(struct orl_keeping *k)
 }
 
 /* What follows each is what it points to. */
-static void pass_placement(struct orl_keeping *k, struct orl_placement *p)
+static void pass_placement(struct orl_scene_keeping *k, struct orl_placement *p)
 {
     struct orl_placement image = *p;
     image.name = image.prefix = NULL;
@@ -113,7 +114,7 @@ static void pass_placement(struct orl_keeping *k, struct orl_placement *p)
         orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
 }
 
-static void pass_distant(struct orl_keeping *k, struct orl_distant *distant)
+static void pass_distant(struct orl_scene_keeping *k, struct orl_distant *distant)
 {
     struct orl_distant image = *distant;
     image.name = NULL;
@@ -123,7 +124,7 @@ static void pass_distant(struct orl_keeping *k, struct orl_distant *distant)
     orl_stream_text(&k->stream, k->d->arena, (const char **)&distant->name);
 }
 
-static void pass_placements(struct orl_keeping *k)
+static void pass_placements(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     orl_stream_value(&k->stream, &d->n_placements);
@@ -132,7 +133,7 @@ static void pass_placements(struct orl_keeping *k)
         pass_placement(k, &d->placements[i]);
 }
 
-static void pass_sky(struct orl_keeping *k)
+static void pass_sky(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     orl_stream_value(&k->stream, &d->n_distants);
@@ -143,7 +144,7 @@ static void pass_sky(struct orl_keeping *k)
     orl_stream_array(&k->stream, &d->skies, d->n_skies, sizeof *d->skies);
 }
 
-static void pass_warnings(struct orl_keeping *k)
+static void pass_warnings(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     size_t n = d->n_warnings;
@@ -156,7 +157,7 @@ static void pass_warnings(struct orl_keeping *k)
     }
 }
 
-static void pass_counts(struct orl_keeping *k)
+static void pass_counts(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     orl_stream_value(&k->stream, &d->digest);
@@ -168,7 +169,7 @@ static void pass_counts(struct orl_keeping *k)
                     sizeof *d->first_surfaces);
 }
 
-static void pass_all(struct orl_keeping *k)
+static void pass_all(struct orl_scene_keeping *k)
 {
     pass_files(k);
     pass_counts(k);
@@ -195,7 +196,7 @@ int orl_description_keep(const struct orl_description *description,
                          uint64_t *ret_bytes, struct orl_error *err)
 {
     struct orl_sealed_writer *const out = malloc(sizeof *out);
-    struct orl_keeping k = {.d = (struct orl_description *)(uintptr_t)description};
+    struct orl_scene_keeping k = {.d = (struct orl_description *)(uintptr_t)description};
     if (!out)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing a scene");
     k.stream = orl_stream_to(out);
@@ -209,7 +210,7 @@ int orl_description_keep(const struct orl_description *description,
 }
 
 /* What a stream that failed is: its own error, or one that a BSDF's file has told. */
-static int tell(const struct orl_keeping *k, const char *path, struct orl_error *err)
+static int tell(const struct orl_scene_keeping *k, const char *path, struct orl_error *err)
 {
     const int code = k->stream.code;
     if (code < 0 && (!k->err || k->err->code != code))
@@ -222,20 +223,20 @@ static int tell(const struct orl_keeping *k, const char *path, struct orl_error 
 }
 
 int orl_description_open(const char *path, const unsigned char content[ORL_SEALED_CONTENT],
-                         const struct orl_files *files, const struct orl_bsdf_loader *loader,
-                         struct orl_description *ret_description, struct orl_error *err)
+                         struct orl_sources *sources, struct orl_description *ret_description,
+                         struct orl_error *err)
 {
-    struct orl_description d = {.arena = orl_arena_new(), .settled = true};
-    struct orl_keeping k = {.d = &d, .err = err};
+    struct orl_description d = {.arena = sources->arena, .settled = true};
+    struct orl_scene_keeping k = {.d = &d, .sources = *sources, .err = err};
+    memset(sources, 0, sizeof *sources);
     int code = d.arena ? orl_sealed_open(&kind, path, content, &d.file, err)
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
     if (code == 0) {
-        orl_sources_init(&k.sources, files, loader, d.arena);
         k.stream = orl_stream_from(&d.file);
         pass_all(&k);
         code = tell(&k, path, err);
-        orl_sources_done(&k.sources);
     }
+    orl_sources_done(&k.sources);
     if (code == 0)
         *ret_description = d;
     else

@@ -34,10 +34,11 @@ int orl_description_keep(const struct orl_description *description,
 /*
  * Fills *ret_description, which the caller passes to orl_description_done. ORL_ERR_VERSION: files
  * are not as they were then, or it is of another version; ORL_ERR_CORRUPT, _IO, _NOMEM, and what
- * loading a BSDF gives. The file may go while the description is in use. loader: NULL: none.
+ * loading a BSDF gives. The file may go while the description is in use. sources: as
+ * orl_scene_parse_begun has them; they are taken over, also on failure.
  */
 int orl_description_open(const char *path, const unsigned char content[ORL_SEALED_CONTENT],
-                         const struct orl_files *files, const struct orl_bsdf_loader *loader,
-                         struct orl_description *ret_description, struct orl_error *err);
+                         struct orl_sources *sources, struct orl_description *ret_description,
+                         struct orl_error *err);
 
 #endif

@@ -22,7 +22,7 @@ static void pass_grid(struct orl_stream *stream, struct orl_grid *grid)
     orl_stream_array(stream, &grid->values, grid->n_values, sizeof *grid->values);
 }
 
-void orl_keep_grids(struct orl_keeping *k)
+void orl_keep_grids(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     struct orl_stream *const stream = &k->stream;

@@ -30,7 +30,7 @@ static void pass_image(struct orl_stream *stream, struct orl_material *m, bool *
 }
 
 /* The file that the scene names, by the loader. */
-static void load_bsdf(struct orl_keeping *k, struct orl_material *m)
+static void load_bsdf(struct orl_scene_keeping *k, struct orl_material *m)
 {
     struct orl_bsdf *bsdf = NULL;
     int code = m->bsdf_file < k->sources.count ? 0 : ORL_ERR_CORRUPT;
@@ -43,7 +43,7 @@ static void load_bsdf(struct orl_keeping *k, struct orl_material *m)
 }
 
 /* Those that are mixed have no BSDFs, and lie in the arena. */
-static void pass_material(struct orl_keeping *k, struct orl_material *m)
+static void pass_material(struct orl_scene_keeping *k, struct orl_material *m)
 {
     struct orl_pattern **slots[PATTERNS];
     struct orl_stream *const stream = &k->stream;
@@ -59,7 +59,7 @@ static void pass_material(struct orl_keeping *k, struct orl_material *m)
         load_bsdf(k, m);
 }
 
-static struct orl_material *room_for_mixed(struct orl_keeping *k)
+static struct orl_material *room_for_mixed(struct orl_scene_keeping *k)
 {
     struct orl_material *const two =
         orl_arena_take(k->d->arena, MIXED * sizeof(struct orl_material));
@@ -71,7 +71,7 @@ static struct orl_material *room_for_mixed(struct orl_keeping *k)
 }
 
 /* With what it mixes, and what that mixes: a few at most, as the parser sees to. */
-static void pass_with_mixed(struct orl_keeping *k, struct orl_material *m)
+static void pass_with_mixed(struct orl_scene_keeping *k, struct orl_material *m)
 {
     bool mixes = m->mixed != NULL;
     pass_material(k, m);
@@ -89,7 +89,7 @@ static void pass_with_mixed(struct orl_keeping *k, struct orl_material *m)
         m->mixed = two;
 }
 
-void orl_keep_materials(struct orl_keeping *k)
+void orl_keep_materials(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
     size_t n = d->n_materials;

@@ -4,7 +4,7 @@
 #include "scene/material/text.h"
 
 /* By numbers from 1; 0: none. */
-void orl_keep_pattern(struct orl_keeping *k, struct orl_pattern **slot)
+void orl_keep_pattern(struct orl_scene_keeping *k, struct orl_pattern **slot)
 {
     const bool reads = orl_stream_reads(&k->stream);
     uint32_t number = !reads && *slot ? (*slot)->index + 1 : 0;
@@ -16,14 +16,14 @@ void orl_keep_pattern(struct orl_keeping *k, struct orl_pattern **slot)
 }
 
 /* Of one that is only looked at otherwise. */
-static void pass_other(struct orl_keeping *k, const struct orl_pattern **slot)
+static void pass_other(struct orl_scene_keeping *k, const struct orl_pattern **slot)
 {
     struct orl_pattern *pattern = (struct orl_pattern *)(uintptr_t)*slot;
     orl_keep_pattern(k, &pattern);
     *slot = pattern;
 }
 
-static void pass_grid(struct orl_keeping *k, const struct orl_grid **slot)
+static void pass_grid(struct orl_scene_keeping *k, const struct orl_grid **slot)
 {
     const struct orl_description *const d = k->d;
     uint32_t number = 0;
@@ -38,7 +38,7 @@ static void pass_grid(struct orl_keeping *k, const struct orl_grid **slot)
 
 /* ---- Texts ----------------------------------------------------------------------------------- */
 
-static void pass_glyph(struct orl_keeping *k, struct orl_glyph *glyph)
+static void pass_glyph(struct orl_scene_keeping *k, struct orl_glyph *glyph)
 {
     const unsigned char *corners = glyph->corners;
     glyph->corners = NULL;
@@ -50,7 +50,7 @@ static void pass_glyph(struct orl_keeping *k, struct orl_glyph *glyph)
     glyph->corners = corners;
 }
 
-static void pass_letter(struct orl_keeping *k, struct orl_set_letter *letter)
+static void pass_letter(struct orl_scene_keeping *k, struct orl_set_letter *letter)
 {
     struct orl_glyph image = {.n = 0};
     struct orl_glyph *own = NULL;
@@ -70,7 +70,7 @@ static void pass_letter(struct orl_keeping *k, struct orl_set_letter *letter)
 }
 
 /* Room for an array in the arena when it is read, else what is there. */
-static void *room(struct orl_keeping *k, const void *there, size_t n, size_t item)
+static void *room(struct orl_scene_keeping *k, const void *there, size_t n, size_t item)
 {
     if (!orl_stream_reads(&k->stream))
         return (void *)(uintptr_t)there;
@@ -82,7 +82,7 @@ static void *room(struct orl_keeping *k, const void *there, size_t n, size_t ite
     return made;
 }
 
-static void pass_line(struct orl_keeping *k, struct orl_lettering_line *line)
+static void pass_line(struct orl_scene_keeping *k, struct orl_lettering_line *line)
 {
     orl_stream_value(&k->stream, &line->n);
     orl_stream_value(&k->stream, &line->width);
@@ -92,7 +92,7 @@ static void pass_line(struct orl_keeping *k, struct orl_lettering_line *line)
     line->letters = letters;
 }
 
-static void pass_text(struct orl_keeping *k, const struct orl_lettering **slot)
+static void pass_text(struct orl_scene_keeping *k, const struct orl_lettering **slot)
 {
     struct orl_lettering *const text = room(k, *slot, 1, sizeof *text);
     if (!text)
@@ -137,7 +137,7 @@ static void pass_image(struct orl_stream *stream, struct orl_pattern *p, bool *h
         *p = image;
 }
 
-static void pass_pattern(struct orl_keeping *k, struct orl_pattern *p)
+static void pass_pattern(struct orl_scene_keeping *k, struct orl_pattern *p)
 {
     struct orl_stream *const stream = &k->stream;
     struct orl_arena *const arena = k->d->arena;
@@ -159,7 +159,7 @@ static void pass_pattern(struct orl_keeping *k, struct orl_pattern *p)
         pass_text(k, &p->text);
 }
 
-static void make_room(struct orl_keeping *k, size_t n)
+static void make_room(struct orl_scene_keeping *k, size_t n)
 {
     struct orl_description *const d = k->d;
     orl_stream_room(&k->stream, &d->patterns, n, sizeof(struct orl_pattern *));
@@ -170,7 +170,7 @@ static void make_room(struct orl_keeping *k, size_t n)
 }
 
 /* They name each other: all are there before any is filled. */
-void orl_keep_patterns(struct orl_keeping *k)
+void orl_keep_patterns(struct orl_scene_keeping *k)
 {
     size_t n = k->d->n_patterns;
     orl_stream_value(&k->stream, &n);

@@ -33,7 +33,7 @@ static uint32_t file_of(const struct orl_description *d, const char *file, uint3
     return *at;
 }
 
-static void write_records(struct orl_keeping *k, const struct orl_surface *surfaces, size_t n)
+static void write_records(struct orl_scene_keeping *k, const struct orl_surface *surfaces, size_t n)
 {
     uint64_t names = 0, outlines = 0;
     uint32_t file = 0;
@@ -58,7 +58,8 @@ static void write_records(struct orl_keeping *k, const struct orl_surface *surfa
     orl_stream_value(&k->stream, &outlines);
 }
 
-static void write_surfaces(struct orl_keeping *k, const struct orl_surface *surfaces, size_t n)
+static void write_surfaces(struct orl_scene_keeping *k, const struct orl_surface *surfaces,
+                           size_t n)
 {
     write_records(k, surfaces, n);
     orl_stream_in_place(&k->stream, NULL, 0);
@@ -123,7 +124,7 @@ static bool fill(const struct orl_description *d, const struct kept_surface *kep
     return true;
 }
 
-static void read_surfaces(struct orl_keeping *k, struct orl_surface **ret_surfaces, size_t n)
+static void read_surfaces(struct orl_scene_keeping *k, struct orl_surface **ret_surfaces, size_t n)
 {
     struct blocks blocks = {.records = NULL};
     if (!find_blocks(&k->stream, n, &blocks))
@@ -138,7 +139,7 @@ static void read_surfaces(struct orl_keeping *k, struct orl_surface **ret_surfac
 
 /* ---- Both ------------------------------------------------------------------------------------ */
 
-void orl_keep_surfaces(struct orl_keeping *k, struct orl_surface **surfaces, size_t *n)
+void orl_keep_surfaces(struct orl_scene_keeping *k, struct orl_surface **surfaces, size_t *n)
 {
     orl_stream_value(&k->stream, n);
     if (orl_stream_reads(&k->stream))
@@ -147,7 +148,7 @@ void orl_keep_surfaces(struct orl_keeping *k, struct orl_surface **surfaces, siz
         write_surfaces(k, *surfaces, *n);
 }
 
-void orl_keep_opposed(struct orl_keeping *k, struct orl_opposed **opposed, size_t *n)
+void orl_keep_opposed(struct orl_scene_keeping *k, struct orl_opposed **opposed, size_t *n)
 {
     orl_stream_value(&k->stream, n);
     orl_stream_array(&k->stream, opposed, *n, sizeof **opposed);

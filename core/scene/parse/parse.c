@@ -141,12 +141,6 @@ int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
                                    : orl_parser_read(parser, scope, file->data, file->size, 0, err);
 }
 
-static bool is_xml(const char *name)
-{
-    const size_t length = strlen(name);
-    return length >= 4 && strcasecmp(name + length - 4, ".xml") == 0;
-}
-
 /* Opens the main files first, so that they lead in files and digest; ret_index tells which is
  * which. */
 static int open_main(struct orl_parser *parser, const char *const *names, size_t count,
@@ -158,7 +152,7 @@ static int open_main(struct orl_parser *parser, const char *const *names, size_t
     for (size_t i = 0; i < count; i++) {
         const size_t before = sources->count;
         int code;
-        if (is_xml(names[i]))
+        if (orl_sources_is_resource(names[i]))
             continue;
         code = orl_sources_find(sources, "", names[i], ret_index + i, err);
         if (code < 0) {
@@ -190,7 +184,7 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
         const struct orl_source *source;
         parser->out->first_surfaces[i] = parser->out->n_surfaces;
         parser->out->n_first_surfaces = i + 1;
-        if (is_xml(names[i]))
+        if (orl_sources_is_resource(names[i]))
             continue;
         source = parser->sources.items + index[i];
         scope.file = source->name;
@@ -236,44 +230,44 @@ static int finish(struct orl_parser *parser, struct orl_error *err)
     return orl_repeats_settle(&parser->repeats, out, err);
 }
 
-int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
-                         const struct orl_bsdf_loader *loader,
-                         struct orl_description *ret_description, struct orl_error *err)
+/* Main files that are open count from where they are named on. */
+static int parse(struct orl_parser *parser, const char *const *names, size_t count, size_t *index,
+                 struct orl_error *err)
+{
+    struct orl_description *const out = parser->out;
+    out->outlines = orl_arena_new();
+    out->first_surfaces =
+        out->arena ? orl_arena_take(out->arena, (count + 1) * sizeof *out->first_surfaces) : NULL;
+    if (!out->outlines || !out->first_surfaces)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_sha256_init(&parser->sources.digest);
+    int code = open_main(parser, names, count, index, err);
+    if (code < 0)
+        return code;
+    out->n_main = parser->sources.count;
+    code = read_main(parser, names, count, index, err);
+    /* Later mistakes may come of what was left out: first things first. */
+    if (parser->refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
+        code != ORL_ERR_LIMIT)
+        code = orl_refusals_tell(&parser->refusals, err);
+    return code == 0 ? finish(parser, err) : code;
+}
+
+int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sources *sources,
+                          struct orl_description *ret_description, struct orl_error *err)
 {
     struct orl_error local = {0};
-    struct orl_description out = {0};
-    struct orl_parser parser = {.out = &out, .void_material = -1};
+    struct orl_description out = {.arena = sources->arena};
+    struct orl_parser parser = {.out = &out, .sources = *sources, .void_material = -1};
     size_t *index = calloc(count ? count : 1, sizeof *index);
-    int code;
     err = err ? err : &local;
-    out.arena = orl_arena_new();
-    out.outlines = orl_arena_new();
-    if (!index || !out.arena || !out.outlines) {
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        goto done;
+    memset(sources, 0, sizeof *sources);
+    const int code = index ? parse(&parser, names, count, index, err)
+                           : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (code == 0) {
+        *ret_description = out;
+        memset(&out, 0, sizeof out);
     }
-    out.first_surfaces = orl_arena_take(out.arena, (count + 1) * sizeof *out.first_surfaces);
-    if (!out.first_surfaces) {
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        goto done;
-    }
-    orl_sources_init(&parser.sources, files, loader, out.arena);
-    code = open_main(&parser, names, count, index, err);
-    if (code < 0)
-        goto done;
-    out.n_main = parser.sources.count;
-    code = read_main(&parser, names, count, index, err);
-    /* Later mistakes may come of what was left out: first things first. */
-    if (parser.refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
-        code != ORL_ERR_LIMIT)
-        code = orl_refusals_tell(&parser.refusals, err);
-    if (code == 0)
-        code = finish(&parser, err);
-    if (code < 0)
-        goto done;
-    *ret_description = out;
-    memset(&out, 0, sizeof out);
-done:
     orl_sources_done(&parser.sources);
     orl_symbols_done(&parser.symbols);
     orl_deferred_done(&parser.deferred);
@@ -289,5 +283,16 @@ done:
 int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
                     struct orl_description *ret_description, struct orl_error *err)
 {
-    return orl_scene_parse_with(names, count, files, NULL, ret_description, err);
+    struct orl_sources sources;
+    orl_sources_init(&sources, files, NULL, orl_arena_new());
+    return orl_scene_parse_begun(names, count, &sources, ret_description, err);
+}
+
+int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
+                         const struct orl_bsdf_loader *loader,
+                         struct orl_description *ret_description, struct orl_error *err)
+{
+    struct orl_sources sources;
+    orl_sources_init(&sources, files, loader, orl_arena_new());
+    return orl_scene_parse_begun(names, count, &sources, ret_description, err);
 }

@@ -22,5 +22,9 @@ int orl_scene_parse(const char *const *names, size_t count, const struct orl_fil
 int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
                          const struct orl_bsdf_loader *loader,
                          struct orl_description *ret_description, struct orl_error *err);
+/* The same by sources of which some of the main files are open, in their order, and nothing else;
+ * they and their arena are taken over, also on failure. */
+int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sources *sources,
+                          struct orl_description *ret_description, struct orl_error *err);
 
 #endif

@@ -3,6 +3,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include <oriel/limits.h>
 
@@ -16,6 +17,12 @@ void orl_sources_init(struct orl_sources *sources, const struct orl_files *files
     sources->loader = loader;
     sources->arena = arena;
     orl_sha256_init(&sources->digest);
+}
+
+bool orl_sources_is_resource(const char *name)
+{
+    const size_t length = strlen(name);
+    return length >= 4 && strcasecmp(name + length - 4, ".xml") == 0;
 }
 
 static void close_item(struct orl_sources *sources, struct orl_source *item)

@@ -55,6 +55,9 @@ void orl_sources_init(struct orl_sources *sources, const struct orl_files *files
                       const struct orl_bsdf_loader *loader, struct orl_arena *arena);
 void orl_sources_done(struct orl_sources *sources);
 
+/* Whether one of the files that a scene is made of is no text of its own: a BSDF's (.xml). */
+bool orl_sources_is_resource(const char *name);
+
 /*
  * Finds a file mentioned as name in a file of that folder ("" for none), or else in the user's
  * library (names that start with '.' or '/' are not looked for there). ret_index is good for
