@@ -10,8 +10,8 @@
  * side is 1 long, by the pixels' aspect, and the outermost pixels' middles lie at the ends. Values
  * are what the file holds, without its EXPOSURE, as Radiance takes them. Pictures may be Radiance's
  * RGBE, or, which Radiance does not know, PNG (decoded to linear light by what the file says of
- * itself, sRGB where it says nothing; what is transparent over black) and OpenEXR (scan lines,
- * channels R G B, or Y).
+ * itself, sRGB where it says nothing; what is transparent over black), TIFF (the same; floats and
+ * LogLuv as they are) and OpenEXR (scan lines, channels R G B, or Y).
  *
  * Bytes may be anybody's: sizes are bounded before memory is asked for. Units: the file's.
  * Ownership: a grid holds all that it needs. Threads: immutable once read.
@@ -42,7 +42,8 @@ struct orl_grid {
     size_t source; /* which of the scene's files it is; its reader's */
 };
 
-/* A data file, a luminaire's (ies.h), or a picture of spectra. ORL_ERR_SYNTAX, with file and line; ORL_ERR_LIMIT, _NOMEM.
+/* A data file, a luminaire's (ies.h), or a picture of spectra. ORL_ERR_SYNTAX, with file and line;
+ * ORL_ERR_LIMIT, _NOMEM.
  */
 int orl_grid_read_data(const char *name, const char *text, size_t size, struct orl_grid **ret_grid,
                        struct orl_error *err);
@@ -59,11 +60,13 @@ int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, doub
 /* The values of a pixel: from the left, from the top. */
 float *orl_grid_pixel(struct orl_grid *grid, uint32_t x, uint32_t y);
 
-/* picture_png.c, picture_exr.c. */
+/* picture_png.c, picture_exr.c, picture_tiff.c. */
 int orl_grid_read_png(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
                       struct orl_error *err);
 int orl_grid_read_exr(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
                       struct orl_error *err);
+int orl_grid_read_tiff(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
+                       struct orl_error *err);
 
 /* picture_spectra.c: a picture of spectra, as a grid of one channel: to the right, upwards, by
  * wavelength in nm. */

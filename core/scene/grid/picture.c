@@ -62,14 +62,18 @@ int orl_grid_read_picture(const char *name, const void *data, size_t size,
                           struct orl_grid **ret_grid, struct orl_error *err)
 {
     static const unsigned char png[] = {0x89, 'P', 'N', 'G'}, exr[] = {0x76, 0x2f, 0x31, 0x01};
+    static const char *const tiff[] = {"II*\0", "MM\0*", "II+\0", "MM\0+"}; /* and BigTIFF */
     if (size >= 2 && memcmp(data, "#?", 2) == 0)
         return read_hdr(name, data, size, ret_grid, err);
     if (size >= sizeof png && memcmp(data, png, sizeof png) == 0)
         return orl_grid_read_png(name, data, size, ret_grid, err);
     if (size >= sizeof exr && memcmp(data, exr, sizeof exr) == 0)
         return orl_grid_read_exr(name, data, size, ret_grid, err);
+    for (int i = 0; i < 4; i++)
+        if (size >= 4 && memcmp(data, tiff[i], 4) == 0)
+            return orl_grid_read_tiff(name, data, size, ret_grid, err);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                  "a picture is Radiance's, PNG or OpenEXR: this is none of them");
+                  "a picture is Radiance's, PNG, TIFF or OpenEXR: this is none of them");
     orl_error_at(err, name, 0, NULL);
     return ORL_ERR_UNSUPPORTED;
 }
