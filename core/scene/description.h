@@ -192,7 +192,8 @@ struct orl_opposed {
 };
 
 /* Surfaces that stand in several places, and are kept once: as they stand in the first of them. All
- * are matt plastic or metal with no pattern and no texture. */
+ * are matt plastic or metal, or trans that spreads all light evenly, with no pattern and no
+ * texture. */
 struct orl_prototype {
     struct orl_surface *surfaces; /* as orl_description's, and so are the labels */
     size_t n_surfaces;

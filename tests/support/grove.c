@@ -22,11 +22,15 @@ static double uniform(struct orl_random *random, double low, double high)
     return low + (high - low) * orl_random_uniform(random);
 }
 
-/* Leaves anywhere in a box of 2 x 2 x 3, of two colours. */
-static void add_triangle(FILE *f, struct orl_random *r, size_t number)
+/* Leaves anywhere in a box of 2 x 2 x 3, of two colours; some let light through. */
+static void add_triangle(FILE *f, struct orl_random *r, size_t number, bool blades)
 {
     const double x = uniform(r, -1, 1), y = uniform(r, -1, 1), z = uniform(r, 0, 3);
-    fprintf(f, "%s polygon leaf%zu 0 0 9", number % 3 == 0 ? "bark" : "leaf", number);
+    fprintf(f, "%s polygon leaf%zu 0 0 9",
+            number % 3 == 0             ? "bark"
+            : blades && number % 4 == 1 ? "blade"
+                                        : "leaf",
+            number);
     for (int i = 0; i < 3; i++)
         fprintf(f, " %.9g %.9g %.9g", x + uniform(r, -0.3, 0.3), y + uniform(r, -0.3, 0.3),
                 z + uniform(r, -0.3, 0.3));
@@ -48,16 +52,17 @@ static void add_round(FILE *f, struct orl_random *r, size_t number)
                 uniform(r, -1, 1), uniform(r, -1, 1));
 }
 
-static char *make_tree(size_t triangles, size_t rounds)
+static char *make_tree(size_t triangles, size_t rounds, bool blades)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_PILOT, 7);
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     assert_non_null(f);
-    fprintf(f, "void plastic bark 0 0 5 .4 .3 .2 0 0\nvoid plastic leaf 0 0 5 .1 .4 .1 0 0\n");
+    fprintf(f, "void plastic bark 0 0 5 .4 .3 .2 0 0\nvoid plastic leaf 0 0 5 .1 .4 .1 0 0\n"
+               "void trans blade 0 0 7 .2 .6 .2 0 0 .5 0\n");
     for (size_t i = 0; i < triangles; i++)
-        add_triangle(f, &random, i);
+        add_triangle(f, &random, i, blades);
     for (size_t i = 0; i < rounds; i++)
         add_round(f, &random, i);
     assert_int_equal(fclose(f), 0);
@@ -141,7 +146,13 @@ static void make_octree(struct grove_octree *octree, const char *name)
 
 void grove_init(struct grove *grove, size_t triangles, size_t rounds, size_t places)
 {
-    grove->tree = make_tree(triangles, rounds);
+    grove_init_with(grove, triangles, rounds, places, false);
+}
+
+void grove_init_with(struct grove *grove, size_t triangles, size_t rounds, size_t places,
+                     bool blades)
+{
+    grove->tree = make_tree(triangles, rounds, blades);
     grove->shared = make_scene(places, true);
     grove->expanded = make_scene(places, false);
     make_octree(&grove->octree, "tree.rad");

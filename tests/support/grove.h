@@ -27,6 +27,9 @@ struct grove {
 
 /* triangles: of the tree; rounds: balls and cones besides; free by grove_done. */
 void grove_init(struct grove *grove, size_t triangles, size_t rounds, size_t places);
+/* blades: some triangles let light through, evenly. */
+void grove_init_with(struct grove *grove, size_t triangles, size_t rounds, size_t places,
+                     bool blades);
 void grove_done(struct grove *grove);
 
 /* Reads one of the scenes, or a text that names tree.rad, tree.oct, pair.oct, or once.rad, which

@@ -384,7 +384,9 @@ static void test_fitness(void **state)
         {"void plastic m 0 0 5 .5 .5 .5 .1 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
         {"void glass m 0 0 3 .5 .5 .5\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
         {"void light m 0 0 3 5 5 5\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
-        {"void trans m 0 0 7 .5 .5 .5 0 0 .5 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
+        {"void trans m 0 0 7 .5 .5 .5 0 0 .5 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 1},
+        {"void trans m 0 0 7 .5 .5 .5 0 0 .5 .1\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
+        {"void trans m 0 0 7 .5 .5 .5 .1 0 .5 0\nm sphere s 0 0 4 0 0 0 1\n", 4, 0},
         {"void light m 0 0 3 5 5 5\nm source s 0 0 4 0 0 1 1\n", 4, 0},
         {"void brightfunc f 2 Px . 0 0\nf plastic m 0 0 5 .5 .5 .5 0 0\n"
          "m sphere s 0 0 4 0 0 0 1\n",
@@ -542,7 +544,8 @@ static size_t scene_bytes(size_t triangles, size_t places)
         const size_t before = resident_bytes();
         struct orl_scene *const scene = scene_of(&grove, grove.shared);
         bytes = resident_bytes() - before;
-        if (scene->geometry->n_placed != places || scene->n_read != 1 + triangles * places ||
+        if (scene->geometry->n_placed != places ||
+            scene->description.n_read != 1 + triangles * places ||
             scene->geometry->prototypes[0]->n_facets != triangles)
             bytes = 0;
         _exit(write(ends[1], &bytes, sizeof bytes) == sizeof bytes ? 0 : 1);

@@ -55,16 +55,17 @@ struct set_up {
     const char *around;
     const struct orl_sensor *sensors;
     const char *view;
+    bool blades; /* of surfaces of their own some that face the sky would be windows */
 };
 
 static const struct set_up set_ups[] = {
-    {hall, hall_sensors, "-vtv -vp 2 -3 0 -vd 1 0.6 0.1 -vu 0 0 1 -vh 80 -vv 64"},
-    {room, room_sensors, "-vtv -vp 12 -12 1.5 -vd 0 1 0 -vu 0 0 1 -vh 80 -vv 64"}};
+    {hall, hall_sensors, "-vtv -vp 2 -3 0 -vd 1 0.6 0.1 -vu 0 0 1 -vh 80 -vv 64", true},
+    {room, room_sensors, "-vtv -vp 12 -12 1.5 -vd 0 1 0 -vu 0 0 1 -vh 80 -vv 64", false}};
 
 static void write_set_up(const struct set_up *set_up)
 {
     struct grove grove;
-    grove_init(&grove, GROVE_TRIANGLES, GROVE_ROUND, GROVE_PLACES);
+    grove_init_with(&grove, GROVE_TRIANGLES, GROVE_ROUND, GROVE_PLACES, set_up->blades);
     grove_write(&grove, scratch_path(""));
     cli_write_file(scratch_path(""), "around.rad", set_up->around);
     grove_done(&grove);

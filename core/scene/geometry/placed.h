@@ -4,7 +4,7 @@
  *
  * Numbers: facets and triangles of a place follow those of the scene itself and of the places
  * before. Most of them have nothing of their own: orl_facet_of is the prototype's, whose kind and
- * material hold; orl_facet_at is as it stands. They are no lamps, windows or mirrors, and have
+ * material hold; orl_facet_at is as it stands. They are no lamps, clear panes or mirrors, and have
  * neither patterns nor textures; arrays by facet are of the scene's own alone.
  */
 #ifndef ORL_SCENE_GEOMETRY_PLACED_H

@@ -73,9 +73,12 @@ int orl_repeats_place(struct orl_parser *parser, const struct orl_repeat_key *ke
     return 1;
 }
 
+/* Matt, or as a leaf is: what gets through is spread evenly, too. */
 static bool is_plain(const struct orl_material *m)
 {
-    return orl_material_is_matt(m) && !m->pattern && !m->texture;
+    const bool leaf =
+        m->kind == ORL_MATERIAL_TRANS && m->specular == 0 && m->transmitted_specular == 0;
+    return (orl_material_is_matt(m) || leaf) && !m->pattern && !m->texture;
 }
 
 static bool is_fit(const struct orl_parser *parser, const struct orl_repeat_mark *before)
