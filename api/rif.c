@@ -15,6 +15,7 @@ struct reading {
     json_t *lists[4];            /* owned: materials, illum, scene; the last is of views */
     json_t *left_out, *commands; /* owned */
     int width, height;
+    double aspect;     /* of views' pixels; 0: what the size makes of it */
     bool backs_unseen; /* of views: rpict's -bv- */
     struct orl_error *err;
 };
@@ -154,18 +155,25 @@ static int add_view(struct reading *r, char *value)
                : 0;
 }
 
+static bool is_blank(const char *text)
+{
+    return text[strspn(text, " \t\r")] == '\0';
+}
+
+/* "WIDTH [HEIGHT [ASPECT]]" */
 static int set_size(struct reading *r, char *value)
 {
     char *end;
     const long width = strtol(value, &end, 10);
-    const bool one = end[strspn(end, " \t\r")] == '\0';
-    const long height = one ? width : strtol(end, &end, 10);
-    if (width < 1 || width > MOST_SIDE || height < 1 || height > MOST_SIDE ||
-        end[strspn(end, " \t\r")])
+    const long height = is_blank(end) ? width : strtol(end, &end, 10);
+    const double aspect = is_blank(end) ? 1 : strtod(end, &end);
+    if (width < 1 || width > MOST_SIDE || height < 1 || height > MOST_SIDE || !is_blank(end) ||
+        !(aspect == 0 || (aspect >= 1e-3 && aspect <= 1e3)))
         return fail(r, ORL_ERR_SYNTAX, "this is no resolution", value,
-                    "One or two numbers are wanted, from 1 to 16384");
+                    "One or two numbers from 1 to 16384 are wanted, or a third: pixels' aspect");
     r->width = (int)width;
     r->height = (int)height;
+    r->aspect = aspect;
     return 0;
 }
 
@@ -244,6 +252,8 @@ static json_t *make_project(struct reading *r)
     {
         json_object_set_new(view, "width", json_integer(r->width));
         json_object_set_new(view, "height", json_integer(r->height));
+        if (r->aspect != 1)
+            json_object_set_new(view, "pixel_aspect", json_real(r->aspect));
         if (r->backs_unseen) {
             const char *const options = json_string_value(json_object_get(view, "view"));
             json_object_set_new(view, "view", json_sprintf("%s -bv-", options ? options : ""));
@@ -259,7 +269,7 @@ static json_t *make_project(struct reading *r)
 int orl_rif_read(const char *name, const char *text, size_t size, json_t **ret_project,
                  struct orl_error *err)
 {
-    struct reading r = {.name = name, .width = SIDE, .height = SIDE, .err = err};
+    struct reading r = {.name = name, .width = SIDE, .height = SIDE, .aspect = 1, .err = err};
     char *line = malloc(LINE_SIZE);
     int rc = line ? 0 : no_memory(&r);
     for (size_t i = 0; i < 4; i++)

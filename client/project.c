@@ -228,6 +228,16 @@ void orl_project_done(struct orl_project_place *place)
 
 /* ---- Into documents -------------------------------------------------------------------------- */
 
+/* Square pixels, or those that the project asks for; any, where it asks for exactly a size. */
+static void set_pixel_aspect(json_t *view)
+{
+    const json_t *const own = json_object_get(view, "pixel_aspect");
+    if (!own)
+        json_object_set_new(view, "pixel_aspect", json_integer(1));
+    else if (json_number_value(own) == 0)
+        json_object_del(view, "pixel_aspect");
+}
+
 static json_t *views_of(const json_t *project)
 {
     json_t *views = json_array(), *view;
@@ -237,7 +247,7 @@ static json_t *views_of(const json_t *project)
     {
         if (json_object_get(view, "width")) { /* it has its size */
             json_array_append(views, view);
-            json_object_set_new(view, "pixel_aspect", json_integer(1));
+            set_pixel_aspect(view);
             continue;
         }
         json_array_append_new(views, json_pack("{s:O, s:O, s:i, s:i, s:i}", "name",

@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,6 +69,30 @@ static void test_backs_are_unseen_where_rpict_is_told_so(void **state)
     json_decref(project);
 }
 
+/* Pictures fit a size with square pixels if nothing else is said. */
+static void test_pixels_have_the_aspect_asked_for(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *resolution, *wanted;
+    } cases[] = {
+        {"640 480 1", "[{\"name\":\"a\",\"view\":\"-vth\",\"width\":640,\"height\":480}]"},
+        {"640 480 0 ", "[{\"name\":\"a\",\"view\":\"-vth\",\"width\":640,\"height\":480,"
+                       "\"pixel_aspect\":0.0}]"},
+        {"640 480 1.25\r", "[{\"name\":\"a\",\"view\":\"-vth\",\"width\":640,\"height\":480,"
+                           "\"pixel_aspect\":1.25}]"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[128];
+        json_t *project = NULL;
+        struct orl_error err = {0};
+        snprintf(text, sizeof text, "scene= a.rad\nRES= %s\nview= a -vth\n", cases[i].resolution);
+        assert_int_equal(orl_rif_read("a.rif", text, strlen(text), &project, &err), 0);
+        assert_member(project, "views", cases[i].wanted);
+        json_decref(project);
+    }
+}
+
 static void assert_refused(const char *text, int line, const char *why)
 {
     json_t *project = NULL;
@@ -88,6 +113,8 @@ static void test_what_makes_no_scene_is_refused(void **state)
     assert_refused("= a\n", 1, "a name is missing");
     assert_refused("RES= wide\n", 1, "no resolution");
     assert_refused("RES= 400 300 times\n", 1, "no resolution");
+    assert_refused("RES= 400 300 -1\n", 1, "no resolution");
+    assert_refused("RES= 400 300 1 1\n", 1, "no resolution");
     assert_refused("scene= \"\"\n", 1, "no name");
     assert_refused("mat= a.mat\n", 1, "no scene files");
 }
@@ -98,6 +125,7 @@ int main(void)
         cmocka_unit_test(test_materials_come_first),
         cmocka_unit_test(test_commands_become_files),
         cmocka_unit_test(test_backs_are_unseen_where_rpict_is_told_so),
+        cmocka_unit_test(test_pixels_have_the_aspect_asked_for),
         cmocka_unit_test(test_what_makes_no_scene_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
