@@ -168,6 +168,10 @@ static const struct bad bad_scenes[] = {
     {"\n!cat /etc/passwd\n", ORL_ERR_NOT_FOUND, 2, "!cat /etc/passwd", "no file named"},
     {"!genbox red b 1 1 1 > x\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1 > x", "'>'"},
     {"!genbox red b 1 1 1; rm x\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1; rm x", "';'"},
+    {"!cat *.rad\n", ORL_ERR_UNSUPPORTED, 1, "!cat *.rad", "'*'"},
+    {"!xform -rx 9 a?.rad\n", ORL_ERR_UNSUPPORTED, 1, "!xform -rx 9 a?.rad", "'?'"},
+    {"!genrev red b t*2 1 4 | xform *.rad\n", ORL_ERR_UNSUPPORTED, 1,
+     "!genrev red b t*2 1 4 | xform *.rad", "'*'"},
     {"!genbox red `id` 1 1 1\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red `id` 1 1 1", "'`'"},
     {"!genbox red \"$(id)\" 1 1 1\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red \"$(id)\" 1 1 1", "'$'"},
     {"!genbox red b 1 1 1 | tac\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1 | tac", "'tac'"},
@@ -412,6 +416,17 @@ static void test_refusals_without_end(void **state)
     assert_string_equal(err.message + strlen(err.message) - 3, "...");
 }
 
+/* Blanks between '!' and the command's name are no part of a kind. */
+static void test_refusals_of_commands_with_a_blank(void **state)
+{
+    static const char text[] = "!  cat *.rad\n! genless\nvoid no m 0 0 0\n";
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "1 x !cat (first at a.rad:1), 1 x !genless (first"));
+    assert_non_null(strstr(err.hint, "!cat: run it beforehand"));
+}
+
 /* A file without text is said, and no error unless all are. */
 static void test_empty_file_beside(void **state)
 {
@@ -583,6 +598,7 @@ int main(void)
         cmocka_unit_test(test_refusals_together),
         cmocka_unit_test(test_refusals_alike),
         cmocka_unit_test(test_refusals_without_end),
+        cmocka_unit_test(test_refusals_of_commands_with_a_blank),
         cmocka_unit_test(test_unused),
         cmocka_unit_test(test_refusals_unused),
         cmocka_unit_test(test_windows_paths),

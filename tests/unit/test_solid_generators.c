@@ -151,6 +151,26 @@ static void test_words(void **state)
         check(&expected[i]);
 }
 
+/* Formulas without quotes: no shell finds a file by them, and hands them on as they are. */
+static void test_formulas_need_no_quotes(void **state)
+{
+    static const char *const pairs[][2] = {
+        {"genrev m n t*1.5 .1 3", "genrev m n 't*1.5' '.1' 3"},
+        {"genworm m n t*2 t*t 0 .1+t*.2 4", "genworm m n 't*2' 't*t' 0 '.1+t*.2' 4"},
+        {"gensurf m n s 2*t s*t 2 2", "gensurf m n 's' '2*t' 's*t' 2 2"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        struct orl_text bare = {0}, quoted = {0};
+        struct orl_error err = {0};
+        assert_int_equal(run(pairs[i][0], &bare, &err), 0);
+        assert_int_equal(run(pairs[i][1], &quoted, &err), 0);
+        assert_string_equal(strchr(bare.data, '\n'), strchr(quoted.data, '\n'));
+        orl_text_done(&bare);
+        orl_text_done(&quoted);
+    }
+}
+
 /* ---- Refused --------------------------------------------------------------------------------- */
 
 static const struct {
@@ -224,6 +244,7 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_words),
+                                       cmocka_unit_test(test_formulas_need_no_quotes),
                                        cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

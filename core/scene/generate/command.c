@@ -33,8 +33,9 @@ static int refuse(struct orl_error *err, char c)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Copies one word to *to without its quotes, and moves *line behind it. */
-static int copy_word(const char **line, char **to, struct orl_error *err)
+/* Copies one word to *to without its quotes, and moves *line behind it. Of a formula '*' is a sign:
+ * a shell leaves it as it is, for no file is named like that. */
+static int copy_word(const char **line, char **to, bool formula, struct orl_error *err)
 {
     const char *at = *line;
     char quote = '\0', *start = *to;
@@ -45,7 +46,8 @@ static int copy_word(const char **line, char **to, struct orl_error *err)
         }
         if (quote != '\'' && strchr("$`", *at))
             return refuse(err, *at);
-        if (!quote && (strchr(";&<>*?[]{}()", *at) || (*to == start && strchr("~#", *at))))
+        if (!quote && !(formula && *at == '*') &&
+            (strchr(";&<>*?[]{}()", *at) || (*to == start && strchr("~#", *at))))
             return refuse(err, *at);
         if (*at == '\\' && quote != '\'' && at[1] && !is_of_name(at[1]))
             at++;
@@ -68,6 +70,13 @@ static int end_stage(struct orl_command *command, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_LIMIT, "the pipeline has too many commands");
     command->start[command->n_stages] = command->n_words;
     return 0;
+}
+
+/* Generators take formulas; other commands take files. */
+static bool is_generator(const struct orl_command *command)
+{
+    const size_t first = command->start[command->n_stages];
+    return first < command->n_words && strncmp(command->words[first], "gen", 3) == 0;
 }
 
 int orl_command_split(struct orl_command *command, const char *line, struct orl_error *err)
@@ -94,8 +103,9 @@ int orl_command_split(struct orl_command *command, const char *line, struct orl_
             at++;
             continue;
         }
+        const bool formula = is_generator(command);
         command->words[command->n_words++] = to;
-        code = copy_word(&at, &to, err);
+        code = copy_word(&at, &to, formula, err);
     }
     if (code == 0)
         code = end_stage(command, err);

@@ -1,7 +1,8 @@
 /*
  * A '!' line cut into words and pipeline stages, by the rules a shell would use for plain words:
  * blanks separate, quotes join, a backslash keeps the next character. Anything that would need a
- * shell (redirection, ';', '&', '$', '`', wildcards) is refused: nothing is ever started.
+ * shell (redirection, ';', '&', '$', '`', wildcards) is refused: nothing is ever started. In what
+ * generators (gen...) are told '*' is no wildcard, but multiplies.
  */
 #ifndef ORL_SCENE_GENERATE_COMMAND_H
 #define ORL_SCENE_GENERATE_COMMAND_H

@@ -1,5 +1,6 @@
 #include "scene/parse/refusals.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -7,9 +8,11 @@
 void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err)
 {
     struct orl_refusal refusal = {.count = 1, .first = *err};
-    const size_t length = strcspn(err->primitive, " ");
-    snprintf(refusal.kind, sizeof refusal.kind, "%.*s", (int)(length < 40 ? length : 40),
-             err->primitive);
+    const bool command = err->primitive[0] == '!';
+    const char *const word = err->primitive + command + strspn(err->primitive + command, " \t");
+    const size_t length = strcspn(word, " ");
+    snprintf(refusal.kind, sizeof refusal.kind, "%s%.*s", command ? "!" : "",
+             (int)(length < 38 ? length : 38), word);
     for (size_t i = 0; i < refusals->n; i++) {
         struct orl_refusal *known = &refusals->kinds[i];
         if (strcmp(known->kind, refusal.kind) == 0 &&
