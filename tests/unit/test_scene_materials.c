@@ -73,6 +73,29 @@ static void test_clear_materials(void **state)
     orl_description_done(&d);
 }
 
+/* A window that is told as a mirror, lest Radiance miss the suns in it, is its glass. */
+static void test_mirrors_are_what_they_are_seen_as(void **state)
+{
+    struct orl_description d =
+        scene_parse_text("void glass g 0 0 3 .9 .8 .7\n"
+                         "void brightfunc f 2 1-abs(Rdot) . 0 0\n"
+                         "f mirror m 1 g 0 3 1 1 1\n"
+                         "void mirror gone 1 void 0 3 1 1 1\n"
+                         "m ring a 0 0 8 0 0 0 0 0 1 0 1\ngone ring b 0 0 8 0 0 2 0 0 1 0 1\n",
+                         NULL, NULL);
+    (void)state;
+    assert_int_equal(d.n_surfaces, 1);
+    const struct orl_material *const m = d.materials + d.surfaces[0].material;
+    assert_int_equal(m->kind, ORL_MATERIAL_GLASS);
+    assert_true(same_rgb(m->transmissivity, d.materials[0].transmissivity.r,
+                         d.materials[0].transmissivity.g, d.materials[0].transmissivity.b));
+    assert_null(m->pattern);
+    assert_int_equal(d.n_warnings, 3); /* two mirrors, and what void modifies */
+    assert_non_null(strstr(d.warnings[0], "mirror m at"));
+    assert_non_null(strstr(d.warnings[0], "it is 'g'"));
+    orl_description_done(&d);
+}
+
 static void test_lights(void **state)
 {
     struct orl_description d = scene_parse_text("void glass g 0 0 3 .9 .9 .9\n"
@@ -201,9 +224,13 @@ static void test_bytes_of_bsdfs(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reflectors),     cmocka_unit_test(test_clear_materials),
-        cmocka_unit_test(test_lights),         cmocka_unit_test(test_warnings),
-        cmocka_unit_test(test_transforms),     cmocka_unit_test(test_every_type_has_an_answer),
+        cmocka_unit_test(test_reflectors),
+        cmocka_unit_test(test_clear_materials),
+        cmocka_unit_test(test_mirrors_are_what_they_are_seen_as),
+        cmocka_unit_test(test_lights),
+        cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_every_type_has_an_answer),
         cmocka_unit_test(test_bytes_of_bsdfs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -72,9 +72,8 @@ bool orl_material_is_patterned(enum orl_material_kind kind, bool directed)
     }
 }
 
-/* The material that its string argument names, for views: that, or what that is seen as. */
-static int find_alternate(struct orl_parser *parser, const struct orl_scope *scope,
-                          int32_t *ret_seen_as, struct orl_error *err)
+int orl_material_alternate(struct orl_parser *parser, const struct orl_scope *scope,
+                           int32_t *ret_seen_as, struct orl_error *err)
 {
     const char *name = orl_primitive_string(&parser->primitive, 0);
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
@@ -156,8 +155,8 @@ static void bound_reflector(struct orl_parser *parser, const struct orl_scope *s
 }
 
 /* Transmissivity, or a mirror's reflectance: 1 is all of it. */
-static void bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
-                        struct orl_rgb *share)
+void orl_material_bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_rgb *share)
 {
     lift_rgb(parser, scope, share);
     if (bound_rgb(share, nextafter(1, 2), 1))
@@ -296,7 +295,7 @@ int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *s
         return code;
     material->transmissivity = orl_material_rgb(parser, 0);
     material->ior = has_index ? parser->primitive.reals[3] : 1.52;
-    bound_clear(parser, scope, &material->transmissivity);
+    orl_material_bound_clear(parser, scope, &material->transmissivity);
     code = orl_material_share(parser, scope, material->transmissivity, true, "transmissivity", err);
     if (code == ORL_ERR_RANGE)
         orl_error_hint(err, "transmissivity excludes reflection: clear glass that transmits 0.88 "
@@ -372,27 +371,6 @@ int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *sc
     return 0;
 }
 
-int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
-                             struct orl_material *material, struct orl_error *err)
-{
-    const size_t n_strings = parser->primitive.n_strings;
-    int32_t instead = ORL_SEEN_AS_ITSELF;
-    int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
-    if (code == 0 && n_strings > 0)
-        code = find_alternate(parser, scope, &instead, err);
-    if (code < 0)
-        return code;
-    material->color = orl_material_rgb(parser, 0);
-    if (instead != ORL_SEEN_AS_ITSELF)
-        orl_parser_warn(parser,
-                        "mirror %.100s at %.200s:%d: it is a mirror for all light and every view, "
-                        "not '%.100s'",
-                        parser->primitive.id, scope->file, parser->primitive.line,
-                        orl_primitive_string(&parser->primitive, 0));
-    bound_clear(parser, scope, &material->color);
-    return orl_material_share(parser, scope, material->color, true, "reflectance", err);
-}
-
 /* ---- Lights ---------------------------------------------------------------------------------- */
 
 static int check_radiance(struct orl_parser *parser, const struct orl_scope *scope,
@@ -425,7 +403,7 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
     material->seen_as = ORL_SEEN_AS_NOTHING;
     if (code == 0 && n_strings > 0)
-        code = find_alternate(parser, scope, &material->seen_as, err);
+        code = orl_material_alternate(parser, scope, &material->seen_as, err);
     if (code < 0)
         return code;
     material->color = orl_material_rgb(parser, 0);

@@ -24,8 +24,6 @@ int orl_material_read_dielectric(struct orl_parser *parser, const struct orl_sco
                                  struct orl_material *material, struct orl_error *err);
 int orl_material_read_interface(struct orl_parser *parser, const struct orl_scope *scope,
                                 struct orl_material *material, struct orl_error *err);
-int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
-                             struct orl_material *material, struct orl_error *err);
 int orl_material_read_light(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err);
 int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *scope,
@@ -42,6 +40,10 @@ int orl_parser_mix_under(struct orl_parser *parser, const struct orl_scope *scop
 
 int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err);
+
+/* mirror_material.c */
+int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
+                             struct orl_material *material, struct orl_error *err);
 
 /* wgmd_material.c */
 int orl_material_read_wgmd(struct orl_parser *parser, const struct orl_scope *scope,
@@ -70,6 +72,16 @@ int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *sc
 
 /* What a pattern may lie on; and of what it may depend on the direction there. */
 bool orl_material_is_patterned(enum orl_material_kind kind, bool directed);
+
+/* The material that the first string argument names, for views: that, or what that is seen as, or
+ * ORL_SEEN_AS_NOTHING. */
+int orl_material_alternate(struct orl_parser *parser, const struct orl_scope *scope,
+                           int32_t *ret_seen_as, struct orl_error *err);
+
+/* Of a transmissivity, or a mirror's reflectance: what exceeds 1 by a little is 1, with a warning.
+ */
+void orl_material_bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_rgb *c);
 
 /* Three number arguments from index i on. */
 struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i);
