@@ -416,6 +416,26 @@ static void test_refusals_without_end(void **state)
     assert_string_equal(err.message + strlen(err.message) - 3, "...");
 }
 
+/* What gains light says which of its numbers add up to too much. */
+static void test_gain_of_glazing(void **state)
+{
+    struct orl_error err = {0};
+    (void)state;
+    static const char *const texts[2][2] = {
+        {"void BRTDfunc g 10 .1 .1 .1 .1 .1 .1 0 0 0 . 0 9 .5 .5 .7 0 0 0 0 0 .2\n", "first three"},
+        {"void BRTDfunc g 10 .1 .1 .1 .1 .1 .1 0 0 0 . 0 9 0 0 0 .5 .5 .7 0 0 .2\n",
+         "second three"},
+    };
+    for (int i = 0; i < 2; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "%sg sphere s 0 0 4 0 0 0 1\n", texts[i][0]);
+        assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_RANGE);
+        assert_non_null(strstr(err.message, "it returns 1.1 of the light, more than all"));
+        assert_non_null(strstr(err.hint, texts[i][1]));
+        assert_int_equal(err.line, 1);
+    }
+}
+
 /* Blanks between '!' and the command's name are no part of a kind. */
 static void test_refusals_of_commands_with_a_blank(void **state)
 {
@@ -598,6 +618,7 @@ int main(void)
         cmocka_unit_test(test_refusals_together),
         cmocka_unit_test(test_refusals_alike),
         cmocka_unit_test(test_refusals_without_end),
+        cmocka_unit_test(test_gain_of_glazing),
         cmocka_unit_test(test_refusals_of_commands_with_a_blank),
         cmocka_unit_test(test_unused),
         cmocka_unit_test(test_refusals_unused),

@@ -24,6 +24,18 @@ static bool any_of(const struct orl_parser *parser, size_t first, size_t n)
     return false;
 }
 
+static int refuse_gain(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
+                       double sum, struct orl_error *err)
+{
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                    "at a cosine of %g it returns %g of the light, more than all", cosine, sum);
+    orl_error_hint(err,
+                   "what it mirrors, lets pass and spreads evenly (%s of the nine numbers, and "
+                   "the last three) are to add up to 1 at most in each colour",
+                   cosine > 0 ? "the first three" : "the second three");
+    return ORL_ERR_RANGE;
+}
+
 /* At one angle: all that it does with light, which is to be no more than 1, but at grazing. */
 static int look(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
                 struct orl_material *m, double *most, struct orl_error *err)
@@ -41,9 +53,7 @@ static int look(struct orl_parser *parser, const struct orl_scope *scope, double
         const double mirrored = fmax(to[c], 0), straight = fmax(behind[3 + c], 0);
         const double sum = mirrored + straight + evenly[c];
         if (evenly[c] > 1 || (sum > 1 + slack && fabs(cosine) > grazing))
-            return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                                   "at a cosine of %g it returns %g of the light, more than all",
-                                   cosine, sum);
+            return refuse_gain(parser, scope, cosine, sum, err);
         *most = fmax(*most, sum);
         m->transmitted = fmax(m->transmitted, straight);
     }
