@@ -196,6 +196,18 @@ static double value_at_knot(const struct orl_fit_knots *k, size_t i)
     return value_by(k, near, away2, ORL_FIT_NEIGHBOURS);
 }
 
+/* Where knots of large cells stand beside much that is small, corrections would dig holes: none
+ * goes below half of what the darkest knot about has. */
+static float least_about(const struct orl_fit_knots *k, size_t i)
+{
+    float least = k->knots[i].value;
+    for (unsigned j = 1; j < ORL_FIT_NEIGHBOURS; j++) {
+        const float value = k->knots[k->near[i * ORL_FIT_NEIGHBOURS + j]].value;
+        least = value < least ? value : least;
+    }
+    return least > 0 ? 0.5F * least : least;
+}
+
 static bool correct(struct orl_fit_knots *k)
 {
     float *off = malloc(k->n * sizeof *off);
@@ -206,8 +218,10 @@ static bool correct(struct orl_fit_knots *k)
     for (int round = 0; round < CORRECTIONS; round++) {
         for (size_t i = 0; i < k->n; i++)
             off[i] = (float)((double)k->knots[i].value - value_at_knot(k, i));
-        for (size_t i = 0; i < k->n; i++)
-            k->knots[i].coefficient += off[i];
+        for (size_t i = 0; i < k->n; i++) {
+            const float to = k->knots[i].coefficient + off[i], least = least_about(k, i);
+            k->knots[i].coefficient = to > least ? to : least;
+        }
     }
     free(off);
     return true;
