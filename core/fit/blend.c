@@ -5,137 +5,77 @@
 
 #include "base/grow.h"
 
-/* ---- Plans ----------------------------------------------------------------------------------- */
-
-/* Nothing moves by more than so many times what the light that comes moved by, or 10 degrees. */
-static const double farthest_times = 2.5, farthest_least = 10 * ORL_DEG_TO_RAD;
 /* Of all light: a corner that has less of a say is left out, a ray that carries less is none. */
 static const double least_weight = 1e-6, least_ray = 1e-9;
-
-bool orl_fit_plans_want(struct orl_fit_plans *plans, const struct orl_fit_place *place)
-{
-    for (unsigned i = 0; i < place->count; i++)
-        for (unsigned j = 0; j < place->count; j++) {
-            if (place->corner[i] >= place->corner[j])
-                continue;
-            if (!orl_grow(&plans->edges, &plans->room, plans->n, sizeof *plans->edges))
-                return false;
-            plans->edges[plans->n++] =
-                (struct orl_fit_edge){.a = place->corner[i], .b = place->corner[j]};
-        }
-    return true;
-}
-
-static int compare_edges(const void *a, const void *b)
-{
-    const struct orl_fit_edge *x = a, *y = b;
-    return x->a != y->a ? (x->a < y->a ? -1 : 1) : (x->b > y->b) - (x->b < y->b);
-}
-
-struct making {
-    struct orl_fit_plans *plans;
-    const struct orl_fit_mesh *mesh;
-    const atomic_bool *cancel;
-};
-
-static void make_edge(void *arg, size_t index, uint32_t member)
-{
-    const struct making *m = arg;
-    struct orl_fit_edge *edge = &m->plans->edges[index];
-    const struct orl_fit_shape *a = m->mesh->shapes[edge->a], *b = m->mesh->shapes[edge->b];
-    const double moved = orl_length(orl_sub(a->in, b->in));
-    (void)member;
-    for (int kind = 0; kind < ORL_FIT_KINDS && edge->code == 0; kind++)
-        edge->code = orl_fit_plan_make(&a->parts[kind], &b->parts[kind],
-                                       fmax(farthest_least, farthest_times * moved), m->cancel,
-                                       &edge->plans[kind], NULL);
-}
-
-int orl_fit_plans_make(struct orl_fit_plans *plans, const struct orl_fit_mesh *mesh,
-                       struct orl_crew *crew, const atomic_bool *cancel, struct orl_error *err)
-{
-    struct making making = {plans, mesh, cancel};
-    size_t kept = 0;
-    if (plans->n > 0)
-        qsort(plans->edges, plans->n, sizeof *plans->edges, compare_edges);
-    for (size_t i = 0; i < plans->n; i++)
-        if (kept == 0 || compare_edges(&plans->edges[kept - 1], &plans->edges[i]) != 0)
-            plans->edges[kept++] = plans->edges[i];
-    plans->n = kept;
-    int code = 0;
-    if (crew)
-        code = orl_crew_try(crew, plans->n, make_edge, &making);
-    else
-        orl_crew_for(NULL, plans->n, make_edge, &making);
-    for (size_t i = 0; i < plans->n && code == 0; i++)
-        code = plans->edges[i].code;
-    return code == 0 ? 0
-                     : orl_error_set(err, code,
-                                     code == ORL_ERR_CANCELLED ? "cancelled"
-                                                               : "out of memory for transport");
-}
-
-void orl_fit_plans_done(struct orl_fit_plans *plans)
-{
-    if (!plans)
-        return;
-    for (size_t i = 0; i < plans->n; i++)
-        for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
-            orl_fit_plan_done(&plans->edges[i].plans[kind]);
-    free(plans->edges);
-    memset(plans, 0, sizeof *plans);
-}
-
-static const struct orl_fit_moves *moves_of(const struct orl_fit_plans *plans, uint32_t from,
-                                            uint32_t to, int kind)
-{
-    const struct orl_fit_edge key = {.a = from < to ? from : to, .b = from < to ? to : from};
-    const struct orl_fit_edge *edge =
-        plans->n > 0 ? bsearch(&key, plans->edges, plans->n, sizeof *plans->edges, compare_edges)
-                     : NULL;
-    return edge ? &edge->plans[kind].ways[from > to] : NULL;
-}
 
 /* ---- One corner's lobes ---------------------------------------------------------------------- */
 
 /* What lobes of a corner are moved by: its own place among the corners, and the others'. */
 struct mover {
     const struct orl_fit_part *own;
+    const struct orl_fit_slope *slopes; /* by own cluster; or NULL */
     unsigned others;
     const struct orl_fit_moves *moves[2];
-    double lean[3], weight[3]; /* own, others' */
-    double scale;              /* of the masses of lobes */
+    double lean[3], weight[3];   /* own, others' */
+    struct orl_fit_turn turn[3]; /* from there to the place */
+    double scale;                /* of the masses of lobes */
     bool turns;
     double axis[3][3]; /* the turn, by rows */
     struct orl_fit_light *light;
 };
 
+/* A cluster's way to the place between: the mean of where it is at each corner that it gets to, and
+ * of where it would be by its slopes there. */
 struct step {
-    struct orl_vec3 middle; /* where the cluster went; not of unit length */
-    double lean, stretch, weight;
+    struct orl_vec3 middle, ahead; /* sums; of ahead by corners whose slope is known */
+    double lean, sigma, weight;
+    double ahead_weight, ahead_sigma;
 };
 
-static struct step add_step(struct step s, const struct orl_fit_cluster *from,
-                            const struct orl_fit_move *to, double lean, double weight)
+static struct step add_step(struct step s, const struct mover *m, unsigned corner,
+                            const struct orl_fit_move *at)
 {
-    s.middle = orl_madd(s.middle, orl_v3((double)to->x, (double)to->y, (double)to->z), lean);
-    s.lean += lean;
-    s.stretch += weight * (double)to->sigma_rad / (double)from->sigma_rad;
+    const struct orl_vec3 place = orl_v3((double)at->x, (double)at->y, (double)at->z);
+    const double weight = m->weight[corner];
+    s.middle = orl_madd(s.middle, place, m->lean[corner]);
+    s.lean += m->lean[corner];
+    s.sigma += weight * (double)at->sigma_rad;
     s.weight += weight;
+    if (!at->slope.known)
+        return s;
+    const struct orl_fit_turn turn = m->turn[corner];
+    const struct orl_vec3 arc = orl_fit_slope_arc(&at->slope, turn);
+    s.ahead = orl_madd(s.ahead, orl_fit_follow(orl_normalize(place), arc), weight);
+    s.ahead_sigma += weight * ((double)at->sigma_rad + (double)at->slope.sigma[0] * turn.u +
+                               (double)at->slope.sigma[1] * turn.v);
+    s.ahead_weight += weight;
     return s;
 }
 
+/* Where the cluster is: half of the way from what corners have to what their slopes say is what a
+ * parabola has. */
+static struct orl_vec3 end_step(const struct step *s, double own_sigma, double *ret_stretch)
+{
+    const struct orl_vec3 middle = orl_normalize(s->middle);
+    const double sigma = s->sigma / s->weight, half = 0.5 * s->ahead_weight / s->weight;
+    const struct orl_vec3 bent =
+        orl_add(orl_scale(middle, 1 - half), orl_scale(s->ahead, 0.5 / s->weight));
+    const double wide = (1 - half) * sigma + 0.5 * s->ahead_sigma / s->weight;
+    *ret_stretch = fmin(1.5 * sigma, fmax(0.5 * sigma, wide)) / own_sigma;
+    return orl_normalize(bent);
+}
+
 static bool add_ray(const struct mover *m, const struct orl_fit_lobe *lobe,
-                    const struct orl_fit_cluster *cluster, const struct step *s, double share)
+                    const struct orl_fit_cluster *cluster, struct orl_vec3 middle, double stretch,
+                    double share)
 {
     struct orl_fit_light *light = m->light;
     const double mass = share * m->scale * (double)lobe->mass;
-    const double stretch = s->stretch / s->weight;
     if (!(mass > least_ray))
         return true;
     if (!orl_grow(&light->rays, &light->room, light->n, sizeof *light->rays))
         return false;
-    struct orl_vec3 d = orl_scale(s->middle, 1 / s->lean);
+    struct orl_vec3 d = middle;
     d.x += stretch * (double)(lobe->x - cluster->x);
     d.y += stretch * (double)(lobe->y - cluster->y);
     d.z += stretch * (double)(lobe->z - cluster->z);
@@ -164,23 +104,43 @@ static size_t moves_from(const struct orl_fit_moves *moves, uint32_t cluster,
     return 1;
 }
 
-static bool move_lobe(const struct mover *m, const struct orl_fit_lobe *lobe)
+/* All lobes of one cluster, from first to end. */
+static bool move_cluster(const struct mover *m, size_t begin, size_t end)
 {
-    const struct orl_fit_cluster *cluster = &m->own->clusters[lobe->cluster];
+    const uint32_t number = m->own->lobes[begin].cluster;
+    const struct orl_fit_cluster *cluster = &m->own->clusters[number];
     const struct orl_fit_move *first[2] = {&stays, &stays};
     size_t count[2] = {1, 1};
+    struct orl_fit_move own = {
+        .x = cluster->x, .y = cluster->y, .z = cluster->z, .sigma_rad = cluster->sigma_rad};
     bool fine = true;
+    if (m->slopes)
+        own.slope = m->slopes[number];
     for (unsigned k = 0; k < m->others; k++)
-        count[k] = moves_from(m->moves[k], lobe->cluster, &first[k]);
-    for (size_t i = 0; i < count[0] * count[1] && fine; i++) {
+        count[k] = moves_from(m->moves[k], number, &first[k]);
+    for (size_t i = 0; i < count[0] * count[1]; i++) {
         const struct orl_fit_move *to[2] = {first[0] + i / count[1], first[1] + i % count[1]};
-        const struct orl_fit_move own = {cluster->x,         cluster->y, cluster->z,
-                                         cluster->sigma_rad, 1,          false};
-        struct step s = add_step((struct step){0}, cluster, &own, m->lean[0], m->weight[0]);
+        struct step s = add_step((struct step){0}, m, 0, &own);
         for (unsigned k = 0; k < m->others; k++)
             if (!to[k]->fades)
-                s = add_step(s, cluster, to[k], m->lean[1 + k], m->weight[1 + k]);
-        fine = add_ray(m, lobe, cluster, &s, (double)to[0]->share * (double)to[1]->share);
+                s = add_step(s, m, 1 + k, to[k]);
+        double stretch;
+        const struct orl_vec3 middle = end_step(&s, (double)cluster->sigma_rad, &stretch);
+        const double share = (double)to[0]->share * (double)to[1]->share;
+        for (size_t l = begin; l < end && fine; l++)
+            fine = add_ray(m, &m->own->lobes[l], cluster, middle, stretch, share);
+    }
+    return fine;
+}
+
+static bool move_all(const struct mover *m)
+{
+    bool fine = true;
+    for (size_t begin = 0, end; begin < m->own->n_lobes && fine; begin = end) {
+        end = begin + 1;
+        while (end < m->own->n_lobes && m->own->lobes[end].cluster == m->own->lobes[begin].cluster)
+            end++;
+        fine = move_cluster(m, begin, end);
     }
     return fine;
 }
@@ -215,24 +175,26 @@ static bool blend_part(const struct orl_fit_mesh *mesh, const struct orl_fit_pla
 {
     const struct orl_fit_part *part = &mesh->shapes[place->corner[corner]]->parts[kind];
     struct mover m = {.own = part, .light = light};
-    bool fine = true;
     m.lean[0] = place->lean[corner];
     m.weight[0] = place->weight[corner];
+    m.turn[0] = orl_fit_turn_between(mesh->shapes[place->corner[corner]]->in, place->at);
+    if (plans->slopes)
+        m.slopes = plans->slopes[place->corner[corner]].of[kind];
     if (part->n_lobes == 0)
         return true;
     for (unsigned other = 0; other < place->count; other++) {
         if (other == corner || !(place->weight[other] > least_weight))
             continue;
-        m.moves[m.others] = moves_of(plans, place->corner[corner], place->corner[other], kind);
+        m.moves[m.others] =
+            orl_fit_plans_moves(plans, place->corner[corner], place->corner[other], kind);
         m.lean[++m.others] = place->lean[other];
         m.weight[m.others] = place->weight[other];
+        m.turn[m.others] = orl_fit_turn_between(mesh->shapes[place->corner[other]]->in, place->at);
     }
     m.scale = place->weight[corner] * place->mass[kind] / part->mass;
     if (kind == ORL_FIT_NARROW)
         set_turn(&m, straight(place->at), straight(place->in));
-    for (size_t i = 0; i < part->n_lobes && fine; i++)
-        fine = move_lobe(&m, &part->lobes[i]);
-    return fine;
+    return move_all(&m);
 }
 
 /* Corners without any of a part leave it to the others. */

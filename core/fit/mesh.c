@@ -132,58 +132,104 @@ int orl_fit_mesh_make(const struct orl_fit_shape *const *shapes, size_t n, bool 
     return 0;
 }
 
+/* ---- Neighbours ------------------------------------------------------------------------------ */
+
+size_t orl_fit_mesh_edges(const struct orl_fit_mesh *mesh)
+{
+    return mesh->isotropic ? mesh->n - 1 : ORL_FIT_CORNERS * mesh->n_triangles;
+}
+
+void orl_fit_mesh_edge(const struct orl_fit_mesh *mesh, size_t index, uint32_t ret_ends[2])
+{
+    const size_t side = index % ORL_FIT_CORNERS;
+    const uint32_t *t = mesh->isotropic ? NULL : mesh->triangles[index / ORL_FIT_CORNERS];
+    ret_ends[0] = t ? t[side] : (uint32_t)index;
+    ret_ends[1] = t ? t[(side + 1) % ORL_FIT_CORNERS] : (uint32_t)index + 1;
+}
+
+/* Triangles turn to the left: an edge within comes once each way. */
+static bool is_outer(const struct orl_fit_mesh *mesh, const uint32_t ends[2])
+{
+    for (size_t i = 0; i < orl_fit_mesh_edges(mesh); i++) {
+        uint32_t other[2];
+        orl_fit_mesh_edge(mesh, i, other);
+        if (other[0] == ends[1] && other[1] == ends[0])
+            return false;
+    }
+    return true;
+}
+
+void orl_fit_mesh_border(const struct orl_fit_mesh *mesh, bool *ret_border)
+{
+    for (size_t i = 0; i < mesh->n; i++)
+        ret_border[i] = mesh->isotropic && (i == 0 || i + 1 == mesh->n);
+    for (size_t i = 0; i < orl_fit_mesh_edges(mesh) && !mesh->isotropic; i++) {
+        uint32_t ends[2];
+        orl_fit_mesh_edge(mesh, i, ends);
+        if (is_outer(mesh, ends))
+            ret_border[ends[0]] = ret_border[ends[1]] = true;
+    }
+}
+
 /* ---- Looking up ------------------------------------------------------------------------------ */
 
-static void locate_in_row(const struct orl_fit_mesh *m, double x, struct orl_fit_place *place)
+static void locate_in_row(const struct orl_fit_mesh *m, struct orl_fit_place *place)
 {
     size_t i = 0;
+    double at[2];
+    set_place(m, place->in, at);
+    const double x = at[0];
     while (i + 2 < m->n && m->places[i + 1][0] < x)
         i++;
     place->count = m->n > 1 ? 2 : 1;
     place->corner[0] = (uint32_t)i;
     place->weight[0] = 1;
+    place->at = m->shapes[i]->in;
     if (m->n < 2)
         return;
     const double t = (x - m->places[i][0]) / (m->places[i + 1][0] - m->places[i][0]);
     place->corner[1] = (uint32_t)i + 1;
     place->weight[1] = t < 0 ? 0 : t > 1 ? 1 : t;
     place->weight[0] = 1 - place->weight[1];
+    const double theta =
+        place->weight[0] * m->places[i][0] + place->weight[1] * m->places[i + 1][0];
+    place->at = orl_v3(-sin(theta), 0, cos(theta));
 }
 
-static double turn(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-static bool is_within(const struct orl_fit_mesh *m, const uint32_t *t, const double *x,
+/* Of the directions of a triangle's corners: they add up to it. */
+static bool is_within(const struct orl_fit_mesh *m, const uint32_t *t, struct orl_vec3 in,
                       struct orl_fit_place *place)
 {
-    const double *a = m->places[t[0]], *b = m->places[t[1]], *c = m->places[t[2]];
-    const double all = turn(a, b, c);
-    const double weight[3] = {turn(x, b, c) / all, turn(a, x, c) / all, turn(a, b, x) / all};
+    const struct orl_vec3 a = m->shapes[t[0]]->in, b = m->shapes[t[1]]->in, c = m->shapes[t[2]]->in;
+    const double raw[3] = {orl_dot(in, orl_cross(b, c)), orl_dot(in, orl_cross(c, a)),
+                           orl_dot(in, orl_cross(a, b))};
     for (int i = 0; i < 3; i++)
-        if (weight[i] < -1e-9)
+        if (raw[i] < -1e-9)
             return false;
+    const double sum = raw[0] + raw[1] + raw[2];
     place->count = 3;
     for (int i = 0; i < 3; i++) {
         place->corner[i] = t[i];
-        place->weight[i] = orl_larger(0, weight[i]);
+        place->weight[i] = orl_larger(0, raw[i]) / sum;
     }
-    return true;
+    return sum > 0;
 }
 
-/* The nearest place on a triangle's side, if it is nearer than what was found so far. */
-static void try_side(const struct orl_fit_mesh *m, uint32_t a, uint32_t b, const double *x,
-                     double *nearest, struct orl_fit_place *place)
+/* The nearest place on a triangle's side, an arc of a great circle, if it is nearer than what was
+ * found so far, by its cosine. */
+static void try_side(const struct orl_fit_mesh *m, uint32_t a, uint32_t b, double *nearest,
+                     struct orl_fit_place *place)
 {
-    const double *p = m->places[a], *q = m->places[b];
-    const double dx = q[0] - p[0], dy = q[1] - p[1];
-    const double along = ((x[0] - p[0]) * dx + (x[1] - p[1]) * dy) / (dx * dx + dy * dy);
+    const struct orl_vec3 from = m->shapes[a]->in, to = m->shapes[b]->in;
+    const struct orl_vec3 ahead = orl_normalize(orl_madd(to, from, -orl_dot(from, to)));
+    const double whole = atan2(orl_dot(to, ahead), orl_dot(to, from));
+    const double along = atan2(orl_dot(place->in, ahead), orl_dot(place->in, from)) / whole;
     const double t = along < 0 ? 0 : along > 1 ? 1 : along;
-    const double off = hypot(p[0] + t * dx - x[0], p[1] + t * dy - x[1]);
-    if (!(off < *nearest))
+    const struct orl_vec3 at = orl_madd(orl_scale(from, cos(t * whole)), ahead, sin(t * whole));
+    if (!(orl_dot(at, place->in) > *nearest))
         return;
-    *nearest = off;
+    *nearest = orl_dot(at, place->in);
+    place->at = at;
     place->count = 2;
     place->corner[0] = a;
     place->corner[1] = b;
@@ -191,27 +237,21 @@ static void try_side(const struct orl_fit_mesh *m, uint32_t a, uint32_t b, const
     place->weight[1] = t;
 }
 
-static void locate_in_plane(const struct orl_fit_mesh *m, const double *x,
-                            struct orl_fit_place *place)
+static void locate_in_plane(const struct orl_fit_mesh *m, struct orl_fit_place *place)
 {
-    double nearest = INFINITY;
+    double nearest = -2;
     place->count = 1;
     place->corner[0] = 0;
     place->weight[0] = 1;
+    place->at = m->shapes[0]->in;
     for (size_t i = 0; i < m->n_triangles; i++)
-        if (is_within(m, m->triangles[i], x, place))
+        if (is_within(m, m->triangles[i], place->in, place)) {
+            place->at = place->in;
             return;
+        }
     for (size_t i = 0; i < m->n_triangles; i++)
         for (int k = 0; k < 3; k++)
-            try_side(m, m->triangles[i][k], m->triangles[i][(k + 1) % 3], x, &nearest, place);
-}
-
-/* The direction of a place in the plane. */
-static struct orl_vec3 direction_of(const struct orl_fit_mesh *m, const double *x)
-{
-    const double theta = hypot(x[0], x[1]), sine = theta > 0 ? sin(theta) / theta : 1;
-    return m->isotropic ? orl_v3(-sin(x[0]), 0, cos(x[0]))
-                        : orl_v3(sine * x[0], sine * x[1], cos(theta));
+            try_side(m, m->triangles[i][k], m->triangles[i][(k + 1) % 3], &nearest, place);
 }
 
 /* Weights by which the corners' directions add up to one along at, where that is sound. */
@@ -229,12 +269,12 @@ static void lean(const struct orl_fit_mesh *m, struct orl_fit_place *p)
         raw[1] = orl_dot(p->at, orl_cross(c, a));
         raw[2] = orl_dot(p->at, orl_cross(a, b));
     }
-    for (unsigned i = 0; i < p->count; i++)
+    for (unsigned i = 0; i < ORL_FIT_CORNERS; i++)
         sum += raw[i];
     bool sound = sum != 0;
-    for (unsigned i = 0; i < p->count; i++)
+    for (unsigned i = 0; i < ORL_FIT_CORNERS; i++)
         sound = sound && fabs(raw[i] / sum - p->weight[i]) < 0.25;
-    for (unsigned i = 0; i < p->count; i++)
+    for (unsigned i = 0; i < ORL_FIT_CORNERS; i++)
         p->lean[i] = sound ? raw[i] / sum : p->weight[i];
 }
 
@@ -275,17 +315,13 @@ void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,
                          struct orl_fit_place *ret_place)
 {
     struct orl_fit_place *p = ret_place;
-    double x[2], within[2] = {0, 0};
+    double x[2];
     *p = (struct orl_fit_place){.in = in};
-    set_place(mesh, in, x);
     if (mesh->isotropic)
-        locate_in_row(mesh, x[0], p);
+        locate_in_row(mesh, p);
     else
-        locate_in_plane(mesh, x, p);
-    for (unsigned i = 0; i < p->count; i++)
-        for (int axis = 0; axis < 2; axis++)
-            within[axis] += p->weight[i] * mesh->places[p->corner[i]][axis];
-    p->at = direction_of(mesh, within);
+        locate_in_plane(mesh, p);
+    set_place(mesh, p->at, x);
     lean(mesh, p);
-    set_masses(mesh, p, within);
+    set_masses(mesh, p, x);
 }

@@ -2,9 +2,9 @@
  * Incident directions and what lies between them.
  *
  * Of an isotropic sample they stand in a row by theta; before them stand the first ones' mirror
- * images. Otherwise they are corners of a Delaunay triangulation of the plane in which a direction
- * is theta away from the middle, at its azimuth. Outside of it the nearest place on its border
- * counts.
+ * images. Otherwise they are corners of a Delaunay triangulation of the sphere (of its
+ * stereographic projection), whose sides are arcs of great circles. Outside of it the nearest place
+ * on its border counts.
  *
  * Ownership: the caller's, orl_fit_mesh_done; shapes are borrowed. Immutable once made.
  */
@@ -19,7 +19,7 @@ struct orl_fit_mesh {
     bool isotropic;
     size_t n;
     const struct orl_fit_shape **shapes; /* owned, what they point to is not */
-    double (*places)[2];                 /* in the plane, radians; of a row by the first */
+    double (*places)[2];                 /* theta by azimuth, radians; of a row by the first */
     double (*slopes)[2];                 /* of totals */
     uint32_t (*triangles)[ORL_FIT_CORNERS];
     size_t n_triangles, room;
@@ -42,6 +42,12 @@ struct orl_fit_place {
 };
 void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,
                          struct orl_fit_place *ret_place);
+
+/* Pairs of neighbours; of a plane those within come twice. */
+size_t orl_fit_mesh_edges(const struct orl_fit_mesh *mesh);
+void orl_fit_mesh_edge(const struct orl_fit_mesh *mesh, size_t index, uint32_t ret_ends[2]);
+/* By direction: whether it stands on the border, or at an end of the row. */
+void orl_fit_mesh_border(const struct orl_fit_mesh *mesh, bool *ret_border);
 
 /* mesh_plane.c: triangles of the places; false: no memory. */
 bool orl_fit_triangulate(struct orl_fit_mesh *mesh);

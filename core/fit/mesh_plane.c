@@ -18,11 +18,6 @@ struct plane {
     size_t n_edges, room;
 };
 
-static double side_of(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
 /* Triangles turn to the left. */
 static bool is_in_circle(const struct plane *p, const uint32_t t[ORL_FIT_CORNERS], const double *d)
 {
@@ -89,6 +84,11 @@ static double nudge(uint64_t index)
     return 1e-6 * ((double)(orl_mix64(index + 1) >> 11) * 0x1p-53 - 0.5);
 }
 
+static double area_of(const struct orl_fit_mesh *m, const uint32_t t[ORL_FIT_CORNERS])
+{
+    return orl_dot(m->shapes[t[0]]->in, orl_cross(m->shapes[t[1]]->in, m->shapes[t[2]]->in));
+}
+
 /* Those that have area, of places alone. */
 static void keep_inner(struct plane *p)
 {
@@ -97,7 +97,7 @@ static void keep_inner(struct plane *p)
     for (size_t i = 0; i < m->n_triangles; i++) {
         const uint32_t *t = m->triangles[i];
         const bool inner = t[0] < m->n && t[1] < m->n && t[2] < m->n;
-        if (inner && side_of(m->places[t[0]], m->places[t[1]], m->places[t[2]]) > 1e-5)
+        if (inner && area_of(m, t) > 1e-5)
             memmove(m->triangles[kept++], t, sizeof *m->triangles);
     }
     m->n_triangles = kept;
@@ -109,9 +109,11 @@ bool orl_fit_triangulate(struct orl_fit_mesh *mesh)
     struct plane p = {.mesh = mesh, .at = malloc((mesh->n + 3) * sizeof *p.at)};
     const uint32_t n = (uint32_t)mesh->n;
     bool fine = p.at != NULL && add_triangle(mesh, n, n + 1, n + 2);
-    for (uint32_t i = 0; i < n && fine; i++)
-        for (int axis = 0; axis < 2; axis++)
-            p.at[i][axis] = mesh->places[i][axis] + nudge(2 * (uint64_t)i + (uint64_t)axis);
+    for (uint32_t i = 0; i < n && fine; i++) {
+        const struct orl_vec3 in = mesh->shapes[i]->in;
+        p.at[i][0] = in.x / (1 + in.z) + nudge(2 * (uint64_t)i);
+        p.at[i][1] = in.y / (1 + in.z) + nudge(2 * (uint64_t)i + 1);
+    }
     if (fine)
         memcpy(p.at[n], far, sizeof far);
     for (uint32_t i = 0; i < n && fine; i++)

@@ -15,6 +15,7 @@ void orl_fit_plan_done(struct orl_fit_plan *plan)
     for (int way = 0; way < 2; way++) {
         free(plan->ways[way].first);
         free(plan->ways[way].moves);
+        free(plan->ways[way].legs);
     }
     memset(plan, 0, sizeof *plan);
 }
@@ -75,8 +76,9 @@ static bool sort_moves(const struct way *w, struct orl_fit_moves *moves)
     const size_t clusters = w->of->n_clusters;
     moves->first = calloc(clusters + 2, sizeof *moves->first);
     moves->moves = malloc((w->n + 1) * sizeof *moves->moves);
+    moves->legs = malloc((w->n + 1) * sizeof *moves->legs);
     double *sums = calloc(2 * clusters, sizeof *sums), *kept = sums + clusters;
-    const bool fine = moves->first && moves->moves && sums;
+    const bool fine = moves->first && moves->moves && moves->legs && sums;
     for (size_t k = 0; k < w->n && fine; k++)
         sums[source_of(w, k)] += w->flows[k].amount;
     for (int pass = 0; pass < 2 && fine; pass++) {
@@ -90,13 +92,18 @@ static bool sort_moves(const struct way *w, struct orl_fit_moves *moves)
                 kept[i] += w->flows[k].amount;
                 continue;
             }
-            moves->moves[moves->first[i + 1]++] = (struct orl_fit_move){
-                target->x,
-                target->y,
-                target->z,
-                target->sigma_rad,
-                (float)(w->flows[k].amount / kept[i]),
-                (double)chord2(&w->of->clusters[i], target) >= w->farthest * w->farthest};
+            const uint32_t leg = moves->first[i + 1]++;
+            const float share = (float)(w->flows[k].amount / kept[i]);
+            moves->legs[leg] = (struct orl_fit_leg){target_of(w, k), leg, share};
+            moves->moves[leg] = (struct orl_fit_move){
+                .x = target->x,
+                .y = target->y,
+                .z = target->z,
+                .sigma_rad = target->sigma_rad,
+                .share = share,
+                .fades = (double)chord2(&w->of->clusters[i], target) >= w->farthest * w->farthest,
+                .leg = leg};
+            moves->n_legs++;
         }
         for (size_t i = 0; i < clusters && pass == 0; i++)
             moves->first[i + 2] += moves->first[i + 1];
@@ -114,8 +121,9 @@ static bool are_close(const struct orl_fit_move *a, const struct orl_fit_move *b
 
 /* Joins what is close to the heaviest, then to the heaviest of the rest. Returns how many remain.
  */
-static size_t join_moves(struct orl_fit_move *moves, size_t n, float sigma)
+static size_t join_moves(struct orl_fit_moves *all, uint32_t at, size_t n, float sigma)
 {
+    struct orl_fit_move *moves = all->moves + at;
     for (size_t i = 0; i < n; i++) {
         size_t top = i, kept = i + 1;
         for (size_t k = i + 1; k < n; k++)
@@ -129,15 +137,20 @@ static size_t join_moves(struct orl_fit_move *moves, size_t n, float sigma)
                 moves[kept++] = m;
                 continue;
             }
+            all->legs[m.leg].move = at + (uint32_t)i;
             sum.x += m.share * m.x;
             sum.y += m.share * m.y;
             sum.z += m.share * m.z;
             sum.sigma_rad += m.share * m.sigma_rad;
             sum.share += m.share;
         }
-        moves[i] =
-            (struct orl_fit_move){sum.x / sum.share,         sum.y / sum.share, sum.z / sum.share,
-                                  sum.sigma_rad / sum.share, sum.share,         first.fades};
+        moves[i] = (struct orl_fit_move){.x = sum.x / sum.share,
+                                         .y = sum.y / sum.share,
+                                         .z = sum.z / sum.share,
+                                         .sigma_rad = sum.sigma_rad / sum.share,
+                                         .share = sum.share,
+                                         .fades = first.fades,
+                                         .leg = first.leg};
         n = kept;
     }
     return n;
@@ -150,7 +163,7 @@ static void join_all(const struct way *w, struct orl_fit_moves *moves)
         const uint32_t first = moves->first[i], n = moves->first[i + 1] - first;
         memmove(moves->moves + kept, moves->moves + first, n * sizeof *moves->moves);
         moves->first[i] = kept;
-        kept += (uint32_t)join_moves(moves->moves + kept, n, w->of->clusters[i].sigma_rad);
+        kept += (uint32_t)join_moves(moves, kept, n, w->of->clusters[i].sigma_rad);
     }
     moves->first[w->of->n_clusters] = kept;
 }

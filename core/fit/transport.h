@@ -12,19 +12,36 @@
 
 #include "fit/shape.h"
 
+/* How a cluster moves and widens as the light that comes turns, by radian along the two axes of
+ * the frame about its direction (orl_frame_about). */
+struct orl_fit_slope {
+    float x[2], y[2], z[2], sigma[2];
+    bool known;
+};
+
 /* What becomes of a cluster: shares of it, which add up to 1. Places that are close together, for
  * clusters of their width, are one: it moves as a whole, and is not torn to where its neighbours'
  * light goes, too. */
 struct orl_fit_move {
     float x, y, z, sigma_rad; /* of the place that it goes to */
     float share;
-    bool fades; /* it is too far away */
+    bool fades;                 /* it is too far away */
+    uint32_t leg;               /* the heaviest of those that it was joined of */
+    struct orl_fit_slope slope; /* of the clusters there; slopes.h sets it */
+};
+
+/* A share of a move, by the cluster that it goes to. */
+struct orl_fit_leg {
+    uint32_t to, move;
+    float share;
 };
 
 /* By cluster of the one scan (way 0), or of the other (way 1): moves[first[i]] to first[i + 1]. */
 struct orl_fit_moves {
     uint32_t *first;
     struct orl_fit_move *moves;
+    struct orl_fit_leg *legs; /* in any order */
+    size_t n_legs;
 };
 
 struct orl_fit_plan {

@@ -1,0 +1,251 @@
+#include "fit/slopes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Nothing turns by more than so many times what the light that comes does (plans.c). */
+static const double steepest = 2.5;
+/* A cluster that is torn tells no slope: so much of it has to go one way. */
+static const float least_whole = 0.7F;
+/* Edges that tell nothing: so much of all that they weigh may be. */
+static const double most_silent = 0.3;
+/* Of a move: clusters whose slopes are known carry at least so much. */
+static const float least_known = 0.8F;
+
+/* ---- Arcs ------------------------------------------------------------------------------------ */
+
+struct orl_vec3 orl_fit_arc(struct orl_vec3 from, struct orl_vec3 to)
+{
+    const double cosine = orl_dot(from, to);
+    const struct orl_vec3 across = orl_madd(to, from, -cosine);
+    const double sine = orl_length(across);
+    return orl_scale(across, sine > 1e-9 ? atan2(sine, cosine) / sine : 1);
+}
+
+struct orl_vec3 orl_fit_follow(struct orl_vec3 from, struct orl_vec3 arc)
+{
+    const double angle = orl_length(arc);
+    return orl_madd(orl_scale(from, cos(angle)), arc, angle > 1e-9 ? sin(angle) / angle : 1);
+}
+
+struct orl_fit_turn orl_fit_turn_between(struct orl_vec3 from, struct orl_vec3 to)
+{
+    const struct orl_frame frame = orl_frame_about(from);
+    const struct orl_vec3 arc = orl_fit_arc(from, to);
+    return (struct orl_fit_turn){orl_dot(arc, frame.u), orl_dot(arc, frame.v)};
+}
+
+struct orl_vec3 orl_fit_slope_arc(const struct orl_fit_slope *slope, struct orl_fit_turn turn)
+{
+    const struct orl_vec3 arc = orl_v3((double)slope->x[0] * turn.u + (double)slope->x[1] * turn.v,
+                                       (double)slope->y[0] * turn.u + (double)slope->y[1] * turn.v,
+                                       (double)slope->z[0] * turn.u + (double)slope->z[1] * turn.v);
+    const double most = steepest * hypot(turn.u, turn.v), length = orl_length(arc);
+    return length > most ? orl_scale(arc, most / length) : arc;
+}
+
+/* The tangent that an arc from one place is, carried along the great circle to another. */
+static struct orl_vec3 carry(struct orl_vec3 tangent, struct orl_vec3 from, struct orl_vec3 to)
+{
+    const double along = orl_dot(tangent, to) / (1 + orl_dot(from, to));
+    return orl_madd(tangent, orl_add(from, to), -along);
+}
+
+/* ---- Making them ----------------------------------------------------------------------------- */
+
+struct slopes {
+    struct orl_fit_edge *edges;
+    size_t n;
+    const struct orl_fit_mesh *mesh;
+    struct orl_fit_slopes *slopes;
+    bool *border; /* by direction of the mesh */
+};
+
+/* Sums of least squares: of turns, and of what clusters turn and widen by. */
+struct squares {
+    double uu, uv, vv, right[4][2];
+    double silent, all; /* weights: of edges that tell nothing, of all */
+};
+
+static const struct orl_fit_move *whole_move(const struct orl_fit_moves *moves, size_t cluster)
+{
+    const struct orl_fit_move *most = NULL;
+    if (!moves->first)
+        return NULL;
+    for (uint32_t k = moves->first[cluster]; k < moves->first[cluster + 1]; k++)
+        if (!most || moves->moves[k].share > most->share)
+            most = &moves->moves[k];
+    return most && !most->fades && most->share >= least_whole ? most : NULL;
+}
+
+static struct orl_vec3 place_of(const struct orl_fit_move *move)
+{
+    return orl_normalize(orl_v3((double)move->x, (double)move->y, (double)move->z));
+}
+
+/* What one edge says of a cluster. continued: by a parabola, where the other end has a slope. */
+static void add_edge(struct squares *s, const struct orl_fit_cluster *cluster,
+                     const struct orl_fit_move *move, const struct orl_vec3 in[2], bool continued)
+{
+    const struct orl_fit_turn turn = orl_fit_turn_between(in[0], in[1]);
+    const double size2 = turn.u * turn.u + turn.v * turn.v, weight = 1 / (size2 * sqrt(size2));
+    s->all += weight;
+    if (!move) {
+        s->silent += weight;
+        return;
+    }
+    const struct orl_vec3 from = orl_v3((double)cluster->x, (double)cluster->y, (double)cluster->z);
+    const struct orl_vec3 to = place_of(move);
+    struct orl_vec3 arc = orl_fit_arc(from, to);
+    double wider = (double)move->sigma_rad - (double)cluster->sigma_rad;
+    if (continued && move->slope.known) {
+        const struct orl_fit_turn back = orl_fit_turn_between(in[1], in[0]);
+        const struct orl_vec3 end = carry(orl_fit_slope_arc(&move->slope, back), to, from);
+        arc = orl_add(orl_scale(arc, 2), end);
+        wider = 2 * wider +
+                ((double)move->slope.sigma[0] * back.u + (double)move->slope.sigma[1] * back.v);
+    }
+    const double by[4] = {arc.x, arc.y, arc.z, wider};
+    s->uu += weight * turn.u * turn.u;
+    s->uv += weight * turn.u * turn.v;
+    s->vv += weight * turn.v * turn.v;
+    for (int k = 0; k < 4; k++) {
+        s->right[k][0] += weight * turn.u * by[k];
+        s->right[k][1] += weight * turn.v * by[k];
+    }
+}
+
+/* A little is added to what directions in a row do not tell, which then is nothing. */
+static struct orl_fit_slope solve(const struct squares *s)
+{
+    const double more = 1e-6 * (s->uu + s->vv), uu = s->uu + more, vv = s->vv + more;
+    const double determinant = uu * vv - s->uv * s->uv;
+    struct orl_fit_slope slope = {.known = s->silent <= most_silent * s->all && s->uu + s->vv > 0};
+    float *const to[4] = {slope.x, slope.y, slope.z, slope.sigma};
+    for (int k = 0; k < 4 && slope.known; k++) {
+        to[k][0] = (float)((s->right[k][0] * vv - s->right[k][1] * s->uv) / determinant);
+        to[k][1] = (float)((s->right[k][1] * uu - s->right[k][0] * s->uv) / determinant);
+    }
+    return slope;
+}
+
+/* Edges of one direction, in their order. Returns how many. */
+static size_t edges_of(const struct slopes *s, uint32_t v, const struct orl_fit_edge **ret_edges)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < s->n; i++)
+        if (s->edges[i].a == v || s->edges[i].b == v)
+            ret_edges[n++] = &s->edges[i];
+    return n;
+}
+
+static struct orl_fit_slope slope_of(const struct slopes *s, uint32_t v, int kind, size_t cluster,
+                                     const struct orl_fit_edge **edges, size_t n)
+{
+    const struct orl_fit_cluster *from = &s->mesh->shapes[v]->parts[kind].clusters[cluster];
+    struct squares squares = {0};
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_fit_edge *edge = edges[i];
+        const uint32_t other = edge->a == v ? edge->b : edge->a;
+        const struct orl_vec3 in[2] = {s->mesh->shapes[v]->in, s->mesh->shapes[other]->in};
+        add_edge(&squares, from, whole_move(&edge->plans[kind].ways[edge->b == v], cluster), in,
+                 s->border[v] && !s->border[other]);
+    }
+    return solve(&squares);
+}
+
+/* Of those on the border, or of the others. */
+static bool make_some(struct slopes *s, bool border)
+{
+    const struct orl_fit_edge **edges = malloc((s->n + 1) * sizeof(void *));
+    bool fine = edges != NULL;
+    for (uint32_t v = 0; v < s->mesh->n && fine; v++) {
+        if (s->border[v] != border)
+            continue;
+        const size_t n = edges_of(s, v, edges);
+        for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++) {
+            const size_t clusters = s->mesh->shapes[v]->parts[kind].n_clusters;
+            struct orl_fit_slope *slopes = calloc(clusters + 1, sizeof *slopes);
+            s->slopes[v].of[kind] = slopes;
+            fine = slopes != NULL;
+            for (size_t i = 0; i < clusters && fine; i++)
+                slopes[i] = slope_of(s, v, kind, i, edges, n);
+        }
+    }
+    free(edges);
+    return fine;
+}
+
+/* The mean of the clusters' that a move was joined of; known where nearly all of them are. */
+static bool set_slopes(struct orl_fit_moves *moves, size_t n_moves,
+                       const struct orl_fit_slope *slopes)
+{
+    float *known = calloc(n_moves + 1, sizeof *known);
+    if (!known)
+        return false;
+    for (size_t k = 0; k < n_moves; k++)
+        moves->moves[k].slope = (struct orl_fit_slope){0};
+    for (size_t k = 0; k < moves->n_legs; k++)
+        if (slopes[moves->legs[k].to].known)
+            known[moves->legs[k].move] += moves->legs[k].share;
+    for (size_t k = 0; k < moves->n_legs; k++) {
+        const struct orl_fit_leg *leg = &moves->legs[k];
+        struct orl_fit_move *move = &moves->moves[leg->move];
+        if (!(known[leg->move] > least_known * move->share) || !slopes[leg->to].known)
+            continue;
+        const float share = leg->share / known[leg->move];
+        const struct orl_fit_slope *of = &slopes[leg->to];
+        for (int axis = 0; axis < 2; axis++) {
+            move->slope.x[axis] += share * of->x[axis];
+            move->slope.y[axis] += share * of->y[axis];
+            move->slope.z[axis] += share * of->z[axis];
+            move->slope.sigma[axis] += share * of->sigma[axis];
+        }
+        move->slope.known = true;
+    }
+    free(known);
+    return true;
+}
+
+static bool set_all(const struct slopes *s)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        const struct orl_fit_edge *edge = &s->edges[i];
+        for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
+            for (int way = 0; way < 2; way++) {
+                const uint32_t of = way ? edge->b : edge->a, to = way ? edge->a : edge->b;
+                struct orl_fit_moves *moves = &s->edges[i].plans[kind].ways[way];
+                const size_t clusters = s->mesh->shapes[of]->parts[kind].n_clusters;
+                if (moves->first && s->slopes[to].of[kind] &&
+                    !set_slopes(moves, moves->first[clusters], s->slopes[to].of[kind]))
+                    return false;
+            }
+    }
+    return true;
+}
+
+bool orl_fit_slopes_make(struct orl_fit_edge *edges, size_t n, const struct orl_fit_mesh *mesh,
+                         struct orl_fit_slopes **ret_slopes)
+{
+    struct slopes s = {edges, n, mesh, calloc(mesh->n + 1, sizeof *s.slopes),
+                       calloc(mesh->n + 1, sizeof *s.border)};
+    bool fine = s.slopes && s.border;
+    if (fine) {
+        orl_fit_mesh_border(mesh, s.border);
+        fine = make_some(&s, false) && set_all(&s) && make_some(&s, true) && set_all(&s);
+    }
+    free(s.border);
+    if (fine)
+        *ret_slopes = s.slopes;
+    else
+        orl_fit_slopes_done(s.slopes, mesh->n);
+    return fine;
+}
+
+void orl_fit_slopes_done(struct orl_fit_slopes *slopes, size_t n)
+{
+    for (size_t i = 0; slopes && i < n; i++)
+        for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
+            free(slopes[i].of[kind]);
+    free(slopes);
+}
