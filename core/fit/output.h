@@ -9,7 +9,7 @@ struct orl_fit_models {
     struct orl_fit_model *of[2][2];
 };
 
-/* Of incident cells, how many places stand for one, in each direction. */
+/* Of incident cells, how many places stand for one, in each direction; of wide rings more. */
 enum { ORL_FIT_CELL_PLACES = 2 };
 
 /* Of all work: what components begin at; each has its part of the rest. */

@@ -14,6 +14,9 @@ enum { BRIGHT_LEVELS = 2, POLL_LEVEL = 2 };
 enum { BASE_LEVEL = 5, BASE_SIDE = 1 << BASE_LEVEL, BASE_CELLS = BASE_SIDE * BASE_SIDE };
 /* Of all light: what a leaf may hold unevenly. */
 static const double least_uneven = 1e-3;
+/* So many times that where leaves are as fine as all of what is bright: smaller ones amid these
+ * would leave ripples. */
+static const double finer_uneven = 2;
 /* Of what is dark: what is no more above it is not bright. */
 static const double least_bright = 0.05;
 /* Of the broad part: what is no more above it is broad, too. */
@@ -93,7 +96,8 @@ static bool is_uneven(const struct tree *t, const double values[4], double z, un
     }
     if (level < t->bright_level && most > t->bright[t->bright_level - 1 - level])
         return true;
-    return (most - least) * orl_fit_cell_sr(level) * z > t->uneven;
+    const double uneven = level < t->bright_level ? t->uneven : finer_uneven * t->uneven;
+    return (most - least) * orl_fit_cell_sr(level) * z > uneven;
 }
 
 static bool add_leaf(struct tree *t, struct leaf leaf)
@@ -231,21 +235,32 @@ static double lowest(const struct tree *t)
 
 /* ---- Lobes ----------------------------------------------------------------------------------- */
 
+/* Cells are long towards the horizon: what stands for one there is as wide as to leave no gap, and
+ * no wider than the mean of its sides. */
+static double sigma_of(uint32_t code, unsigned level)
+{
+    const struct orl_vec3 across =
+        orl_sub(within(code, level, 1, 0.5), within(code, level, 0, 0.5));
+    const struct orl_vec3 up = orl_sub(within(code, level, 0.5, 1), within(code, level, 0.5, 0));
+    const double side = orl_fit_cell_rad(level);
+    const double most = fmax(side, fmax(orl_length(across), orl_length(up)));
+    return sigma_of_side * sqrt(side * most);
+}
+
 static bool add_lobe(struct orl_fit_part *part, const struct leaf *leaf, double aim, double mass)
 {
     if (!orl_grow(&part->lobes, &part->room, part->n_lobes, sizeof *part->lobes))
         return false;
     const uint32_t code = leaf->code, level = leaf->level;
     const struct orl_vec3 d = leaf->at;
-    part->lobes[part->n_lobes++] =
-        (struct orl_fit_lobe){.x = (float)d.x,
-                              .y = (float)d.y,
-                              .z = (float)d.z,
-                              .mass = (float)mass,
-                              .sigma_rad = (float)(sigma_of_side * orl_fit_cell_rad(level)),
-                              .code = code,
-                              .level = level,
-                              .aim = (float)aim};
+    part->lobes[part->n_lobes++] = (struct orl_fit_lobe){.x = (float)d.x,
+                                                         .y = (float)d.y,
+                                                         .z = (float)d.z,
+                                                         .mass = (float)mass,
+                                                         .sigma_rad = (float)sigma_of(code, level),
+                                                         .code = code,
+                                                         .level = level,
+                                                         .aim = (float)aim};
     part->mass += mass;
     return true;
 }

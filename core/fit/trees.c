@@ -49,21 +49,38 @@ static uint32_t even_bits(uint32_t v)
     return bits;
 }
 
-/* Of rank 4 there are so many cells that the middle of one has to do. */
-static unsigned places_in(const struct growing *g)
+/* Of rank 3 a cell is a ring: from an inner to an outer radius on the disk of sines. */
+static void set_ring(const struct growing *g, uint32_t a, double ret_sines[2])
 {
-    return g->rank == 3 ? ORL_FIT_CELL_PLACES : 1;
+    const double side = UINT32_C(1) << g->levels;
+    ret_sines[0] = 1 - 2 * (a + 1) / side;
+    ret_sines[1] = 1 - 2 * a / side;
+}
+
+/* Of rank 4 there are so many cells that the middle of one has to do; rings are wide where light
+ * grazes, and what moves with the light that comes moves as far. */
+static unsigned places_in(const struct growing *g, uint32_t a)
+{
+    const double widest_rad = 1.5 * ORL_DEG_TO_RAD;
+    double sines[2];
+    if (g->rank == 4)
+        return 1;
+    set_ring(g, a, sines);
+    const unsigned n = (unsigned)ceil((asin(sines[1]) - asin(sines[0])) / widest_rad);
+    return n < ORL_FIT_CELL_PLACES ? ORL_FIT_CELL_PLACES : n;
 }
 
 /* Where light of a finest incident cell comes from; cells are of where it travels. */
 static struct orl_vec3 incidence(const struct growing *g, uint32_t a, unsigned place)
 {
-    const double side = UINT32_C(1) << g->levels, n = ORL_FIT_CELL_PLACES;
     if (g->rank == 3) {
-        const double outer = 1 - 2 * a / side, inner = 1 - 2 * (a + 1) / side;
-        const double u = (place + 0.5) / n, r2 = inner * inner * (1 - u) + outer * outer * u;
+        double sines[2];
+        set_ring(g, a, sines);
+        const double u = (place + 0.5) / places_in(g, a);
+        const double r2 = sines[0] * sines[0] * (1 - u) + sines[1] * sines[1] * u;
         return orl_v3(-sqrt(r2), 0, sqrt(1 - r2));
     }
+    const double side = UINT32_C(1) << g->levels;
     const double x = (even_bits(a) + 0.5) / side, y = (even_bits(a >> 1) + 0.5) / side;
     const struct orl_vec3 travel =
         orl_square_to_hemisphere((struct orl_square){2 * x - 1, 2 * y - 1});
@@ -108,7 +125,7 @@ static bool see(const struct growing *g, struct hand *hand, struct block *block,
                 struct orl_gonio_node *ret_nodes)
 {
     const size_t cells = g->screen->n_cells;
-    const unsigned places = places_in(g);
+    const unsigned places = places_in(g, a);
     memset(hand->sums, 0, cells * sizeof *hand->sums);
     for (unsigned i = 0; i < places; i++) {
         struct orl_fit_place place;
@@ -223,7 +240,7 @@ static int want_plans(struct growing *g, struct orl_error *err)
         const uint32_t block = a >> 2 * (g->levels - g->split);
         if (original_of(g, block, &mirror) != block)
             continue;
-        for (unsigned i = 0; i < places_in(g); i++) {
+        for (unsigned i = 0; i < places_in(g, a); i++) {
             struct orl_fit_place place;
             orl_fit_mesh_locate(&g->model->mesh, incidence(g, a, i), &place);
             if (!orl_fit_plans_want(&g->model->plans, &place))

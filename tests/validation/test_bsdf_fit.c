@@ -6,9 +6,12 @@
  * Bounds. Totals: 1 %, 2 % from 75 degrees on. A Gaussian of scatter that 10 000 places see, half
  * of them on a raster of 2 degrees, is told by its density to a few per mille; noise adds 2 % over
  * the root of some hundred rows. Peaks: 0.5 degrees, and 3 % of the light within 5 degrees, both of
- * the sample averaged over the cells of the tree, which is all that a tree can have. In rings of
- * incidence that the tree has, at their middle, but for the last ones, which are 5 degrees wide and
- * more.
+ * the sample averaged over the cells of the tree, out and in, which is all that a tree can have. In
+ * rings of incidence that the tree has, but for the last ones, which are 6 degrees wide and more.
+ *
+ * Of rank 4, from 13 incident directions of 40 000 rows, a sample that is not isotropic: rms of
+ * cells over that of the sample itself, to 80 degrees of incidence, at most half of what
+ * pabopto2bsdf and bsdf2ttree make of the same rows (make bsdf-study has both).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,9 +39,10 @@ struct bench {
     size_t n;
 };
 
-static void measure(struct bench *bench, enum scatterer which, double theta, double phi)
+static void measure_rows(struct bench *bench, enum scatterer which, double theta, double phi,
+                         unsigned rows)
 {
-    const struct scatterer_scan scan = {theta, phi, 10000, 0.02, true, bench->n + 1};
+    const struct scatterer_scan scan = {theta, phi, rows, 0.02, true, bench->n + 1};
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -48,6 +52,11 @@ static void measure(struct bench *bench, enum scatterer which, double theta, dou
     sprintf(bench->names[bench->n], "s%zu.txt", bench->n);
     bench->name_list[bench->n] = bench->names[bench->n];
     bench->contents[bench->n++] = (struct orl_file){.data = text, .size = size};
+}
+
+static void measure(struct bench *bench, enum scatterer which, double theta, double phi)
+{
+    measure_rows(bench, which, theta, phi, 10000);
 }
 
 static void clear(struct bench *bench)
@@ -121,9 +130,27 @@ static double mean_of(enum scatterer which, struct orl_vec3 in, int x, int y)
     return sum / (fine * fine);
 }
 
-/* Of light from in, by the means of cells: of the sample, or of its BSDF. */
-static struct seen look(enum scatterer which, struct orl_vec3 in, const struct orl_bsdf *bsdf)
+/* Light of the tree's ring of incidence that is r from the middle of the disk. */
+static struct orl_vec3 in_ring(int ring, double part)
 {
+    const double inner = 2.0 * ring / SIDE, outer = 2.0 * (ring + 1) / SIDE;
+    const double r2 = inner * inner * (1 - part) + outer * outer * part;
+    return orl_v3(-sqrt(r2), 0, sqrt(1 - r2));
+}
+
+static double mean_in_ring(enum scatterer which, int ring, int x, int y)
+{
+    enum { PARTS = 6 };
+    double sum = 0;
+    for (int i = 0; i < PARTS; i++)
+        sum += mean_of(which, in_ring(ring, (i + 0.5) / PARTS), x, y);
+    return sum / PARTS;
+}
+
+/* Of light from a ring, by the means of cells: of the sample, or of its BSDF. */
+static struct seen look(enum scatterer which, int ring, const struct orl_bsdf *bsdf)
+{
+    const struct orl_vec3 in = in_ring(ring, 0.5);
     struct orl_vec3 peaks[2];
     struct seen seen = {0};
     const int n_peaks = scatterer_peaks(which, in, peaks);
@@ -135,7 +162,7 @@ static struct seen look(enum scatterer which, struct orl_vec3 in, const struct o
             out.z = -out.z;
         const double light =
             ORL_PI / (SIDE * SIDE) *
-            (bsdf ? orl_luma(orl_bsdf_eval(bsdf, in, out)) : mean_of(which, in, x, y));
+            (bsdf ? orl_luma(orl_bsdf_eval(bsdf, in, out)) : mean_in_ring(which, ring, x, y));
         seen.total += light;
         for (int k = 0; k < n_peaks; k++) {
             if (orl_dot(up, peaks[k]) < cos(5 * ORL_DEG_TO_RAD))
@@ -153,11 +180,11 @@ static double apart_deg(struct orl_vec3 a, struct orl_vec3 b)
     return 2 * asin(0.5 * orl_length(orl_sub(u, v))) / ORL_DEG_TO_RAD;
 }
 
-static void compare(enum scatterer which, const struct orl_bsdf *bsdf, int ring, double cone_bound)
+static void compare(enum scatterer which, const struct orl_bsdf *bsdf, int ring)
 {
-    const double r = (ring + 0.5) / (SIDE / 2.0), theta = asin(r) / ORL_DEG_TO_RAD;
-    const struct orl_vec3 in = orl_v3(-r, 0, sqrt(1 - r * r));
-    const struct seen truth = look(which, in, NULL), got = look(which, in, bsdf);
+    const struct orl_vec3 in = in_ring(ring, 0.5);
+    const double theta = acos(in.z) / ORL_DEG_TO_RAD;
+    const struct seen truth = look(which, ring, NULL), got = look(which, ring, bsdf);
     struct orl_vec3 peaks[2];
     const int n_peaks = scatterer_peaks(which, in, peaks);
     const double off = got.total / scatterer_albedo(which, in) - 1;
@@ -170,7 +197,7 @@ static void compare(enum scatterer which, const struct orl_bsdf *bsdf, int ring,
     assert_true(fabs(off) < (theta < 75 ? 0.01 : 0.02));
     for (int k = 0; k < n_peaks; k++) {
         assert_true(apart_deg(truth.middle[k], got.middle[k]) < 0.5);
-        assert_true(fabs(got.cone[k] / truth.cone[k] - 1) < cone_bound);
+        assert_true(fabs(got.cone[k] / truth.cone[k] - 1) < 0.03);
     }
 }
 
@@ -221,7 +248,7 @@ static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitt
     assert_true(told.error < 2 * rms + 0.003 && rms < 2 * told.error + 0.003);
 }
 
-static void check(enum scatterer which, double cone_bound)
+static void check(enum scatterer which)
 {
     static const int rings[] = {6, 12, 18, 20, 25, 29, 30};
     struct bench bench = {0};
@@ -231,7 +258,7 @@ static void check(enum scatterer which, double cone_bound)
     assert_int_equal(fitted.symmetry, ORL_BSDF_FIT_ISOTROPIC);
     check_scans(which, &fitted);
     for (size_t i = 0; i < sizeof rings / sizeof *rings; i++)
-        compare(which, bsdf, rings[i], cone_bound);
+        compare(which, bsdf, rings[i]);
     orl_bsdf_unref(bsdf);
     orl_bsdf_fitted_done(&fitted);
     clear(&bench);
@@ -242,33 +269,67 @@ static void check(enum scatterer which, double cone_bound)
 static void lambert(void **state)
 {
     (void)state;
-    check(SCATTERER_LAMBERT, 0);
+    check(SCATTERER_LAMBERT);
 }
 
 static void ward(void **state)
 {
     (void)state;
-    check(SCATTERER_WARD, 0.03);
+    check(SCATTERER_WARD);
 }
 
 static void slab(void **state)
 {
     (void)state;
-    check(SCATTERER_SLAB, 0.03);
+    check(SCATTERER_SLAB);
 }
 
 static void peak(void **state)
 {
     (void)state;
-    check(SCATTERER_PEAK, 0.03);
+    check(SCATTERER_PEAK);
 }
 
 static void crossing(void **state)
 {
     (void)state;
-    /* Where lobes of 4 degrees part, within two of their widths, which is whose is nobody's to
-     * tell. */
-    check(SCATTERER_CROSSING, 0.06);
+    check(SCATTERER_CROSSING);
+}
+
+/* Of a quadrant's incident cells one in four, to 80 degrees. */
+static double rms_of(enum scatterer which, const struct orl_bsdf *bsdf)
+{
+    double squares = 0, all = 0;
+    for (int i = 0; i < SIDE * SIDE / 16; i++) {
+        const int x = SIDE / 2 + 2 * (i % (SIDE / 4)), y = SIDE / 2 + 1 + 2 * (i / (SIDE / 4));
+        const struct orl_vec3 in = in_cell(x, y, 0.5, 0.5);
+        for (int k = 0; k < SIDE * SIDE && in.z > cos(80 * ORL_DEG_TO_RAD); k++) {
+            const struct orl_vec3 out = in_cell(k % SIDE, k / SIDE, 0.5, 0.5);
+            const double value = mean_of(which, in, k % SIDE, k / SIDE);
+            const double off = orl_luma(orl_bsdf_eval(bsdf, in, out)) - value;
+            squares += off * off;
+            all += value * value;
+        }
+    }
+    return sqrt(squares / all);
+}
+
+static void anisotropic(void **state)
+{
+    struct bench bench = {0};
+    (void)state;
+    measure_rows(&bench, SCATTERER_ANISOTROPIC, 0, 0, 40000);
+    for (int i = 0; i < 12; i++)
+        measure_rows(&bench, SCATTERER_ANISOTROPIC, 20 + 20 * (double)(i / 3), 45.0 * (i % 3),
+                     40000);
+    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_4, SIDE, 2);
+    struct orl_bsdf *bsdf = load(&fitted);
+    const double rms = rms_of(SCATTERER_ANISOTROPIC, bsdf);
+    print_message("# anisotropic, rank 4: rms %.1f %%\n", 100 * rms);
+    assert_true(rms < 0.16);
+    orl_bsdf_unref(bsdf);
+    orl_bsdf_fitted_done(&fitted);
+    clear(&bench);
 }
 
 /* Of light along the normal what is mirrored goes where the lamp stands. */
@@ -324,6 +385,7 @@ int main(void)
         cmocka_unit_test(slab),
         cmocka_unit_test(peak),
         cmocka_unit_test(crossing),
+        cmocka_unit_test(anisotropic),
         cmocka_unit_test(a_hidden_peak_is_told),
         cmocka_unit_test(threads_do_not_matter),
     };
