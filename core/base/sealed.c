@@ -180,6 +180,8 @@ int orl_sealed_open(const struct orl_sealed_kind *kind, const char *path,
 {
     struct orl_sealed_file file = {0};
     int code = map_file(kind, path, &file, err);
+    if (!file.data)
+        return code;
     if (code == 0)
         code = check(kind, &file, content, path, err);
     if (code == 0)

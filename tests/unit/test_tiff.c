@@ -83,7 +83,7 @@ static unsigned char *write_tiff(const struct kind *kind, size_t *ret_size)
         float row[W * 4];
         for (int x = 0; x < W; x++)
             for (int c = 0; c < kind->samples; c++)
-                put_sample(row, kind, (size_t)(x * kind->samples + c),
+                put_sample(row, kind, (size_t)x * kind->samples + (size_t)c,
                            kind->veiled && c + 1 == kind->samples ? 0.5 : value_at(x, y, c));
         assert_int_equal(TIFFWriteScanline(tiff, row, (uint32_t)y, 0), 1);
     }

@@ -61,6 +61,7 @@ int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, doub
 float *orl_grid_pixel(struct orl_grid *grid, uint32_t x, uint32_t y);
 
 /* picture_png.c, picture_exr.c, picture_tiff.c. */
+double orl_linear_of_srgb(double value); /* IEC 61966-2-1; picture_png.c */
 int orl_grid_read_png(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
                       struct orl_error *err);
 int orl_grid_read_exr(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,

@@ -12,11 +12,9 @@ static int fail(const char *name, int code, struct orl_error *err, const char *w
     return code;
 }
 
-/* IEC 61966-2-1. */
-static float linear_of_srgb(unsigned char value)
+double orl_linear_of_srgb(double value)
 {
-    const double v = value / 255.0;
-    return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+    return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
 
 /* Of 16 bits a channel libpng gives linear light; of fewer, sRGB, whose light it would round. */
@@ -36,7 +34,7 @@ static int read_pixels(const char *name, png_image *image, struct orl_grid *grid
         return fail(name, ORL_ERR_SYNTAX, err, "the PNG is damaged");
     }
     for (int i = 0; i < 256; i++)
-        decoded[i] = linear_of_srgb((unsigned char)i);
+        decoded[i] = (float)orl_linear_of_srgb(i / 255.0);
     for (size_t i = 0; i < n; i++) {
         float *const rgb =
             orl_grid_pixel(grid, (uint32_t)(i % image->width), (uint32_t)(i / image->width));

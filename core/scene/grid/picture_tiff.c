@@ -156,11 +156,6 @@ struct converter {
     bool veiled;      /* the sample after these is how much of the pixel there is */
 };
 
-static double linear_of_srgb(double v)
-{
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-}
-
 static float *make_table(const struct reading *r)
 {
     uint16_t *curve = NULL, *second = NULL, *third = NULL;
@@ -169,7 +164,7 @@ static float *make_table(const struct reading *r)
     for (int i = 0; table && i < LEVELS_16; i++) {
         const int value = r->photometric == PHOTOMETRIC_MINISWHITE ? LEVELS_16 - 1 - i : i;
         table[i] =
-            (float)(told && curve ? curve[value] / 65535.0 : linear_of_srgb(value / 65535.0));
+            (float)(told && curve ? curve[value] / 65535.0 : orl_linear_of_srgb(value / 65535.0));
     }
     return table;
 }
@@ -273,7 +268,7 @@ static int read_shown(struct reading *r, struct orl_error *err)
         return fail(r, ORL_ERR_SYNTAX, err, "the TIFF is damaged");
     }
     for (int i = 0; i < 256; i++)
-        decoded[i] = (float)linear_of_srgb(i / 255.0);
+        decoded[i] = (float)orl_linear_of_srgb(i / 255.0);
     for (size_t i = 0; i < n; i++) {
         float *const rgb =
             orl_grid_pixel(r->grid, (uint32_t)(i % r->width), (uint32_t)(i / r->width));

@@ -30,7 +30,8 @@ static void hold_against(struct orl_scene_keeping *k, const char *name,
     int code = orl_sources_open(&k->sources, name, read->library, &index, NULL);
     if (code == ORL_ERR_NOT_FOUND)
         code = ORL_ERR_VERSION;
-    if (code == 0 && memcmp(k->sources.items[index].content, read->content, sizeof read->content))
+    if (code == 0 &&
+        memcmp(k->sources.items[index].content, read->content, sizeof read->content) != 0)
         code = ORL_ERR_VERSION;
     if (code < 0)
         orl_stream_fail(&k->stream, code);

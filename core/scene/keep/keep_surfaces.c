@@ -130,8 +130,10 @@ static void read_surfaces(struct orl_scene_keeping *k, struct orl_surface **ret_
     if (!find_blocks(&k->stream, n, &blocks))
         return;
     *ret_surfaces = malloc((n + 1) * sizeof **ret_surfaces);
-    if (!*ret_surfaces)
+    if (!*ret_surfaces) {
         orl_stream_fail(&k->stream, ORL_ERR_NOMEM);
+        return;
+    }
     for (size_t i = 0; i < n && k->stream.code == 0; i++)
         if (!fill(k->d, &blocks.records[i], &blocks, &(*ret_surfaces)[i]))
             orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
