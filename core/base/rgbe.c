@@ -6,7 +6,7 @@
 
 #include <oriel/limits.h>
 
-enum { LINE = 4096, SHORTEST_RLE = 8, LONGEST_RLE = 32767 };
+enum { LINE = 4096, HEADER = 65536, SHORTEST_RLE = 8, LONGEST_RLE = 32767 };
 
 int orl_rgbe_fail(const struct orl_rgbe *rgbe, int code, struct orl_error *err, const char *what)
 {
@@ -65,15 +65,36 @@ static int read_resolution(struct orl_rgbe *r, struct orl_error *err)
     return 0;
 }
 
+/* Pictures of before 1992 begin with the commands that made them. */
+bool orl_rgbe_is_one(const void *data, size_t size)
+{
+    static const char format[] = "FORMAT=32-bit_rle_";
+    const char *const end = (const char *)data + (size < HEADER ? size : HEADER);
+    if (size >= 2 && memcmp(data, "#?", 2) == 0)
+        return true;
+    for (const char *at = data; at < end && *at != '\n' && *at != '\r';) {
+        if ((size_t)(end - at) >= sizeof format && memcmp(at, format, sizeof format - 1) == 0)
+            return true;
+        at = memchr(at, '\n', (size_t)(end - at));
+        if (!at)
+            return false;
+        at++;
+    }
+    return false;
+}
+
 int orl_rgbe_begin(struct orl_rgbe *rgbe, const char *name, const void *data, size_t size,
                    orl_rgbe_line take, void *ctx, struct orl_error *err)
 {
     const unsigned char *const bytes = data;
     char line[LINE];
     *rgbe = (struct orl_rgbe){.name = name, .at = bytes, .end = bytes + size};
-    if (!next_line(rgbe, line) || strncmp(line, "#?", 2) != 0)
-        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
-                             "this is no Radiance picture: it begins with no #?");
+    if (!orl_rgbe_is_one(data, size))
+        return orl_rgbe_fail(
+            rgbe, ORL_ERR_SYNTAX, err,
+            "this is no Radiance picture: it begins with no #?, and has no FORMAT");
+    if (*bytes == '#' && !next_line(rgbe, line))
+        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err, "the picture ends in its header");
     while (next_line(rgbe, line)) {
         if (line[0] == '\0' || strcmp(line, "\r") == 0)
             return read_resolution(rgbe, err);

@@ -13,6 +13,7 @@
 #define ORL_BASE_RGBE_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -27,7 +28,11 @@ struct orl_rgbe {
     char order[4];              /* "-Y+X": signs and axes, the slower first */
 };
 
-/* Takes a line of the header, the first and the last excepted; 0 or an error. */
+/* Whether the bytes begin as a picture's do: with "#?", or with a header that tells a FORMAT of
+ * 32-bit_rle_..., which is what Radiance asks for. */
+bool orl_rgbe_is_one(const void *data, size_t size);
+
+/* Takes a line of the header, "#?" and the last excepted; 0 or an error. */
 typedef int (*orl_rgbe_line)(void *ctx, const struct orl_rgbe *rgbe, const char *line,
                              struct orl_error *err);
 

@@ -470,14 +470,37 @@ static void test_small_bright(void **state)
     orl_scene_release(scene);
 }
 
+/* A picture of before 1992, which begins with the commands that made it. */
+static void test_pictures_without_magic(void **state)
+{
+    static const char bytes[] = "ra_t16 -r\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n"
+                                "\x7f\x7f\x7f\x81\x7f\x7f\x7f\x81\x7f\x7f\x7f\x81\x7f\x7f\x7f\x81";
+    static const char text[] = "void colorpict p 7 red green blue x . Px Py 0 0\n"
+                               "p plastic m 0 0 5 .5 .5 .5 0 0\nm sphere s 0 0 4 0 0 0 1\n";
+    const struct orl_file file = {bytes, sizeof bytes - 1, NULL};
+    struct orl_description d;
+    struct orl_error err = {0};
+    (void)state;
+    if (parse(text, &file, &d, &err) < 0)
+        fail_msg("%s", err.message);
+    assert_non_null(d.materials[d.surfaces[0].material].pattern);
+    orl_description_done(&d);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rtrace),        cmocka_unit_test(test_png),
-        cmocka_unit_test(test_exr),           cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_keys),          cmocka_unit_test(test_mixtures),
-        cmocka_unit_test(test_mixture_twice), cmocka_unit_test(test_lamps),
-        cmocka_unit_test(test_skies),         cmocka_unit_test(test_small_bright),
+        cmocka_unit_test(test_pictures_without_magic),
+        cmocka_unit_test(test_rtrace),
+        cmocka_unit_test(test_png),
+        cmocka_unit_test(test_exr),
+        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_keys),
+        cmocka_unit_test(test_mixtures),
+        cmocka_unit_test(test_mixture_twice),
+        cmocka_unit_test(test_lamps),
+        cmocka_unit_test(test_skies),
+        cmocka_unit_test(test_small_bright),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -118,6 +118,17 @@ static void test_old_runs(void **state)
     orl_hdr_done(&p);
 }
 
+/* A header of before 1992: no "#?", but a format, which is all that Radiance asks for. */
+static void test_without_magic(void **state)
+{
+    static const char bytes[] = "ra_t16 -r\nFORMAT=32-bit_rle_rgbe\npfilt -x 1\nEXPOSURE=2\n\n"
+                                "-Y 1 +X 1\n\x7f\x7f\x7f\x81";
+    struct orl_hdr_picture p = read_bytes(bytes, sizeof bytes - 1);
+    (void)state;
+    assert_true(p.film.pixels[0][1] == (float)(127.5 / 128 / 2));
+    orl_hdr_done(&p);
+}
+
 static void test_refused(void **state)
 {
     static const struct {
@@ -126,6 +137,8 @@ static void test_refused(void **state)
     } cases[] = {
         {"", ORL_ERR_SYNTAX},
         {"P6\n", ORL_ERR_SYNTAX},
+        {"pfilt\n\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nabcd", ORL_ERR_SYNTAX},
+        {"pfilt\nFORMAT=ascii\n\n-Y 1 +X 1\nabcd", ORL_ERR_SYNTAX},
         {"#?RADIANCE\n", ORL_ERR_SYNTAX},
         {HEAD "\n", ORL_ERR_SYNTAX},
         {HEAD "\n-Y 1 +Y 1\nabcd", ORL_ERR_SYNTAX},
@@ -158,7 +171,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_written_and_read), cmocka_unit_test(test_orders),
         cmocka_unit_test(test_exposures),        cmocka_unit_test(test_old_runs),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_without_magic),    cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

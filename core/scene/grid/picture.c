@@ -63,7 +63,7 @@ int orl_grid_read_picture(const char *name, const void *data, size_t size,
 {
     static const unsigned char png[] = {0x89, 'P', 'N', 'G'}, exr[] = {0x76, 0x2f, 0x31, 0x01};
     static const char *const tiff[] = {"II*\0", "MM\0*", "II+\0", "MM\0+"}; /* and BigTIFF */
-    if (size >= 2 && memcmp(data, "#?", 2) == 0)
+    if (orl_rgbe_is_one(data, size))
         return read_hdr(name, data, size, ret_grid, err);
     if (size >= sizeof png && memcmp(data, png, sizeof png) == 0)
         return orl_grid_read_png(name, data, size, ret_grid, err);
@@ -74,6 +74,7 @@ int orl_grid_read_picture(const char *name, const void *data, size_t size,
             return orl_grid_read_tiff(name, data, size, ret_grid, err);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
                   "a picture is Radiance's, PNG, TIFF or OpenEXR: this is none of them");
+    orl_error_hint(err, "image editors make one of these, Radiance's ra_* one of its own");
     orl_error_at(err, name, 0, NULL);
     return ORL_ERR_UNSUPPORTED;
 }
