@@ -416,6 +416,25 @@ static void test_refusals_without_end(void **state)
     assert_string_equal(err.message + strlen(err.message) - 3, "...");
 }
 
+/* A file that is missing says where it is looked for. */
+static void test_missing_files(void **state)
+{
+    static const char *const texts[] = {
+        "!xform -t 1 2 3 away.rad\n",
+        "void BSDF b 6 0 away.xml 0 0 1 . 0 0\nb sphere s 0 0 4 0 0 "
+        "0 1\n",
+        "void colorpict c 7 red green blue away.hdr . Px Py 0 0\n"
+        "c plastic p 0 0 5 1 1 1 0 0\np sphere s 0 0 4 0 0 0 1\n"};
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct orl_error err = {0};
+        assert_int_equal(parse_bytes(texts[i], strlen(texts[i]), &err), ORL_ERR_NOT_FOUND);
+        assert_non_null(strstr(err.message, "no file named 'away."));
+        assert_non_null(strstr(err.hint, "beside the file that has them"));
+        assert_int_equal(err.line, 1);
+    }
+}
+
 /* What gains light says which of its numbers add up to too much. */
 static void test_gain_of_glazing(void **state)
 {
@@ -619,6 +638,7 @@ int main(void)
         cmocka_unit_test(test_refusals_alike),
         cmocka_unit_test(test_refusals_without_end),
         cmocka_unit_test(test_gain_of_glazing),
+        cmocka_unit_test(test_missing_files),
         cmocka_unit_test(test_refusals_of_commands_with_a_blank),
         cmocka_unit_test(test_unused),
         cmocka_unit_test(test_refusals_unused),

@@ -18,7 +18,10 @@ static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *sco
                                 orl_primitive_string(&parser->primitive, string), &source, err);
     if (code < 0) {
         snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, err->message);
-        return orl_parser_fail(parser, scope, err, code, "its BSDF file is missing: %s", name);
+        orl_parser_fail(parser, scope, err, code, "its BSDF file is missing: %s", name);
+        if (code == ORL_ERR_NOT_FOUND)
+            orl_sources_hint(err);
+        return code;
     }
     code = orl_sources_bsdf(&parser->sources, source, &bsdf, err);
     if (code < 0) {

@@ -257,7 +257,9 @@ int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope
                                 &file, err);
     if (code == ORL_ERR_NOT_FOUND) {
         snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, err->message);
-        return orl_parser_fail(parser, scope, err, code, "its file is missing: %s", name);
+        orl_parser_fail(parser, scope, err, code, "its file is missing: %s", name);
+        orl_sources_hint(err);
+        return code;
     }
     if (code == 0)
         code = read_or_place(&inside, scope, modifier, is_mesh, &file, err);

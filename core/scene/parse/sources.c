@@ -203,6 +203,12 @@ int orl_sources_open(struct orl_sources *sources, const char *name, bool library
                                                : find_as(sources, name, library, ret_index, err);
 }
 
+void orl_sources_hint(struct orl_error *err)
+{
+    orl_error_hint(err, "names are looked for beside the file that has them, then from the scene's "
+                        "own folder: put it there, or take out what names it");
+}
+
 static int find_from(struct orl_sources *sources, const char *folder, const char *name,
                      size_t *ret_index, struct orl_error *err)
 {
@@ -219,6 +225,8 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     } else if (code < 0 && err) {
         *err = first;
     }
+    if (code == ORL_ERR_NOT_FOUND)
+        orl_sources_hint(err);
     return code;
 }
 

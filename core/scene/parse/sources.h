@@ -58,6 +58,9 @@ void orl_sources_done(struct orl_sources *sources);
 /* Whether one of the files that a scene is made of is no text of its own: a BSDF's (.xml). */
 bool orl_sources_is_resource(const char *name);
 
+/* What mends an ORL_ERR_NOT_FOUND of those below, who say it: for errors put in other words. */
+void orl_sources_hint(struct orl_error *err);
+
 /*
  * Finds a file mentioned as name in a file of that folder ("" for none), or else in the user's
  * library (names that start with '.' or '/' are not looked for there). ret_index is good for
