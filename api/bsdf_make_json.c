@@ -53,7 +53,7 @@ static int decode_cell(const json_t *value, const char *path, void *into, struct
 
 static int decode_members(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
-    static const char *const symmetries[] = {"none", "left_right", "up_down", "both", NULL};
+    static const char *const symmetries[] = {"none", "left_right", "up_down", "both", "auto", NULL};
     const char *bases[ORL_BSDF_BASES + 1] = {NULL};
     struct orl_bsdf_make_request *r = &draft->request;
     for (int i = 0; i < ORL_BSDF_BASES; i++)

@@ -2,6 +2,7 @@
 #include <oriel/bsdf_convert.h>
 
 #include "goniometer/klems.h"
+#include "goniometer/mirrors.h"
 #include "goniometer/trees.h"
 
 static int check(const struct orl_bsdf_make_request *to, struct orl_error *err)
@@ -28,6 +29,7 @@ int orl_bsdf_convert(const struct orl_bsdf *bsdf, const char *source,
     const struct orl_gonio_sample sample = {
         .file = bsdf, .source = source, .depth = {0, info.thickness_m}};
     made.depth[1] = info.thickness_m;
+    request.symmetry = orl_gonio_mirrors_of(to, &sample);
     orl_crew_heed(env->crew, env->cancel);
     code = orl_bsdf_basis_is_tree(to->basis)
                ? orl_gonio_make_trees(&request, env, &sample, NULL, &made, err)

@@ -4,6 +4,7 @@
 
 #include "base/sobol.h"
 #include "goniometer/klems.h"
+#include "goniometer/mirrors.h"
 #include "goniometer/trees.h"
 
 static int make_of(const struct orl_bsdf_make_request *request, const struct orl_bsdf_make_env *env,
@@ -18,9 +19,11 @@ static int make_of(const struct orl_bsdf_make_request *request, const struct orl
     memcpy(made->cell, sample->sides, sizeof made->cell);
     memcpy(made->depth, sample->depth, sizeof made->depth);
     orl_crew_heed(env->crew, env->cancel);
+    struct orl_bsdf_make_request settled = *request;
+    settled.symmetry = orl_gonio_mirrors_of(request, sample);
     code = orl_bsdf_basis_is_tree(request->basis)
-               ? orl_gonio_make_trees(request, env, sample, sobol, made, err)
-               : orl_gonio_make_klems(request, env, sample, sobol, made, err);
+               ? orl_gonio_make_trees(&settled, env, sample, sobol, made, err)
+               : orl_gonio_make_klems(&settled, env, sample, sobol, made, err);
     orl_crew_heed(env->crew, NULL);
     free(sobol);
     return code;

@@ -20,6 +20,7 @@ void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request)
     request->resolution = 64;
     request->cull = 0.05;
     request->unseen = ORL_BSDF_UNSEEN;
+    request->symmetry = ORL_BSDF_SYMMETRY_AUTO;
     request->paths_most = 1 << 20;
     request->seed = 1;
 }
@@ -95,7 +96,8 @@ static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error
     if (r->color)
         return orl_gonio_refuse(err, ORL_ERR_UNSUPPORTED, "color",
                                 "colour is made in Klems bases alone");
-    if (r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_ASYMMETRIC)
+    if (r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_ASYMMETRIC &&
+        r->symmetry != ORL_BSDF_SYMMETRY_AUTO)
         return orl_gonio_refuse(
             err, ORL_ERR_UNSUPPORTED, "symmetry",
             "a tensor tree of rank 3 is the same from all azimuths: it has no mirrors");

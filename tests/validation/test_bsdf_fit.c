@@ -10,8 +10,8 @@
  * rings of incidence that the tree has, but for the last ones, which are 6 degrees wide and more.
  *
  * Of rank 4, from 13 incident directions of 40 000 rows, a sample that is not isotropic: rms of
- * cells over that of the sample itself, to 80 degrees of incidence, at most half of what
- * pabopto2bsdf and bsdf2ttree make of the same rows (make bsdf-study has both).
+ * cells over that of the sample itself, to 80 degrees of incidence, at most 16 %: half of what
+ * pabopto2bsdf and bsdf2ttree make of such rows would be 16 to 20 (33 and 41 % were measured).
  */
 #include <setjmp.h>
 #include <stdarg.h>

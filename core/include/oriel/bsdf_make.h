@@ -42,12 +42,15 @@ static inline bool orl_bsdf_basis_is_tree(enum orl_bsdf_basis basis)
 }
 
 /* Mirrors that the panel has and whose two sides are to come out the same: of matrices in their
- * mean; of trees of rank 4 one of them is measured. Not for trees of rank 3. */
+ * mean; of trees of rank 4 one of them is measured. Not for trees of rank 3. Auto: of trees of rank 4
+ * those in the cell's middle that its surfaces are seen to have, if all of their materials are even
+ * and scatter by the normal alone (goniometer/mirrors.h); else none. */
 enum orl_bsdf_symmetry {
     ORL_BSDF_ASYMMETRIC = 0,
     ORL_BSDF_LEFT_RIGHT = 1, /* x */
     ORL_BSDF_UP_DOWN = 2,    /* y */
     ORL_BSDF_QUADRILATERAL = 3,
+    ORL_BSDF_SYMMETRY_AUTO = 4,
 };
 
 enum {
@@ -92,7 +95,7 @@ struct orl_bsdf_make_request {
     bool tell_errors; /* orl_bsdf_made.errors_xml is wanted */
 };
 
-/* Klems full, seed 1; of trees a resolution of 64, a cull of 0.05. */
+/* Klems full, seed 1, symmetry auto; of trees a resolution of 64, a cull of 0.05. */
 void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request);
 void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
 
