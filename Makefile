@@ -104,8 +104,8 @@ help:
 ## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
-## make bsdf-study  BSDFs of panels against closed forms and, if it is there, Radiance's genBSDF: tables,
-##                 and pictures in build/bsdf-study
+## make bsdf-study  BSDFs of panels against closed forms and, if they are there, Radiance's genBSDF and
+##                 pabopto2bsdf: tables, and pictures in build/bsdf-study
 ## make annual     a year of daylight in the office, in ray-times, beside hours of it by backward, and
 ##                 glare of its seats beside pictures: tables, and build/annual.json; then verdicts of
 ##                 100 seeds in four rooms
