@@ -42,9 +42,9 @@ static inline bool orl_bsdf_basis_is_tree(enum orl_bsdf_basis basis)
 }
 
 /* Mirrors that the panel has and whose two sides are to come out the same: of matrices in their
- * mean; of trees of rank 4 one of them is measured. Not for trees of rank 3. Auto: of trees of rank 4
- * those in the cell's middle that its surfaces are seen to have, if all of their materials are even
- * and scatter by the normal alone (goniometer/mirrors.h); else none. */
+ * mean; of trees of rank 4 one of them is measured. Not for trees of rank 3. Auto: of trees of rank
+ * 4 those in the cell's middle that its surfaces are seen to have, if all of their materials are
+ * even and scatter by the normal alone (goniometer/mirrors.h); else none. */
 enum orl_bsdf_symmetry {
     ORL_BSDF_ASYMMETRIC = 0,
     ORL_BSDF_LEFT_RIGHT = 1, /* x */
