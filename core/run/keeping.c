@@ -58,8 +58,9 @@ int orl_run_keep(struct orl_run_state *state, const struct orl_keepable *thing,
             store->release(store->ctx, thing->kind, thing->key);
             return code;
         }
-        if (code != ORL_ERR_VERSION)
-            orl_run_warn(state, "the %s '%s' was kept, but is damaged: it is read again",
+        if (code != ORL_ERR_VERSION || !thing->outdates)
+            orl_run_warn(state,
+                         "the %s '%s' was kept, but damaged or out of date: it is read again",
                          thing->what, thing->name);
         store->abandon(store->ctx, thing->kind, thing->key);
     }

@@ -138,6 +138,7 @@ int orl_run_read_scene(struct orl_run_state *state, struct orl_description *ret_
         .key = key,
         .what = "scene",
         .name = state->job->n_scene_files > 0 ? state->job->scene_files[0] : "",
+        .outdates = true,
         .ctx = &r,
         .open = open_kept,
         .make = make,

@@ -13,7 +13,7 @@ static void check_request(const struct orl_bsdf_make_request *r, bool local)
     struct orl_error err = {0};
     FUZZ_PROMISE(local == (r->n_files > 0));
     FUZZ_PROMISE(orl_bsdf_basis_name(r->basis) != NULL);
-    FUZZ_PROMISE((unsigned)r->symmetry <= ORL_BSDF_QUADRILATERAL);
+    FUZZ_PROMISE((unsigned)r->symmetry <= ORL_BSDF_SYMMETRY_AUTO);
     FUZZ_PROMISE(r->resolution >= 4 && r->resolution <= 128);
     FUZZ_PROMISE(r->cull >= 0 && r->cull <= 1);
     FUZZ_PROMISE(r->accuracy >= 0 && r->accuracy < 1);
