@@ -23,8 +23,8 @@ static void document(const struct daemon_room *room, const char *members, char r
 static void test_as_the_job_has_it(void **state)
 {
     static const char *const members[] = {
-        "\"technique\":\"gather\",\"photons\":{\"global\":5000,\"caustic\":500},"
-        "\"gather_samples\":16",
+        ("\"technique\":\"gather\",\"photons\":{\"global\":5000,\"caustic\":500},"
+         "\"gather_samples\":16"),
         "\"technique\":\"backward\",\"gather_samples\":16",
         "\"photons\":{\"global\":5000},\"effects\":{\"caustics\":\"skip\"}"};
     struct daemon_room *room = *state;
@@ -74,8 +74,8 @@ static void test_curve(void **state)
     static const char *const members[] = {
         "\"gather_samples\":16", "\"accuracy\":{\"deadline_s\":20,\"at\":0.5}",
         "\"accuracy\":{\"relative_error\":0.02}", "\"technique\":\"gather\"",
-        "\"views\":[{\"name\":\"v\",\"view\":\"-vp 2 1 1.5 -vd "
-        "0 1 0\",\"width\":64,\"height\":48}]"};
+        ("\"views\":[{\"name\":\"v\",\"view\":\"-vp 2 1 1.5 -vd "
+         "0 1 0\",\"width\":64,\"height\":48}]")};
     struct daemon_room *room = *state;
     for (size_t i = 0; i < sizeof members / sizeof *members; i++) {
         const char *technique = i < 3 ? "backward" : "gather";

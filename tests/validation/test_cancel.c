@@ -26,7 +26,7 @@ static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, 
 {
     struct trap *trap = ctx;
     (void)job_fraction, (void)left_s;
-    if (stage + stage_fraction >= trap->at)
+    if ((int)stage + stage_fraction >= trap->at)
         atomic_store(&trap->cancel, true);
 }
 
