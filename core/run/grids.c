@@ -101,8 +101,10 @@ static int make_room(struct gathering *all, size_t *room, size_t count, struct o
         return 0;
     *room = 2 * (all->count + count);
     struct orl_sensor *grown = realloc(all->list, *room * sizeof *grown);
-    if (!grown)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", *room);
+    if (!grown) {
+        orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", *room);
+        return ORL_ERR_NOMEM;
+    }
     all->list = grown;
     return 0;
 }
@@ -131,7 +133,9 @@ int orl_grids_read(const struct orl_job *job, const struct orl_files *files,
     struct orl_grid_request *grids = malloc(job->n_grids * sizeof *grids);
     struct gathering all = {NULL, 0};
     size_t room = 0;
-    int code = grids ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    int code = grids ? 0 : ORL_ERR_NOMEM;
+    if (code < 0)
+        orl_error_set(err, code, "out of memory");
     for (size_t i = 0; i < job->n_grids && code == 0; i++) {
         grids[i] = job->grids[i];
         code = take_grid(job, files, &grids[i], &all, &room, err);

@@ -211,14 +211,14 @@ static int compare_skies(const void *a, const void *b)
 /* The first sky that has the name of one before it is an error. */
 static int validate_own_names(const struct orl_job *job, struct orl_error *err)
 {
-    const struct orl_named_sky **sorted = malloc(job->n_skies * sizeof *sorted);
+    const struct orl_named_sky **sorted = malloc(job->n_skies * sizeof(struct orl_named_sky *));
     const struct orl_named_sky *repeated = NULL;
     char place[32];
     if (!sorted)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu skies", job->n_skies);
     for (size_t i = 0; i < job->n_skies; i++)
         sorted[i] = &job->skies[i];
-    qsort(sorted, job->n_skies, sizeof *sorted, compare_skies);
+    qsort(sorted, job->n_skies, sizeof(struct orl_named_sky *), compare_skies);
     for (size_t i = 1; i < job->n_skies; i++)
         if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0 &&
             (!repeated || sorted[i] < repeated))

@@ -7,8 +7,9 @@ static bool is_inside(const struct orl_glyph *glyph, double x, double y)
     if (x < glyph->left || x > glyph->right || y < glyph->bottom || y > glyph->top)
         return false;
     for (int i = 0, last = glyph->n - 1; i < glyph->n; last = i++) {
-        const double ax = glyph->corners[2 * last], ay = glyph->corners[2 * last + 1];
-        const double bx = glyph->corners[2 * i], by = glyph->corners[2 * i + 1];
+        const unsigned char *const from = glyph->corners + 2 * (size_t)last;
+        const unsigned char *const to = glyph->corners + 2 * (size_t)i;
+        const double ax = from[0], ay = from[1], bx = to[0], by = to[1];
         if ((ay > y) != (by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax))
             inside = !inside;
     }
