@@ -147,8 +147,11 @@ static void draw_technique(const struct pen *pen, enum orl_technique technique)
 static void draw_reference(struct orl_canvas *canvas, double x0, double x1, double y)
 {
     static const double dash = 6, gap = 4;
-    for (double x = x0; x < x1; x += dash + gap)
+    const int n = (int)ceil((x1 - x0) / (dash + gap));
+    for (int i = 0; i < n; i++) {
+        const double x = x0 + i * (dash + gap);
         orl_canvas_line(canvas, x, y, fmin(x + dash, x1), y, 1, gray);
+    }
 }
 
 static void draw_curves(const struct pen *pen)

@@ -173,7 +173,7 @@ static void put_hole(const struct orl_hb_polygon *p, size_t loop, FILE *stream)
 {
     const size_t from = begin_of(p, loop), n = p->ends[loop] - from;
     const bool turn = orl_dot(area_of(p, 0), area_of(p, loop)) > 0;
-    for (size_t i = 0; i <= n; i++)
+    for (size_t i = 0; n > 0 && i <= n; i++)
         orl_hb_put_point(p->points[from + (turn ? n - i : i) % n], stream);
 }
 

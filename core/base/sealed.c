@@ -90,23 +90,17 @@ int orl_sealed_end(struct orl_sealed_writer *writer,
     orl_checksum_finish(&writer->sum, h.checksum);
     orl_checksum_of(&h, offsetof(struct header, of_header), h.of_header);
     flush(writer);
-    if (writer->error == 0 && pwrite(writer->fd, &h, sizeof h, 0) != (ssize_t)sizeof h)
+    if (writer->error == 0 && lseek(writer->fd, 0, SEEK_SET) != 0)
         writer->error = errno;
-    if (writer->error != 0) {
-        const int error = writer->error;
-        orl_sealed_abandon(writer);
-        return orl_error_set(err, orl_err_of_errno(error), "cannot write the %s '%s': %s",
-                             kind->what, writer->path, strerror(error));
-    }
-    close(writer->fd);
+    write_all(writer, (const char *)&h, sizeof h);
+    if (close(writer->fd) != 0 && writer->error == 0) /* a file system of others may tell now */
+        writer->error = errno;
     *ret_bytes = h.size;
-    return 0;
-}
-
-void orl_sealed_abandon(struct orl_sealed_writer *writer)
-{
-    close(writer->fd);
+    if (writer->error == 0)
+        return 0;
     unlink(writer->path);
+    return orl_error_set(err, orl_err_of_errno(writer->error), "cannot write the %s '%s': %s",
+                         kind->what, writer->path, strerror(writer->error));
 }
 
 /* ---- Opening --------------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /*
- * Sealed files: what one program works out and the next maps, as it stands in memory. A header, and
- * what its kind has to say, in pieces that begin at 64-byte boundaries.
+ * Sealed files: what one program works out and the next maps, as it stands in memory. A header of
+ * 128 bytes, and what its kind has to say.
  *
  * They are for the machine that wrote them. A file is refused as ORL_ERR_VERSION when it is of
  * another version, byte order or shape of structs, and as ORL_ERR_CORRUPT when it is cut, damaged
@@ -57,9 +57,6 @@ void orl_sealed_align(struct orl_sealed_writer *writer, size_t step);
 int orl_sealed_end(struct orl_sealed_writer *writer,
                    const unsigned char content[ORL_SEALED_CONTENT], uint64_t *ret_bytes,
                    struct orl_error *err);
-/* In its place: the file is removed. */
-void orl_sealed_abandon(struct orl_sealed_writer *writer);
-
 /* ---- Opening --------------------------------------------------------------------------------- */
 
 /* A file that is mapped, read-only. It may go, even be replaced, while it is in use. */

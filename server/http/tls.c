@@ -121,7 +121,7 @@ int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_pat
     char *cert = NULL, *key = NULL;
     struct orl_certificate *certificate = NULL;
     int rc = load(cert_path, key_path, &cert, &key, err);
-    if (rc == 0) {
+    if (cert && key) {
         certificate = calloc(1, sizeof *certificate);
         if (!certificate)
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -184,6 +184,24 @@ struct orl_description scene_parse_text(const char *text, const char *resource_n
     return description;
 }
 
+int scene_parse_bytes(const char *text, size_t size, struct orl_error *ret_err)
+{
+    static const char *const names[] = {"a.rad"};
+    char *const copy = malloc(size ? size : 1);
+    assert_non_null(copy);
+    memcpy(copy, text, size);
+    const struct orl_file file = {copy, size, NULL};
+    struct orl_memory_files memory = {names, &file, 1};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description description = {0};
+    const int code = orl_scene_parse(names, 1, &files, &description, ret_err);
+    if (code < 0)
+        assert_null(description.arena);
+    orl_description_done(&description);
+    free(copy);
+    return code;
+}
+
 struct orl_world *scene_world(const char *text, const char *resource_name,
                               const char *resource_text, struct orl_crew *crew)
 {

@@ -66,6 +66,10 @@ int scene_run_fails(const struct scene_run *run, struct orl_error *ret_err);
 struct orl_description scene_parse_text(const char *text, const char *resource_name,
                                         const char *resource_text);
 
+/* Parses bytes as a.rad, from a copy of just their size, so that a read past the end is seen; what
+ * comes of it is dropped. Returns 0 or the error's code, and then nothing was filled. */
+int scene_parse_bytes(const char *text, size_t size, struct orl_error *ret_err);
+
 /* Text to a world of all it has, for orl_world_free. Ports are found by the crew; NULL: none are.
  */
 struct orl_world *scene_world(const char *text, const char *resource_name,

@@ -223,20 +223,6 @@ static int parse_memory(const char *const *names, const struct orl_file *content
     return code;
 }
 
-static int parse_bytes(const char *text, size_t size, struct orl_error *err)
-{
-    static const char *const names[] = {"a.rad"};
-    /* A copy of its own, so that a read past the end is seen. */
-    char *copy = malloc(size ? size : 1);
-    struct orl_file file = {copy, size, NULL};
-    int code;
-    assert_non_null(copy);
-    memcpy(copy, text, size);
-    code = parse_memory(names, &file, 1, err);
-    free(copy);
-    return code;
-}
-
 /* The same with a surface of what the bad primitive defines: modifiers are refused when used. */
 static int parse_used(const struct bad *bad, struct orl_error *err)
 {
@@ -245,7 +231,7 @@ static int parse_used(const struct bad *bad, struct orl_error *err)
     const int n = snprintf(text, sizeof text, "%s\n%s sphere user 0 0 4 0 0 0 1\n", bad->text,
                            name ? name + 1 : "");
     assert_in_range(n, 1, sizeof text - 1);
-    return parse_bytes(text, (size_t)n, err);
+    return scene_parse_bytes(text, (size_t)n, err);
 }
 
 static void test_bad_scenes(void **state)
@@ -255,7 +241,7 @@ static void test_bad_scenes(void **state)
     for (size_t i = 0; i < sizeof bad_scenes / sizeof *bad_scenes; i++) {
         const struct bad *bad = bad_scenes + i;
         struct orl_error err = {0};
-        int code = parse_bytes(bad->text, strlen(bad->text), &err);
+        int code = scene_parse_bytes(bad->text, strlen(bad->text), &err);
         if (code == 0)
             code = parse_used(bad, &err);
         if (code == bad->code && err.code == bad->code && err.line == bad->line &&
@@ -275,11 +261,11 @@ static void test_empty_and_binary_files(void **state)
     static const char nul[] = "void plastic m\n0\n0\n5 .1 .1 \0 0 0\n";
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(parse_bytes("", 0, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(scene_parse_bytes("", 0, &err), ORL_ERR_SYNTAX);
     assert_string_equal(err.file, "a.rad");
     assert_non_null(strstr(err.message, "empty"));
-    assert_int_equal(parse_bytes(png, sizeof png, &err), ORL_ERR_SYNTAX);
-    assert_int_equal(parse_bytes(nul, sizeof nul, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(scene_parse_bytes(png, sizeof png, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(scene_parse_bytes(nul, sizeof nul, &err), ORL_ERR_SYNTAX);
     assert_int_equal(err.line, 4);
     assert_string_equal(err.primitive, "plastic m");
 }
@@ -291,69 +277,6 @@ static void test_missing_main_file(void **state)
     (void)state;
     assert_int_equal(parse_memory(names, NULL, 0, &err), ORL_ERR_NOT_FOUND);
     assert_string_equal(err.file, "a.rad");
-}
-
-/* All that is not simulated is told at once: what, how many, where first; and what hangs on it is
- * not told as an error of its own. */
-static void test_refusals_together(void **state)
-{
-    static const char text[] =
-        "void BRTDfunc bumps\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\n"
-        "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-        "void brightfunc cloth 2 Px*T . 0 0\n"
-        "cloth metal dressed 0 0 5 .5 .5 .5 .9 0\n"
-        "void brightfunc paper 2 Px*T . 0 0\n"
-        "rough polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n"
-        "void alias other rough\nother sphere s 0 0 4 0 0 0 1\n"
-        "!gencatenary rough w 0 0 0 1 9\n"
-        "dressed ring r 0 0 8 0 0 0 0 0 1 0 1\n";
-    struct orl_error err = {0};
-    (void)state;
-    assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
-    assert_string_equal(err.file, "a.rad");
-    assert_int_equal(err.line, 1);
-    assert_string_equal(err.primitive, "BRTDfunc bumps");
-    assert_string_equal(err.message,
-                        "not simulated: 1 x BRTDfunc (first at a.rad:1), 1 x !gencatenary (first "
-                        "at a.rad:12), 1 x brightfunc (first at a.rad:6)");
-    assert_non_null(strstr(err.hint, "BRTDfunc: describe it as a BSDF"));
-}
-
-/* Of one kind: as one alone is told, and how many. */
-static void test_refusals_alike(void **state)
-{
-    static const char text[] = "void brightfunc p 2 T . 0 0\np plastic a 0 0 5 .1 .1 .1 0 0\n"
-                               "void brightfunc q 2 2*T . 0 0\nq plastic b 0 0 5 .1 .1 .1 0 0\n"
-                               "a sphere s 0 0 4 0 0 0 1\nb sphere t 0 0 4 3 0 0 1\n"
-                               "b sphere u 0 0 4 6 0 0 1\n"
-                               "nothing polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n";
-    struct orl_error err = {0};
-    (void)state;
-    assert_int_equal(parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
-    assert_non_null(strstr(err.message, "its function asks for T"));
-    assert_non_null(strstr(err.message, "; there are 2 of them"));
-    assert_string_equal(err.primitive, "brightfunc p");
-}
-
-/* What no surface is of spoils nothing, and is told in one line. */
-static void test_unused(void **state)
-{
-    static const char text[] =
-        "void plastic bad 0 0 5 -.13 .1 .1 0 0\n"
-        "void BRTDfunc paint 10 0 0 0 Px Px Px 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
-        "paint alias other paint\n"
-        "void BRTDfunc bumps 10 0 0 0 Px Px Px 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
-        "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-        "void BSDF blind 6 0 gone.xml 0 0 1 . 0 0\n"
-        "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere s 0 0 4 0 0 0 1\n";
-    struct orl_description d = scene_parse_text(text, NULL, NULL);
-    (void)state;
-    assert_int_equal(d.n_surfaces, 1);
-    assert_int_equal(d.n_warnings, 1);
-    assert_string_equal(d.warnings[0],
-                        "plastic bad at scene.rad:1 is passed over, for nothing uses it, and 3 "
-                        "others like it: its reflectance (-0.13 0.1 0.1) is not from 0 to 1");
-    orl_description_done(&d);
 }
 
 /* By '\\', of commands and of BSDFs: as files say it that were written on Windows. */
@@ -378,44 +301,6 @@ static void test_windows_paths(void **state)
     assert_non_null(strstr(err.message, "parts/no such.rad"));
 }
 
-/* Libraries of materials hold what nothing uses, patterns on materials and aliases among it. */
-static void test_refusals_unused(void **state)
-{
-    static const char library[] =
-        "void BRTDfunc bumps\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\n"
-        "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
-        "void alias coarse rough\n"
-        "void BRTDfunc pane 10 0 0 0 Px 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
-        "void brightfunc dirt 2 Px*T . 0 0\n"
-        "dirt glow lamp 0 0 4 1 1 1 0\n"
-        "void illum window 1 pane 0 3 1 1 1\n" RED;
-    static const char *const users[] = {"coarse sphere", "pane sphere", "lamp sphere",
-                                        "window sphere"};
-    struct orl_error err = {0};
-    (void)state;
-    assert_int_equal(parse_bytes(library, sizeof library - 1, &err), 0);
-    for (size_t i = 0; i < sizeof users / sizeof *users; i++) {
-        char text[2048];
-        static const int lines[] = {1, 7, 8, 7};
-        snprintf(text, sizeof text, "%s%s s 0 0 4 0 0 0 1\n", library, users[i]);
-        assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_UNSUPPORTED);
-        assert_int_equal(err.line, lines[i]);
-    }
-}
-
-/* More kinds than fit are cut, not lost without a word. */
-static void test_refusals_without_end(void **state)
-{
-    char text[4096] = "";
-    struct orl_error err = {0};
-    (void)state;
-    for (int i = 0; i < 60; i++)
-        snprintf(text + strlen(text), 40, "!command%d x\n", i);
-    assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_UNSUPPORTED);
-    assert_non_null(strstr(err.message, "1 x !command7 (first at a.rad:8)"));
-    assert_string_equal(err.message + strlen(err.message) - 3, "...");
-}
-
 /* A file that is missing says where it is looked for. */
 static void test_missing_files(void **state)
 {
@@ -428,7 +313,7 @@ static void test_missing_files(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         struct orl_error err = {0};
-        assert_int_equal(parse_bytes(texts[i], strlen(texts[i]), &err), ORL_ERR_NOT_FOUND);
+        assert_int_equal(scene_parse_bytes(texts[i], strlen(texts[i]), &err), ORL_ERR_NOT_FOUND);
         assert_non_null(strstr(err.message, "no file named 'away."));
         assert_non_null(strstr(err.hint, "beside the file that has them"));
         assert_int_equal(err.line, 1);
@@ -448,22 +333,11 @@ static void test_gain_of_glazing(void **state)
     for (int i = 0; i < 2; i++) {
         char text[256];
         snprintf(text, sizeof text, "%sg sphere s 0 0 4 0 0 0 1\n", texts[i][0]);
-        assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_RANGE);
+        assert_int_equal(scene_parse_bytes(text, strlen(text), &err), ORL_ERR_RANGE);
         assert_non_null(strstr(err.message, "it returns 1.1 of the light, more than all"));
         assert_non_null(strstr(err.hint, texts[i][1]));
         assert_int_equal(err.line, 1);
     }
-}
-
-/* Blanks between '!' and the command's name are no part of a kind. */
-static void test_refusals_of_commands_with_a_blank(void **state)
-{
-    static const char text[] = "!  cat *.rad\n! genless\nvoid no m 0 0 0\n";
-    struct orl_error err = {0};
-    (void)state;
-    assert_int_equal(parse_bytes(text, strlen(text), &err), ORL_ERR_UNSUPPORTED);
-    assert_non_null(strstr(err.message, "1 x !cat (first at a.rad:1), 1 x !genless (first"));
-    assert_non_null(strstr(err.hint, "!cat: run it beforehand"));
 }
 
 /* A file without text is said, and no error unless all are. */
@@ -494,7 +368,7 @@ static void test_every_cut(void **state)
     (void)state;
     for (size_t size = 1; size < sizeof text; size++) {
         struct orl_error err = {0};
-        const int code = parse_bytes(text, size, &err);
+        const int code = scene_parse_bytes(text, size, &err);
         if (code < 0) {
             refused++;
             assert_true(err.line > 0 && err.file[0] && err.message[0]);
@@ -511,12 +385,12 @@ static void test_long_words(void **state)
     (void)state;
     assert_non_null(text);
     memset(text, 'x', LENGTH);
-    assert_int_equal(parse_bytes(text, LENGTH, &err), ORL_ERR_LIMIT);
+    assert_int_equal(scene_parse_bytes(text, LENGTH, &err), ORL_ERR_LIMIT);
     text[0] = '"';
-    assert_int_equal(parse_bytes(text, LENGTH, &err), ORL_ERR_LIMIT);
+    assert_int_equal(scene_parse_bytes(text, LENGTH, &err), ORL_ERR_LIMIT);
     memset(text, '9', LENGTH);
     memcpy(text, "void light l 0 0 3 ", 19);
-    assert_int_equal(parse_bytes(text, LENGTH - 2000, &err), ORL_ERR_RANGE);
+    assert_int_equal(scene_parse_bytes(text, LENGTH - 2000, &err), ORL_ERR_RANGE);
     assert_string_equal(err.primitive, "light l");
     free(text);
 }
@@ -634,14 +508,8 @@ int main(void)
         cmocka_unit_test(test_bad_scenes),
         cmocka_unit_test(test_empty_and_binary_files),
         cmocka_unit_test(test_missing_main_file),
-        cmocka_unit_test(test_refusals_together),
-        cmocka_unit_test(test_refusals_alike),
-        cmocka_unit_test(test_refusals_without_end),
         cmocka_unit_test(test_gain_of_glazing),
         cmocka_unit_test(test_missing_files),
-        cmocka_unit_test(test_refusals_of_commands_with_a_blank),
-        cmocka_unit_test(test_unused),
-        cmocka_unit_test(test_refusals_unused),
         cmocka_unit_test(test_windows_paths),
         cmocka_unit_test(test_empty_file_beside),
         cmocka_unit_test(test_every_cut),

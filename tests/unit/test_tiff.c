@@ -232,19 +232,22 @@ static void test_damaged(void **state)
     free(bytes);
 }
 
-/* Floats in tiles, on their side, or no numbers at all. */
+/* Pictures on their side, and what are no numbers. */
 static void test_refused(void **state)
 {
     struct kind kind = usual;
     float nan_row[W * 3];
     size_t size;
     (void)state;
-    kind.bits = 32;
-    kind.format = SAMPLEFORMAT_IEEEFP;
-    kind.orientation = ORIENTATION_LEFTTOP;
-    unsigned char *bytes = write_tiff(&kind, &size);
-    assert_int_equal(code_of(bytes, size), ORL_ERR_UNSUPPORTED);
-    free(bytes);
+    unsigned char *bytes;
+    for (int floats = 0; floats < 2; floats++) {
+        kind.bits = floats ? 32 : 8;
+        kind.format = floats ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT;
+        kind.orientation = ORIENTATION_LEFTTOP;
+        bytes = write_tiff(&kind, &size);
+        assert_int_equal(code_of(bytes, size), ORL_ERR_UNSUPPORTED);
+        free(bytes);
+    }
     kind.orientation = ORIENTATION_TOPLEFT;
     TIFF *const tiff = TIFFOpen(scratch_path("nan.tif"), "w");
     put_fields(tiff, &kind);

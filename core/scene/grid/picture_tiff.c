@@ -26,7 +26,7 @@ struct reading {
     TIFF *tiff;
     struct orl_grid *grid;
     uint32_t width, height;
-    uint16_t samples, bits, format, photometric;
+    uint16_t samples, bits, format, photometric, orientation;
 };
 
 static int fail(const struct reading *r, int code, struct orl_error *err, const char *what)
@@ -37,6 +37,13 @@ static int fail(const struct reading *r, int code, struct orl_error *err, const 
         orl_error_set(err, code, "%s", what);
     orl_error_at(err, r->name, 0, NULL);
     return code;
+}
+
+static int refuse(const struct reading *r, struct orl_error *err, const char *what)
+{
+    fail(r, ORL_ERR_UNSUPPORTED, err, what);
+    orl_error_hint(err, "save it upright, with 8 or 16 bits a channel, or as floats");
+    return ORL_ERR_UNSUPPORTED;
 }
 
 /* ---- The file -------------------------------------------------------------------------------- */
@@ -134,6 +141,9 @@ static int look(struct reading *r, struct orl_error *err)
     TIFFGetFieldDefaulted(r->tiff, TIFFTAG_BITSPERSAMPLE, &r->bits);
     TIFFGetFieldDefaulted(r->tiff, TIFFTAG_SAMPLEFORMAT, &r->format);
     TIFFGetField(r->tiff, TIFFTAG_PHOTOMETRIC, &r->photometric);
+    TIFFGetFieldDefaulted(r->tiff, TIFFTAG_ORIENTATION, &r->orientation);
+    if (r->orientation > ORIENTATION_BOTLEFT)
+        return refuse(r, err, "the TIFF lies on its side");
     TIFFGetField(r->tiff, TIFFTAG_XRESOLUTION, &across);
     TIFFGetField(r->tiff, TIFFTAG_YRESOLUTION, &down);
     const double aspect = across > 0 && down > 0 ? (double)across / (double)down : 1;
@@ -195,12 +205,12 @@ static void take_pixel(const struct reading *r, const struct converter *c, const
         rgb[i] *= there;
 }
 
-/* Rows that lie the other way are turned; those that lie on their side are not read. */
-static int read_rows(struct reading *r, const struct converter *c, uint16_t orientation,
-                     struct orl_error *err)
+/* Rows that lie the other way are turned. */
+static int read_rows(struct reading *r, const struct converter *c, struct orl_error *err)
 {
-    const bool right = orientation == ORIENTATION_TOPRIGHT || orientation == ORIENTATION_BOTRIGHT;
-    const bool bottom = orientation == ORIENTATION_BOTLEFT || orientation == ORIENTATION_BOTRIGHT;
+    const uint16_t o = r->orientation;
+    const bool right = o == ORIENTATION_TOPRIGHT || o == ORIENTATION_BOTRIGHT;
+    const bool bottom = o == ORIENTATION_BOTLEFT || o == ORIENTATION_BOTRIGHT;
     const size_t bytes = (size_t)r->width * r->samples * (c->of_16 ? 2 : 4);
     void *const row = (size_t)TIFFScanlineSize(r->tiff) == bytes ? malloc(bytes) : NULL;
     if (!row)
@@ -229,14 +239,13 @@ static bool is_veiled(const struct reading *r, uint16_t colours)
 static int read_wide(struct reading *r, struct orl_error *err)
 {
     const bool floats = r->bits == 32;
-    uint16_t planes = PLANARCONFIG_CONTIG, orientation = ORIENTATION_TOPLEFT;
+    uint16_t planes = PLANARCONFIG_CONTIG;
     struct converter c = {.is_xyz = is_logluv(r), .colours = r->samples >= 3 ? 3 : 1};
     TIFFGetFieldDefaulted(r->tiff, TIFFTAG_PLANARCONFIG, &planes);
-    TIFFGetFieldDefaulted(r->tiff, TIFFTAG_ORIENTATION, &orientation);
     if (TIFFIsTiled(r->tiff) || (planes != PLANARCONFIG_CONTIG && r->samples > 1) ||
-        orientation > ORIENTATION_BOTLEFT || r->samples > MOST_SAMPLES) {
+        r->samples > MOST_SAMPLES) {
         fail(r, ORL_ERR_UNSUPPORTED, err,
-             "TIFFs of 16 bits or floats are read in upright strips of whole pixels");
+             "TIFFs of 16 bits or floats are read in strips of whole pixels");
         orl_error_hint(err, "tiffcp -s -p contig makes such a one");
         return ORL_ERR_UNSUPPORTED;
     }
@@ -244,7 +253,7 @@ static int read_wide(struct reading *r, struct orl_error *err)
     c.of_16 = floats ? NULL : make_table(r);
     if (!floats && !c.of_16)
         return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");
-    const int code = read_rows(r, &c, orientation, err);
+    const int code = read_rows(r, &c, err);
     free(c.of_16);
     return code;
 }
@@ -255,11 +264,8 @@ static int read_shown(struct reading *r, struct orl_error *err)
     const size_t n = (size_t)r->width * r->height;
     char why[1024] = "";
     float decoded[256];
-    if (!TIFFRGBAImageOK(r->tiff, why)) {
-        fail(r, ORL_ERR_UNSUPPORTED, err, "this kind of TIFF is not read");
-        orl_error_hint(err, "save it with 8 or 16 bits a channel, or as floats");
-        return ORL_ERR_UNSUPPORTED;
-    }
+    if (r->format == SAMPLEFORMAT_INT || !TIFFRGBAImageOK(r->tiff, why))
+        return refuse(r, err, "this kind of TIFF is not read");
     uint32_t *const pixels = malloc(n * sizeof *pixels);
     if (!pixels)
         return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");

@@ -9,7 +9,7 @@
  *
  * What comes of it is the same, to the bit, as what the files would give to the program that wrote
  * it. Another build may read them otherwise: whoever keeps such files tells builds apart
- * (orl_build_id).
+ * (base/build.h).
  */
 #ifndef ORL_SCENE_KEEP_KEEP_H
 #define ORL_SCENE_KEEP_KEEP_H
