@@ -44,7 +44,8 @@ export class Daemon {
     this.url = `http://127.0.0.1:${this.port}`;
     const arguments_ = ['--data', this.folder, '--listen', `127.0.0.1:${this.port}`, '--threads', '1', '--log-level', 'error', ...this.options];
     this.process = spawn(`${this.build}/orield`, arguments_, { stdio: ['ignore', 'ignore', 'inherit'] });
-    this.ended = new Promise((resolve) => this.process.once('exit', resolve));
+    this.end = null;
+    this.ended = new Promise((resolve) => this.process.once('exit', (code, signal) => resolve(this.end = signal || `exit status ${code}`)));
     for (let tries = 0; tries < 300; tries++) {
       if (await fetch(`${this.url}/healthz`).then((answer) => answer.ok, () => false)) return this;
       await sleep(50);
