@@ -32,7 +32,8 @@ static void begin(struct reading *r)
 /* Whether the text names other files of surfaces: then its size says little. */
 static bool names_more(const struct orl_file *file)
 {
-    static const char *const endings[] = {".rad", ".oct", ".rtm", ".obj", ".stl", ".mgf"};
+    static const char *const endings[] = {".rad", ".oct", ".rtm",  ".obj",
+                                          ".stl", ".glb", ".gltf", ".mgf"};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (memmem(file->data, file->size, endings[i], strlen(endings[i])))
             return true;

@@ -41,6 +41,7 @@ bool fuzz_grid(const uint8_t *data, size_t size);
 bool fuzz_hdr(const uint8_t *data, size_t size);
 bool fuzz_hbjson(const uint8_t *data, size_t size);
 bool fuzz_zip(const uint8_t *data, size_t size);
+bool fuzz_gltf(const uint8_t *data, size_t size);
 bool fuzz_mesh(const uint8_t *data, size_t size);
 bool fuzz_compiled(const uint8_t *data, size_t size);
 bool fuzz_framing(const uint8_t *data, size_t size);

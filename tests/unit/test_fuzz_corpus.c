@@ -206,6 +206,13 @@ static void test_hbjson(void **state)
     repeat_trifles(fuzz_hbjson);
 }
 
+static void test_gltf(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/gltf", fuzz_gltf);
+    repeat_trifles(fuzz_gltf);
+}
+
 static void test_mesh(void **state)
 {
     (void)state;
@@ -278,7 +285,7 @@ int main(void)
         cmocka_unit_test(test_bsdf_make), cmocka_unit_test(test_occupancy),
         cmocka_unit_test(test_hbjson),    cmocka_unit_test(test_schedule),
         cmocka_unit_test(test_mgf),       cmocka_unit_test(test_matrix),
-        cmocka_unit_test(test_rif),
+        cmocka_unit_test(test_rif),       cmocka_unit_test(test_gltf),
     };
     if (sodium_init() < 0)
         return 1;

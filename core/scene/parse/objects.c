@@ -7,6 +7,7 @@
 #include <strings.h>
 
 #include "scene/grid/ies.h"
+#include "scene/parse/gltf.h"
 #include "scene/parse/material_rules.h"
 #include "scene/parse/stl.h"
 
@@ -182,19 +183,13 @@ static int add_face(void *ctx, const struct orl_wavefront_face *face, struct orl
     return add_polygon(object, modifier, id, face->line, face->n_corners, err);
 }
 
-static void warn_of(const struct object *object, const struct orl_wavefront_rest *rest)
+static void warn_of_normals(const struct object *object)
 {
-    const char *file = object->scope->file;
     if (object->unturned > 0)
         orl_parser_warn(object->parser,
                         "%.200s: %llu faces are flat, whose corners have normals: those look away "
                         "from the face, or the face is not convex",
-                        file, (unsigned long long)object->unturned);
-    if (rest->curved > 0)
-        orl_parser_warn(object->parser,
-                        "%.200s: %llu curves and curved surfaces are passed over: export them as "
-                        "polygons",
-                        file, (unsigned long long)rest->curved);
+                        object->scope->file, (unsigned long long)object->unturned);
 }
 
 static int read_obj(struct object *object, const struct orl_file *file, struct orl_error *err)
@@ -205,7 +200,12 @@ static int read_obj(struct object *object, const struct orl_file *file, struct o
     if (code == 0)
         code = orl_wavefront_read(object->scope->file, file->data, file->size, &sink, &rest, err);
     if (code == 0)
-        warn_of(object, &rest);
+        warn_of_normals(object);
+    if (code == 0 && rest.curved > 0)
+        orl_parser_warn(object->parser,
+                        "%.200s: %llu curves and curved surfaces are passed over: export them as "
+                        "polygons",
+                        object->scope->file, (unsigned long long)rest.curved);
     free(object->reals);
     free(object->next);
     return code;
@@ -244,6 +244,46 @@ static int read_stl(struct orl_parser *parser, const struct orl_scope *scope,
     return code ? code : orl_stl_read(scope->file, file->data, file->size, &sink, err);
 }
 
+/* ---- glTF ------------------------------------------------------------------------------------ */
+
+/* A file with a .gltf's buffer, beside it. */
+static int open_buffer(void *ctx, const char *name, struct orl_file *ret_file,
+                       struct orl_error *err)
+{
+    const struct object *object = ctx;
+    struct orl_scope inner = *object->scope;
+    const int code = orl_parser_enter(object->parser, &inner, name, ret_file, err);
+    return code ? code : orl_parser_count_text(object->parser, &inner, ret_file->size, err);
+}
+
+static void warn_of_rest(const struct object *object, const struct orl_gltf_rest *rest)
+{
+    const char *file = object->scope->file;
+    warn_of_normals(object);
+    if (rest->empty)
+        orl_parser_warn(object->parser, "%.200s has no triangles in its scene", file);
+    if (rest->skinned > 0)
+        orl_parser_warn(object->parser,
+                        "%.200s: %llu meshes that a skeleton moves stand as they are without it",
+                        file, (unsigned long long)rest->skinned);
+}
+
+static int read_gltf(struct object *object, const struct orl_file *file, struct orl_error *err)
+{
+    const struct orl_wavefront_sink sink = {add_face, object};
+    const struct orl_gltf_buffers buffers = {open_buffer, object};
+    struct orl_gltf_rest rest;
+    int code = orl_parser_count_text(object->parser, object->scope, file->size, err);
+    if (code == 0)
+        code =
+            orl_gltf_read(object->scope->file, file->data, file->size, &buffers, &sink, &rest, err);
+    if (code == 0)
+        warn_of_rest(object, &rest);
+    free(object->reals);
+    free(object->next);
+    return code;
+}
+
 /* ---- Files ----------------------------------------------------------------------------------- */
 
 static bool ends_with(const char *name, const char *ending)
@@ -258,6 +298,9 @@ enum orl_object_kind orl_object_kind_of(const char *name, const struct orl_file 
         return ORL_OBJECT_OBJ;
     if (ends_with(name, ".stl") && orl_stl_is(file->data, file->size))
         return ORL_OBJECT_STL;
+    if ((ends_with(name, ".glb") || ends_with(name, ".gltf")) &&
+        orl_gltf_is(file->data, file->size))
+        return ORL_OBJECT_GLTF;
     if (ends_with(name, ".ies") && orl_ies_is(file->data, file->size))
         return ORL_OBJECT_IES;
     return ORL_OBJECT_NONE;
@@ -267,8 +310,9 @@ int orl_parser_object(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct orl_file *file, enum orl_object_kind kind, struct orl_error *err)
 {
     struct object object = {.parser = parser, .scope = scope};
-    return kind == ORL_OBJECT_STL ? read_stl(parser, scope, file, err)
-                                  : read_obj(&object, file, err);
+    return kind == ORL_OBJECT_STL    ? read_stl(parser, scope, file, err)
+           : kind == ORL_OBJECT_GLTF ? read_gltf(&object, file, err)
+                                     : read_obj(&object, file, err);
 }
 
 /* ---- obj2rad --------------------------------------------------------------------------------- */

@@ -1,0 +1,40 @@
+/*
+ * glTF files read by a scene that places them: .glb by how the input begins, else .gltf, whose
+ * buffer "b" is the input itself.
+ */
+#include <string.h>
+
+#include "fuzz/fuzz.h"
+#include "scene/parse/parse.h"
+
+#define MATERIALS "void plastic white 0 0 5 .5 .5 .5 0 0\n"
+
+bool fuzz_gltf(const uint8_t *data, size_t size)
+{
+    static const char *const main_file[] = {"s.rad"};
+    static const char *const names[] = {"s.rad", "m.glb", "m.gltf", "b"};
+    const bool binary = size > 4 && memcmp(data, "glTF", 4) == 0;
+    const char *const scene =
+        binary ? MATERIALS "!xform -m white -s 2 m.glb\n" : MATERIALS "!xform -m white m.gltf\n";
+    const struct orl_file whole = {(const char *)data, size, NULL};
+    const struct orl_file contents[] = {{scene, strlen(scene), NULL}, whole, whole, whole};
+    struct orl_memory_files memory = {names, contents, sizeof names / sizeof *names};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description description = {0};
+    struct orl_error err = {0};
+    const int code = orl_scene_parse(main_file, 1, &files, &description, &err);
+    if (code < 0) {
+        fuzz_check_error(code, &err);
+        FUZZ_PROMISE(err.file[0] != '\0');
+        return false;
+    }
+    for (size_t i = 0; i < description.n_surfaces; i++) {
+        const struct orl_surface *surface = &description.surfaces[i];
+        FUZZ_PROMISE(surface->material < description.n_materials);
+        fuzz_check_unit(surface->normal);
+        for (uint32_t k = 0; k < surface->n_vertices; k++)
+            fuzz_check_finite(surface->vertices[k]);
+    }
+    orl_description_done(&description);
+    return true;
+}
