@@ -277,8 +277,7 @@ int orl_gltf_read(const char *file, const char *data, size_t size,
 {
     /* Radiance's z is up, glTF's y. */
     static const struct placement upright = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
-    struct orl_gltf_files files = {.name =
-                                       memcmp(data, "glTF", 4) == 0 ? "scene.glb" : "scene.gltf",
+    struct orl_gltf_files files = {.name = is_binary(data, size) ? "scene.glb" : "scene.gltf",
                                    .file = {data, size, NULL},
                                    .buffers = buffers};
     char fault[160];
