@@ -7,7 +7,7 @@
  *      "basis": "klems_full" (the default), "klems_half", "klems_quarter", "tensor_tree_3" or
  *      "tensor_tree_4",
  *      "resolution": 64, "cull": 0.05 (of tensor trees alone),
- *      "color": true (X and Z beside Y; false),
+ *      "color": true (X and Z beside Y, u' and v' of trees; false),
  *      "cell": {"x": [0, 1], "y": [0, 0.02]} (the box around the panel when left out),
  *      "symmetry": "none" (the default), "left_right", "up_down" or "both",
  *      "paths": 16384 (an incident direction; by the basis when left out),

@@ -1,6 +1,7 @@
 /* oriel bsdf convert FILE.xml -o OTHER.xml; oriel bsdf compare A.xml B.xml */
 #include "command.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,22 @@
 static void print_place(const struct orl_bsdf_place *p)
 {
     printf(" (%.0f, %.0f)", p->theta_deg, p->phi_deg);
+}
+
+/* Of all parts the worst of red, green and blue. */
+static void print_colors(const struct orl_bsdf_comparison *c)
+{
+    double albedo = 0, cone = 0;
+    for (int i = 0; i < 4; i++) {
+        const struct orl_bsdf_color_difference *d = &c->of[i / 2][i % 2].color;
+        albedo = fabs(d->albedo_worst) > fabs(albedo) ? d->albedo_worst : albedo;
+        cone = fabs(d->cone_worst) > fabs(cone) ? d->cone_worst : cone;
+    }
+    if (c->colored[0] != c->colored[1])
+        printf("in colour: the %s alone\n", c->colored[0] ? "first" : "second");
+    if (c->colored[0] || c->colored[1])
+        printf("of red, green or blue by itself at worst %+.3f in all, %+.3f in a cone\n",
+               100 * albedo, 100 * cone);
 }
 
 static void print_comparison(const struct orl_bsdf_comparison *c)
@@ -39,6 +56,7 @@ static void print_comparison(const struct orl_bsdf_comparison *c)
             print_place(&d->cone_to);
             printf(" %9.3f %9.3f\n", 100 * d->moved_mean, 100 * d->moved_worst);
         }
+    print_colors(c);
 }
 
 static int write_comparison(const char *path, const struct orl_bsdf_comparison *c,
@@ -181,7 +199,9 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
          .metavar = "FILE",
          .help = "the XML to write",
          .value = &line.local.output},
-        {.name = "color", .help = "X and Z beside Y, of Klems bases", .flag = &line.color},
+        {.name = "color",
+         .help = "X and Z beside Y, u' and v' of tensor trees; else the new one is grey",
+         .flag = &line.color},
         {.name = "report",
          .metavar = "FILE",
          .help = "write a JSON with what is lost",

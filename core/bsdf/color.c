@@ -94,3 +94,12 @@ void orl_color_xz(struct orl_rgb c, double *ret_x, double *ret_z)
     *ret_x = unit * (s.r * red.x + s.g * green.x + s.b * blue.x);
     *ret_z = unit * (s.r * red.z + s.g * green.z + s.b * blue.z);
 }
+
+void orl_color_uv(struct orl_rgb c, double *ret_u, double *ret_v)
+{
+    const double y = orl_luma(c);
+    double x, z;
+    orl_color_xz(c, &x, &z);
+    *ret_u = y > 0 ? 4 * x / (x + 15 * y + 3 * z) : 4.0 / 19;
+    *ret_v = y > 0 ? 9 * y / (x + 15 * y + 3 * z) : 9.0 / 19;
+}

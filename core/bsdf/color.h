@@ -34,6 +34,8 @@ struct orl_rgb orl_tint_rgb(struct orl_tint tint);
 
 /* X and Z of a colour, Y being its luma, from which orl_tint_of_xyz has its tint again. */
 void orl_color_xz(struct orl_rgb color, double *ret_x, double *ret_z);
+/* Its chromaticity, from which orl_tint_of_uv has its tint again; black is grey. */
+void orl_color_uv(struct orl_rgb color, double *ret_u, double *ret_v);
 
 static inline struct orl_rgb orl_tinted(struct orl_tint tint, double luminance)
 {

@@ -13,17 +13,27 @@
 enum { SIDE = 192, CELLS = SIDE * SIDE, REACH = 4 };
 static const double cone_deg = 1;
 
+/* Luma; of what is coloured red, green and blue, too. */
+enum { CHANNELS = 4 };
+
 /* What one direction in tells of a part. */
 struct told {
-    struct orl_bsdf_place from, cone_to;
-    double albedo, cone, moved;
+    struct orl_bsdf_place from, cone_to[CHANNELS];
+    double albedo[CHANNELS], cone[CHANNELS], moved;
 };
 
 struct work {
     const struct orl_bsdf *a, *b;
+    int channels;
     struct told of[2][ORL_BSDF_COMPARED][2]; /* [front][from][transmitted] */
     atomic_int code;
 };
+
+static double of_channel(struct orl_rgb color, int channel)
+{
+    const double values[CHANNELS] = {orl_luma(color), color.r, color.g, color.b};
+    return values[channel];
+}
 
 /* Straight, and five rings of eight, on no border of any basis. */
 static struct orl_bsdf_place place_of(int i)
@@ -70,17 +80,38 @@ static double in_cone(const float *off, const struct orl_vec3 *towards, int x, i
 }
 
 /* The cone with the largest difference, and what is in other places. */
-static void find(const float *off, const struct orl_vec3 *towards, struct told *told)
+static void find(const float *off, const struct orl_vec3 *towards, int channel, struct told *told)
 {
     for (int k = 0; k < CELLS; k++) {
         if (off[k] == 0)
             continue;
         const double cone = in_cone(off, towards, k % SIDE, k / SIDE);
-        told->moved += 0.5 * fabs((double)off[k]);
-        if (fabs(cone) > fabs(told->cone)) {
-            told->cone = cone;
-            told->cone_to = place_from(towards[k]);
+        if (channel == 0)
+            told->moved += 0.5 * fabs((double)off[k]);
+        if (fabs(cone) > fabs(told->cone[channel])) {
+            told->cone[channel] = cone;
+            told->cone_to[channel] = place_from(towards[k]);
         }
+    }
+}
+
+/* Of light that comes from in, by a channel; what values differ by is for every cell out of a side.
+ */
+static void compare_side(const struct work *w, struct orl_vec3 in, bool transmitted,
+                         const struct orl_vec3 *towards, float *off, struct told *told)
+{
+    const enum orl_bsdf_side side = transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT;
+    const struct orl_rgb a = orl_bsdf_albedo(w->a, in, side), b = orl_bsdf_albedo(w->b, in, side);
+    for (int k = 0; k < CELLS; k++) {
+        const struct orl_rgb value_a = orl_bsdf_eval(w->a, in, towards[k]);
+        const struct orl_rgb value_b = orl_bsdf_eval(w->b, in, towards[k]);
+        for (int c = 0; c < w->channels; c++)
+            off[c * CELLS + k] =
+                (float)((of_channel(value_b, c) - of_channel(value_a, c)) * ORL_PI / CELLS);
+    }
+    for (int c = 0; c < w->channels; c++) {
+        told->albedo[c] = of_channel(b, c) - of_channel(a, c);
+        find(off + (ptrdiff_t)c * CELLS, towards, c, told);
     }
 }
 
@@ -91,27 +122,39 @@ static void compare_from(void *arg, size_t index, uint32_t member)
     const size_t i = index % ORL_BSDF_COMPARED;
     const struct orl_bsdf_place from = place_of((int)i);
     const struct orl_vec3 in = direction_of(from, front);
-    float *off = malloc(CELLS * sizeof *off);
+    float *off = malloc((size_t)w->channels * CELLS * sizeof *off);
     struct orl_vec3 *towards = malloc(CELLS * sizeof *towards);
     (void)member;
     if (!off || !towards)
         atomic_store(&w->code, ORL_ERR_NOMEM);
     for (int t = 0; t < 2 && off && towards; t++) {
-        const enum orl_bsdf_side side = t ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT;
-        struct told *told = &w->of[front][i][t];
-        for (int k = 0; k < CELLS; k++) {
+        for (int k = 0; k < CELLS; k++)
             towards[k] = cell_direction(k % SIDE, k / SIDE, front != (t == 1));
-            off[k] = (float)((orl_luma(orl_bsdf_eval(w->b, in, towards[k])) -
-                              orl_luma(orl_bsdf_eval(w->a, in, towards[k]))) *
-                             ORL_PI / CELLS);
-        }
-        told->from = from;
-        told->albedo =
-            orl_luma(orl_bsdf_albedo(w->b, in, side)) - orl_luma(orl_bsdf_albedo(w->a, in, side));
-        find(off, towards, told);
+        w->of[front][i][t].from = from;
+        compare_side(w, in, t, towards, off, &w->of[front][i][t]);
     }
     free(off);
     free(towards);
+}
+
+/* Raises what is there, and says where it is. */
+static bool raise(double *worst, double value)
+{
+    const bool more = fabs(value) > fabs(*worst);
+    if (more)
+        *worst = value;
+    return more;
+}
+
+static void sum_up_color(const struct told *told, int channel,
+                         struct orl_bsdf_color_difference *worst)
+{
+    if (raise(&worst->albedo_worst, told->albedo[channel]))
+        worst->albedo_from = told->from;
+    if (raise(&worst->cone_worst, told->cone[channel])) {
+        worst->cone_from = told->from;
+        worst->cone_to = told->cone_to[channel];
+    }
 }
 
 static void sum_up(const struct work *w, int front, int t, struct orl_bsdf_difference *ret)
@@ -119,21 +162,18 @@ static void sum_up(const struct work *w, int front, int t, struct orl_bsdf_diffe
     struct orl_bsdf_difference d = {.albedo_worst = 0};
     for (int i = 0; i < ORL_BSDF_COMPARED; i++) {
         const struct told *told = &w->of[front][i][t];
-        d.albedo_rms += told->albedo * told->albedo / ORL_BSDF_COMPARED;
+        d.albedo_rms += told->albedo[0] * told->albedo[0] / ORL_BSDF_COMPARED;
         d.moved_mean += told->moved / ORL_BSDF_COMPARED;
-        if (fabs(told->albedo) > fabs(d.albedo_worst)) {
-            d.albedo_worst = told->albedo;
+        if (raise(&d.albedo_worst, told->albedo[0]))
             d.albedo_from = told->from;
-        }
-        if (fabs(told->cone) > fabs(d.cone_worst)) {
-            d.cone_worst = told->cone;
+        if (raise(&d.cone_worst, told->cone[0])) {
             d.cone_from = told->from;
-            d.cone_to = told->cone_to;
+            d.cone_to = told->cone_to[0];
         }
-        if (told->moved > d.moved_worst) {
-            d.moved_worst = told->moved;
+        if (raise(&d.moved_worst, told->moved))
             d.moved_from = told->from;
-        }
+        for (int c = w->channels > 1; c < w->channels; c++)
+            sum_up_color(told, c, &d.color);
     }
     d.albedo_rms = sqrt(d.albedo_rms);
     *ret = d;
@@ -146,13 +186,19 @@ int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct 
     struct work *work = calloc(1, sizeof *work);
     if (!work)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    struct orl_bsdf_info infos[2];
+    orl_bsdf_describe(a, &infos[0]);
+    orl_bsdf_describe(b, &infos[1]);
     work->a = a;
     work->b = b;
+    work->channels = infos[0].colored || infos[1].colored ? CHANNELS : 1;
     orl_crew_heed(crew, cancel);
     int code = orl_crew_try(crew, (size_t)2 * ORL_BSDF_COMPARED, compare_from, work);
     orl_crew_heed(crew, NULL);
     if (code == 0)
         code = atomic_load(&work->code);
+    for (int i = 0; i < 2 && code == 0; i++)
+        ret_comparison->colored[i] = infos[i].colored;
     for (int part = 0; part < 4 && code == 0; part++)
         sum_up(work, part / 2, part % 2, &ret_comparison->of[part / 2][part % 2]);
     free(work);

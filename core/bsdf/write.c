@@ -141,39 +141,40 @@ static void write_head(FILE *out, const struct orl_document *d,
     write_definition(out, d);
 }
 
-enum channel { VISIBLE, FIRST, SECOND, CHANNELS };
-
-/* What the schema calls the channels, and the detectors that see them. */
-static void write_channel(FILE *out, enum channel channel)
+/* What the schema calls the channels, and the detectors that see them: a chromaticity has none. */
+static void write_channel(FILE *out, bool matrix, enum orl_bsdf_channel channel)
 {
-    static const char *const names[] = {"Visible", "CIE-X", "CIE-Z"};
+    static const char *const names[2][ORL_CHANNEL_COUNT] = {{"Visible", "CIE-u", "CIE-v"},
+                                                            {"Visible", "CIE-X", "CIE-Z"}};
     fprintf(out,
             "<Wavelength unit=\"Integral\">%s</Wavelength>\n"
-            "<SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n"
-            "<DetectorSpectrum>ASTM E308 1931 %c.dsp</DetectorSpectrum>\n",
-            names[channel], "YXZ"[channel]);
+            "<SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n",
+            names[matrix][channel]);
+    if (matrix || channel == ORL_CHANNEL_VISIBLE)
+        fprintf(out, "<DetectorSpectrum>ASTM E308 1931 %c.dsp</DetectorSpectrum>\n",
+                "YXZ"[channel]);
 }
 
 static void write_data(FILE *out, const struct orl_document *d,
                        const struct orl_bsdf_labels *labels, enum orl_bsdf_part part,
-                       enum channel channel)
+                       enum orl_bsdf_channel channel)
 {
     const struct orl_component *c = &d->parts[part];
     if (d->structure != ORL_STRUCTURE_MATRIX)
-        labels->write_part(labels->ctx, part, out);
+        labels->write_part(labels->ctx, part, channel, out);
     else
-        orl_bsdf_write_matrix(channel == VISIBLE ? &c->matrix : &c->chroma.matrix[(int)channel - 1],
-                              out);
+        orl_bsdf_write_matrix(
+            channel == ORL_CHANNEL_VISIBLE ? &c->matrix : &c->chroma.matrix[(int)channel - 1], out);
 }
 
 static void write_block(FILE *out, const struct orl_document *d,
                         const struct orl_bsdf_labels *labels, enum orl_bsdf_part part,
-                        enum channel channel)
+                        enum orl_bsdf_channel channel)
 {
     const bool reflection = part == ORL_PART_REFLECTION_FRONT || part == ORL_PART_REFLECTION_BACK;
     const char *basis = d->parts[part].matrix.basis[0].name;
     fputs("<WavelengthData>\n<LayerNumber>System</LayerNumber>\n", out);
-    write_channel(out, channel);
+    write_channel(out, d->structure == ORL_STRUCTURE_MATRIX, channel);
     fprintf(out, "<WavelengthDataBlock>\n<WavelengthDataDirection>%s</WavelengthDataDirection>\n",
             orl_part_names[part]);
     if (d->structure == ORL_STRUCTURE_MATRIX)
@@ -191,12 +192,13 @@ void orl_document_write(const struct orl_document *document, const struct orl_bs
                         FILE *out)
 {
     write_head(out, document, labels);
-    for (int channel = VISIBLE; channel < CHANNELS; channel++)
+    for (int channel = ORL_CHANNEL_VISIBLE; channel < ORL_CHANNEL_COUNT; channel++)
         for (int part = 0; part < ORL_PART_COUNT; part++) {
             const struct orl_component *component = &document->parts[part];
             const bool *given = component->chroma.given;
-            if (component->present && (channel == VISIBLE || (given[0] && given[1])))
-                write_block(out, document, labels, (enum orl_bsdf_part)part, (enum channel)channel);
+            if (component->present && (channel == ORL_CHANNEL_VISIBLE || (given[0] && given[1])))
+                write_block(out, document, labels, (enum orl_bsdf_part)part,
+                            (enum orl_bsdf_channel)channel);
         }
     fputs("</Layer>\n</Optical>\n</WindowElement>\n", out);
 }

@@ -1,10 +1,10 @@
 /*
  * BSDF XML written in the WINDOW schema, the counterpart of xml.h: what is read of it is what was
- * written, to the last bit. Luminance is "Visible"; colour of matrices stands beside it as Radiance
- * has it, CIE X and Z.
+ * written, to the last bit. Luminance is "Visible"; colour stands beside it as Radiance has it, CIE
+ * X and Z of matrices, u' and v' of trees.
  *
- * A document as it is before its colour is turned into tints: orl_chroma.matrix of both
- * channels hold X and Z, where orl_chroma.given says so of both. Parts that are not present are not
+ * A document as it is before its colour is turned into tints: orl_chroma.given says of both that
+ * they are there, and orl_chroma.matrix has X and Z of matrices. Parts that are not present are not
  * written. Trees are their makers' to write, who have them in other forms. Only one basis of both
  * directions is known to the schema's readers, one of the standard ones.
  */
@@ -15,8 +15,17 @@
 
 #include "bsdf/document.h"
 
-/* The braces of a part's tree, by luminance. */
-typedef void orl_bsdf_write_part(void *ctx, enum orl_bsdf_part part, FILE *out);
+/* Luminance, then X and Z or u' and v'. */
+enum orl_bsdf_channel {
+    ORL_CHANNEL_VISIBLE,
+    ORL_CHANNEL_FIRST,
+    ORL_CHANNEL_SECOND,
+    ORL_CHANNEL_COUNT
+};
+
+/* The braces of a part's tree. */
+typedef void orl_bsdf_write_part(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel channel,
+                                 FILE *out);
 
 /* What a file says beside data, name and thickness. */
 struct orl_bsdf_labels {

@@ -13,7 +13,7 @@ enum { SPLIT_LEVEL = 3, AT_ONCE = 8 };
 /* A part of the incident directions that one thread sees to: a cell at some level. */
 struct block {
     struct orl_gonio_forest forest;
-    struct orl_gonio_node *tops; /* [cell out at that level]; owned */
+    struct orl_gonio_cells tops; /* [cell out at that level]; owned */
     double total;                /* light sent out, summed over finest incident cells */
     int code;
 };
@@ -122,7 +122,7 @@ static double value_of(const struct growing *g, const double *sums, uint32_t cel
 }
 
 static bool see(const struct growing *g, struct hand *hand, struct block *block, uint32_t a,
-                struct orl_gonio_node *ret_nodes)
+                struct orl_gonio_cells ret_cells)
 {
     const size_t cells = g->screen->n_cells;
     const unsigned places = places_in(g, a);
@@ -138,7 +138,7 @@ static bool see(const struct growing *g, struct hand *hand, struct block *block,
     }
     for (size_t c = 0; c < cells; c++) {
         const double value = value_of(g, hand->sums, (uint32_t)c);
-        ret_nodes[c] = (struct orl_gonio_node){.value = (float)value};
+        ret_cells.nodes[c] = (struct orl_gonio_node){.value = (float)value};
         block->total += value * g->screen->area;
     }
     return true;
@@ -153,17 +153,18 @@ static size_t nodes_at(unsigned level)
 
 /* The nodes of incident cell a at a level, from the finest cells up. */
 static bool grow(const struct growing *g, struct hand *hand, struct block *block, unsigned level,
-                 uint32_t a, struct orl_gonio_node *ret_nodes)
+                 uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->levels)
-        return !orl_is_cancelled(g->env->cancel) && see(g, hand, block, a, ret_nodes);
-    struct orl_gonio_node *parts = malloc(in * nodes_at(level + 1) * sizeof *parts);
-    bool fine = parts != NULL;
+        return !orl_is_cancelled(g->env->cancel) && see(g, hand, block, a, ret_cells);
+    struct orl_gonio_cells parts;
+    bool fine = orl_gonio_cells_make(&parts, in * nodes_at(level + 1), false);
     for (unsigned k = 0; k < in && fine; k++)
-        fine = grow(g, hand, block, level + 1, in * a + k, parts + k * nodes_at(level + 1));
-    fine = fine && orl_gonio_join_level(&block->forest, parts, nodes_at(level), level, ret_nodes);
-    free(parts);
+        fine = grow(g, hand, block, level + 1, in * a + k,
+                    orl_gonio_cells_at(parts, k * nodes_at(level + 1)));
+    fine = fine && orl_gonio_join_level(&block->forest, parts, nodes_at(level), level, ret_cells);
+    orl_gonio_cells_done(&parts);
     return fine;
 }
 
@@ -176,13 +177,13 @@ static void grow_block(void *arg, size_t index, uint32_t member)
     if (original_of(g, a, &mirror) != a)
         return;
     block->forest = (struct orl_gonio_forest){.rank = g->rank, .cull = g->cull};
-    block->tops = malloc(nodes_at(g->split) * sizeof *block->tops);
-    if (!block->tops || !grow(g, &g->hands[member], block, g->split, a, block->tops))
+    if (!orl_gonio_cells_make(&block->tops, nodes_at(g->split), false) ||
+        !grow(g, &g->hands[member], block, g->split, a, block->tops))
         block->code = orl_is_cancelled(g->env->cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
 
 /* The nodes of a block, in the whole's forest. Original or mirrored. */
-static bool plant(struct growing *g, uint32_t a, struct orl_gonio_node *ret_nodes)
+static bool plant(struct growing *g, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     unsigned mirror;
     const struct block *block = &g->blocks[original_of(g, a, &mirror)];
@@ -190,29 +191,29 @@ static bool plant(struct growing *g, uint32_t a, struct orl_gonio_node *ret_node
     if (!orl_gonio_forest_take(&g->forest, &block->forest, mirror * 5U, &shift))
         return false;
     for (uint32_t i = 0; i < nodes_at(g->split); i++)
-        ret_nodes[i] =
-            orl_gonio_shifted(block->tops[g->rank == 3 ? i : mirrored(i, g->split, mirror)], shift);
+        ret_cells.nodes[i] = orl_gonio_shifted(
+            block->tops.nodes[g->rank == 3 ? i : mirrored(i, g->split, mirror)], shift);
     return true;
 }
 
 /* The nodes of incident cell a at a level above the blocks. Of rank 3 the upper half of A is of no
  * direction: it is as the lower one. */
-static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gonio_node *ret_nodes)
+static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->split)
-        return plant(g, a, ret_nodes);
+        return plant(g, a, ret_cells);
     const size_t count = nodes_at(level + 1);
-    struct orl_gonio_node *parts = malloc(in * count * sizeof *parts);
-    bool fine = parts != NULL;
+    struct orl_gonio_cells parts;
+    bool fine = orl_gonio_cells_make(&parts, in * count, false);
     for (unsigned k = 0; k < in && fine; k++) {
         if (g->rank == 3 && level == 0 && k == 1)
-            memcpy(parts + count, parts, count * sizeof *parts);
+            orl_gonio_cells_copy(orl_gonio_cells_at(parts, count), parts, count);
         else
-            fine = gather(g, level + 1, in * a + k, parts + k * count);
+            fine = gather(g, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
     }
-    fine = fine && orl_gonio_join_level(&g->forest, parts, nodes_at(level), level, ret_nodes);
-    free(parts);
+    fine = fine && orl_gonio_join_level(&g->forest, parts, nodes_at(level), level, ret_cells);
+    orl_gonio_cells_done(&parts);
     return fine;
 }
 
@@ -271,7 +272,7 @@ static void let_go(struct growing *g)
     free(g->hands);
     for (size_t i = 0; g->blocks && i < g->n_blocks; i++) {
         orl_gonio_forest_done(&g->blocks[i].forest);
-        free(g->blocks[i].tops);
+        orl_gonio_cells_done(&g->blocks[i].tops);
     }
     free(g->blocks);
     g->hands = NULL;
@@ -302,7 +303,7 @@ static int grow_all(struct growing *g, struct orl_error *err)
     g->blocks = calloc(g->n_blocks, sizeof *g->blocks);
     g->hands = calloc(orl_crew_size(g->env->crew), sizeof *g->hands);
     code = take_hands(g) ? grow_blocks(g) : ORL_ERR_NOMEM;
-    if (code == 0 && !gather(g, 0, 0, &g->root))
+    if (code == 0 && !gather(g, 0, 0, (struct orl_gonio_cells){&g->root, NULL}))
         code = ORL_ERR_NOMEM;
     return code == 0 ? 0
                      : orl_error_set(err, code,
@@ -329,9 +330,10 @@ struct parts {
     struct growing of[2][2];
 };
 
-static void write_part(void *ctx, enum orl_bsdf_part part, FILE *out)
+static void write_part(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel channel, FILE *out)
 {
     const struct parts *parts = ctx;
+    (void)channel;
     for (int front = 0; front < 2; front++)
         for (int t = 0; t < 2; t++)
             if (orl_gonio_part_of[front][t] == part)

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A block in its bytes: this, its tops, its branches. */
+/* A block in its bytes: this, its tops, its branches; of colour the hues of both. */
 struct kept {
     uint64_t n_tops, n_branches, paths, short_of;
     double totals[ORL_GONIO_BATCHES][2], lost, peaks[2];
@@ -12,24 +12,33 @@ struct kept {
 void orl_gonio_block_done(struct orl_gonio_block *block)
 {
     orl_gonio_forest_done(&block->forest);
-    free(block->tops);
-    block->tops = NULL;
+    orl_gonio_cells_done(&block->tops);
 }
 
-static size_t bytes_of(uint64_t n_tops, uint64_t n_branches)
+static size_t bytes_of(uint64_t n_tops, uint64_t n_branches, bool color)
 {
+    const size_t hues =
+        n_tops * sizeof(struct orl_gonio_hue) + n_branches * sizeof(struct orl_gonio_branch_hues);
     return sizeof(struct kept) + n_tops * sizeof(struct orl_gonio_node) +
-           n_branches * sizeof(struct orl_gonio_branch);
+           n_branches * sizeof(struct orl_gonio_branch) + (color ? hues : 0);
 }
 
 size_t orl_gonio_block_bytes(const struct orl_gonio_block *block, size_t n_tops)
 {
-    return bytes_of(block->tops ? n_tops : 0, block->forest.count);
+    return bytes_of(block->tops.nodes ? n_tops : 0, block->forest.count, block->forest.color);
+}
+
+static char *put(char *to, const void *from, size_t size)
+{
+    if (size > 0)
+        memcpy(to, from, size);
+    return to + size;
 }
 
 char *orl_gonio_block_pack(const struct orl_gonio_block *block, size_t n_tops, char *to)
 {
-    const size_t tops = block->tops ? n_tops : 0, branches = block->forest.count;
+    const struct orl_gonio_forest *forest = &block->forest;
+    const size_t tops = block->tops.nodes ? n_tops : 0, branches = forest->count;
     struct kept kept = {.n_tops = tops,
                         .n_branches = branches,
                         .paths = block->paths,
@@ -37,14 +46,13 @@ char *orl_gonio_block_pack(const struct orl_gonio_block *block, size_t n_tops, c
                         .lost = block->lost};
     memcpy(kept.totals, block->totals, sizeof kept.totals);
     memcpy(kept.peaks, block->peaks, sizeof kept.peaks);
-    memcpy(to, &kept, sizeof kept);
-    to += sizeof kept;
-    if (tops > 0)
-        memcpy(to, block->tops, tops * sizeof *block->tops);
-    to += tops * sizeof *block->tops;
-    if (branches > 0)
-        memcpy(to, block->forest.branches, branches * sizeof *block->forest.branches);
-    return to + branches * sizeof *block->forest.branches;
+    to = put(to, &kept, sizeof kept);
+    to = put(to, block->tops.nodes, tops * sizeof *block->tops.nodes);
+    to = put(to, forest->branches, branches * sizeof *forest->branches);
+    if (!forest->color)
+        return to;
+    to = put(to, block->tops.hues, tops * sizeof *block->tops.hues);
+    return put(to, forest->hues, branches * sizeof *forest->hues);
 }
 
 /* Refers to none but branches that are there. */
@@ -56,25 +64,35 @@ static bool is_sound(const struct orl_gonio_node *nodes, size_t n, uint64_t n_br
     return true;
 }
 
-static bool fill(struct orl_gonio_block *block, const struct kept *kept, const char *from)
+/* An array of its own of so many bytes; *fine becomes false where there is no memory. */
+static void *get(const char **from, size_t size, bool *fine)
+{
+    void *array = size > 0 ? malloc(size) : NULL;
+    *fine = *fine && (array || size == 0);
+    if (array)
+        memcpy(array, *from, size);
+    *from += size;
+    return array;
+}
+
+static bool fill(struct orl_gonio_block *block, const struct kept *kept, const char *from,
+                 bool color)
 {
     struct orl_gonio_forest *forest = &block->forest;
-    const size_t tops = kept->n_tops * sizeof *block->tops;
-    const size_t branches = kept->n_branches * sizeof *forest->branches;
+    const size_t tops = kept->n_tops, branches = kept->n_branches;
+    bool fine = true;
     orl_gonio_block_done(block);
-    block->tops = kept->n_tops > 0 ? malloc(tops) : NULL;
-    forest->branches = branches > 0 ? malloc(branches) : NULL;
-    if ((branches > 0 && !forest->branches) || (tops > 0 && !block->tops))
-        return false;
-    if (block->tops)
-        memcpy(block->tops, from, tops);
-    if (forest->branches)
-        memcpy(forest->branches, from + tops, branches);
-    forest->count = forest->room = kept->n_branches;
-    bool sound = !block->tops || is_sound(block->tops, kept->n_tops, kept->n_branches);
-    for (size_t i = 0; forest->branches && i < forest->count && sound; i++)
-        sound = is_sound(forest->branches[i].child, ORL_GONIO_FAN_MOST, i);
-    return sound;
+    block->tops.nodes = get(&from, tops * sizeof *block->tops.nodes, &fine);
+    forest->branches = get(&from, branches * sizeof *forest->branches, &fine);
+    if (color) {
+        block->tops.hues = get(&from, tops * sizeof *block->tops.hues, &fine);
+        forest->hues = get(&from, branches * sizeof *forest->hues, &fine);
+    }
+    forest->count = forest->room = forest->hues_room = branches;
+    fine = fine && (tops == 0 || is_sound(block->tops.nodes, tops, branches));
+    for (size_t i = 0; i < branches && fine; i++)
+        fine = is_sound(forest->branches[i].child, ORL_GONIO_FAN_MOST, i);
+    return fine;
 }
 
 const char *orl_gonio_block_unpack(struct orl_gonio_block *block, size_t n_tops, const char *from,
@@ -82,19 +100,22 @@ const char *orl_gonio_block_unpack(struct orl_gonio_block *block, size_t n_tops,
 {
     const unsigned rank = block->forest.rank;
     const struct orl_gonio_cull cull = block->forest.cull;
+    const bool color = block->forest.color;
     struct kept kept;
     if (most < sizeof kept)
         return NULL;
     memcpy(&kept, from, sizeof kept);
     if ((kept.n_tops != 0 && kept.n_tops != n_tops) || kept.n_branches > most ||
-        bytes_of(kept.n_tops, kept.n_branches) > most || !fill(block, &kept, from + sizeof kept))
+        bytes_of(kept.n_tops, kept.n_branches, color) > most ||
+        !fill(block, &kept, from + sizeof kept, color))
         return NULL;
     block->forest.rank = rank;
     block->forest.cull = cull;
+    block->forest.color = color;
     memcpy(block->totals, kept.totals, sizeof block->totals);
     memcpy(block->peaks, kept.peaks, sizeof block->peaks);
     block->lost = kept.lost;
     block->paths = kept.paths;
     block->short_of = kept.short_of != 0;
-    return from + bytes_of(kept.n_tops, kept.n_branches);
+    return from + bytes_of(kept.n_tops, kept.n_branches, color);
 }

@@ -10,7 +10,7 @@
 
 struct orl_gonio_block {
     struct orl_gonio_forest forest;
-    struct orl_gonio_node *tops; /* [transmitted][cell out at that level]; owned; NULL: it is not
+    struct orl_gonio_cells tops; /* [transmitted][cell out at that level]; owned; none: it is not
                                     measured yet */
     double totals[ORL_GONIO_BATCHES][2], lost;
     double peaks[2]; /* reflected, transmitted: as few paths tell them */
@@ -25,7 +25,7 @@ size_t orl_gonio_block_bytes(const struct orl_gonio_block *block, size_t n_tops)
 /* Returns what is behind it. */
 char *orl_gonio_block_pack(const struct orl_gonio_block *block, size_t n_tops, char *to);
 /* From so many bytes at the most: what is behind it; NULL: it is of another shape, or there is no
- * memory. The forest has its rank and cull already. */
+ * memory. The forest has its rank, cull and color already. */
 const char *orl_gonio_block_unpack(struct orl_gonio_block *block, size_t n_tops, const char *from,
                                    size_t most);
 

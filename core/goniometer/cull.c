@@ -15,12 +15,14 @@ struct trial {
     const struct orl_bsdf_make_env *env;
 };
 
-static double worst_of(const struct orl_bsdf_comparison *c)
+static double worst_of(const struct orl_bsdf_comparison *c, bool color)
 {
     double worst = 0;
     for (int i = 0; i < 4; i++) {
         const struct orl_bsdf_difference *d = &c->of[i / 2][i % 2];
         worst = fmax(worst, fmax(fabs(d->albedo_worst), fabs(d->cone_worst)));
+        if (color)
+            worst = fmax(worst, fmax(fabs(d->color.albedo_worst), fabs(d->color.cone_worst)));
     }
     return worst;
 }
@@ -66,7 +68,7 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
         const int code = try_cull(trial, middle, &made, &lost, err);
         if (code < 0)
             return code;
-        if (worst_of(&lost) <= within) {
+        if (worst_of(&lost, trial->to->color) <= within) {
             take(&made, &lost, best, ret_lost);
             *ret_unseen = low = middle;
         } else {
@@ -79,10 +81,10 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
 }
 
 /* The resolution alone is to lose no more. */
-static int check_resolution(const struct orl_bsdf_comparison *lost, double within,
+static int check_resolution(const struct orl_bsdf_comparison *lost, bool color, double within,
                             struct orl_error *err)
 {
-    const double worst = worst_of(lost);
+    const double worst = worst_of(lost, color);
     if (worst <= within)
         return 0;
     orl_error_set(err, ORL_ERR_RANGE,
@@ -109,7 +111,7 @@ int orl_bsdf_convert_within(const struct orl_bsdf *bsdf, const char *source,
     int code = try_cull(&trial, ORL_BSDF_UNSEEN, &best, ret_lost, err);
     if (code < 0)
         return code;
-    code = check_resolution(ret_lost, within, err);
+    code = check_resolution(ret_lost, to->color, within, err);
     if (code == 0)
         code = search(&trial, within, ret_unseen, &best, ret_lost, err);
     if (code == 0)

@@ -8,6 +8,7 @@
 
 #include "base/grow.h"
 #include "bsdf/write.h"
+#include "goniometer/hues.h"
 
 /* Ratios of sums of squares that chance exceeds in 1 of 10^4 cases (chi-square); and in none of the
  * many millions that a panel has: of 15 degrees of freedom, and of the 3 of a cell out alone. */
@@ -17,15 +18,43 @@ static const double by_chance[2] = {3, 7}, beyond_chance[2] = {8, 13};
  * cells whose mean squares are 1.5 to 3 times their errors' those pass that seem to have 1.1. */
 static const double unseen_more = 0.5;
 
+double orl_gonio_by_chance(unsigned fan)
+{
+    return by_chance[fan == 4];
+}
+
 void orl_gonio_forest_done(struct orl_gonio_forest *forest)
 {
     free(forest->branches);
+    free(forest->hues);
     memset(forest, 0, sizeof *forest);
 }
 
-/* By pairs, which mirrors (i ^ mirror) leave as they are, so that no rounding tells them apart. The
- * values are used up. */
-static double sum_of(double *values, unsigned fan)
+bool orl_gonio_cells_make(struct orl_gonio_cells *cells, size_t count, bool color)
+{
+    cells->nodes = malloc(count * sizeof *cells->nodes);
+    cells->hues = color ? malloc(count * sizeof *cells->hues) : NULL;
+    if (cells->nodes && (cells->hues || !color))
+        return true;
+    orl_gonio_cells_done(cells);
+    return false;
+}
+
+void orl_gonio_cells_done(struct orl_gonio_cells *cells)
+{
+    free(cells->nodes);
+    free(cells->hues);
+    *cells = (struct orl_gonio_cells){NULL, NULL};
+}
+
+void orl_gonio_cells_copy(struct orl_gonio_cells to, struct orl_gonio_cells from, size_t count)
+{
+    memcpy(to.nodes, from.nodes, count * sizeof *to.nodes);
+    if (to.hues)
+        memcpy(to.hues, from.hues, count * sizeof *to.hues);
+}
+
+double orl_gonio_sum(double *values, unsigned fan)
 {
     for (unsigned step = 1; step < fan; step *= 2)
         for (unsigned i = 0; i < fan; i += 2 * step)
@@ -53,16 +82,16 @@ static struct orl_gonio_node mean_of(const struct orl_gonio_node *children, unsi
         values[i] = (double)children[i].value;
         variances[i] = (double)children[i].variance;
     }
-    const double mean = sum_of(values, fan) / fan;
+    const double mean = orl_gonio_sum(values, fan) / fan;
     for (unsigned i = 0; i < fan; i++) {
         const double off = (double)children[i].value - mean;
         spreads[i] =
             (double)children[i].spread + off * off - (double)children[i].variance * (fan - 1) / fan;
     }
     return (struct orl_gonio_node){.value = (float)mean,
-                                   .variance = (float)(sum_of(variances, fan) / (fan * fan)),
+                                   .variance = (float)(orl_gonio_sum(variances, fan) / (fan * fan)),
                                    .path = path_of(children, fan),
-                                   .spread = (float)(sum_of(spreads, fan) / fan)};
+                                   .spread = (float)(orl_gonio_sum(spreads, fan) / fan)};
 }
 
 /* Most are. */
@@ -74,69 +103,129 @@ static bool are_dark(const struct orl_gonio_node *children, unsigned fan)
     return dark;
 }
 
-bool orl_gonio_are_one(const struct orl_gonio_cull *cull, const struct orl_gonio_node *children,
-                       unsigned fan, unsigned level, struct orl_gonio_node *ret_mean)
+/* Nodes that are looked at, to become one. */
+struct group {
+    const struct orl_gonio_cull *cull;
+    struct orl_gonio_cells children;
+    unsigned fan, level;
+    bool leaves;  /* all of them */
+    double doubt; /* the most, of those below as well */
+};
+
+/* How far they are from their mean: sums of squares, and of variances. */
+struct scatter {
+    double mean, squares, noise;
+};
+
+static bool is_chance(const struct group *g, const struct scatter *s)
 {
-    if (are_dark(children, fan)) {
-        *ret_mean = (struct orl_gonio_node){.path = path_of(children, fan)};
-        return true;
-    }
-    const bool few = fan == 4;
-    const double omega = ldexp(ORL_PI, -2 * (int)level), unseen = cull->unseen / omega;
-    struct orl_gonio_node mean = mean_of(children, fan);
-    const double shade = cull->share * (double)mean.value;
-    double off2[ORL_GONIO_FAN_MOST] = {0}, variances[ORL_GONIO_FAN_MOST] = {0}, doubt = 0;
-    bool leaves = true;
-    for (unsigned i = 0; i < fan; i++) {
-        const double off = (double)children[i].value - (double)mean.value;
-        off2[i] = off * off;
-        variances[i] = orl_gonio_noise(&children[i]);
-        doubt = fmax(doubt, (double)children[i].doubt);
-        leaves = leaves && !children[i].branch;
-    }
-    const double squares = sum_of(off2, fan), noise = sum_of(variances, fan);
-    mean.doubt = (float)fmin(1e30, fmax(doubt, noise > 0 ? squares / noise : 1e30));
-    *ret_mean = mean;
-    if (squares <= by_chance[few] * noise && doubt <= beyond_chance[few]) {
-        /* Of those that differ by as much as their errors the ones that look alike are taken. */
-        ret_mean->spread += (float)(unseen_more * (squares - noise * (fan - 1) / fan) / fan);
-        return true;
-    }
-    return leaves && (squares <= fan * shade * shade || squares <= fan * unseen * unseen);
+    const bool few = g->fan == 4;
+    return s->squares <= by_chance[few] * s->noise && g->doubt <= beyond_chance[few];
 }
 
-bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node *children,
-                    unsigned level, struct orl_gonio_node *ret_node)
+/* By chance, or since so little counts for nothing: then they have to be leaves. */
+static bool passes(const struct group *g, const struct scatter *s)
+{
+    const double omega = ldexp(ORL_PI, -2 * (int)g->level), unseen = g->cull->unseen / omega;
+    const double shade = g->cull->share * s->mean, fan = g->fan;
+    return is_chance(g, s) || (g->leaves && (s->squares <= fan * shade * shade ||
+                                             s->squares <= fan * unseen * unseen));
+}
+
+static struct scatter scatter_of(const struct group *g, double mean)
+{
+    double off2[ORL_GONIO_FAN_MOST] = {0}, noises[ORL_GONIO_FAN_MOST] = {0};
+    for (unsigned i = 0; i < g->fan; i++) {
+        const double off = (double)g->children.nodes[i].value - mean;
+        off2[i] = off * off;
+        noises[i] = orl_gonio_noise(&g->children.nodes[i]);
+    }
+    return (struct scatter){mean, orl_gonio_sum(off2, g->fan), orl_gonio_sum(noises, g->fan)};
+}
+
+static float doubt_of(double doubt, const struct scatter *s)
+{
+    return (float)fmin(1e30, fmax(doubt, s->noise > 0 ? s->squares / s->noise : 1e30));
+}
+
+bool orl_gonio_are_one(const struct orl_gonio_cull *cull, struct orl_gonio_cells children,
+                       unsigned fan, unsigned level, struct orl_gonio_cells ret_mean)
+{
+    struct group g = {cull, children, fan, level, true, 0};
+    struct orl_gonio_node *mean = ret_mean.nodes;
+    if (are_dark(children.nodes, fan)) {
+        *mean = (struct orl_gonio_node){.path = path_of(children.nodes, fan)};
+        if (ret_mean.hues)
+            *ret_mean.hues = (struct orl_gonio_hue){.value = {0}};
+        return true;
+    }
+    for (unsigned i = 0; i < fan; i++) {
+        g.doubt = fmax(g.doubt, (double)children.nodes[i].doubt);
+        g.leaves = g.leaves && !children.nodes[i].branch;
+    }
+    *mean = mean_of(children.nodes, fan);
+    const struct scatter s = scatter_of(&g, (double)mean->value);
+    mean->doubt = doubt_of(g.doubt, &s);
+    if (children.hues) {
+        const struct orl_gonio_blend blend =
+            orl_gonio_blend_of(cull, children, fan, level, ret_mean.hues);
+        mean->doubt = fmaxf(mean->doubt, blend.doubt);
+        if (!blend.is_one)
+            return false;
+    }
+    if (!is_chance(&g, &s))
+        return passes(&g, &s);
+    /* Of those that differ by as much as their errors the ones that look alike are taken. */
+    mean->spread += (float)(unseen_more * (s.squares - s.noise * (fan - 1) / fan) / fan);
+    return true;
+}
+
+/* For one more. */
+static bool make_room(struct orl_gonio_forest *forest)
+{
+    return forest->count < UINT32_MAX - 1 &&
+           orl_grow(&forest->branches, &forest->room, forest->count, sizeof *forest->branches) &&
+           (!forest->color ||
+            orl_grow(&forest->hues, &forest->hues_room, forest->count, sizeof *forest->hues));
+}
+
+bool orl_gonio_join(struct orl_gonio_forest *forest, struct orl_gonio_cells children,
+                    unsigned level, struct orl_gonio_cells ret_node)
 {
     const unsigned fan = 1U << forest->rank;
     struct orl_gonio_node node;
-    const bool one = orl_gonio_are_one(&forest->cull, children, fan, level, &node);
+    const bool one = orl_gonio_are_one(&forest->cull, children, fan, level,
+                                       (struct orl_gonio_cells){&node, ret_node.hues});
     if (forest->rank == 3 && level == 0) /* of eight parts these are two, mirrored and copied */
         node.variance *= 4;
     if (one) {
         node.doubt = 0;
-        *ret_node = node;
+        *ret_node.nodes = node;
         return true;
     }
-    if (forest->count >= UINT32_MAX - 1 ||
-        !orl_grow(&forest->branches, &forest->room, forest->count, sizeof *forest->branches))
+    if (!make_room(forest))
         return false;
-    memcpy(forest->branches[forest->count].child, children, fan * sizeof *children);
+    memcpy(forest->branches[forest->count].child, children.nodes, fan * sizeof *children.nodes);
+    if (forest->color)
+        memcpy(forest->hues[forest->count].child, children.hues, fan * sizeof *children.hues);
     node.branch = (uint32_t)++forest->count;
-    *ret_node = node;
+    *ret_node.nodes = node;
     return true;
 }
 
-bool orl_gonio_join_level(struct orl_gonio_forest *forest, const struct orl_gonio_node *parts,
-                          size_t count, unsigned level, struct orl_gonio_node *ret_nodes)
+bool orl_gonio_join_level(struct orl_gonio_forest *forest, struct orl_gonio_cells parts,
+                          size_t count, unsigned level, struct orl_gonio_cells ret_nodes)
 {
     const unsigned in = orl_gonio_parts_in(forest->rank);
     for (size_t i = 0; i < count; i++) {
-        struct orl_gonio_node children[ORL_GONIO_FAN_MOST];
+        struct orl_gonio_node nodes[ORL_GONIO_FAN_MOST];
+        struct orl_gonio_hue hues[ORL_GONIO_FAN_MOST];
+        const struct orl_gonio_cells children = {nodes, parts.hues ? hues : NULL};
         for (unsigned a = 0; a < in; a++)
             for (unsigned b = 0; b < 4; b++)
-                children[a + b * in] = parts[4 * (a * count + i) + b];
-        if (!orl_gonio_join(forest, children, level + 1, &ret_nodes[i]))
+                orl_gonio_cells_copy(orl_gonio_cells_at(children, a + b * in),
+                                     orl_gonio_cells_at(parts, 4 * (a * count + i) + b), 1);
+        if (!orl_gonio_join(forest, children, level + 1, orl_gonio_cells_at(ret_nodes, i)))
             return false;
     }
     return true;
@@ -156,11 +245,15 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
     if (other->count >= UINT32_MAX - 1 - forest->count)
         return false;
     for (size_t k = 0; k < other->count; k++) {
-        if (!orl_grow(&forest->branches, &forest->room, forest->count, sizeof *forest->branches))
+        if (!make_room(forest))
             return false;
-        struct orl_gonio_branch *branch = &forest->branches[forest->count++];
-        for (unsigned i = 0; i < 1U << forest->rank; i++)
-            branch->child[i] = orl_gonio_shifted(other->branches[k].child[i ^ mirror], shift);
+        const size_t at = forest->count++;
+        for (unsigned i = 0; i < 1U << forest->rank; i++) {
+            forest->branches[at].child[i] =
+                orl_gonio_shifted(other->branches[k].child[i ^ mirror], shift);
+            if (forest->color)
+                forest->hues[at].child[i] = other->hues[k].child[i ^ mirror];
+        }
     }
     *ret_shift = shift;
     return true;

@@ -7,6 +7,7 @@
  * differ by no more than their standard errors explain, or by less than a share of their mean that
  * is asked for, or by less light than counts. Their mean stays, with what it may be off by from any
  * of them: the standard error of the mean, and how far they lie from it.
+ * Colours are asked beside that (hues.h); errors are those of luminance.
  *
  * Ownership: the caller's, orl_gonio_forest_done. One thread writes at a time.
  */
@@ -36,6 +37,31 @@ struct orl_gonio_branch {
     struct orl_gonio_node child[ORL_GONIO_FAN_MOST];
 };
 
+/* The colour of a node beside its luminance (hues.h): red, green, blue; the variances of what these
+ * are off by from the luminance in the node's own chromaticity. */
+enum { ORL_GONIO_HUES = 3 };
+struct orl_gonio_hue {
+    float value[ORL_GONIO_HUES], noise[ORL_GONIO_HUES];
+};
+
+struct orl_gonio_branch_hues {
+    struct orl_gonio_hue child[ORL_GONIO_FAN_MOST];
+};
+
+/* Nodes side by side, with their colours. */
+struct orl_gonio_cells {
+    struct orl_gonio_node *nodes;
+    struct orl_gonio_hue *hues; /* NULL: by luminance alone */
+};
+/* So many; false: no memory, and none. */
+bool orl_gonio_cells_make(struct orl_gonio_cells *cells, size_t count, bool color);
+void orl_gonio_cells_done(struct orl_gonio_cells *cells);
+static inline struct orl_gonio_cells orl_gonio_cells_at(struct orl_gonio_cells cells, size_t first)
+{
+    return (struct orl_gonio_cells){cells.nodes + first, cells.hues ? cells.hues + first : NULL};
+}
+void orl_gonio_cells_copy(struct orl_gonio_cells to, struct orl_gonio_cells from, size_t count);
+
 /* How far cells may be from their mean that become one, unless errors explain it. */
 struct orl_gonio_cull {
     double share;  /* of the mean */
@@ -45,8 +71,10 @@ struct orl_gonio_cull {
 struct orl_gonio_forest {
     unsigned rank;
     struct orl_gonio_cull cull;
-    struct orl_gonio_branch *branches; /* owned */
-    size_t count, room;
+    bool color;
+    struct orl_gonio_branch *branches;  /* owned */
+    struct orl_gonio_branch_hues *hues; /* as many, of colour; owned */
+    size_t count, room, hues_room;
 };
 
 void orl_gonio_forest_done(struct orl_gonio_forest *forest);
@@ -67,12 +95,12 @@ static inline double orl_gonio_error(const struct orl_gonio_node *node)
 
 /* Whether fan nodes, which lie level deep, are as good as their mean, which is filled in; its doubt
  * says how far they are from that. */
-bool orl_gonio_are_one(const struct orl_gonio_cull *cull, const struct orl_gonio_node *children,
-                       unsigned fan, unsigned level, struct orl_gonio_node *ret_mean);
+bool orl_gonio_are_one(const struct orl_gonio_cull *cull, struct orl_gonio_cells children,
+                       unsigned fan, unsigned level, struct orl_gonio_cells ret_mean);
 
 /* One node over 2^rank others, which lie level deep: a branch, or a leaf. False: no memory. */
-bool orl_gonio_join(struct orl_gonio_forest *forest, const struct orl_gonio_node *children,
-                    unsigned level, struct orl_gonio_node *ret_node);
+bool orl_gonio_join(struct orl_gonio_forest *forest, struct orl_gonio_cells children,
+                    unsigned level, struct orl_gonio_cells ret_node);
 
 /* Parts of a cell of directions in, a level deeper: 4 of rank 4, 2 of rank 3. */
 static inline unsigned orl_gonio_parts_in(unsigned rank)
@@ -81,8 +109,8 @@ static inline unsigned orl_gonio_parts_in(unsigned rank)
 }
 /* count nodes of one cell in, which lie at that level, over those of its parts: four times as many
  * of each part, part after part. False: no memory. */
-bool orl_gonio_join_level(struct orl_gonio_forest *forest, const struct orl_gonio_node *parts,
-                          size_t count, unsigned level, struct orl_gonio_node *ret_nodes);
+bool orl_gonio_join_level(struct orl_gonio_forest *forest, struct orl_gonio_cells parts,
+                          size_t count, unsigned level, struct orl_gonio_cells ret_nodes);
 
 /* Takes over all branches of another one, with children mirrored: the i-th is the (i ^ mirror)-th.
  * *ret_shift: what is to be added to places. False: no memory. */
@@ -90,7 +118,13 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
                            unsigned mirror, uint32_t *ret_shift);
 struct orl_gonio_node orl_gonio_shifted(struct orl_gonio_node node, uint32_t shift);
 
-/* As the braces of a file: values, or their errors. */
+/* The ratio of sums of squares that chance exceeds in 1 of 10^4 cases. */
+double orl_gonio_by_chance(unsigned fan);
+/* By pairs, which mirrors (i ^ mirror) leave as they are, so that no rounding tells them apart. The
+ * values are used up. */
+double orl_gonio_sum(double *values, unsigned fan);
+
+/* As the braces of a file: luminances, or their errors. */
 void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
                             bool errors, FILE *out);
 

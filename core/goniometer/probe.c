@@ -5,9 +5,14 @@
 
 #include "bsdf/shirley.h"
 
+static size_t planes(const struct orl_gonio_probe *probe)
+{
+    return probe->color ? 1 + ORL_GONIO_HUES : 1;
+}
+
 int orl_gonio_probe_init(struct orl_gonio_probe *probe, struct orl_error *err)
 {
-    const size_t cells = 2 * orl_gonio_probe_cells(probe);
+    const size_t cells = 2 * orl_gonio_probe_cells(probe) * planes(probe);
     probe->sums = calloc(ORL_GONIO_BATCHES * cells, sizeof *probe->sums);
     probe->before = calloc(cells, sizeof *probe->before);
     probe->heaviest = calloc(cells, sizeof *probe->heaviest);
@@ -80,10 +85,17 @@ struct shot {
     double cosine, sine; /* what turns the light that comes to +x; rank 3 */
 };
 
-static void add(double *sums, float *heaviest, uint32_t cell, double weight)
+/* A share of what left, on a side. */
+static void add(const struct shot *shot, bool transmitted, uint32_t cell, double share,
+                struct orl_rgb color)
 {
-    sums[cell] += weight;
-    heaviest[cell] = fmaxf(heaviest[cell], (float)weight);
+    const struct orl_gonio_probe *p = shot->probe;
+    const size_t cells = orl_gonio_probe_cells(p), at = transmitted * cells + cell;
+    const double weights[] = {orl_luma(color), color.r, color.g, color.b};
+    for (size_t k = 0; k < planes(p); k++) {
+        p->sums[(k * ORL_GONIO_BATCHES + shot->batch) * 2 * cells + at] += share * weights[k];
+    }
+    p->heaviest[at] = fmaxf(p->heaviest[at], (float)(share * weights[0]));
 }
 
 static void count(void *ctx, const struct orl_gonio_exit *exit)
@@ -96,18 +108,16 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
         p->lost += isfinite(weight) ? weight : 1;
         return;
     }
-    const size_t part = (exit->front != p->front) * orl_gonio_probe_cells(p);
-    double *sums = p->sums + shot->batch * 2 * orl_gonio_probe_cells(p) + part;
-    float *heaviest = p->heaviest + part;
+    const bool transmitted = exit->front != p->front;
     if (p->rank == 4) {
-        add(sums, heaviest, cell_of(p, d.x, d.y), weight);
+        add(shot, transmitted, cell_of(p, d.x, d.y), 1, exit->weight);
         return;
     }
     /* What is straight lies on the border of two cells: both have half of it. */
     const double x = shot->cosine * d.x + shot->sine * d.y;
     const double y = shot->cosine * d.y - shot->sine * d.x;
-    add(sums, heaviest, cell_of(p, x, fabs(y)), 0.5 * weight);
-    add(sums, heaviest, cell_of(p, x, -fmax(fabs(y), least_away)), 0.5 * weight);
+    add(shot, transmitted, cell_of(p, x, fabs(y)), 0.5, exit->weight);
+    add(shot, transmitted, cell_of(p, x, -fmax(fabs(y), least_away)), 0.5, exit->weight);
 }
 
 static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t index)
@@ -150,30 +160,72 @@ void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t fr
 
 /* ---- Telling --------------------------------------------------------------------------------- */
 
+/* Of a set of batches what one is off by from their mean, squared, as the variance of that. */
+static double variance_of(const double values[ORL_GONIO_BATCHES])
+{
+    double sum = 0, squares = 0;
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+        sum += values[k];
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
+        const double off = values[k] - sum / ORL_GONIO_BATCHES;
+        squares += off * off;
+    }
+    return squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0));
+}
+
+/* What a cell's batches of a plane counted; returns their mean with what was put aside. */
+static double counted(const struct orl_gonio_probe *probe, size_t plane, size_t i,
+                      double ret_batches[ORL_GONIO_BATCHES])
+{
+    const size_t cells = 2 * orl_gonio_probe_cells(probe);
+    double sum = probe->before[plane * cells + i];
+    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
+        ret_batches[k] = probe->sums[(plane * ORL_GONIO_BATCHES + k) * cells + i];
+        sum += ret_batches[k];
+    }
+    return sum / ORL_GONIO_BATCHES;
+}
+
+/* By how much a count is a value, and the part of what was counted whose batches tell errors: as
+ * many are in each batch as in all sets, of which these are a part. */
+struct unit {
+    double value, told;
+};
+
+static struct orl_gonio_hue hue_of(const struct orl_gonio_probe *probe, size_t i, struct unit unit,
+                                   double luma, const double lumas[ORL_GONIO_BATCHES])
+{
+    struct orl_gonio_hue hue = {.value = {0}};
+    for (size_t c = 0; c < ORL_GONIO_HUES; c++) {
+        double off[ORL_GONIO_BATCHES];
+        const double mean = counted(probe, 1 + c, i, off);
+        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
+            off[k] -= mean / luma * lumas[k];
+        hue.value[c] = (float)(mean * unit.value);
+        hue.noise[c] = (float)(variance_of(off) / unit.told * unit.value * unit.value);
+    }
+    return hue;
+}
+
 void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
-                          struct orl_gonio_node *ret_nodes)
+                          struct orl_gonio_cells ret_cells)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
     const double all = (double)paths + probe->paths_before;
-    const double unit = (double)cells / ORL_PI / all, told = paths / all;
+    const struct unit unit = {(double)cells / ORL_PI / all, paths / all};
     for (size_t i = 0; i < 2 * cells; i++) {
-        const double before = probe->before[i] / ORL_GONIO_BATCHES;
-        double sum = 0, squares = 0;
-        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-            sum += probe->sums[k * 2 * cells + i];
-        ret_nodes[i] = (struct orl_gonio_node){.path = (float)(unit / ORL_GONIO_BATCHES)};
-        if (sum + before == 0)
-            continue;
-        const double mean = sum / ORL_GONIO_BATCHES;
-        for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
-            const double off = probe->sums[k * 2 * cells + i] - mean;
-            squares += off * off;
+        double batches[ORL_GONIO_BATCHES];
+        const double mean = counted(probe, 0, i, batches);
+        struct orl_gonio_node *node = &ret_cells.nodes[i];
+        *node = (struct orl_gonio_node){.path = (float)(unit.value / ORL_GONIO_BATCHES)};
+        if (mean > 0) {
+            node->value = (float)(mean * unit.value);
+            node->variance = (float)(variance_of(batches) / unit.told * unit.value * unit.value);
+            node->path *= probe->heaviest[i];
         }
-        /* As many in each batch as in all sets, of which these are a part. */
-        ret_nodes[i].value = (float)((mean + before) * unit);
-        ret_nodes[i].variance =
-            (float)(squares / told * unit * unit / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0)));
-        ret_nodes[i].path *= probe->heaviest[i];
+        if (ret_cells.hues)
+            ret_cells.hues[i] = mean > 0 ? hue_of(probe, i, unit, mean, batches)
+                                         : (struct orl_gonio_hue){.value = {0}};
     }
 }
 
@@ -192,16 +244,18 @@ void orl_gonio_probe_put_aside(struct orl_gonio_probe *probe, uint32_t paths)
         double *sums = probe->sums + k * 2 * cells;
         for (size_t part = 0; part < 2; part++)
             probe->totals_before[k][part] += sum_of(sums + part * cells, cells);
-        for (size_t i = 0; i < 2 * cells; i++)
-            probe->before[i] += sums[i];
+        for (size_t plane = 0; plane < planes(probe); plane++)
+            for (size_t i = 0; i < 2 * cells; i++)
+                probe->before[plane * 2 * cells + i] +=
+                    sums[plane * ORL_GONIO_BATCHES * 2 * cells + i];
     }
-    memset(probe->sums, 0, 2 * cells * ORL_GONIO_BATCHES * sizeof *probe->sums);
+    memset(probe->sums, 0, 2 * cells * planes(probe) * ORL_GONIO_BATCHES * sizeof *probe->sums);
     probe->paths_before += paths;
 }
 
 void orl_gonio_probe_drop(struct orl_gonio_probe *probe)
 {
-    const size_t cells = 2 * orl_gonio_probe_cells(probe);
+    const size_t cells = 2 * orl_gonio_probe_cells(probe) * planes(probe);
     memset(probe->sums, 0, ORL_GONIO_BATCHES * cells * sizeof *probe->sums);
     memset(probe->before, 0, cells * sizeof *probe->before);
     memset(probe->heaviest, 0, cells * sizeof *probe->heaviest);

@@ -15,14 +15,15 @@ struct orl_gonio_probe {
     const struct orl_sobol *sobol;
     uint64_t seed;
     unsigned rank, levels;     /* 2^levels cells a side */
+    bool color;                /* red, green and blue beside luma */
     bool front;                /* light comes from there */
     const atomic_bool *cancel; /* may be NULL */
-    /* What is counted; owned: */
-    double *sums;   /* [batch][transmitted][cell out], of one incident cell */
-    double *before; /* [transmitted][cell out], of all batches put aside */
+    /* What is counted, of one incident cell, by planes: of luma, and the three of colour. Owned: */
+    double *sums;   /* [plane][batch][transmitted][cell out] */
+    double *before; /* [plane][transmitted][cell out], of all batches put aside */
     double totals_before[ORL_GONIO_BATCHES][2]; /* weights that were put aside, of all cells */
-    float *heaviest;                     /* what one path alone brought: [transmitted][cell out] */
-    uint32_t paths_before;               /* in each batch that was put aside */
+    float *heaviest;       /* luma that one path alone brought: [transmitted][cell out] */
+    uint32_t paths_before; /* in each batch that was put aside */
     double totals[ORL_GONIO_BATCHES][2]; /* of all incident cells: shares, summed */
     double lost;
 };
@@ -46,9 +47,9 @@ void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t fr
 /* Puts aside what is counted, after that many of each batch; these begin anew, by other numbers,
  * and alone tell the errors of values (as in sheet.h). */
 void orl_gonio_probe_put_aside(struct orl_gonio_probe *probe, uint32_t paths);
-/* After that many of each batch: fills ret_nodes[transmitted * cells + cell out] with leaves. */
+/* After that many of each batch: fills ret_cells[transmitted * cells + cell out] with leaves. */
 void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
-                          struct orl_gonio_node *ret_nodes);
+                          struct orl_gonio_cells ret_cells);
 /* Adds the sums to the totals, or drops them; then another cell may come. */
 void orl_gonio_probe_settle(struct orl_gonio_probe *probe, uint32_t paths);
 void orl_gonio_probe_drop(struct orl_gonio_probe *probe);

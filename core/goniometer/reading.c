@@ -72,13 +72,14 @@ static struct orl_vec3 turned(struct orl_vec3 d, struct orl_vec3 towards)
 /* Adds a share of the mean over cells out, of light that travels that way. */
 static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf *bsdf,
                      struct orl_vec3 towards, uint32_t points, double share,
-                     struct orl_gonio_node *nodes)
+                     struct orl_gonio_cells to)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
     const struct orl_vec3 in = orl_neg(towards);
     for (size_t i = 0; i < 2 * cells; i++) {
         const bool front = probe->front != (i >= cells);
-        double sum = 0;
+        const double unit = share / (points * points);
+        struct orl_rgb sum = orl_gray(0);
         for (uint32_t k = 0; k < points * points; k++) {
             const struct middle at = middle_of(k, points, points);
             struct orl_vec3 out = leaving(probe, (uint32_t)(i % cells), at.u, at.v);
@@ -86,51 +87,61 @@ static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf 
                 out = turned(out, towards);
             if (!front)
                 out.z = -out.z;
-            sum += orl_luma(orl_bsdf_eval(bsdf, in, out));
+            sum = orl_rgb_add(sum, orl_bsdf_eval(bsdf, in, out));
         }
-        nodes[i].value += (float)(share * sum / (points * points));
+        to.nodes[i].value += (float)(unit * orl_luma(sum));
+        if (!to.hues)
+            continue;
+        to.hues[i].value[0] += (float)(unit * sum.r);
+        to.hues[i].value[1] += (float)(unit * sum.g);
+        to.hues[i].value[2] += (float)(unit * sum.b);
     }
 }
 
-static void settle(struct orl_gonio_probe *probe, const double albedo[2],
-                   struct orl_gonio_node *nodes)
+static void settle(struct orl_gonio_probe *probe, const double albedo[2], struct orl_gonio_cells of)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
     for (size_t t = 0; t < 2; t++) {
         double found = 0;
         for (size_t i = 0; i < cells; i++)
-            found += (double)nodes[t * cells + i].value * ORL_PI / (double)cells;
+            found += (double)of.nodes[t * cells + i].value * ORL_PI / (double)cells;
         const double scale = scale_for(albedo[t], found);
-        for (size_t i = 0; i < cells; i++)
-            nodes[t * cells + i].value *= (float)scale;
+        for (size_t i = t * cells; i < (t + 1) * cells; i++) {
+            of.nodes[i].value *= (float)scale;
+            for (int c = 0; of.hues && c < ORL_GONIO_HUES; c++)
+                of.hues[i].value[c] *= (float)scale;
+        }
         for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
             probe->totals[k][t] += scale * found;
     }
 }
 
 void orl_gonio_read_cell(struct orl_gonio_probe *probe, const struct orl_bsdf *bsdf, uint32_t a,
-                         struct orl_gonio_node *ret_nodes)
+                         struct orl_gonio_cells ret_cells)
 {
     const uint32_t points = points_for(bsdf, 1U << probe->levels, 1);
     const uint32_t across = probe->rank == 3 ? TURNS : points;
     const uint32_t along = probe->rank == 3 && points < RINGS ? RINGS : points;
     const double share = 1.0 / (along * across);
     double albedo[2] = {0, 0};
-    for (size_t i = 0; i < 2 * orl_gonio_probe_cells(probe); i++)
-        ret_nodes[i] = (struct orl_gonio_node){.value = 0};
+    for (size_t i = 0; i < 2 * orl_gonio_probe_cells(probe); i++) {
+        ret_cells.nodes[i] = (struct orl_gonio_node){.value = 0};
+        if (ret_cells.hues)
+            ret_cells.hues[i] = (struct orl_gonio_hue){.value = {0}};
+    }
     for (uint32_t k = 0; k < along * across; k++) {
         const struct middle at = middle_of(k, along, across);
         const double u[2] = {at.u, at.v};
         struct orl_vec3 towards = orl_gonio_probe_travel(probe, a, u);
         if (probe->front)
             towards.z = -towards.z;
-        add_beam(probe, bsdf, towards, points, share, ret_nodes);
+        add_beam(probe, bsdf, towards, points, share, ret_cells);
         for (int t = 0; t < 2; t++)
             albedo[t] +=
                 share * orl_luma(orl_bsdf_albedo(bsdf, orl_neg(towards),
                                                  t ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT));
     }
-    settle(probe, albedo, ret_nodes);
+    settle(probe, albedo, ret_cells);
 }
 
 /* ---- Matrices -------------------------------------------------------------------------------- */

@@ -93,9 +93,6 @@ static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error
     const int code = orl_gonio_check_tree(r->resolution, r->cull, err);
     if (code < 0)
         return code;
-    if (r->color)
-        return orl_gonio_refuse(err, ORL_ERR_UNSUPPORTED, "color",
-                                "colour is made in Klems bases alone");
     if (r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_ASYMMETRIC &&
         r->symmetry != ORL_BSDF_SYMMETRY_AUTO)
         return orl_gonio_refuse(

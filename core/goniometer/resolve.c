@@ -14,12 +14,13 @@ static void see(struct orl_gonio_seen *seen, const struct orl_gonio_node *cell, 
 }
 
 /* Four cells of a level become one of that above; of those that do not, what is seen. */
-static struct orl_gonio_node join(struct orl_gonio_node *children, unsigned level,
-                                  const struct orl_gonio_cull *cull, double from,
-                                  struct orl_gonio_seen *seen)
+static void join(struct orl_gonio_cells four, unsigned level, const struct orl_gonio_cull *cull,
+                 double from, struct orl_gonio_seen *seen, struct orl_gonio_cells ret_mean)
 {
     enum { FAN = 4 };
+    const struct orl_gonio_node *children = four.nodes;
     struct orl_gonio_node plain[FAN], mean;
+    struct orl_gonio_hue hue;
     double variance = 0;
     for (int i = 0; i < FAN; i++) {
         plain[i] = children[i];
@@ -27,29 +28,27 @@ static struct orl_gonio_node join(struct orl_gonio_node *children, unsigned leve
             plain[i].doubt = 0;
         variance += orl_gonio_noise(&children[i]) / FAN;
     }
-    if (orl_gonio_are_one(cull, plain, FAN, level, &mean)) {
-        for (int i = 0; i < FAN && (double)mean.value < from; i++)
-            see(seen, &children[i], from); /* it may be a cell of its own in a tree */
+    const bool one = orl_gonio_are_one(cull, (struct orl_gonio_cells){plain, four.hues}, FAN, level,
+                                       (struct orl_gonio_cells){&mean, four.hues ? &hue : NULL});
+    for (int i = 0; i < FAN && (!one || (double)mean.value < from); i++)
+        see(seen, &children[i], from); /* of those that are one: it may be a cell in a tree */
+    if (one)
         mean.doubt = (float)variance;
-        mean.branch = 0;
-        return mean;
-    }
-    for (int i = 0; i < FAN; i++)
-        see(seen, &children[i], from);
-    mean.branch = 1;
-    return mean;
+    mean.branch = !one;
+    orl_gonio_cells_copy(ret_mean, (struct orl_gonio_cells){&mean, &hue}, 1);
 }
 
-struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_node *cells, unsigned levels,
+struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_cells cells, unsigned levels,
                                         const struct orl_gonio_cull *cull, double from)
 {
     struct orl_gonio_seen seen = {0, 0};
     const size_t n = (size_t)1 << 2 * levels;
     for (size_t i = 0; i < n; i++)
-        cells[i].doubt = (float)(orl_gonio_noise(&cells[i]));
+        cells.nodes[i].doubt = (float)(orl_gonio_noise(&cells.nodes[i]));
     for (unsigned level = levels; level > 0; level--)
         for (size_t i = 0; i < (size_t)1 << 2 * (level - 1); i++)
-            cells[i] = join(cells + 4 * i, level, cull, from, &seen);
-    see(&seen, &cells[0], from);
+            join(orl_gonio_cells_at(cells, 4 * i), level, cull, from, &seen,
+                 orl_gonio_cells_at(cells, i));
+    see(&seen, cells.nodes, from);
     return seen;
 }

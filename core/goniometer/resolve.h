@@ -16,7 +16,7 @@ struct orl_gonio_seen {
 };
 
 /* cells: 4^levels of them, numbered as in probe.h; they are used up. */
-struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_node *cells, unsigned levels,
+struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_cells cells, unsigned levels,
                                         const struct orl_gonio_cull *cull, double from);
 
 #endif

@@ -11,17 +11,23 @@
 enum { AT_ONCE = 16 };
 /* Of each incident cell, in each batch, to see how bright it gets. */
 enum { SURVEY_PATHS = 4 };
-/* Branches of all trees together: 0.4 gigabytes, twice that while they are joined. */
+/* Branches of all trees together, a third of them in colour, which is three trees: 0.4 gigabytes,
+ * twice that while they are joined. */
 enum { MOST_BRANCHES = 1 << 20 };
 
 /* Of the peak: values that paths are sent for; those whose error counts begin a little higher
  * (trees.c), since a few paths tell the peak a little too high. */
 static const double heeded_from = 0.007;
 
-int orl_gonio_trees_fail(int code, struct orl_error *err)
+static int most_branches(const struct orl_gonio_trees *t)
+{
+    return t->request->color ? MOST_BRANCHES / 3 : MOST_BRANCHES;
+}
+
+int orl_gonio_trees_fail(const struct orl_gonio_trees *t, int code, struct orl_error *err)
 {
     if (code == ORL_ERR_LIMIT) {
-        orl_error_set(err, code, "the panel's trees have more than %d branches", MOST_BRANCHES);
+        orl_error_set(err, code, "the panel's trees have more than %d branches", most_branches(t));
         orl_error_hint(err,
                        "Ask for a lower resolution, a larger cull, or more paths: what is noise "
                        "of single cells then is none of those joined");
@@ -54,22 +60,23 @@ struct work {
     const struct orl_gonio_trees *t;
     struct orl_gonio_block *block;
     struct orl_gonio_probe probe;
-    struct orl_gonio_node *nodes; /* of one incident cell, to be used up; with an accuracy */
+    struct orl_gonio_cells cells; /* of one incident cell, to be used up; with an accuracy */
     size_t side;
 };
 
 static struct orl_gonio_seen look(const struct work *w, bool transmitted, double from)
 {
     const size_t cells = orl_gonio_probe_cells(&w->probe);
-    return orl_gonio_resolve(w->nodes + transmitted * cells, w->t->levels, &w->t->cull, from);
+    return orl_gonio_resolve(orl_gonio_cells_at(w->cells, transmitted * cells), w->t->levels,
+                             &w->t->cull, from);
 }
 
 /* Whether the cell's values will be known as well as was asked for, by twice as many paths. */
-static bool is_resolved(const struct work *w, const struct orl_gonio_node *nodes)
+static bool is_resolved(const struct work *w, struct orl_gonio_cells cells)
 {
     const double accuracy = sqrt(2) * w->t->request->accuracy;
     bool resolved = true;
-    memcpy(w->nodes, nodes, 2 * orl_gonio_probe_cells(&w->probe) * sizeof *nodes);
+    orl_gonio_cells_copy(w->cells, cells, 2 * orl_gonio_probe_cells(&w->probe));
     for (int k = 0; k < 2 && resolved; k++)
         resolved = look(w, k, w->t->from[w->side][k]).worst <= accuracy;
     return resolved;
@@ -77,7 +84,7 @@ static bool is_resolved(const struct work *w, const struct orl_gonio_node *nodes
 
 /* Paths are doubled until as many again will tell enough. Returns how many there are in each batch;
  * less than those to begin with: cancelled. */
-static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_node *nodes)
+static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_cells cells)
 {
     const struct orl_gonio_trees *t = w->t;
     uint32_t sent = 0, paths = t->paths;
@@ -85,8 +92,8 @@ static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_node *nodes)
         orl_gonio_probe_send(&w->probe, a, sent, paths);
         if (orl_is_cancelled(t->cancel))
             return 0;
-        orl_gonio_probe_tell(&w->probe, paths, nodes);
-        const bool resolved = is_resolved(w, nodes);
+        orl_gonio_probe_tell(&w->probe, paths, cells);
+        const bool resolved = is_resolved(w, cells);
         if (resolved || 4ULL * paths > t->paths_most) {
             w->block->short_of = w->block->short_of || !resolved;
             return paths;
@@ -97,41 +104,42 @@ static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_node *nodes)
 }
 
 /* One finest cell. */
-static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_node *ret_nodes)
+static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const struct orl_gonio_trees *t = w->t;
     uint32_t paths = t->paths, sets = 1;
     if (t->sample->file) {
-        orl_gonio_read_cell(&w->probe, t->sample->file, a, ret_nodes);
+        orl_gonio_read_cell(&w->probe, t->sample->file, a, ret_cells);
         return !orl_is_cancelled(t->cancel);
     }
     if (t->request->accuracy > 0) {
-        paths = decide(w, a, ret_nodes);
+        paths = decide(w, a, ret_cells);
         orl_gonio_probe_put_aside(&w->probe, paths);
         sets = 2;
     }
     orl_gonio_probe_send(&w->probe, a, 0, paths);
     if (orl_is_cancelled(t->cancel))
         return false;
-    orl_gonio_probe_tell(&w->probe, paths, ret_nodes);
+    orl_gonio_probe_tell(&w->probe, paths, ret_cells);
     orl_gonio_probe_settle(&w->probe, paths);
     w->block->paths += (uint64_t)paths * sets * ORL_GONIO_BATCHES;
     return true;
 }
 
 /* The nodes of incident cell a at a level, from the finest cells up. */
-static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_node *ret_nodes)
+static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(w->t->rank);
     if (level == w->t->levels)
-        return measure_cell(w, a, ret_nodes);
-    struct orl_gonio_node *parts = malloc(in * orl_gonio_nodes_at(level + 1) * sizeof *parts);
-    bool fine = parts != NULL;
+        return measure_cell(w, a, ret_cells);
+    const size_t count = orl_gonio_nodes_at(level + 1);
+    struct orl_gonio_cells parts;
+    bool fine = orl_gonio_cells_make(&parts, in * count, w->probe.color);
     for (unsigned k = 0; k < in && fine; k++)
-        fine = grow(w, level + 1, in * a + k, parts + k * orl_gonio_nodes_at(level + 1));
+        fine = grow(w, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
     fine = fine && orl_gonio_join_level(&w->block->forest, parts, orl_gonio_nodes_at(level), level,
-                                        ret_nodes);
-    free(parts);
+                                        ret_cells);
+    orl_gonio_cells_done(&parts);
     return fine;
 }
 
@@ -143,16 +151,18 @@ static int open_work(const struct orl_gonio_trees *t, size_t place, struct work 
                                         .seed = t->request->seed,
                                         .rank = t->rank,
                                         .levels = t->levels,
+                                        .color = t->request->color,
                                         .front = w->side == 1,
                                         .cancel = t->cancel};
-    w->nodes = malloc(2 * orl_gonio_probe_cells(&w->probe) * sizeof *w->nodes);
-    return w->nodes ? orl_gonio_probe_init(&w->probe, NULL) : ORL_ERR_NOMEM;
+    return orl_gonio_cells_make(&w->cells, 2 * orl_gonio_probe_cells(&w->probe), w->probe.color)
+               ? orl_gonio_probe_init(&w->probe, NULL)
+               : ORL_ERR_NOMEM;
 }
 
 static void close_work(struct work *w)
 {
     orl_gonio_probe_done(&w->probe);
-    free(w->nodes);
+    orl_gonio_cells_done(&w->cells);
 }
 
 /* How bright cells out get, by a few paths into every incident cell of a block. */
@@ -168,7 +178,7 @@ static void survey_block(void *arg, size_t index, uint32_t member)
     w.block->code = open_work(t, place, &w);
     for (uint32_t a = first; w.block->code == 0 && a < first + (1U << below); a++) {
         orl_gonio_probe_send(&w.probe, a, 0, SURVEY_PATHS);
-        orl_gonio_probe_tell(&w.probe, SURVEY_PATHS, w.nodes);
+        orl_gonio_probe_tell(&w.probe, SURVEY_PATHS, w.cells);
         orl_gonio_probe_drop(&w.probe);
         for (int k = 0; k < 2; k++)
             w.block->peaks[k] = fmax(w.block->peaks[k], look(&w, k, 0).peak);
@@ -183,11 +193,11 @@ static void measure_block(void *arg, size_t index, uint32_t member)
     struct orl_gonio_block *block = &t->blocks[place];
     struct work w;
     (void)member;
-    block->forest = (struct orl_gonio_forest){.rank = t->rank, .cull = t->cull};
-    block->tops = malloc(orl_gonio_nodes_at(t->split) * sizeof *block->tops);
+    block->forest = orl_gonio_forest_of(t);
     block->code = open_work(t, place, &w);
     if (block->code == 0 &&
-        (!block->tops || !grow(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
+        (!orl_gonio_cells_make(&block->tops, orl_gonio_nodes_at(t->split), w.probe.color) ||
+         !grow(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
         block->code = ORL_ERR_NOMEM;
     memcpy(block->totals, w.probe.totals, sizeof block->totals);
     block->lost = w.probe.lost;
@@ -223,7 +233,7 @@ static int check_branches(const struct orl_gonio_trees *t)
     size_t branches = 0;
     for (size_t i = 0; i < t->n_todo; i++)
         branches += t->blocks[t->todo[i]].forest.count;
-    return branches > MOST_BRANCHES ? ORL_ERR_LIMIT : 0;
+    return branches > (size_t)most_branches(t) ? ORL_ERR_LIMIT : 0;
 }
 
 /* By pieces; of the whole they go from one share to another. */
@@ -277,7 +287,7 @@ static int make_lot(void *ctx, size_t lot, void **ret_data, size_t *ret_size, st
     const size_t n = lot_size(t, lot), first = lot * LOT, tops = orl_gonio_nodes_at(t->split);
     const int code = do_blocks(pass, first, n);
     if (code < 0)
-        return orl_gonio_trees_fail(code, err);
+        return orl_gonio_trees_fail(t, code, err);
     *ret_size = 0;
     for (size_t i = first; i < first + n; i++)
         *ret_size += orl_gonio_block_bytes(&t->blocks[t->todo[i]], tops);
@@ -285,7 +295,7 @@ static int make_lot(void *ctx, size_t lot, void **ret_data, size_t *ret_size, st
     *ret_data = to;
     for (size_t i = first; i < first + n && to; i++)
         to = orl_gonio_block_pack(&t->blocks[t->todo[i]], tops, to);
-    return to ? 0 : orl_gonio_trees_fail(ORL_ERR_NOMEM, err);
+    return to ? 0 : orl_gonio_trees_fail(t, ORL_ERR_NOMEM, err);
 }
 
 static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *ret_taken,
@@ -296,8 +306,7 @@ static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *
     (void)err;
     for (size_t i = lot * LOT; i < lot * LOT + lot_size(t, lot) && from; i++) {
         struct orl_gonio_block *block = &t->blocks[t->todo[i]];
-        block->forest.rank = t->rank;
-        block->forest.cull = t->cull;
+        block->forest = orl_gonio_forest_of(t);
         from =
             orl_gonio_block_unpack(block, orl_gonio_nodes_at(t->split), from, (size_t)(end - from));
     }
@@ -328,10 +337,11 @@ static int go_through(struct pass *pass, struct orl_error *err)
     int code;
     if (shared && !t->sample->file) {
         code = shared->run(shared->ctx, &lots, err);
-        return code < 0 || check_branches(t) == 0 ? code : orl_gonio_trees_fail(ORL_ERR_LIMIT, err);
+        return code < 0 || check_branches(t) == 0 ? code
+                                                  : orl_gonio_trees_fail(t, ORL_ERR_LIMIT, err);
     }
     code = for_blocks(pass);
-    return code < 0 ? orl_gonio_trees_fail(code, err) : 0;
+    return code < 0 ? orl_gonio_trees_fail(t, code, err) : 0;
 }
 
 int orl_gonio_measure_blocks(struct orl_gonio_trees *t, const struct orl_bsdf_make_env *env,

@@ -24,7 +24,14 @@ struct orl_gonio_trees {
     /* What they come to, by side: */
     struct orl_gonio_forest forests[2];
     struct orl_gonio_node roots[2][2];
+    struct orl_gonio_hue root_hues[2][2]; /* of colour */
 };
+
+/* An empty one. */
+static inline struct orl_gonio_forest orl_gonio_forest_of(const struct orl_gonio_trees *t)
+{
+    return (struct orl_gonio_forest){.rank = t->rank, .cull = t->cull, .color = t->request->color};
+}
 
 /* Cells of B at a level, of both components. */
 static inline size_t orl_gonio_nodes_at(unsigned level)
@@ -40,6 +47,6 @@ int orl_gonio_measure_blocks(struct orl_gonio_trees *t, const struct orl_bsdf_ma
                              struct orl_error *err);
 
 /* Says what is wrong, and returns that. */
-int orl_gonio_trees_fail(int code, struct orl_error *err);
+int orl_gonio_trees_fail(const struct orl_gonio_trees *t, int code, struct orl_error *err);
 
 #endif

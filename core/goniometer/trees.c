@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "goniometer/hues.h"
 #include "goniometer/provenance.h"
 #include "goniometer/tree_blocks.h"
 
@@ -23,7 +24,7 @@ static size_t mirrored_cell(size_t cell, unsigned level, unsigned mirror)
 
 /* The nodes of a block, in the side's forest. Original or mirrored. */
 static bool plant(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest, size_t side,
-                  size_t a, struct orl_gonio_node *ret_nodes)
+                  size_t a, struct orl_gonio_cells ret_cells)
 {
     unsigned mirror;
     const struct orl_gonio_block *block =
@@ -34,7 +35,9 @@ static bool plant(const struct orl_gonio_trees *t, struct orl_gonio_forest *fore
         return false;
     for (size_t i = 0; i < 2 * cells; i++) {
         const size_t from = i / cells * cells + mirrored_cell(i % cells, t->split, mirror);
-        ret_nodes[i] = orl_gonio_shifted(block->tops[from], shift);
+        orl_gonio_cells_copy(orl_gonio_cells_at(ret_cells, i),
+                             orl_gonio_cells_at(block->tops, from), 1);
+        ret_cells.nodes[i] = orl_gonio_shifted(ret_cells.nodes[i], shift);
     }
     return true;
 }
@@ -42,30 +45,33 @@ static bool plant(const struct orl_gonio_trees *t, struct orl_gonio_forest *fore
 /* The nodes of incident cell a at a level above the blocks. Of rank 3 the upper half of A is of no
  * direction: it is as the lower one. */
 static bool gather(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest, size_t side,
-                   unsigned level, size_t a, struct orl_gonio_node *ret_nodes)
+                   unsigned level, size_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(t->rank);
     if (level == t->split)
-        return plant(t, forest, side, a, ret_nodes);
+        return plant(t, forest, side, a, ret_cells);
     const size_t count = orl_gonio_nodes_at(level + 1);
-    struct orl_gonio_node *parts = malloc(in * count * sizeof *parts);
-    bool fine = parts != NULL;
+    struct orl_gonio_cells parts;
+    bool fine = orl_gonio_cells_make(&parts, in * count, forest->color);
     for (unsigned k = 0; k < in && fine; k++) {
         if (t->rank == 3 && level == 0 && k == 1)
-            memcpy(parts + count, parts, count * sizeof *parts);
+            orl_gonio_cells_copy(orl_gonio_cells_at(parts, count), parts, count);
         else
-            fine = gather(t, forest, side, level + 1, in * a + k, parts + k * count);
+            fine = gather(t, forest, side, level + 1, in * a + k,
+                          orl_gonio_cells_at(parts, k * count));
     }
-    fine = fine && orl_gonio_join_level(forest, parts, orl_gonio_nodes_at(level), level, ret_nodes);
-    free(parts);
+    fine = fine && orl_gonio_join_level(forest, parts, orl_gonio_nodes_at(level), level, ret_cells);
+    orl_gonio_cells_done(&parts);
     return fine;
 }
 
 static int join_all(struct orl_gonio_trees *t)
 {
     for (size_t side = 0; side < 2; side++) {
-        t->forests[side] = (struct orl_gonio_forest){.rank = t->rank, .cull = t->cull};
-        if (!gather(t, &t->forests[side], side, 0, 0, t->roots[side]))
+        const struct orl_gonio_cells roots = {t->roots[side],
+                                              t->request->color ? t->root_hues[side] : NULL};
+        t->forests[side] = orl_gonio_forest_of(t);
+        if (!gather(t, &t->forests[side], side, 0, 0, roots))
             return ORL_ERR_NOMEM;
     }
     return 0;
@@ -114,23 +120,51 @@ static void tell(const struct orl_gonio_trees *t, struct orl_bsdf_made *made)
     made->lost = made->paths > 0 ? lost / (double)made->paths : 0;
 }
 
-static void write_as(const struct orl_gonio_trees *t, enum orl_bsdf_part part, bool errors,
-                     FILE *out)
+/* Of a part: its side, and whether it is what is transmitted. */
+static void find_part(enum orl_bsdf_part part, size_t *ret_side, size_t *ret_transmitted)
 {
-    for (size_t side = 0; side < 2; side++)
-        for (size_t k = 0; k < 2; k++)
-            if (orl_gonio_part_of[side][k] == part)
-                orl_gonio_forest_write(&t->forests[side], t->roots[side][k], errors, out);
+    for (size_t i = 0; i < 4; i++)
+        if (orl_gonio_part_of[i / 2][i % 2] == part) {
+            *ret_side = i / 2;
+            *ret_transmitted = i % 2;
+        }
 }
 
-static void write_part(void *ctx, enum orl_bsdf_part part, FILE *out)
+static void write_part(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel channel, FILE *out)
 {
-    write_as(ctx, part, false, out);
+    const struct orl_gonio_trees *t = ctx;
+    size_t side = 0, k = 0;
+    find_part(part, &side, &k);
+    if (channel == ORL_CHANNEL_VISIBLE)
+        orl_gonio_forest_write(&t->forests[side], t->roots[side][k], false, out);
+    else
+        orl_gonio_hues_write(&t->forests[side], t->roots[side][k], t->root_hues[side][k], channel,
+                             out);
 }
 
-static void write_errors(void *ctx, enum orl_bsdf_part part, FILE *out)
+/* They are of luminance alone. */
+static void write_errors(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel channel,
+                         FILE *out)
 {
-    write_as(ctx, part, true, out);
+    const struct orl_gonio_trees *t = ctx;
+    size_t side = 0, k = 0;
+    (void)channel;
+    find_part(part, &side, &k);
+    orl_gonio_forest_write(&t->forests[side], t->roots[side][k], true, out);
+}
+
+/* The BSDF, or its errors. */
+static int write_out(struct orl_gonio_trees *t, bool errors, struct orl_bsdf_made *made)
+{
+    struct orl_document document = {.structure =
+                                        t->rank == 4 ? ORL_STRUCTURE_TREE4 : ORL_STRUCTURE_TREE3};
+    for (int part = 0; part < ORL_PART_COUNT; part++) {
+        bool *given = document.parts[part].chroma.given;
+        document.parts[part].present = true;
+        given[0] = given[1] = t->request->color && !errors;
+    }
+    return errors ? orl_gonio_write_errors(&document, write_errors, t, t->sample, t->request, made)
+                  : orl_gonio_write(&document, write_part, t, t->sample, t->request, made);
 }
 
 static void done(struct orl_gonio_trees *t)
@@ -179,23 +213,19 @@ int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
                          struct orl_error *err)
 {
     struct orl_gonio_trees t = trees_of(request, env, sample, sobol);
-    struct orl_document document = {.structure =
-                                        t.rank == 4 ? ORL_STRUCTURE_TREE4 : ORL_STRUCTURE_TREE3};
     if (!t.blocks || !t.todo) {
         done(&t);
-        return orl_gonio_trees_fail(ORL_ERR_NOMEM, err);
+        return orl_gonio_trees_fail(&t, ORL_ERR_NOMEM, err);
     }
     int code = orl_gonio_measure_blocks(&t, env, err);
     if (code == 0 && join_all(&t) < 0)
-        code = orl_gonio_trees_fail(ORL_ERR_NOMEM, err);
+        code = orl_gonio_trees_fail(&t, ORL_ERR_NOMEM, err);
     if (code == 0) {
         tell(&t, made);
-        for (int part = 0; part < ORL_PART_COUNT; part++)
-            document.parts[part].present = true;
-        code = orl_gonio_write(&document, write_part, &t, sample, request, made);
+        code = write_out(&t, false, made);
         if (code == 0 && request->tell_errors)
-            code = orl_gonio_write_errors(&document, write_errors, &t, sample, request, made);
-        code = code < 0 ? orl_gonio_trees_fail(code, err) : 0;
+            code = write_out(&t, true, made);
+        code = code < 0 ? orl_gonio_trees_fail(&t, code, err) : 0;
     }
     done(&t);
     return code;

@@ -29,6 +29,12 @@ struct orl_bsdf_place {
 
 /* Of one part, over light from ORL_BSDF_COMPARED directions. Shares of the light that comes. */
 enum { ORL_BSDF_COMPARED = 41 };
+/* The largest of red, green and blue, by itself: in all, and into a cone two degrees across;
+ * signed. */
+struct orl_bsdf_color_difference {
+    double albedo_worst, cone_worst;
+    struct orl_bsdf_place albedo_from, cone_from, cone_to;
+};
 struct orl_bsdf_difference {
     double albedo_worst, albedo_rms; /* of what is reflected or transmitted in all; signed, b - a */
     struct orl_bsdf_place albedo_from;
@@ -37,10 +43,12 @@ struct orl_bsdf_difference {
     double moved_worst, moved_mean; /* that would have to go elsewhere for them to be the same,
                                        by cells of about half a degree */
     struct orl_bsdf_place moved_from;
+    struct orl_bsdf_color_difference color; /* of two that are grey it is that of luminance */
 };
 
 /* Index 1 is light from the front; then reflected, transmitted. By luminance. */
 struct orl_bsdf_comparison {
+    bool colored[2]; /* a, b */
     struct orl_bsdf_difference of[2][2];
 };
 
@@ -55,7 +63,8 @@ int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct 
 /*
  * Converts into a tensor tree, with as few cells as it may have: those become one whose difference
  * sends no more light elsewhere than a share that is found by bisection, the largest that keeps
- * what the file loses (the comparison's albedo_worst and cone_worst, of any part) `within` that
+ * what the file loses (the comparison's albedo_worst and cone_worst, of any part, and of any color
+ * where it is kept) `within` that
  * share of the light that comes. So cells of faint light are joined however unlike they are, and
  * peaks are left alone. to's cull is not used. *ret_unseen: what a cell alone may send elsewhere.
  * *ret_lost: what is lost. ORL_ERR_RANGE where the resolution alone loses more.

@@ -69,12 +69,12 @@ struct orl_bsdf_make_request {
     char *name; /* of the material; NULL: the first file's. Owned */
     enum orl_bsdf_basis basis;
     enum orl_bsdf_symmetry symmetry;
-    bool color;          /* X and Z beside Y; of matrices alone */
+    bool color;          /* X and Z beside Y, of trees u' and v'; errors are of Y */
     bool has_cell;       /* or the box around the panel */
     double cell[4];      /* x from, x to, y from, y to: the files' coordinates */
     uint32_t resolution; /* of trees: cells a side of the square, a power of two from 4 to 128 */
     double cull; /* of trees: cells are one where they are within this share of their mean, 0..1, or
-                    within what their errors explain (goniometer/forest.h), */
+                    within what their errors explain (goniometer/forest.h), colours too (hues.h), */
     double unseen;  /* or where they send no more than this share of the light elsewhere */
     uint32_t paths; /* an incident direction; with an accuracy those to begin with; 0: by the basis
                        (orl_bsdf_make_paths) */
