@@ -10,8 +10,8 @@
  * their number.
  *
  * A file has trees of their own for u' and v', as a rule much coarser than that of luminances: of
- * cells that are told apart, those have one chromaticity which are alike to a quarter of that
- * share.
+ * cells that are told apart, those have one chromaticity which are alike to a quarter of that share
+ * at each level that they are joined over.
  */
 #ifndef ORL_GONIOMETER_HUES_H
 #define ORL_GONIOMETER_HUES_H
