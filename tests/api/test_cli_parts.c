@@ -98,6 +98,7 @@ static void test_bsdfs(void **state)
     char path[160];
     compare_bsdfs(f, parted_panel);
     compare_bsdfs(f, parted_tree);
+    compare_bsdfs(f, parted_colors);
     snprintf(path, sizeof path, "%s/parts", f->folder);
     assert_int_equal(access(path, F_OK), -1);
 }

@@ -21,6 +21,7 @@ const char *const parted_annual = "annual.json";
 const char *const parted_study = "study-job.json";
 const char *const parted_panel = "panel.json";
 const char *const parted_tree = "tree.json";
+const char *const parted_colors = "colors.json";
 
 #define LIT "\"scene\": {\"files\": [\"room.rad\", \"sky.rad\"]}"
 #define UNLIT "\"scene\": {\"files\": [\"room.rad\"]}"
@@ -68,13 +69,15 @@ static const char study_text[] =
     "0.1], \"y\":"                                                                                 \
     " [0, 0.1]}, "
 static const char slats_text[] =
-    "void plastic slat\n0\n0\n5 .6 .6 .6 0 0\n"
+    "void plastic slat\n0\n0\n5 .7 .6 .4 0 0\n"
     "slat polygon one\n0\n0\n12 0 0 0  .1 0 0  .1 .06 .06  0 .06 .06\n";
 static const char panel_text[] =
     PANEL "\"basis\": \"klems_quarter\", \"paths\": 128, \"paths_most\": 512, \"accuracy\": 0.1}";
 static const char tree_text[] =
     PANEL "\"basis\": \"tensor_tree_4\", \"resolution\": 8, \"paths\": 64, \"paths_most\": 256,"
           " \"accuracy\": 0.3}";
+static const char colors_text[] =
+    PANEL "\"basis\": \"tensor_tree_4\", \"resolution\": 8, \"paths\": 64, \"color\": true}";
 
 static void write_sensors(const char *folder, const char *name, int n)
 {
@@ -88,11 +91,19 @@ static void write_sensors(const char *folder, const char *name, int n)
 
 int parted_set_up(void **state)
 {
-    static const struct cli_file files[] = {
-        {"render.json", render_text}, {"goal.json", goal_text},     {"skies.json", skies_text},
-        {"long.json", long_text},     {"annual.json", annual_text}, {"study-job.json", study_text},
-        {"panel.json", panel_text},   {"tree.json", tree_text},     {"slats.rad", slats_text},
-        {"room.rad", room_text},      {"sky.rad", sky_text},        {NULL, NULL}};
+    static const struct cli_file files[] = {{"render.json", render_text},
+                                            {"goal.json", goal_text},
+                                            {"skies.json", skies_text},
+                                            {"long.json", long_text},
+                                            {"annual.json", annual_text},
+                                            {"study-job.json", study_text},
+                                            {"panel.json", panel_text},
+                                            {"tree.json", tree_text},
+                                            {"slats.rad", slats_text},
+                                            {"colors.json", colors_text},
+                                            {"room.rad", room_text},
+                                            {"sky.rad", sky_text},
+                                            {NULL, NULL}};
     const int code = cli_desk_set_up(state, files);
     const char *folder = ((struct cli_desk *)*state)->folder;
     char *weather = cli_read_file("tests/fixtures", "weather.epw");

@@ -18,6 +18,7 @@ extern const char *const parted_annual; /* 150 sensors, two days of weather */
 extern const char *const parted_study;  /* two techniques, three seeds */
 extern const char *const parted_panel;  /* a matrix of slats, to an accuracy, in rounds */
 extern const char *const parted_tree;   /* a tree of them */
+extern const char *const parted_colors; /* the same, in colour */
 
 /* For cmocka. */
 int parted_set_up(void **state);

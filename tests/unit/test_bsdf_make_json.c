@@ -85,7 +85,7 @@ static void what_is_wrong_is_told_by_its_place(void **state)
         {"\"resolution\": 32", "resolution", ORL_ERR_INVALID},
         {"\"cull\": 0.1", "cull", ORL_ERR_INVALID},
         {"\"basis\": \"tensor_tree_4\", \"resolution\": 48", "resolution", ORL_ERR_RANGE},
-        {"\"basis\": \"tensor_tree_4\", \"color\": true", "color", ORL_ERR_UNSUPPORTED},
+        {"\"basis\": \"tensor_tree_4\", \"color\": 1", "color", ORL_ERR_INVALID},
         {"\"basis\": \"tensor_tree_3\", \"symmetry\": \"both\"", "symmetry", ORL_ERR_UNSUPPORTED},
         {"\"paths\": 15", "paths", ORL_ERR_RANGE},
         {"\"paths_most\": 64", "paths_most", ORL_ERR_INVALID},
