@@ -38,7 +38,7 @@ static const struct orl_choice words[] = {
      false},
     {"accuracy", "SHARE",
      "0.02 doubles the paths of a direction until no standard error is above 2 % of a value (of "
-     "those from 1 % of the peak on)",
+     "those from 1 % of the peak on); ask for a quarter of what no value is to be off by",
      false},
     {"seed", "N", "the same seed gives the same file (1)", false},
 };

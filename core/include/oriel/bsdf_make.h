@@ -86,8 +86,9 @@ struct orl_bsdf_make_request {
      * of what the next subdivision would show (goniometer/resolve.h). Half of the paths decide
      * whether all of them are enough, and the other half, independent of these, tells the errors
      * that are stated (goniometer/sheet.h): of thousands some are by chance larger than asked for,
-     * up to twice. It is a standard error by the paths that were drawn: of thousands of values some
-     * are off by several, and what no path has met yet none of them knows.
+     * up to twice. It is a standard error by the paths that were drawn, and bounds no value: of
+     * tens of thousands the worst is off by four of them (of the office's panel 64 by 64 to 0.02 by
+     * 7.7 %, to 0.005 by 1.5 %), and what no path has met yet none of them knows.
      */
     double accuracy;
     uint32_t paths_most;
