@@ -142,6 +142,12 @@ static const char source[] =
     "lboxcorr(v) = corr(v)/box`S.(away`S.(Px,Dx,A2), away`S.(Py,Dy,A3), away`S.(Pz,Dz,A4));\n"
     "cylcorr(v) = corr(v)/(A2*(A3*Sqrt(1 - Dz*Dz) + A2*PI/4*abs(Dz)));\n";
 
+/* How far a luminaire is turned, in degrees: its axis from hanging straight; and about it, as
+ * ies2rad asks of lamps that lie: the world's y axis above its plane x y, from 90 on. */
+static const char tilt[] = "tilt_ang = Acos(Kz)/DEGREE; tilt_ang2 = tri(tilt_ang, 90);\n"
+                           "tilt_xang = if(Jy*Jy - FTINY, Atan2(Jy, abs(Jz))/DEGREE, 0);\n"
+                           "tilt_xang2 = tri(tilt_xang, 90);\n";
+
 /* Pictures in the plane z = 0, from the origin on, A1 as high as wide, the shorter side 1 long:
  * once, side by side, mirrored at the edges, or like bricks. */
 static const char picture[] =
@@ -229,6 +235,7 @@ static const struct {
              {"glaze1.cal", glaze1},
              {"glaze2.cal", glaze2},
              {"source.cal", source},
+             {"tilt.cal", tilt},
              {"picture.cal", picture},
              {"dirt.cal", dirt},
              {"woodpat.cal", woodpat},

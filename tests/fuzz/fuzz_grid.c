@@ -1,6 +1,8 @@
-/* Pictures and data files of patterns: whatever is read has values everywhere. */
+/* Pictures and data files of patterns: whatever is read has values everywhere; and tables of lamps.
+ */
 #include "fuzz/fuzz.h"
 #include "scene/grid/grid.h"
+#include "scene/parse/lamps.h"
 
 static bool try_grid(int code, struct orl_grid *grid, const struct orl_error *err)
 {
@@ -21,6 +23,19 @@ static bool try_grid(int code, struct orl_grid *grid, const struct orl_error *er
     return true;
 }
 
+static bool try_lamps(const char *text, size_t size)
+{
+    static const char words[] = "2 x 35 W warm-white fluorescent";
+    struct orl_lamp_table table = {"lamp.tab", text, size, ORL_LAMP_STEPS};
+    struct orl_lamp lamp;
+    struct orl_error err = {0};
+    const int code = orl_lamp_find(&table, words, sizeof words - 1, &lamp, &err);
+    if (code < 0)
+        fuzz_check_error(code, &err);
+    FUZZ_PROMISE(code <= 0 || (lamp.share >= 0 && orl_rgb_max(lamp.color) < 1e12));
+    return code > 0;
+}
+
 bool fuzz_grid(const uint8_t *data, size_t size)
 {
     struct orl_error err = {0};
@@ -29,5 +44,6 @@ bool fuzz_grid(const uint8_t *data, size_t size)
     const bool picture = try_grid(code, grid, &err);
     err = (struct orl_error){0};
     code = orl_grid_read_data("a.dat", (const char *)data, size, &grid, &err);
-    return try_grid(code, grid, &err) || picture;
+    const bool lamps = try_lamps((const char *)data, size);
+    return try_grid(code, grid, &err) || picture || lamps;
 }

@@ -102,7 +102,12 @@ static void test_refused(void **state)
         int code, line;
         const char *says;
     } cases[] = {
-        {"IESNA91\nTILT=INCLUDE\n1 2 0 90 1 .5\n", ORL_ERR_UNSUPPORTED, 2, "tilt"},
+        {"IESNA91\nTILT=INCLUDE\n4 2 0 90 1 .5\n", ORL_ERR_SYNTAX, 3, "lies"},
+        {"IESNA91\nTILT=INCLUDE\n1 2 0 90\n1 -.5\n", ORL_ERR_RANGE, 4, "negative"},
+        {"IESNA91\nTILT=INCLUDE\n1 2 0 90 1 .5\n", ORL_ERR_SYNTAX, 4, "ends"},
+        {"IESNA91\nTILT=\n", ORL_ERR_SYNTAX, 2, "TILT"},
+        {"IESNA91\nTILT=none.such\n1 1000 1 4 1 1 2 0 0 0\n1 1 40\n" DOWN "0\n" ONE,
+         ORL_ERR_NOT_FOUND, 0, "none.such"},
         {"IESNA91\nTILT=NONE\n1 1000 1 4 1 3 2 0 0 0\n1 1 40\n" DOWN "0\n" ONE, ORL_ERR_UNSUPPORTED,
          4, "type"},
         {"IESNA91\nTILT=NONE\n1 1000 1 4 1 1 7 0 0 0\n1 1 40\n" DOWN "0\n" ONE, ORL_ERR_SYNTAX, 4,

@@ -57,8 +57,9 @@ bool orl_ies_is(const char *text, size_t size)
     return false;
 }
 
-/* What the first line says of the standard's year: those that mean the same are one. */
-static int year_of(const char *line, size_t length)
+/* What the first line says of the standard's year: those that mean the same are one. ret_keywords:
+ * whether the lines that follow begin with words between []. */
+static int year_of(const char *line, size_t length, bool *ret_keywords)
 {
     static const struct {
         const char *head;
@@ -67,25 +68,63 @@ static int year_of(const char *line, size_t length)
                  {"IESNA:LM-63-2002", 2002},
                  {"IES:LM-63-2019", 2002},
                  {"IESNA91", 1986}};
+    *ret_keywords = true;
     for (size_t i = 0; i < sizeof heads / sizeof *heads; i++)
         if (begins(line, length, heads[i].head))
             return heads[i].year;
+    *ret_keywords = false;
     return 1986;
 }
 
-static int read_head(struct reading *r, struct orl_error *err)
+bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const char **ret_words,
+                       size_t *ret_length)
 {
+    static const char *const keys[] = {"[LAMP]", "[LAMPCAT]"};
+    struct reading r = {.at = text, .end = text + size};
+    bool keywords;
+    size_t length;
+    const char *line = next_line(&r, &length);
+    year_of(line, length, &keywords);
+    for (r.at = *at; r.at < r.end;) {
+        line = next_line(&r, &length);
+        *at = r.at;
+        if (begins(line, length, "TILT="))
+            return false;
+        for (; length > 0 && (*line == ' ' || *line == '\t'); length--)
+            line++;
+        for (size_t i = 0; i < sizeof keys / sizeof *keys && keywords; i++)
+            if (begins(line, length, keys[i])) {
+                *ret_words = line + strlen(keys[i]);
+                *ret_length = length - strlen(keys[i]);
+                return true;
+            }
+        *ret_words = line;
+        *ret_length = length;
+        if (!keywords && length > 0)
+            return true;
+    }
+    return false;
+}
+
+/* Whether the lamp's tilt is in the file, at which r is then. */
+static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
+{
+    bool keywords;
     for (size_t length; r->at < r->end;) {
-        const char *const line = next_line(r, &length);
+        const char *line = next_line(r, &length);
         if (r->line == 1)
-            r->ies->year = year_of(line, length);
+            r->ies->year = year_of(line, length, &keywords);
         if (!begins(line, length, "TILT="))
             continue;
-        if (length == 9 && memcmp(line + 5, "NONE", 4) == 0)
+        for (line += 5, length -= 5; length > 0 && *line == ' '; length--)
+            line++;
+        *ret_tilted = length == 7 && memcmp(line, "INCLUDE", 7) == 0;
+        if (*ret_tilted || (length == 4 && memcmp(line, "NONE", 4) == 0))
             return 0;
-        fail(r, ORL_ERR_UNSUPPORTED, "what a lamp gives by its tilt is not simulated", err);
-        orl_error_hint(err, "write TILT=NONE where the luminaire hangs as it was measured");
-        return ORL_ERR_UNSUPPORTED;
+        if (length == 0 || length >= sizeof r->ies->tilt_file || memchr(line, '\0', length))
+            return fail(r, ORL_ERR_SYNTAX, "behind TILT= NONE, INCLUDE or a file is expected", err);
+        memcpy(r->ies->tilt_file, line, length);
+        return 0;
     }
     return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is no IES file", err);
 }
@@ -155,16 +194,49 @@ static int read_sizes(struct reading *r, struct orl_error *err)
     return 0;
 }
 
+static int read_numbers(struct reading *r, uint32_t n, double **ret, struct orl_error *err)
+{
+    double *const numbers = *ret = malloc(n * sizeof *numbers);
+    int code = numbers ? 0 : fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire", err);
+    for (uint32_t i = 0; i < n && code == 0; i++)
+        code = read_number(r, &numbers[i], err);
+    return code;
+}
+
 static int read_angles(struct reading *r, uint32_t n, double **ret, struct orl_error *err)
 {
-    double *const angles = *ret = malloc(n * sizeof *angles);
-    int code = angles ? 0 : fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire", err);
-    for (uint32_t i = 0; i < n && code == 0; i++) {
-        code = read_number(r, &angles[i], err);
-        if (code == 0 && (fabs(angles[i]) > 360 || (i > 0 && !(angles[i] > angles[i - 1]))))
-            code = fail(r, ORL_ERR_SYNTAX, "angles rise, and are within 360 degrees", err);
-    }
+    const int code = read_numbers(r, n, ret, err);
+    for (uint32_t i = 0; i < n && code == 0; i++)
+        if (fabs((*ret)[i]) > 360 || (i > 0 && !((*ret)[i] > (*ret)[i - 1])))
+            return fail(r, ORL_ERR_SYNTAX, "angles rise, and are within 360 degrees", err);
     return code;
+}
+
+/* How the lamp lies, how many angles, these, and a factor for each. */
+static int read_tilt(struct reading *r, struct orl_error *err)
+{
+    struct orl_ies_tilt *const tilt = &r->ies->tilt;
+    double geometry = 0;
+    int code = read_number(r, &geometry, err);
+    if (code == 0 && geometry != 1 && geometry != 2 && geometry != 3)
+        return fail(r, ORL_ERR_SYNTAX, "a lamp lies in its luminaire by 1, 2 or 3", err);
+    if (code == 0)
+        code = read_count(r, 1, &tilt->n, err);
+    if (code == 0)
+        code = read_angles(r, tilt->n, &tilt->angles, err);
+    if (code == 0)
+        code = read_numbers(r, tilt->n, &tilt->factors, err);
+    for (uint32_t i = 0; i < tilt->n && code == 0; i++)
+        if (!(tilt->factors[i] >= 0))
+            return fail(r, ORL_ERR_RANGE, "a lamp's factor is negative", err);
+    return code;
+}
+
+int orl_ies_read_tilt(const char *name, const char *text, size_t size, struct orl_ies *ies,
+                      struct orl_error *err)
+{
+    struct reading r = {.name = name, .at = text, .end = text + size, .line = 1, .ies = ies};
+    return read_tilt(&r, err);
 }
 
 static int read_candela(struct reading *r, struct orl_error *err)
@@ -190,8 +262,11 @@ int orl_ies_read(const char *name, const char *text, size_t size, struct orl_ies
 {
     *ret_ies = (struct orl_ies){.year = 1986};
     struct reading r = {.name = name, .at = text, .end = text + size, .ies = ret_ies};
-    int code = read_head(&r, err);
+    bool tilted = false;
+    int code = read_head(&r, &tilted, err);
     r.line++;
+    if (code == 0 && tilted)
+        code = read_tilt(&r, err);
     if (code == 0)
         code = read_sizes(&r, err);
     if (code == 0)
@@ -210,6 +285,8 @@ void orl_ies_done(struct orl_ies *ies)
     free(ies->vertical);
     free(ies->horizontal);
     free(ies->candela);
+    free(ies->tilt.angles);
+    free(ies->tilt.factors);
     *ies = (struct orl_ies){.year = 0};
 }
 

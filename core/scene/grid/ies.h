@@ -1,7 +1,6 @@
 /*
  * Luminaires as manufacturers measure them: files of ANSI/IES LM-63, of 1986, 1991, 1995, 2002 and
- * 2019, photometry of types C and B. What a lamp gives by its tilt (TILT= other than NONE) is
- * refused.
+ * 2019, photometry of types C and B, with what the lamp gives when the luminaire is tilted (TILT=).
  *
  * Type C: vertical angles are from straight down, horizontal ones about that, from the luminaire's
  * length (x) towards its width (y). Bytes may be anybody's: counts are bounded by the file's own
@@ -14,11 +13,21 @@
 
 #include "scene/grid/grid.h"
 
+/* What a lamp gives by how far its luminaire is turned from hanging straight: degrees, rising, and
+ * the share of what it gives then. However the lamp lies in its luminaire (LM-63's geometries 1 to
+ * 3), that is the angle. */
+struct orl_ies_tilt {
+    uint32_t n; /* 0: the same at all angles */
+    double *angles, *factors;
+};
+
 struct orl_ies {
     int year;                     /* 1986, 1995 (a horizontal cylinder has a sign), 2002 */
     bool type_b;                  /* else C */
     double factor;                /* on all numbers, for candela */
     double length, width, height; /* of the luminous opening, metres; signs tell its shape */
+    struct orl_ies_tilt tilt;
+    char tilt_file[128]; /* where that is, if not in the file itself; or "" */
     uint32_t n_vertical, n_horizontal;
     double *vertical, *horizontal; /* degrees, rising */
     float *candela;                /* without the factor: [horizontal][vertical] */
@@ -28,10 +37,19 @@ struct orl_ies {
 bool orl_ies_is(const char *text, size_t size);
 
 /* ORL_ERR_SYNTAX, _RANGE, _UNSUPPORTED, with file and line; _NOMEM. orl_ies_done in the end of one
- * that was read. */
+ * that was read. Of what TILT= names only the name is taken. */
 int orl_ies_read(const char *name, const char *text, size_t size, struct orl_ies *ret_ies,
                  struct orl_error *err);
 void orl_ies_done(struct orl_ies *ies); /* also of one that is all zero */
+
+/* What the file has that TILT= names, into one that was read. */
+int orl_ies_read_tilt(const char *name, const char *text, size_t size, struct orl_ies *ies,
+                      struct orl_error *err);
+
+/* The next words of the file's head that may name its lamp: what follows [LAMP] or [LAMPCAT], or in
+ * files of 1986 each line. at: the text, at first. False: there are no more. */
+bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const char **ret_words,
+                       size_t *ret_length);
 
 /* Its intensities as a data file has them, W/sr without the factor: by horizontal angle, if there
  * are several, then by vertical one. Takes its arrays. */

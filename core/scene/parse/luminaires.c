@@ -7,6 +7,7 @@
 
 #include "base/number.h"
 #include "scene/grid/ies.h"
+#include "scene/parse/lamps.h"
 
 /* Nothing is smaller, m. */
 static const double least = 1e-3, tiny = 1e-6;
@@ -23,7 +24,9 @@ struct luminaire {
     const char *file; /* as scene text may name it */
     char name[128];
     double factor, color[3], illum_radius;
-    double unit; /* of the scene, in a metre */
+    double unit;                          /* of the scene, in a metre */
+    const char *table, *type, *otherwise; /* of lamps; what its lamp is, whatever the file says, and
+                                             if it says nothing known; or NULL */
 };
 
 /* ---- Shapes ---------------------------------------------------------------------------------- */
@@ -177,6 +180,19 @@ static void name_angles(const struct orl_ies *ies, const char **ret_angles, cons
         *ret_angles = "src_phi src_theta";
 }
 
+/* The share by the luminaire's angle: what steps from one given angle to the next come to. */
+static void add_tilt(const struct luminaire *lamp, const struct orl_ies_tilt *tilt,
+                     struct orl_text *text)
+{
+    const bool all_round = tilt->angles[tilt->n - 1] > 90 + tiny;
+    const char *const angle = all_round ? "Acos(Kz)/DEGREE" : "tri(Acos(Kz)/DEGREE,90)";
+    orl_text_add(text, "void brightfunc '%s_tilt'\n2 %g", lamp->name, tilt->factors[0]);
+    for (uint32_t i = 0; i + 1 < tilt->n; i++)
+        orl_text_add(text, "+(%g)*bound(0,(%s-(%g))/%g,1)", tilt->factors[i + 1] - tilt->factors[i],
+                     angle, tilt->angles[i], tilt->angles[i + 1] - tilt->angles[i]);
+    orl_text_add(text, " .\n0\n0\n");
+}
+
 static void add_distribution(const struct luminaire *lamp, const struct orl_ies *ies,
                              const struct shape *s, bool sides, struct orl_text *text)
 {
@@ -186,7 +202,11 @@ static void add_distribution(const struct luminaire *lamp, const struct orl_ies 
     name_angles(ies, &angles, &turn);
     const bool flat = s->body == BALL || !sides;
     const int n = 3 + (strchr(angles, ' ') ? 2 : 1) + (*turn ? 2 : 0);
-    orl_text_add(text, "void brightdata '%s_dist'\n%d %s '%s' source.cal %s%s\n0\n", lamp->name, n,
+    if (ies->tilt.n > 0)
+        orl_text_add(text, "'%s_tilt'", lamp->name);
+    else
+        orl_text_add(text, "void");
+    orl_text_add(text, " brightdata '%s_dist'\n%d %s '%s' source.cal %s%s\n0\n", lamp->name, n,
                  s->body == BALL   ? "corr"
                  : !sides          ? "flatcorr"
                  : s->body == DISC ? "cylcorr"
@@ -200,31 +220,140 @@ static void add_distribution(const struct luminaire *lamp, const struct orl_ies 
         orl_text_add(text, "4 %g %g %g %g\n", factor, s->length, s->width, s->height);
 }
 
-static int write_luminaire(const struct luminaire *lamp, const char *resolved,
-                           const struct orl_file *file, struct orl_text *text,
-                           struct orl_error *err)
+/* All of a file that was read. */
+static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies,
+                         struct orl_text *text, struct orl_error *err)
 {
-    struct orl_ies ies;
     struct shape shape = {BALL, 2 * lamp->illum_radius, 2 * lamp->illum_radius, 0};
-    const int code = orl_ies_read(resolved, file->data, file->size, &ies, err);
-    if (code < 0)
-        return code;
-    if (!(lamp->illum_radius > 0) && !shape_of(&ies, text, &shape)) {
-        orl_ies_done(&ies);
-        orl_error_set(err, ORL_ERR_RANGE, "its sizes make no shape that LM-63 has");
-        orl_error_at(err, resolved, 0, NULL);
-        return ORL_ERR_RANGE;
-    }
+    if (!(lamp->illum_radius > 0) && !shape_of(ies, text, &shape))
+        return orl_error_set(err, ORL_ERR_RANGE, "its sizes make no shape that LM-63 has");
     struct faces faces = {
-        .lower = ies.vertical[0]<90 - tiny, .upper = ies.vertical[ies.n_vertical - 1]> 90 + tiny};
+        .lower =
+            ies->vertical[0]<90 - tiny, .upper = ies->vertical[ies->n_vertical - 1]> 90 + tiny};
     faces.sides = faces.lower && faces.upper && shape.height > least;
-    add_distribution(lamp, &ies, &shape, faces.sides, text);
+    if (ies->tilt.n > 0)
+        add_tilt(lamp, &ies->tilt, text);
+    add_distribution(lamp, ies, &shape, faces.sides, text);
     orl_text_add(text, "'%s_dist' %s '%s_light'\n0\n0\n3 %g %g %g\n", lamp->name,
                  lamp->illum_radius > 0 ? "illum" : "light", lamp->name, lamp->color[0],
                  lamp->color[1], lamp->color[2]);
     add_body(lamp, &shape, &faces, text);
-    orl_ies_done(&ies);
     return 0;
+}
+
+/* ---- Lamps ----------------------------------------------------------------------------------- */
+
+static const char usual_table[] = "lamp.tab", no_lamp[] = "default";
+
+static void take_lamp(struct luminaire *lamp, const struct orl_lamp *known, struct orl_text *text)
+{
+    lamp->color[0] = known->color.r;
+    lamp->color[1] = known->color.g;
+    lamp->color[2] = known->color.b;
+    orl_text_warn(text, "by %.80s its lamp gives %g of its first light, of CIE x %g y %g",
+                  lamp->table, known->share, known->x, known->y);
+}
+
+/* The lamp that a command names. 1: known. */
+static int find_named(struct luminaire *lamp, struct orl_lamp_table *table, const char *words,
+                      struct orl_text *text, struct orl_error *err)
+{
+    struct orl_lamp known;
+    const int code = orl_lamp_find(table, words, strlen(words), &known, err);
+    if (code > 0)
+        take_lamp(lamp, &known, text);
+    else if (code == 0)
+        orl_text_warn(text, "%.80s has no lamp '%.80s'", lamp->table, words);
+    return code;
+}
+
+/* The lamp that the file names. 1: known. */
+static int find_in_file(struct luminaire *lamp, struct orl_lamp_table *table,
+                        const struct orl_file *file, struct orl_text *text, struct orl_error *err)
+{
+    struct orl_lamp known;
+    const char *at = file->data, *words;
+    size_t length;
+    int code = 0;
+    while (code == 0 && orl_ies_next_lamp(&at, file->data, file->size, &words, &length))
+        code = orl_lamp_find(table, words, length, &known, err);
+    if (code > 0)
+        take_lamp(lamp, &known, text);
+    return code;
+}
+
+/* The colour of its lamp, as ies2rad takes it from the table. Without a table it is the one that is
+ * given. */
+static int settle_lamp(struct luminaire *lamp, struct orl_parser *parser, const char *folder,
+                       const struct orl_file *file, struct orl_text *text, struct orl_error *err)
+{
+    const bool is_default = lamp->type && strcmp(lamp->type, no_lamp) == 0;
+    struct orl_error missing = {0};
+    size_t index = 0;
+    int found = 0;
+    if (is_default && !lamp->otherwise)
+        return 0;
+    const int code = orl_sources_find(&parser->sources, folder, lamp->table, &index, &missing);
+    if (code == ORL_ERR_NOT_FOUND && strcmp(lamp->table, usual_table) == 0) {
+        if (lamp->type || lamp->otherwise)
+            orl_text_warn(text, "there is no %s to look up its lamp in", usual_table);
+        return 0;
+    }
+    if (code < 0) {
+        *err = missing;
+        return code;
+    }
+    const struct orl_source *const source = &parser->sources.items[index];
+    struct orl_lamp_table table = {source->name, source->file.data, source->file.size,
+                                   ORL_LAMP_STEPS};
+    parser->text_bytes += source->file.size;
+    if (!is_default)
+        found = lamp->type ? find_named(lamp, &table, lamp->type, text, err)
+                           : find_in_file(lamp, &table, file, text, err);
+    if (found == 0 && lamp->otherwise)
+        found = find_named(lamp, &table, lamp->otherwise, text, err);
+    return found < 0 ? found : 0;
+}
+
+/* ---- A file ---------------------------------------------------------------------------------- */
+
+/* What TILT= names, beside the file. */
+static int read_tilt_file(struct orl_parser *parser, const char *resolved, struct orl_ies *ies,
+                          struct orl_error *err)
+{
+    const char *const slash = strrchr(resolved, '/');
+    char folder[512];
+    size_t index = 0;
+    if (ies->tilt_file[0] == '\0')
+        return 0;
+    if (snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - resolved) : 0, resolved) >=
+        (int)sizeof folder)
+        return orl_error_set(err, ORL_ERR_LIMIT, "its folder's name is too long");
+    const int code = orl_sources_find(&parser->sources, folder, ies->tilt_file, &index, err);
+    if (code < 0)
+        return code;
+    const struct orl_source *const source = &parser->sources.items[index];
+    return orl_ies_read_tilt(source->name, source->file.data, source->file.size, ies, err);
+}
+
+/* folder: of the text that names it. */
+static int write_luminaire(struct luminaire *lamp, struct orl_parser *parser, const char *folder,
+                           const char *resolved, const struct orl_file *file, struct orl_text *text,
+                           struct orl_error *err)
+{
+    struct orl_ies ies;
+    int code = orl_ies_read(resolved, file->data, file->size, &ies, err);
+    if (code < 0)
+        return code;
+    code = settle_lamp(lamp, parser, folder, file, text, err);
+    if (code == 0)
+        code = read_tilt_file(parser, resolved, &ies, err);
+    if (code == 0)
+        code = add_luminaire(lamp, &ies, text, err);
+    orl_ies_done(&ies);
+    if (code < 0 && err->file[0] == '\0')
+        orl_error_at(err, resolved, 0, NULL);
+    return code;
 }
 
 /* ---- Words ----------------------------------------------------------------------------------- */
@@ -263,6 +392,19 @@ static int read_unit(const char *option, double *ret_unit, struct orl_error *err
                          option);
 }
 
+/* Options of one word: -o, -p and -l name files that are not written here. */
+static bool read_word(const char *option, const char *word, struct luminaire *lamp)
+{
+    const char **const place = strcmp(option, "-f") == 0   ? &lamp->table
+                               : strcmp(option, "-t") == 0 ? &lamp->type
+                               : strcmp(option, "-u") == 0 ? &lamp->otherwise
+                                                           : NULL;
+    if (place)
+        *place = word;
+    return place || strcmp(option, "-o") == 0 || strcmp(option, "-p") == 0 ||
+           strcmp(option, "-l") == 0;
+}
+
 static int read_option(struct orl_words *words, struct luminaire *lamp, struct orl_error *err)
 {
     const char *const option = words->at[0];
@@ -279,10 +421,8 @@ static int read_option(struct orl_words *words, struct luminaire *lamp, struct o
     else if (strcmp(option, "-c") == 0)
         for (int i = 0; i < 3 && code == 0; i++)
             code = orl_words_number(words, option, &lamp->color[i], err);
-    else if (words->left > 0 &&
-             (strcmp(option, "-o") == 0 || strcmp(option, "-p") == 0 || strcmp(option, "-l") == 0 ||
-              (strcmp(option, "-t") == 0 && strcmp(words->at[0], "default") == 0)))
-        words->at++, words->left--; /* names of files that are not written here */
+    else if (words->left > 0 && read_word(option, words->at[0], lamp))
+        words->at++, words->left--;
     else
         code = orl_error_set(err, ORL_ERR_UNSUPPORTED, "ies2rad: '%.40s' is not supported", option);
     if (code == 0 && !(lamp->factor >= 0 && lamp->illum_radius >= 0 && lamp->color[0] >= 0 &&
@@ -291,7 +431,8 @@ static int read_option(struct orl_words *words, struct luminaire *lamp, struct o
     return code;
 }
 
-static const struct luminaire usual = {.factor = 1, .color = {1, 1, 1}, .unit = 1};
+static const struct luminaire usual = {
+    .factor = 1, .color = {1, 1, 1}, .unit = 1, .table = usual_table};
 
 int orl_parser_ies2rad(struct orl_parser *parser, const struct orl_scope *scope,
                        const char *const *words, size_t count, struct orl_text *text,
@@ -311,18 +452,18 @@ int orl_parser_ies2rad(struct orl_parser *parser, const struct orl_scope *scope,
         code = orl_sources_find(&parser->sources, scope->folder, lamp.file, &index, err);
     if (code < 0)
         return code;
-    const struct orl_source *const source = &parser->sources.items[index];
-    return write_luminaire(&lamp, source->name, &source->file, text, err);
+    const struct orl_source source = parser->sources.items[index];
+    return write_luminaire(&lamp, parser, scope->folder, source.name, &source.file, text, err);
 }
 
-int orl_luminaire_write(const struct orl_scope *scope, const struct orl_file *file,
-                        struct orl_text *text, struct orl_error *err)
+int orl_luminaire_write(struct orl_parser *parser, const struct orl_scope *scope,
+                        const struct orl_file *file, struct orl_text *text, struct orl_error *err)
 {
     const char *const slash = strrchr(scope->file, '/');
     struct luminaire lamp = usual;
     int code = name_lamp(&lamp, slash ? slash + 1 : scope->file, err);
     if (code == 0)
-        code = write_luminaire(&lamp, scope->file, file, text, err);
+        code = write_luminaire(&lamp, parser, scope->folder, scope->file, file, text, err);
     if (code == 0 && text->failed)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     return code;

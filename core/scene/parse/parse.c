@@ -122,7 +122,7 @@ static int read_luminaire(struct orl_parser *parser, const struct orl_scope *sco
                           const struct orl_file *file, struct orl_error *err)
 {
     struct orl_text text = {0};
-    int code = orl_luminaire_write(scope, file, &text, err);
+    int code = orl_luminaire_write(parser, scope, file, &text, err);
     if (code == 0 && text.warnings[0])
         orl_parser_warn(parser, "%s: %s", scope->file, text.warnings);
     if (code == 0)
