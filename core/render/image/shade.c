@@ -170,16 +170,26 @@ static void add_direct_in_lobes(struct look *look, const struct branch *at,
     add_mean(look, at->path.weight, &direct, !orl_material_transmits_lobes(m));
 }
 
-/* Of all that happens there: what is mirrored or goes straight is followed by itself, and counts as
- * nothing among the samples. */
+/* Whether all that it reflects but evenly goes one way. Other materials may mirror a share and
+ * scatter another. */
+static bool mirrors_alone(const struct orl_material *m, const struct orl_hit *hit,
+                          struct orl_vec3 eye)
+{
+    return m->kind == ORL_MATERIAL_TRANS && orl_rgb_max(orl_material_mirrored(m, hit, eye)) > 0;
+}
+
+/* What is mirrored or goes straight is followed by itself: it counts as nothing among the samples,
+ * or is not drawn where it is all there is on that side. */
 static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
                                        const struct orl_material *m, struct orl_vec3 eye,
                                        uint32_t sample, uint32_t sequence)
 {
-    const enum orl_lobes all = (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    const enum orl_lobes lobes = mirrors_alone(m, hit, eye)
+                                     ? ORL_LOBE_TRANSMITTED
+                                     : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     double u[3];
     orl_sobol_point(look->shader->sobol, sample, sequence, 3, u);
-    return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, all, u);
+    return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
 
 /* What comes along a lobe's ray. */
