@@ -59,19 +59,33 @@ bool orl_gltf_is(const char *data, size_t size)
     return at < size && data[at] == '{';
 }
 
+static size_t read_u32(const char *at)
+{
+    const unsigned char *b = (const unsigned char *)at;
+    return (size_t)b[0] | (size_t)b[1] << 8 | (size_t)b[2] << 16 | (size_t)b[3] << 24;
+}
+
+/* Assimp makes room for what a chunk says that it is, before it looks for it. */
+static int heed_chunks(const char *file, const char *data, size_t size, struct orl_error *err)
+{
+    size_t at = GLB_HEAD;
+    while (size - at >= CHUNK_HEAD) {
+        const size_t length = read_u32(data + at);
+        at += CHUNK_HEAD;
+        if (length > size - at)
+            return fail(file, ORL_ERR_SYNTAX, "a chunk of it ends behind the file's end",
+                        "the file is cut short: copy or export it again", err);
+        at += length;
+    }
+    return 0;
+}
+
 /* The JSON of either kind of file: of a .glb its first chunk. */
 static void find_json(const char *data, size_t size, const char **ret_json, size_t *ret_size)
 {
-    const unsigned char *b = (const unsigned char *)data + GLB_HEAD;
-    const size_t head = GLB_HEAD + CHUNK_HEAD;
-    *ret_json = data;
-    *ret_size = size;
-    if (!is_binary(data, size) || size < head)
-        return;
-    const size_t length =
-        (size_t)b[0] | (size_t)b[1] << 8 | (size_t)b[2] << 16 | (size_t)b[3] << 24;
-    *ret_json = data + head;
-    *ret_size = length < size - head ? length : size - head;
+    const bool binary = is_binary(data, size) && size >= GLB_HEAD + CHUNK_HEAD;
+    *ret_json = binary ? data + GLB_HEAD + CHUNK_HEAD : data;
+    *ret_size = binary ? read_u32(data + GLB_HEAD) : size;
 }
 
 /* Colours, textures and lamps, which are passed over anyway. */
@@ -285,7 +299,9 @@ int orl_gltf_read(const char *file, const char *data, size_t size,
     *ret_rest = (struct orl_gltf_rest){0};
     if (!r)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file");
-    int code = heed_extensions(file, data, size, err);
+    int code = is_binary(data, size) ? heed_chunks(file, data, size, err) : 0;
+    if (code == 0)
+        code = heed_extensions(file, data, size, err);
     const struct aiScene *scene = code == 0 ? import(&files, fault) : NULL;
     if (code == 0 && (!scene || files.code))
         code = refuse(&files, file, fault, err);
