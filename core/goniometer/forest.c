@@ -8,20 +8,16 @@
 
 #include "base/grow.h"
 #include "bsdf/write.h"
+#include "goniometer/fan.h"
 #include "goniometer/hues.h"
 
-/* Ratios of sums of squares that chance exceeds in 1 of 10^4 cases (chi-square); and in none of the
- * many millions that a panel has: of 15 degrees of freedom, and of the 3 of a cell out alone. */
-static const double by_chance[2] = {3, 7}, beyond_chance[2] = {8, 13};
+/* Ratios of sums of squares that chance exceeds in none of the many millions of cases that a panel
+ * has (chi-square): of 15 degrees of freedom, and of the 3 of a cell out alone. */
+static const double beyond_chance[2] = {8, 13};
 
 /* What is seen of differences between cells that are joined by chance is two thirds of them: of
  * cells whose mean squares are 1.5 to 3 times their errors' those pass that seem to have 1.1. */
 static const double unseen_more = 0.5;
-
-double orl_gonio_by_chance(unsigned fan)
-{
-    return by_chance[fan == 4];
-}
 
 void orl_gonio_forest_done(struct orl_gonio_forest *forest)
 {
@@ -52,14 +48,6 @@ void orl_gonio_cells_copy(struct orl_gonio_cells to, struct orl_gonio_cells from
     memcpy(to.nodes, from.nodes, count * sizeof *to.nodes);
     if (to.hues)
         memcpy(to.hues, from.hues, count * sizeof *to.hues);
-}
-
-double orl_gonio_sum(double *values, unsigned fan)
-{
-    for (unsigned step = 1; step < fan; step *= 2)
-        for (unsigned i = 0; i < fan; i += 2 * step)
-            values[i] += values[i + step];
-    return values[0];
 }
 
 /* A path more in one of the cells: of those that some came to, if there are any. */
@@ -120,7 +108,7 @@ struct scatter {
 static bool is_chance(const struct group *g, const struct scatter *s)
 {
     const bool few = g->fan == 4;
-    return s->squares <= by_chance[few] * s->noise && g->doubt <= beyond_chance[few];
+    return s->squares <= orl_gonio_by_chance(g->fan) * s->noise && g->doubt <= beyond_chance[few];
 }
 
 /* By chance, or since so little counts for nothing: then they have to be leaves. */

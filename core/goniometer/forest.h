@@ -118,12 +118,6 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
                            unsigned mirror, uint32_t *ret_shift);
 struct orl_gonio_node orl_gonio_shifted(struct orl_gonio_node node, uint32_t shift);
 
-/* The ratio of sums of squares that chance exceeds in 1 of 10^4 cases. */
-double orl_gonio_by_chance(unsigned fan);
-/* By pairs, which mirrors (i ^ mirror) leave as they are, so that no rounding tells them apart. The
- * values are used up. */
-double orl_gonio_sum(double *values, unsigned fan);
-
 /* As the braces of a file: luminances, or their errors. */
 void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
                             bool errors, FILE *out);

@@ -5,6 +5,7 @@
 #include <oriel/units.h>
 
 #include "bsdf/color.h"
+#include "goniometer/fan.h"
 
 /* What rounding alone may make of a value. */
 static const double rounding = 1e-6;
