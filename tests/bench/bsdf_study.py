@@ -8,8 +8,10 @@ goniophotometer would measure of a sample in closed form, beside pabopto2bsdf an
 tensor tree of the laser cut panel by both: errors against a reference of many more paths, and what
 the same error costs. Pictures of each case go to FOLDER/bsdf-study.
 
-By environment: ORIEL_STUDY_LEVEL, log2 of the trees' cells a side (6); ORIEL_STUDY_RAYS, genBSDF's of
-a direction (1000 for matrices, 250 for trees); ORIEL_STUDY_PARTS, of "panels fits tree" (all).
+By environment: ORIEL_STUDY_LEVEL, log2 of the trees' cells a side (6); ORIEL_STUDY_FIT_LEVEL, of the
+fits (4: 64 a side take bsdf2ttree half an hour); ORIEL_STUDY_RAYS, genBSDF's of a direction ("1000" for
+matrices; of trees several, by which is told how its errors fall: "250 1000"); ORIEL_STUDY_PARTS, of
+"panels fits tree" (all).
 """
 
 import json
@@ -87,8 +89,9 @@ class Study:
     def __init__(self, build):
         self.oriel = os.path.join(build, "oriel")
         self.folder = os.path.abspath(os.path.join(build, "bsdf-study"))
-        self.rays = os.environ.get("ORIEL_STUDY_RAYS")
+        self.rays = [int(word) for word in os.environ.get("ORIEL_STUDY_RAYS", "").split()]
         self.level = int(os.environ.get("ORIEL_STUDY_LEVEL", "6"))
+        self.fit_level = int(os.environ.get("ORIEL_STUDY_FIT_LEVEL", "4"))
         self.radiance = shutil.which("genBSDF") is not None
         os.makedirs(self.folder, exist_ok=True)
 
@@ -180,7 +183,7 @@ def worst_in_errors(report, closed):
 
 
 def panels(study):
-    rays = int(study.rays or 1000)
+    rays = study.rays[0] if study.rays else 1000
     print("%-16s %10s %9s %12s %12s %10s %9s %9s" % (
         "panel", "transmits", "+-", "closed form", "genBSDF", "matrices", "ours, s", "genBSDF"))
     print("%-16s %10s %9s %12s %12s %10s %9s %9s" % (
@@ -293,6 +296,17 @@ def errors(reference, other, level):
     return math.sqrt(squares / max(count, 1)), worst, off_2 / max(count, 1)
 
 
+def compare_costs(ours, theirs):
+    """By how genBSDF's errors were seen to fall, or N^-1/2; from its most rays on."""
+    (least, _, coarse), (sent, took, found) = theirs[0], theirs[-1]
+    power = math.log(coarse[0] / found[0]) / math.log(sent / least) if sent > least else 0.5
+    print("By errors that fall as N^-%.2f, genBSDF's rms would be that of oriel by" % power)
+    for name, paths, seconds, mine in ours:
+        more = (found[0] / mine[0]) ** (1 / power)
+        print("%-22s %.0f times as many rays, %.0f as many seconds" % (
+            name, sent * more / paths, took * more / seconds))
+
+
 def tree(study):
     level, side = study.level, str(2 ** study.level)
     cell = ["--cell", "-.002 .002 0 .004", "--basis", "tensor_tree_4", "--resolution", side, "--cull", "0.000001"]
@@ -312,17 +326,15 @@ def tree(study):
         ours.append((name, 1e-6 * report["paths"], seconds, found))
         line("oriel " + name, *ours[-1][1:])
     if study.radiance:
-        rays = int(study.rays or 250)
         other, dimensions = CASES[-1][3], CASES[-1][4]
-        took = study.generate("tree-genBSDF", other, dimensions, "-t4", str(level), "-t", "0", "-c", str(rays))
-        found = errors(reference, trees(study.path("tree-genBSDF.xml")), level)
-        sent = 2e-6 * 4 ** level * rays
-        line("genBSDF -c %d" % rays, sent, took, found)
-        print("By errors that fall as N^-1/2, genBSDF's rms would be that of oriel by")
-        for name, paths, seconds, mine in ours:
-            more = (found[0] / mine[0]) ** 2
-            print("%-22s %.0f times as many rays, %.0f as many seconds" % (
-                name, sent * more / paths, took * more / seconds))
+        theirs = []
+        for rays in study.rays or [250, 1000]:
+            took = study.generate("tree-genBSDF", other, dimensions, "-t4", str(level), "-t", "0", "-c",
+                                  str(rays))
+            found = errors(reference, trees(study.path("tree-genBSDF.xml")), level)
+            theirs.append((2e-6 * 4 ** level * rays, took, found))
+            line("genBSDF -c %d" % rays, *theirs[-1])
+        compare_costs(ours, theirs)
         study.plot("tree", "tree", "tree-genBSDF")
 
 
@@ -409,7 +421,7 @@ def rms_of(path, level, step):
 
 
 def fits(study):
-    level, step = study.level, max(1, 2 ** study.level // 16)
+    level, step = study.fit_level, max(1, 2 ** study.fit_level // 16)
     angles = [(0, 0)] + [(theta, phi) for theta in (20, 40, 60, 80) for phi in (0, 45, 90)]
     files = [study.path("scan-%02d.txt" % i) for i in range(len(angles))]
     for i, path in enumerate(files):
@@ -427,7 +439,8 @@ def fits(study):
         with open(study.path("fit-pabopto.xml"), "w") as out:
             other += study.run("bsdf2ttree", "-g", str(level), study.path("fit.sir"), stdout=out)
         if not os.path.getsize(study.path("fit-pabopto.xml")):
-            print("bsdf2ttree wrote nothing: its wrapBSDF looks for minimalBSDFt.xml along RAYPATH")
+            print("bsdf2ttree wrote nothing: it was stopped, or its wrapBSDF did not find minimalBSDFt.xml"
+                  " along RAYPATH")
             return
         print("%-26s %10.1f %10.1f" % ("pabopto2bsdf, bsdf2ttree", other,
                                        100 * rms_of(study.path("fit-pabopto.xml"), level, step)))
