@@ -444,7 +444,7 @@ def fits(study):
             return
         print("%-26s %10.1f %10.1f" % ("pabopto2bsdf, bsdf2ttree", other,
                                        100 * rms_of(study.path("fit-pabopto.xml"), level, step)))
-        study.plot("fit", "fit", "fit-pabopto")
+        study.plot("fit", "fit", "fit-pabopto", **{"from": "inside"})
 
 
 def main():
