@@ -263,6 +263,26 @@ static void test_refused(void **state)
     expect_refused("", SQUARE, "", "no glTF 2.0");
 }
 
+/* glTF 1.0; and a chunk that says it is longer than the file. */
+static void test_heads(void **state)
+{
+    char json[8192];
+    unsigned char bytes[16384];
+    struct orl_description d;
+    struct orl_error err;
+    (void)state;
+    write_json(NULL, NODE, SQUARE, "", json);
+    const size_t size = write_glb(json, bytes);
+    bytes[4] = 1;
+    assert_int_equal(parse("m.glb", bytes, size, &d, &err), ORL_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.message, "not of version 2"));
+    bytes[4] = 2;
+    bytes[15] = 0x7e;
+    assert_int_equal(parse("m.glb", bytes, size, &d, &err), ORL_ERR_SYNTAX);
+    assert_non_null(strstr(err.message, "ends behind the file's end"));
+    assert_string_equal(err.file, "m.glb");
+}
+
 /* Of a file that is cut short anywhere nothing is taken. */
 static void test_cut(void **state)
 {
@@ -286,6 +306,7 @@ int main(void)
         cmocka_unit_test(test_upright), cmocka_unit_test(test_nodes),
         cmocka_unit_test(test_modes),   cmocka_unit_test(test_text),
         cmocka_unit_test(test_refused), cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_heads),
     };
     return sodium_init() < 0 ? 1 : cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -65,10 +65,14 @@ static size_t read_u32(const char *at)
     return (size_t)b[0] | (size_t)b[1] << 8 | (size_t)b[2] << 16 | (size_t)b[3] << 24;
 }
 
-/* Assimp makes room for what a chunk says that it is, before it looks for it. */
+/* Of a .glb. Assimp reads on where a version is another, and makes room for what a chunk says that
+ * it is, before it looks for it. */
 static int heed_chunks(const char *file, const char *data, size_t size, struct orl_error *err)
 {
     size_t at = GLB_HEAD;
+    if (read_u32(data + 4) != 2)
+        return fail(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not of version 2",
+                    "export it again as glTF 2.0", err);
     while (size - at >= CHUNK_HEAD) {
         const size_t length = read_u32(data + at);
         at += CHUNK_HEAD;
