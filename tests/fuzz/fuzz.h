@@ -68,9 +68,12 @@ void fuzz_check_error(int code, const struct orl_error *err);
 
 /* A sky that can be computed with: finite, nowhere negative. */
 struct orl_daylight;
+struct orl_description;
 void fuzz_check_daylight(const struct orl_daylight *daylight);
 
 void fuzz_check_finite(struct orl_vec3 v);
 void fuzz_check_unit(struct orl_vec3 v);
+/* Materials that there are, unit normals, finite corners. */
+void fuzz_check_surfaces(const struct orl_description *description);
 
 #endif

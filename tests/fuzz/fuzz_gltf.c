@@ -28,13 +28,7 @@ bool fuzz_gltf(const uint8_t *data, size_t size)
         FUZZ_PROMISE(err.file[0] != '\0');
         return false;
     }
-    for (size_t i = 0; i < description.n_surfaces; i++) {
-        const struct orl_surface *surface = &description.surfaces[i];
-        FUZZ_PROMISE(surface->material < description.n_materials);
-        fuzz_check_unit(surface->normal);
-        for (uint32_t k = 0; k < surface->n_vertices; k++)
-            fuzz_check_finite(surface->vertices[k]);
-    }
+    fuzz_check_surfaces(&description);
     orl_description_done(&description);
     return true;
 }

@@ -17,17 +17,6 @@ static const char *const scenes[] = {
     "!xform -s 2 m.stl\n",
     MATERIALS "a mesh x 1 m.rtm 0 0\n", MATERIALS "void instance y 3 m.oct -t 1 0 0\n0\n0\n"};
 
-static void check_surfaces(const struct orl_description *d)
-{
-    for (size_t i = 0; i < d->n_surfaces; i++) {
-        const struct orl_surface *surface = &d->surfaces[i];
-        FUZZ_PROMISE(surface->material < d->n_materials);
-        fuzz_check_unit(surface->normal);
-        for (uint32_t k = 0; k < surface->n_vertices; k++)
-            fuzz_check_finite(surface->vertices[k]);
-    }
-}
-
 bool fuzz_mesh(const uint8_t *data, size_t size)
 {
     static const char *const main_file[] = {"s.rad"};
@@ -56,7 +45,7 @@ bool fuzz_mesh(const uint8_t *data, size_t size)
         FUZZ_PROMISE(err.file[0] != '\0');
         return false;
     }
-    check_surfaces(&description);
+    fuzz_check_surfaces(&description);
     orl_description_done(&description);
     return true;
 }

@@ -7,6 +7,7 @@
 #include "light/daylight.h"
 #include "light/sky.h"
 #include "problem.h"
+#include "scene/description.h"
 
 void fuzz_promise(bool holds, const char *what, const char *file, int line)
 {
@@ -52,6 +53,17 @@ void fuzz_check_unit(struct orl_vec3 v)
 {
     fuzz_check_finite(v);
     FUZZ_PROMISE(fabs(orl_length(v) - 1) < 1e-6);
+}
+
+void fuzz_check_surfaces(const struct orl_description *description)
+{
+    for (size_t i = 0; i < description->n_surfaces; i++) {
+        const struct orl_surface *surface = &description->surfaces[i];
+        FUZZ_PROMISE(surface->material < description->n_materials);
+        fuzz_check_unit(surface->normal);
+        for (uint32_t k = 0; k < surface->n_vertices; k++)
+            fuzz_check_finite(surface->vertices[k]);
+    }
 }
 
 void fuzz_check_daylight(const struct orl_daylight *daylight)

@@ -81,6 +81,8 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *name, const cha
     if (files->code == 0 && strcmp(name, files->name) != 0)
         files->code = files->buffers->open(files->buffers->ctx, decoded, &file, &files->err);
     struct opened *opened = files->code == 0 ? calloc(1, sizeof *opened) : NULL;
+    if (!opened && files->code == 0)
+        files->code = orl_error_set(&files->err, ORL_ERR_NOMEM, "out of memory for a glTF file");
     if (!opened)
         return NULL;
     opened->file = (struct aiFile){.ReadProc = read_some,
