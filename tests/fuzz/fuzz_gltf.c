@@ -1,10 +1,12 @@
 /*
  * glTF files read by a scene that places them: .glb by how the input begins, else .gltf, whose
- * buffer "b" is the input itself.
+ * buffer "b" is the input itself. What begins as neither is read as scene text, which is
+ * fuzz_scene.c's.
  */
 #include <string.h>
 
 #include "fuzz/fuzz.h"
+#include "scene/parse/gltf.h"
 #include "scene/parse/parse.h"
 
 #define MATERIALS "void plastic white 0 0 5 .5 .5 .5 0 0\n"
@@ -22,6 +24,8 @@ bool fuzz_gltf(const uint8_t *data, size_t size)
     const struct orl_files files = orl_files_from_memory(&memory);
     struct orl_description description = {0};
     struct orl_error err = {0};
+    if (!orl_gltf_is((const char *)data, size))
+        return false;
     const int code = orl_scene_parse(main_file, 1, &files, &description, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
