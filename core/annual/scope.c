@@ -1,5 +1,6 @@
 #include "annual/scope.h"
 
+#include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 #include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
@@ -34,29 +35,30 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
         return refuse_mist(world, err);
     bool panels = false;
     uint32_t mirror = UINT32_MAX;
-    for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const struct orl_facet *facet = &world->geometry->facets[i];
+    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
+        const uint32_t i = walk.facet;
+        const struct orl_facet *facet = orl_facet_of(world->geometry, i);
         const struct orl_material *m = &world->materials[facet->material];
         if (!(facet->area > 0))
             continue;
-        const int32_t port = world->port_of_facet ? world->port_of_facet[i] : ORL_NO_PORT;
+        const int32_t port = orl_world_port_of(world, i);
         if (m->kind == ORL_MATERIAL_BSDF && (world->open || port == ORL_NO_PORT))
-            return refuse(world, (uint32_t)i, err,
+            return refuse(world, i, err,
                           "sunlight by BSDFs that are no windows of a closed building");
         panels = panels || m->kind == ORL_MATERIAL_BSDF;
         if (orl_lobed_any_transmits(m))
-            return refuse(world, (uint32_t)i, err, "what functions or data let through");
+            return refuse(world, i, err, "what functions or data let through");
         if (orl_material_bends(m))
-            return refuse(world, (uint32_t)i, err, "refracted sunlight");
+            return refuse(world, i, err, "refracted sunlight");
         if (!(orl_material_mirrored_most(m, true, 0.5) > strong))
             continue;
-        const int here = world->images.class_of ? world->images.class_of[i] : -1;
+        const int here = world->images.class_of ? orl_images_class(&world->images, i) : -1;
         if (here < 0)
-            return refuse(world, (uint32_t)i, err, "sunlight off curved mirrors");
+            return refuse(world, i, err, "sunlight off curved mirrors");
         if (class >= 0 && here != class)
-            return refuse(world, (uint32_t)i, err, "sunlight between mirrors of several planes");
+            return refuse(world, i, err, "sunlight between mirrors of several planes");
         class = here;
-        mirror = (uint32_t)i;
+        mirror = i;
     }
     /* What a mirror throws onto a panel is not followed. */
     if (panels && mirror != UINT32_MAX)
@@ -67,14 +69,15 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
 size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_first)
 {
     size_t n = 0;
-    for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const struct orl_facet *facet = &world->geometry->facets[i];
+    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
+        const struct orl_facet *facet = orl_facet_of(world->geometry, walk.facet);
         const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
         const bool textured = world->materials[facet->material].texture != NULL;
         if ((flat && !textured) || !orl_material_is_mirror(&world->materials[facet->material]))
             continue;
-        if (n++ == 0)
-            *ret_first = (uint32_t)i;
+        if (n == 0)
+            *ret_first = walk.facet;
+        n += walk.places;
     }
     return n;
 }

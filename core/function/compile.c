@@ -135,6 +135,7 @@ static int link_program(struct orl_compiler *c, struct orl_function *f)
     f->n_expressions = request->n_expressions;
     f->n_inputs = c->functions->n_inputs;
     f->inputs = c->inputs;
+    f->fixed_inputs = c->fixed_inputs;
     f->operations = request->operations ? request->operations : ORL_FUNCTION_OPERATIONS;
     return 0;
 }

@@ -32,7 +32,7 @@ struct orl_compiler {
     uint32_t n_variables, folding; /* folding: operations left for it */
     uint32_t depth;                /* of emission */
     bool plain;                    /* constants are not folded: the whole is about to be */
-    uint64_t inputs;
+    uint64_t inputs, fixed_inputs;
     const char *file; /* of the body under way */
     struct orl_error *err;
 };

@@ -119,6 +119,8 @@ void orl_function_free(struct orl_function *function); /* NULL is allowed */
 
 /* The inputs that it reads, a bit each, by their places. */
 uint64_t orl_function_inputs(const struct orl_function *function);
+/* Those that it asks for and that the request fixed; known while it is compiled, not once kept. */
+uint64_t orl_function_fixed_inputs(const struct orl_function *function);
 /* True, and its value, when an expression's value is the same everywhere. */
 bool orl_function_is_constant(const struct orl_function *function, size_t expression,
                               double *ret_value);

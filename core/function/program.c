@@ -23,6 +23,11 @@ uint64_t orl_function_inputs(const struct orl_function *function)
     return function->inputs;
 }
 
+uint64_t orl_function_fixed_inputs(const struct orl_function *function)
+{
+    return function->fixed_inputs;
+}
+
 bool orl_function_is_constant(const struct orl_function *function, size_t expression,
                               double *ret_value)
 {

@@ -15,7 +15,7 @@ struct orl_function {
     double *tables, *args;
     size_t n_code, n_segments, n_sites, n_arguments, n_tables;
     size_t n_expressions, n_inputs;
-    uint64_t inputs;
+    uint64_t inputs, fixed_inputs;
     uint32_t operations;
 };
 

@@ -46,6 +46,8 @@ static int visit(struct survey *s, struct orl_term *node)
                              "all functions together are too large to be compiled");
     if (node->kind == ORL_NODE_INPUT && !is_fixed(c, node->index))
         c->bodies[s->user]->open = true;
+    else if (node->kind == ORL_NODE_INPUT)
+        c->fixed_inputs |= UINT64_C(1) << node->index;
     if (node->kind == ORL_NODE_NAME || node->kind == ORL_NODE_CALL) {
         struct orl_formula *const body = orl_body_of(node);
         if (body) {

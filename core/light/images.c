@@ -5,6 +5,7 @@
 
 #include "light/direct.h"
 #include "light/path.h"
+#include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 
 enum { MOST_CLASSES = 256 };
@@ -29,12 +30,22 @@ static const struct orl_material *material_of(const struct orl_world *world, siz
     return &world->materials[world->geometry->facets[facet].material];
 }
 
-static bool is_flat_mirror(const struct orl_world *world, size_t facet)
+static bool is_flat_mirror(const struct orl_world *world, const struct orl_facet *f)
 {
-    const struct orl_facet *f = &world->geometry->facets[facet];
+    const struct orl_material *const m = &world->materials[f->material];
     const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-    return flat && f->area > 0 && !material_of(world, facet)->texture &&
-           orl_material_is_mirror(material_of(world, facet));
+    return flat && f->area > 0 && !m->texture && orl_material_is_mirror(m);
+}
+
+/* What stands in several places faces as many ways. */
+static size_t count_placed_mirrors(const struct orl_world *world)
+{
+    size_t n = 0;
+    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);)
+        if (orl_facet_is_placed(world->geometry, walk.facet) &&
+            is_flat_mirror(world, orl_facet_of(world->geometry, walk.facet)))
+            n += walk.places;
+    return n;
 }
 
 static size_t find_class(struct class *classes, size_t n, struct orl_vec3 normal)
@@ -68,6 +79,7 @@ static void keep_heaviest(struct orl_images *images, struct class *classes, size
 static int find_mirrors(struct orl_images *images, const struct orl_world *world)
 {
     const size_t n_facets = images->n_facets = world->geometry->n_facets;
+    images->n_left_out = count_placed_mirrors(world);
     struct class *classes = calloc(MOST_CLASSES, sizeof *classes);
     size_t n = 0;
     images->mirrors = calloc(ORL_MOST_MIRRORS, sizeof *images->mirrors);
@@ -79,7 +91,7 @@ static int find_mirrors(struct orl_images *images, const struct orl_world *world
     for (size_t i = 0; i < n_facets; i++) {
         const struct orl_facet *f = &world->geometry->facets[i];
         images->class_of[i] = -1;
-        if (!is_flat_mirror(world, i))
+        if (!is_flat_mirror(world, f))
             continue;
         const size_t k = find_class(classes, n, f->normal);
         if (k == MOST_CLASSES) {

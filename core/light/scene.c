@@ -70,19 +70,6 @@ static int settle(struct orl_description *d, struct orl_error *err)
     return code;
 }
 
-/* What is cut away, hidden by what stands for it, or apart from mist needs surfaces of its own in
- * every place. */
-static int settle_places(struct orl_description *d, struct orl_error *err)
-{
-    bool apart = false;
-    for (size_t i = 0; i < d->n_surfaces && !apart; i++) {
-        const struct orl_material *const m = &d->materials[d->surfaces[i].material];
-        apart =
-            m->kind == ORL_MATERIAL_ANTIMATTER || m->kind == ORL_MATERIAL_MIST || m->thickness != 0;
-    }
-    return apart ? orl_placements_expand(d, ORL_ALL_PLACES, err) : 0;
-}
-
 /* Each by itself: surfaces of one and of another, or of others, are not looked at together. */
 static int settle_prototypes(struct orl_description *d, struct orl_error *err)
 {
@@ -113,7 +100,8 @@ int orl_scene_settle(struct orl_description *description, struct orl_error *err)
     if (d->settled)
         return 0;
     d->n_read = orl_description_count_surfaces(d) + d->n_degenerate;
-    int code = settle_places(d, err);
+    int code =
+        orl_description_must_part(d) ? orl_placements_expand(d, ORL_ALL_PLACES, err) : 0;
     if (code == 0)
         code = settle(d, err);
     if (code == 0)

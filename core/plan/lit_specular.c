@@ -3,10 +3,11 @@
 #include "base/sobol.h"
 #include "light/direct.h"
 #include "light/path.h"
+#include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
-enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64 };
+enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64, MOST_PLACES = 4096 };
 
 /* Facets times lights: beyond this a look would take seconds. */
 static const double most_pairs = 2e5;
@@ -78,35 +79,79 @@ static bool is_lit(const struct look *look, uint32_t facet, bool front, enum orl
     return false;
 }
 
+static void look_at(struct look *look, uint32_t facet, enum orl_lit_kind kind)
+{
+    struct orl_lit_class *class = &look->lit->classes[kind];
+    const struct orl_material *const m =
+        &look->world->materials[orl_facet_of(look->world->geometry, facet)->material];
+    for (int side = 0; side < 2 && !class->lit; side++)
+        if (sent_on(m, side == 0, kind) > 0 && is_lit(look, facet, side == 0, kind)) {
+            class->lit = true;
+            class->facet = facet;
+        }
+}
+
+/* In all of its places. */
+static void look_at_placed(struct look *look, const struct orl_kept_walk *walk,
+                           enum orl_lit_kind kind)
+{
+    const struct orl_geometry *const g = look->world->geometry;
+    const uint32_t within = walk->facet - g->placed[walk->part->first_place].first_facet;
+    for (size_t i = walk->part->first_place; i < g->n_placed; i++)
+        if (g->placed[i].prototype == walk->part)
+            look_at(look, g->placed[i].first_facet + within, kind);
+}
+
 static void look_at_facets(struct look *look, enum orl_lit_kind kind)
 {
-    const struct orl_world *world = look->world;
-    struct orl_lit_class *class = &look->lit->classes[kind];
-    for (uint32_t i = 0;
-         i < world->geometry->n_facets && !class->lit && !orl_crew_cancelled(look->crew); i++) {
-        const struct orl_facet *f = &world->geometry->facets[i];
-        const struct orl_material *m = &world->materials[f->material];
-        if (!(f->area > 0) || !is_kind(f, m, kind))
+    const struct orl_world *const world = look->world;
+    const struct orl_lit_class *const class = &look->lit->classes[kind];
+    struct orl_kept_walk walk = orl_kept_walk(world->geometry);
+    while (!class->lit && !orl_crew_cancelled(look->crew) && orl_kept_next(&walk)) {
+        const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet);
+        if (!(f->area > 0) || !is_kind(f, &world->materials[f->material], kind))
             continue;
-        for (int side = 0; side < 2 && !class->lit; side++)
-            if (sent_on(m, side == 0, kind) > 0 && is_lit(look, i, side == 0, kind)) {
-                class->lit = true;
-                class->facet = i;
-            }
+        if (orl_facet_is_placed(world->geometry, walk.facet))
+            look_at_placed(look, &walk, kind);
+        else
+            look_at(look, walk.facet, kind);
     }
+}
+
+/* How many of its places matter: in a sealed scene those outside do not. */
+static size_t count_places(const struct orl_world *world, const struct orl_kept_walk *walk)
+{
+    const struct orl_geometry *const g = world->geometry;
+    size_t n = 0;
+    if (world->open || !orl_facet_is_placed(g, walk->facet) || walk->places > MOST_PLACES)
+        return walk->places;
+    for (size_t i = walk->part->first_place; i < g->n_placed; i++) {
+        static const double middle[2] = {0.5, 0.5};
+        struct orl_vec3 point, normal;
+        if (g->placed[i].prototype != walk->part)
+            continue;
+        orl_facet_sample(g, g->placed[i].first_facet, middle, &point, &normal);
+        n += !orl_world_is_outside(world, point);
+    }
+    return n;
 }
 
 static void count_facets(struct look *look)
 {
     const struct orl_world *world = look->world;
-    for (uint32_t i = 0; i < world->geometry->n_facets; i++) {
-        const struct orl_facet *f = &world->geometry->facets[i];
+    const struct orl_geometry *part = NULL;
+    size_t places = 0;
+    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
+        const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet);
         const struct orl_material *m = &world->materials[f->material];
-        for (int kind = 0; kind < ORL_LIT_KINDS && f->area > 0; kind++) {
+        if (walk.part != part)
+            places = count_places(world, &walk);
+        part = walk.part;
+        for (int kind = 0; kind < ORL_LIT_KINDS && f->area > 0 && places > 0; kind++) {
             struct orl_lit_class *class = &look->lit->classes[kind];
             if (!is_kind(f, m, (enum orl_lit_kind)kind))
                 continue;
-            class->facets++;
+            class->facets += places;
             for (int side = 0; side < 2; side++)
                 class->share = fmax(class->share, sent_on(m, side == 0, (enum orl_lit_kind)kind));
         }

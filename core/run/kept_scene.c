@@ -96,7 +96,7 @@ static int make(void *ctx, struct orl_error *err)
     struct orl_description *const d = r->description;
     begin(r);
     int code = orl_scene_parse_begun((const char *const *)job->scene_files, job->n_scene_files,
-                                     &r->sources, d, err);
+                                     &r->sources, state->swaps != NULL, d, err);
     d->cancel = state->env->cancel;
     if (code == 0 && state->swaps)
         code = orl_swaps_apply(state->swaps, job->n_scene_files, d, err);

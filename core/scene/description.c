@@ -19,6 +19,18 @@ static bool has_corners_of_its_own(const struct orl_surface *surfaces, size_t n)
     return false;
 }
 
+/* Returns whether surfaces stay, for the corners that a mesh gave them. */
+static bool let_go(struct orl_surface **surfaces, size_t n, struct orl_opposed **opposed)
+{
+    free(*opposed);
+    *opposed = NULL;
+    if (has_corners_of_its_own(*surfaces, n))
+        return true;
+    free(*surfaces);
+    *surfaces = NULL;
+    return false;
+}
+
 int orl_description_let_go(struct orl_description *description)
 {
     struct orl_description *const d = description;
@@ -31,18 +43,13 @@ int orl_description_let_go(struct orl_description *description)
         if (!p->labels)
             return ORL_ERR_NOMEM;
     }
-    for (size_t i = 0; i < d->n_prototypes; i++) {
-        free(d->prototypes[i].surfaces);
-        free(d->prototypes[i].opposed);
-        d->prototypes[i].surfaces = NULL;
-        d->prototypes[i].opposed = NULL;
-    }
-    free(d->opposed);
-    d->opposed = NULL;
-    if (has_corners_of_its_own(d->surfaces, d->n_surfaces))
+    bool meshed = false; /* patterns ask for the corners of some */
+    for (size_t i = 0; i < d->n_prototypes; i++)
+        meshed |= let_go(&d->prototypes[i].surfaces, d->prototypes[i].n_surfaces,
+                         &d->prototypes[i].opposed);
+    meshed |= let_go(&d->surfaces, d->n_surfaces, &d->opposed);
+    if (meshed)
         return 0;
-    free(d->surfaces);
-    d->surfaces = NULL;
     orl_arena_free(d->outlines);
     d->outlines = NULL;
     orl_sealed_close(&d->file);

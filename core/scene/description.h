@@ -191,9 +191,8 @@ struct orl_opposed {
     uint32_t surfaces[2];
 };
 
-/* Surfaces that stand in several places, and are kept once: as they stand in the first of them. All
- * are matt plastic or metal, or trans that spreads all light evenly, with no pattern and no
- * texture. */
+/* Surfaces that stand in several places, and are kept once: as they stand in the first of them
+ * (parse/repeats.h says which may). */
 struct orl_prototype {
     struct orl_surface *surfaces; /* as orl_description's, and so are the labels */
     size_t n_surfaces;
@@ -201,6 +200,7 @@ struct orl_prototype {
     struct orl_opposed *opposed; /* coincident.h */
     size_t n_opposed;
     size_t prefix_bytes; /* of their names: what was read there put that before them */
+    bool varied;         /* they have patterns or textures, which are where the first of them is */
 };
 
 /* One of those places (placements.h). */

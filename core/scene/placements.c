@@ -226,7 +226,7 @@ static uint64_t choose(struct expansion *e, size_t fewer_than)
     for (size_t i = 0; i < d->n_placements; i++)
         e->places[d->placements[i].prototype]++;
     for (size_t i = 0; i < d->n_prototypes; i++) {
-        e->places[i] = e->places[i] < fewer_than ? e->places[i] : 0;
+        e->places[i] = e->places[i] < fewer_than && !d->prototypes[i].varied ? e->places[i] : 0;
         n += (uint64_t)e->places[i] * d->prototypes[i].n_surfaces;
     }
     return n;
@@ -251,6 +251,17 @@ static int expand(struct expansion *e, uint64_t more, struct orl_error *err)
     d->n_surfaces = e->n;
     drop(e);
     return 0;
+}
+
+bool orl_description_must_part(const struct orl_description *description)
+{
+    for (size_t i = 0; i < description->n_surfaces; i++) {
+        const struct orl_material *const m =
+            &description->materials[description->surfaces[i].material];
+        if (m->kind == ORL_MATERIAL_ANTIMATTER || m->kind == ORL_MATERIAL_MIST || m->thickness != 0)
+            return true;
+    }
+    return false;
 }
 
 int orl_placements_expand(struct orl_description *description, size_t fewer_than,

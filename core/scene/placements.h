@@ -27,8 +27,12 @@ struct orl_vec3 orl_xform_normal(const struct orl_xform *xform, struct orl_vec3 
 struct orl_curved orl_xform_curved(const struct orl_xform *xform, const struct orl_curved *round);
 enum orl_surface_kind orl_xform_kind(const struct orl_xform *xform, enum orl_surface_kind kind);
 
+/* Whether something in the scene has to do with what surfaces lie where: what cuts them, hides
+ * them, or is apart from them. Then each place has surfaces of its own. */
+bool orl_description_must_part(const struct orl_description *description);
+
 /*
- * Prototypes in fewer places than that have their surfaces in each of them, among the others in the
+ * Prototypes in fewer places than that, but those that vary, have their surfaces in each of them, among the others in the
  * order of the files; of all of them by ORL_ALL_PLACES. Returns 0, ORL_ERR_LIMIT (more surfaces
  * than are allowed) or ORL_ERR_NOMEM.
  */

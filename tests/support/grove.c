@@ -22,6 +22,22 @@ static double uniform(struct orl_random *random, double low, double high)
     return low + (high - low) * orl_random_uniform(random);
 }
 
+#define BLADE "void trans blade 0 0 7 .2 .6 .2 0 0 .5 0\n"
+
+static const char matt[] = "void plastic bark 0 0 5 .4 .3 .2 0 0\n"
+                           "void plastic leaf 0 0 5 .1 .4 .1 0 0\n" BLADE;
+
+static const char *const materials[] = {
+    [GROVE_MATT] = matt,
+    [GROVE_BLADES] = matt,
+    [GROVE_GLOSSY] = "void metal bark 0 0 5 .4 .3 .2 .3 .2\n"
+                     "void plastic leaf 0 0 5 .1 .4 .1 .03 0\n",
+    [GROVE_VARIED] = "void brightfunc moss 6 .6+.4*sin(3*Px+Nz) . -rz 30 -s 2 0 0\n"
+                     "void texfunc furrows 4 .3*sin(9*Pz) 0 .2*Nx . 0 0\n"
+                     "moss texfunc folds 8 .2*Py .1 .2*Nx . -t 1 0 0 0 0\n"
+                     "furrows plastic bark 0 0 5 .4 .3 .2 .1 .2\n"
+                     "folds plastic leaf 0 0 5 .1 .4 .1 0 0\n"};
+
 /* Leaves anywhere in a box of 2 x 2 x 3, of two colours; some let light through. */
 static void add_triangle(FILE *f, struct orl_random *r, size_t number, bool blades)
 {
@@ -52,17 +68,16 @@ static void add_round(FILE *f, struct orl_random *r, size_t number)
                 uniform(r, -1, 1), uniform(r, -1, 1));
 }
 
-static char *make_tree(size_t triangles, size_t rounds, bool blades)
+static char *make_tree(size_t triangles, size_t rounds, enum grove_leaves leaves)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_PILOT, 7);
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     assert_non_null(f);
-    fprintf(f, "void plastic bark 0 0 5 .4 .3 .2 0 0\nvoid plastic leaf 0 0 5 .1 .4 .1 0 0\n"
-               "void trans blade 0 0 7 .2 .6 .2 0 0 .5 0\n");
+    fputs(materials[leaves], f);
     for (size_t i = 0; i < triangles; i++)
-        add_triangle(f, &random, i, blades);
+        add_triangle(f, &random, i, leaves == GROVE_BLADES);
     for (size_t i = 0; i < rounds; i++)
         add_round(f, &random, i);
     assert_int_equal(fclose(f), 0);
@@ -146,13 +161,13 @@ static void make_octree(struct grove_octree *octree, const char *name)
 
 void grove_init(struct grove *grove, size_t triangles, size_t rounds, size_t places)
 {
-    grove_init_with(grove, triangles, rounds, places, false);
+    grove_init_with(grove, triangles, rounds, places, GROVE_MATT);
 }
 
 void grove_init_with(struct grove *grove, size_t triangles, size_t rounds, size_t places,
-                     bool blades)
+                     enum grove_leaves leaves)
 {
-    grove->tree = make_tree(triangles, rounds, blades);
+    grove->tree = make_tree(triangles, rounds, leaves);
     grove->shared = make_scene(places, true);
     grove->expanded = make_scene(places, false);
     make_octree(&grove->octree, "tree.rad");

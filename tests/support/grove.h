@@ -25,11 +25,17 @@ struct grove {
     char *shared, *expanded;          /* scenes of a floor, and the tree in its places */
 };
 
+enum grove_leaves {
+    GROVE_MATT,
+    GROVE_BLADES, /* some triangles let light through, evenly */
+    GROVE_GLOSSY, /* leaves as smooth as wax, rough bark */
+    GROVE_VARIED, /* colours and normals by functions of the place and the normal */
+};
+
 /* triangles: of the tree; rounds: balls and cones besides; free by grove_done. */
 void grove_init(struct grove *grove, size_t triangles, size_t rounds, size_t places);
-/* blades: some triangles let light through, evenly. */
 void grove_init_with(struct grove *grove, size_t triangles, size_t rounds, size_t places,
-                     bool blades);
+                     enum grove_leaves leaves);
 void grove_done(struct grove *grove);
 
 /* Reads one of the scenes, or a text that names tree.rad, tree.oct, pair.oct, or once.rad, which

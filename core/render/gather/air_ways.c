@@ -1,5 +1,6 @@
 /* Whether anything sends suns and lamps on into mid-air. */
 #include "render/gather/air.h"
+#include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 
 static bool has_lamps(const struct orl_world *world)
@@ -39,13 +40,13 @@ static bool may_send_on(const struct orl_world *world)
     bool any_lobes = false, apart = false;
     if (world->n_suns == 0 && !lamps)
         return false;
-    for (size_t i = 0; i < g->n_facets; i++) {
-        const struct orl_facet *f = &g->facets[i];
+    for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);) {
+        const struct orl_facet *f = orl_facet_of(g, walk.facet);
         const struct orl_material *m = &world->materials[f->material];
         const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
         if (!(f->area > 0) || (!mirrors && !lobes && !orl_material_bends(m)))
             continue;
-        if (lamps || !is_flat(f) || m->texture || orl_material_bends(m) ||
+        if (lamps || orl_facet_is_placed(g, walk.facet) || !is_flat(f) || m->texture || orl_material_bends(m) ||
             (lobes && !orl_material_transmits_lobes(m)))
             return true;
         plane = plane ? plane : f;
@@ -63,8 +64,8 @@ bool orl_air_may_be_lit(const struct orl_world *world)
 bool orl_air_is_by_images(const struct orl_world *world)
 {
     const struct orl_geometry *g = world->geometry;
-    for (size_t i = 0; i < g->n_facets; i++)
-        if (orl_material_has_lobes(&world->materials[g->facets[i].material]))
+    for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);)
+        if (orl_material_has_lobes(&world->materials[orl_facet_of(g, walk.facet)->material]))
             return false;
     return !may_send_on(world);
 }

@@ -113,6 +113,7 @@ struct orl_geometry {
     struct orl_placed *placed; /* those places */
     size_t n_placed;
     size_t n_places;           /* a prototype's: how many; else 0 */
+    size_t first_place;        /* a prototype's: which of those places is the first that it has */
     bool curved;               /* it has facets that are not polygons, or what is placed has */
     struct orl_holes *holes;   /* antimatter.h: facets that are not there everywhere; NULL: none */
     uint32_t *met;             /* Embree's numbers are of these triangles; NULL: of couples */
@@ -352,10 +353,10 @@ static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
  */
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2]);
 
-/* A point uniform by area on a facet of the scene's own, with its front normal; u in [0,1)^2. */
+/* A point uniform by area on a facet, with its front normal; u in [0,1)^2. Of the scene's own alone,
+ * points of many pairs. */
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
-/* Points alone, of many pairs. */
 void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
                            const double (*u)[2], size_t n, struct orl_vec3 *ret_points);
 

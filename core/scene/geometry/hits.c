@@ -153,6 +153,10 @@ void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
+    if (orl_facet_is_placed(geometry, facet)) {
+        orl_placed_sample(geometry, facet, u, ret_point, ret_normal);
+        return;
+    }
     const struct orl_facet *f = &geometry->facets[facet];
     if (f->kind != ORL_SURFACE_POLYGON) {
         orl_quadric_sample(f, u, ret_point, ret_normal);

@@ -77,6 +77,35 @@ struct orl_facet orl_facet_at(const struct orl_geometry *geometry, uint32_t face
     return f;
 }
 
+struct orl_kept_walk orl_kept_walk(const struct orl_geometry *geometry)
+{
+    return (struct orl_kept_walk){.geometry = geometry, .part = geometry, .places = 1};
+}
+
+bool orl_kept_next(struct orl_kept_walk *walk)
+{
+    const struct orl_geometry *const g = walk->geometry;
+    while (walk->next == walk->part->n_facets) {
+        if (walk->next_prototype == g->n_prototypes)
+            return false;
+        walk->part = g->prototypes[walk->next_prototype++];
+        walk->places = walk->part->n_places;
+        walk->next = 0;
+    }
+    const uint32_t first = walk->part == g ? 0 : g->placed[walk->part->first_place].first_facet;
+    walk->facet = first + (uint32_t)walk->next++;
+    return true;
+}
+
+void orl_placed_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
+                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
+{
+    const struct orl_placed *const placed = orl_placed_of(geometry, facet);
+    orl_facet_sample(placed->prototype, facet - placed->first_facet, u, ret_point, ret_normal);
+    *ret_point = orl_xform_point(&placed->to, *ret_point);
+    *ret_normal = orl_xform_normal(&placed->to, *ret_normal);
+}
+
 void orl_placed_hit(const struct orl_geometry *geometry, const struct orl_placed *placed,
                     struct orl_vec3 origin, struct orl_vec3 direction, struct orl_hit *hit)
 {
@@ -88,6 +117,29 @@ void orl_placed_hit(const struct orl_geometry *geometry, const struct orl_placed
     hit->triangle = round ? 0 : hit->triangle + placed->first_triangle;
     hit->instance = (uint32_t)(placed - geometry->placed) + 1;
     hit->front = hit->front != placed->to.inverted;
+}
+
+struct orl_hit orl_placed_as_read(const struct orl_geometry *geometry, const struct orl_hit *hit)
+{
+    const struct orl_placed *const placed = &geometry->placed[hit->instance - 1];
+    struct orl_hit read = *hit;
+    read.point = orl_add(orl_xform_point(&placed->from, hit->point),
+                         orl_sub(placed->prototype->center, geometry->center));
+    read.normal = orl_xform_normal(&placed->from, hit->normal);
+    read.instance = 0;
+    return read;
+}
+
+struct orl_vec3 orl_placed_direction_read(const struct orl_geometry *geometry,
+                                          const struct orl_hit *hit, struct orl_vec3 direction)
+{
+    return orl_xform_direction(&geometry->placed[hit->instance - 1].from, direction);
+}
+
+struct orl_vec3 orl_placed_direction(const struct orl_geometry *geometry, const struct orl_hit *hit,
+                                     struct orl_vec3 read)
+{
+    return orl_xform_direction(&geometry->placed[hit->instance - 1].to, read);
 }
 
 /* ---- Building -------------------------------------------------------------------------------- */
@@ -132,8 +184,10 @@ bool orl_placed_measure(struct orl_geometry *geometry, const struct orl_descript
         struct orl_xform moved = orl_xform_identity;
         moved.offset = prototype->center;
         placed->prototype = prototype;
+        placed->number = placement->prototype;
         placed->to = orl_xform_compose(&placement->xform, &moved);
-        prototype->n_places++;
+        if (prototype->n_places++ == 0)
+            prototype->first_place = i;
         if (orl_is_cancelled(description->cancel))
             continue; /* whoever builds it sees so, too */
         bound(placed);

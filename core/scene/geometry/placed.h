@@ -4,8 +4,8 @@
  *
  * Numbers: facets and triangles of a place follow those of the scene itself and of the places
  * before. Most of them have nothing of their own: orl_facet_of is the prototype's, whose kind and
- * material hold; orl_facet_at is as it stands. They are no lamps, clear panes or mirrors, and have
- * neither patterns nor textures; arrays by facet are of the scene's own alone.
+ * material hold; orl_facet_at is as it stands. They are no lamps and no panes; arrays by facet are
+ * of the scene's own alone.
  */
 #ifndef ORL_SCENE_GEOMETRY_PLACED_H
 #define ORL_SCENE_GEOMETRY_PLACED_H
@@ -15,6 +15,7 @@
 
 struct orl_placed {
     const struct orl_geometry *prototype;
+    uint32_t number; /* of it */
     struct orl_xform to, from; /* between its coordinates, moved as its are, and the scene's */
     double offset;             /* of all its facets (orl_facet) */
     uint32_t first_facet, first_triangle;
@@ -29,9 +30,46 @@ const struct orl_placed *orl_placed_of(const struct orl_geometry *geometry, uint
 struct orl_facet orl_facet_at(const struct orl_geometry *geometry, uint32_t facet,
                               struct orl_curved *room);
 
+/*
+ * All that is kept, the scene's own facets and then those of each prototype, by their numbers in
+ * its first place: for (walk = orl_kept_walk(g); orl_kept_next(&walk);).
+ */
+struct orl_kept_walk {
+    const struct orl_geometry *geometry;
+    const struct orl_geometry *part; /* whose facet it is: the scene's, or a prototype */
+    uint32_t facet;
+    size_t places; /* that it stands in */
+    size_t next;   /* the number within the part, and the prototype, that come then */
+    size_t next_prototype;
+};
+struct orl_kept_walk orl_kept_walk(const struct orl_geometry *geometry);
+bool orl_kept_next(struct orl_kept_walk *walk);
+
+/* A point on a facet of a place, as orl_facet_sample. */
+void orl_placed_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
+                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
+
 /* A hit on the prototype as one on the scene, of a ray from there. */
 void orl_placed_hit(const struct orl_geometry *geometry, const struct orl_placed *placed,
                     struct orl_vec3 origin, struct orl_vec3 direction, struct orl_hit *hit);
+
+/* Whether it is on something placed. */
+static inline bool orl_hit_is_placed(const struct orl_geometry *geometry,
+                                     const struct orl_hit *hit)
+{
+    return hit->instance - 1 < geometry->n_placed;
+}
+
+/*
+ * A hit on a place as one where its prototype was read, which is how functions of the place have
+ * been written for it: point and normal there, the facet by its number; the instance is 0. And
+ * directions, there and back.
+ */
+struct orl_hit orl_placed_as_read(const struct orl_geometry *geometry, const struct orl_hit *hit);
+struct orl_vec3 orl_placed_direction_read(const struct orl_geometry *geometry,
+                                          const struct orl_hit *hit, struct orl_vec3 direction);
+struct orl_vec3 orl_placed_direction(const struct orl_geometry *geometry, const struct orl_hit *hit,
+                                     struct orl_vec3 read);
 
 /*
  * Makes the places of prototypes that are built. The scene's own bounds are known, in the files'

@@ -125,8 +125,8 @@ static void pass_image(struct orl_stream *stream, struct orl_pattern *p, bool *h
     image.bands = NULL;
     image.known = NULL;
     image.n_known = 0;
-    image.facets = NULL;
-    image.surfaces = NULL;
+    image.geometry = NULL;
+    image.description = NULL;
     for (size_t i = 0; i < ORL_GRID_CHANNELS; i++)
         image.grids[i] = NULL;
     for (int i = 0; i < 2; i++)

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "scene/geometry/placed.h"
 #include "scene/material/text.h"
 
 enum { LANES = ORL_FUNCTION_LANES };
@@ -71,10 +72,25 @@ static void look_up(const struct orl_pattern *pattern, const double *place, doub
 
 static const uint32_t no_facet = UINT32_MAX; /* of distant light */
 
+/* NULL: none has corners of its own. */
+const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
+                                              const struct orl_hit *hit)
+{
+    const struct orl_geometry *const g = pattern->geometry;
+    const struct orl_description *const d = pattern->description;
+    if (!g || hit->facet == no_facet)
+        return NULL;
+    const struct orl_surface *const surfaces =
+        orl_facet_is_placed(g, hit->facet)
+            ? d->prototypes[orl_placed_of(g, hit->facet)->number].surfaces
+            : d->surfaces;
+    return surfaces ? &surfaces[orl_facet_of(g, hit->facet)->surface] : NULL;
+}
+
 void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,
                          double *ret_b, double *ret_c)
 {
-    const struct orl_surface *s = &pattern->surfaces[pattern->facets[hit->facet].surface];
+    const struct orl_surface *s = orl_pattern_surface(pattern, hit);
     const struct orl_vec3 ab = orl_sub(s->vertices[1], s->vertices[0]);
     const struct orl_vec3 ac = orl_sub(s->vertices[2], s->vertices[0]), n = orl_cross(ab, ac);
     const struct orl_vec3 ap = orl_sub(orl_add(hit->point, pattern->center), s->vertices[0]);
@@ -87,11 +103,9 @@ void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit
 static void find_place(const struct orl_pattern *pattern, const struct orl_hit *hit,
                        double ret_place[2])
 {
+    const struct orl_surface *const s = orl_pattern_surface(pattern, hit);
+    const double *const at = s ? orl_surface_places(s) : NULL;
     ret_place[0] = ret_place[1] = 0;
-    if (hit->facet == no_facet || !pattern->facets)
-        return;
-    const struct orl_surface *s = &pattern->surfaces[pattern->facets[hit->facet].surface];
-    const double *const at = orl_surface_places(s);
     if (!at)
         return;
     double b, c;
@@ -284,6 +298,11 @@ enum orl_pattern_worth orl_pattern_factor(const struct orl_pattern *pattern,
                                           const struct orl_hit *hit, struct orl_vec3 towards,
                                           struct orl_rgb *ret_factor)
 {
+    if (hit->instance > 0 && pattern->geometry && orl_hit_is_placed(pattern->geometry, hit)) {
+        const struct orl_hit read = orl_placed_as_read(pattern->geometry, hit);
+        const struct orl_vec3 there = orl_placed_direction_read(pattern->geometry, hit, towards);
+        return orl_pattern_factor(pattern, &read, there, ret_factor);
+    }
     enum orl_pattern_worth worth = own_factor(pattern, hit, towards, ret_factor);
     for (const struct orl_pattern *p = pattern->under; p; p = p->under) {
         struct orl_rgb factor;

@@ -28,7 +28,8 @@
  * A texture (texture.h) is one whose three values turn the normal; both sorts may modify each
  * other.
  *
- * Frames: hits are in the geometry's moved coordinates, functions in their own. Ownership: a
+ * Frames: hits are in the geometry's moved coordinates, functions in their own. What the scene keeps
+ * once for several places (placed.h) is asked where it was read. Ownership: a
  * description owns its patterns. Threads: immutable once settled; each thread has scratch of its
  * own.
  */
@@ -98,9 +99,9 @@ struct orl_pattern {
     struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
     struct orl_vec3 offset;
     double scale;                   /* lengths of the function's in units of the files' */
-    struct orl_vec3 center;         /* the geometry's */
-    const struct orl_facet *facets; /* the geometry's, and the surfaces that they are of */
-    const struct orl_surface *surfaces;
+    struct orl_vec3 center;              /* the geometry's */
+    const struct orl_geometry *geometry; /* NULL: before there is one */
+    const struct orl_description *description; /* that it is of */
     struct orl_rgb mean, most;
 };
 
@@ -135,7 +136,10 @@ enum { ORL_PATTERN_ANGLES = 6 };
 bool orl_pattern_of_angle(const struct orl_pattern *pattern, double cosine,
                           double ret_values[ORL_PATTERN_ANGLES]);
 
-/* Shares of a triangle's corners b and c at a hit on it. */
+/* The surface that was hit, as it was read: of meshes, which alone are kept. Shares of a triangle's
+ * corners b and c at a hit on it. */
+const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
+                                              const struct orl_hit *hit);
 void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,
                          double *ret_b, double *ret_c);
 

@@ -7,6 +7,7 @@
 
 #include <oriel/units.h>
 
+#include "scene/geometry/placed.h"
 #include "scene/material/hemisphere.h"
 
 enum { PLACES = 1024, FEWEST = 64, ALL_PLACES = 1 << 22 };
@@ -22,20 +23,21 @@ struct spread {
     double area;
 };
 
-/* Facets by patterns: those of pattern i are from first[i] on. NULL without memory. */
+/* Facets by patterns, of what is kept once in its first place: those of pattern i are from first[i] on. NULL without memory. */
 static uint32_t *sort_facets(const struct orl_description *d, const struct orl_geometry *g,
                              size_t *first)
 {
     uint32_t *sorted = NULL;
     for (int pass = 0; pass < 2 && (pass == 0 || sorted); pass++) {
-        for (size_t i = 0; i < g->n_facets; i++) {
+        for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);) {
             struct orl_pattern *all[ORL_MATERIAL_PATTERNS];
-            const size_t n = orl_patterns_of(&d->materials[g->facets[i].material], all);
+            const uint32_t material = orl_facet_of(g, walk.facet)->material;
+            const size_t n = orl_patterns_of(&d->materials[material], all);
             for (size_t k = 0; k < n; k++)
                 if (pass == 0)
                     first[all[k]->index + 2]++;
                 else
-                    sorted[first[all[k]->index + 1]++] = (uint32_t)i;
+                    sorted[first[all[k]->index + 1]++] = walk.facet;
         }
         for (size_t i = 0; pass == 0 && i < d->n_patterns; i++)
             first[i + 2] += first[i + 1];
@@ -60,6 +62,15 @@ static struct orl_rgb larger(struct orl_rgb a, struct orl_rgb b)
     return (struct orl_rgb){fmax(a.r, b.r), fmax(a.g, b.g), fmax(a.b, b.b)};
 }
 
+/* In all of its places. */
+static double area_of(const struct orl_geometry *g, uint32_t facet)
+{
+    struct orl_curved room;
+    const double area = orl_facet_at(g, facet, &room).area;
+    return orl_facet_is_placed(g, facet) ? area * (double)orl_placed_of(g, facet)->prototype->n_places
+                                         : area;
+}
+
 /* n places of even area, within a facet by a sequence of low discrepancy (Roberts'). */
 static int evaluate(struct orl_pattern *pattern, const struct spread *spread, size_t n,
                     size_t *ret_without, struct orl_error *err)
@@ -74,9 +85,12 @@ static int evaluate(struct orl_pattern *pattern, const struct spread *spread, si
         const double u[2] = {x - floor(x), y - floor(y)};
         struct orl_hit hit = {.front = true};
         struct orl_rgb value;
-        while (at + 1 < spread->n && passed + g->facets[spread->facets[at]].area < wanted)
-            passed += g->facets[spread->facets[at++]].area;
+        while (at + 1 < spread->n && passed + area_of(g, spread->facets[at]) < wanted)
+            passed += area_of(g, spread->facets[at++]);
         hit.facet = spread->facets[at];
+        hit.instance = orl_facet_is_placed(g, hit.facet)
+                           ? (uint32_t)(orl_placed_of(g, hit.facet) - g->placed) + 1
+                           : 0;
         orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
         const double round = 0.8191725133961645 * ((double)k + 1),
                      down = 0.6710436067037893 * ((double)k + 1);
@@ -194,15 +208,6 @@ static int settle_distants(struct orl_description *description, const size_t *fi
     return code;
 }
 
-/* Whether a mesh gives some their places or normals; nothing else asks for the surfaces. */
-static bool have_corners_of_their_own(const struct orl_description *description)
-{
-    for (size_t i = 0; i < description->n_surfaces; i++)
-        if (description->surfaces[i].has_places || description->surfaces[i].has_normals)
-            return true;
-    return false;
-}
-
 int orl_patterns_settle(struct orl_description *description, const struct orl_geometry *geometry,
                         struct orl_error *err)
 {
@@ -210,16 +215,15 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
     const size_t places = n > ALL_PLACES / PLACES ? FEWEST + ALL_PLACES / n : PLACES;
     size_t *const first = calloc(n + 3, sizeof *first);
     uint32_t *const sorted = first ? sort_facets(description, geometry, first) : NULL;
-    const bool meshed = have_corners_of_their_own(description);
     int code = sorted ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; code == 0 && i < n; i++) {
         struct orl_pattern *const pattern = description->patterns[i];
         struct spread spread = {geometry, sorted + first[i], first[i + 1] - first[i], 0};
         for (size_t k = 0; k < spread.n; k++)
-            spread.area += geometry->facets[spread.facets[k]].area;
+            spread.area += area_of(geometry, spread.facets[k]);
         pattern->center = geometry->center;
-        pattern->facets = meshed ? geometry->facets : NULL;
-        pattern->surfaces = meshed ? description->surfaces : NULL;
+        pattern->geometry = geometry;
+        pattern->description = description;
         pattern->mean = pattern->most = orl_gray(1);
         size_t without = 0;
         if (spread.area > 0)

@@ -1,14 +1,14 @@
 #include "scene/material/texture.h"
 
+#include "scene/geometry/placed.h"
 #include "scene/material/pattern.h"
 
 /* What the mesh's normals differ by from the facet's; nothing before there are facets. */
 static struct orl_vec3 smoothed(const struct orl_pattern *texture, const struct orl_hit *hit)
 {
-    const struct orl_vec3 *normals = NULL;
+    const struct orl_surface *const s = orl_pattern_surface(texture, hit);
+    const struct orl_vec3 *const normals = s ? orl_surface_normals(s) : NULL;
     double b, c;
-    if (texture->facets)
-        normals = orl_surface_normals(&texture->surfaces[texture->facets[hit->facet].surface]);
     if (!normals)
         return orl_v3(0, 0, 0);
     orl_pattern_corners(texture, hit, &b, &c);
@@ -33,8 +33,9 @@ static struct orl_vec3 turn_of(const struct orl_pattern *texture, const struct o
     return isfinite(sum.x) && isfinite(sum.y) && isfinite(sum.z) ? sum : orl_v3(0, 0, 0);
 }
 
-struct orl_vec3 orl_texture_normal(const struct orl_pattern *texture, const struct orl_hit *hit,
-                                   struct orl_vec3 from)
+/* Where the surface stands as it was read. */
+static struct orl_vec3 turned_normal(const struct orl_pattern *texture, const struct orl_hit *hit,
+                                     struct orl_vec3 from)
 {
     const bool front = orl_dot(from, hit->normal) >= 0;
     const struct orl_vec3 plain = front ? hit->normal : orl_neg(hit->normal);
@@ -49,4 +50,15 @@ struct orl_vec3 orl_texture_normal(const struct orl_pattern *texture, const stru
     sum = orl_scale(sum, (front ? 1 : -1) / length);
     const double cosine = orl_dot(sum, from);
     return cosine >= 0 ? sum : orl_normalize(orl_madd(sum, from, -2 * cosine));
+}
+
+struct orl_vec3 orl_texture_normal(const struct orl_pattern *texture, const struct orl_hit *hit,
+                                   struct orl_vec3 from)
+{
+    const struct orl_geometry *const g = texture->geometry;
+    if (hit->instance == 0 || !g || !orl_hit_is_placed(g, hit))
+        return turned_normal(texture, hit, from);
+    const struct orl_hit read = orl_placed_as_read(g, hit);
+    const struct orl_vec3 there = orl_placed_direction_read(g, hit, from);
+    return orl_placed_direction(g, hit, turned_normal(texture, &read, there));
 }

@@ -9,6 +9,7 @@
 #include "scene/parse/luminaires.h"
 #include "scene/parse/markers.h"
 #include "scene/parse/objects.h"
+#include "scene/placements.h"
 
 static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
@@ -253,12 +254,22 @@ static int parse(struct orl_parser *parser, const char *const *names, size_t cou
     return code == 0 ? finish(parser, err) : code;
 }
 
-int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sources *sources,
-                          struct orl_description *ret_description, struct orl_error *err)
+/* Whether it keeps patterns once where each place has to have its own. */
+static bool is_to_part(const struct orl_description *d)
+{
+    bool varied = false;
+    for (size_t i = 0; i < d->n_prototypes; i++)
+        varied = varied || d->prototypes[i].varied;
+    return varied && orl_description_must_part(d);
+}
+
+static int parse_whole(const char *const *names, size_t count, struct orl_sources *sources,
+                       bool plain, struct orl_description *ret_description, struct orl_error *err)
 {
     struct orl_error local = {0};
     struct orl_description out = {.arena = sources->arena};
-    struct orl_parser parser = {.out = &out, .sources = *sources, .void_material = -1};
+    struct orl_parser parser = {
+        .out = &out, .sources = *sources, .void_material = -1, .repeats = {.plain = plain}};
     size_t *index = calloc(count ? count : 1, sizeof *index);
     err = err ? err : &local;
     memset(sources, 0, sizeof *sources);
@@ -280,12 +291,27 @@ int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sou
     return code;
 }
 
+int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sources *sources,
+                          bool apart, struct orl_description *ret_description,
+                          struct orl_error *err)
+{
+    const struct orl_files *const files = sources->files;
+    const struct orl_bsdf_loader *const loader = sources->loader;
+    int code = parse_whole(names, count, sources, apart, ret_description, err);
+    if (code == 0 && is_to_part(ret_description)) {
+        orl_description_done(ret_description);
+        orl_sources_init(sources, files, loader, orl_arena_new());
+        code = parse_whole(names, count, sources, true, ret_description, err);
+    }
+    return code;
+}
+
 int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
                     struct orl_description *ret_description, struct orl_error *err)
 {
     struct orl_sources sources;
     orl_sources_init(&sources, files, NULL, orl_arena_new());
-    return orl_scene_parse_begun(names, count, &sources, ret_description, err);
+    return orl_scene_parse_begun(names, count, &sources, false, ret_description, err);
 }
 
 int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
@@ -294,5 +320,5 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
 {
     struct orl_sources sources;
     orl_sources_init(&sources, files, loader, orl_arena_new());
-    return orl_scene_parse_begun(names, count, &sources, ret_description, err);
+    return orl_scene_parse_begun(names, count, &sources, false, ret_description, err);
 }

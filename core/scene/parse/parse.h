@@ -23,8 +23,10 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
                          const struct orl_bsdf_loader *loader,
                          struct orl_description *ret_description, struct orl_error *err);
 /* The same by sources of which some of the main files are open, in their order, and nothing else;
- * they and their arena are taken over, also on failure. */
+ * they and their arena are taken over, also on failure. apart: places of what has patterns are to
+ * have surfaces of their own, for some will be given other materials (swap.h). */
 int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sources *sources,
-                          struct orl_description *ret_description, struct orl_error *err);
+                          bool apart, struct orl_description *ret_description,
+                          struct orl_error *err);
 
 #endif

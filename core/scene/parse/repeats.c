@@ -6,6 +6,8 @@
 #include <oriel/limits.h>
 
 #include "base/grow.h"
+#include "function/ray_names.h"
+#include "scene/material/pattern.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/parser.h"
 #include "scene/placements.h"
@@ -18,6 +20,15 @@ static bool same_key(const struct orl_repeat_key *a, const struct orl_repeat_key
 {
     return a->data == b->data && a->is_mesh == b->is_mesh && a->is_modified == b->is_modified &&
            a->kind == b->kind && a->index == b->index;
+}
+
+/* Whether a file is what the key names in that scope. Normals that functions ask for are the other
+ * way round in what is inverted. */
+static bool stands_for(const struct orl_repeat *item, const struct orl_repeat_key *key,
+                       const struct orl_scope *scope)
+{
+    return same_key(&item->key, key) &&
+           !(item->varied && item->back.inverted != scope->xform.inverted);
 }
 
 /* The scope's prefix and its full stop, and behind them a name, or nothing; NULL: no memory. */
@@ -42,7 +53,8 @@ struct orl_repeat_mark orl_repeats_mark(const struct orl_parser *parser)
                                     .distants = d->n_distants,
                                     .skies = d->n_skies,
                                     .refused = parser->refusals.n,
-                                    .places = parser->repeats.n_places};
+                                    .places = parser->repeats.n_places,
+                                    .patterns = d->n_patterns};
 }
 
 int orl_repeats_place(struct orl_parser *parser, const struct orl_repeat_key *key,
@@ -50,10 +62,11 @@ int orl_repeats_place(struct orl_parser *parser, const struct orl_repeat_key *ke
 {
     struct orl_repeats *const r = &parser->repeats;
     size_t at = 0;
-    while (at < r->n && !same_key(&r->items[at].key, key))
+    while (at < r->n && !stands_for(&r->items[at], key, scope))
         at++;
     if (at == r->n)
         return 0;
+    const struct orl_xform xform = orl_xform_compose(&scope->xform, &r->items[at].back);
     if (r->n_places >= ORL_LIMIT_PLACEMENTS)
         return orl_error_set(err, ORL_ERR_LIMIT, "more than %lu instances and meshes",
                              ORL_LIMIT_PLACEMENTS);
@@ -64,7 +77,7 @@ int orl_repeats_place(struct orl_parser *parser, const struct orl_repeat_key *ke
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     r->places[r->n_places++] =
         (struct orl_placement){.prototype = (uint32_t)at,
-                               .xform = orl_xform_compose(&scope->xform, &r->items[at].back),
+                               .xform = xform,
                                .name = name,
                                .prefix = prefix,
                                .before = parser->out->n_surfaces,
@@ -73,24 +86,73 @@ int orl_repeats_place(struct orl_parser *parser, const struct orl_repeat_key *ke
     return 1;
 }
 
-/* Matt, or as a leaf is: what gets through is spread evenly, too. */
-static bool is_plain(const struct orl_material *m)
+/* Plastic or metal, of no grain, or as a leaf is: what gets through is spread evenly. */
+static bool is_simple(const struct orl_material *m)
 {
-    const bool leaf =
-        m->kind == ORL_MATERIAL_TRANS && m->specular == 0 && m->transmitted_specular == 0;
-    return (orl_material_is_matt(m) || leaf) && !m->pattern && !m->texture;
+    const bool leaf = m->kind == ORL_MATERIAL_TRANS && m->transmitted_specular == 0;
+    const bool grained = orl_dot(m->grain, m->grain) > 0;
+    return (m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL || leaf) && !grained &&
+           m->side == ORL_EVENLY_BOTH;
 }
 
-static bool is_fit(const struct orl_parser *parser, const struct orl_repeat_mark *before)
+static bool is_varied(const struct orl_material *m)
 {
+    return m->pattern || m->texture || m->rough;
+}
+
+static uint64_t inputs_of(const struct orl_pattern *p)
+{
+    return (p->function ? orl_function_inputs(p->function) : 0) |
+           (p->values ? orl_function_inputs(p->values) : 0);
+}
+
+static uint64_t fixed_inputs_of(const struct orl_pattern *p)
+{
+    return (p->function ? orl_function_fixed_inputs(p->function) : 0) |
+           (p->values ? orl_function_fixed_inputs(p->values) : 0);
+}
+
+/* Whether a pattern, with those under it and those that it mixes, means in each place what it
+ * means in the first, taken there. */
+static bool moves_along(const struct orl_pattern *pattern, size_t first_within)
+{
+    const uint64_t mesh = UINT64_C(1) << ORL_RAY_LU | UINT64_C(1) << ORL_RAY_LV;
+    const uint64_t data = ~UINT64_C(0) << ORL_RAY_DATA;
+    bool moves = true;
+    for (const struct orl_pattern *p = pattern; p && moves; p = p->under) {
+        const bool within = p->index >= first_within;
+        moves = p->smooth || p->fixed ||
+                (within ? fixed_inputs_of(p) == 0 : !p->text && !(inputs_of(p) & ~mesh & ~data));
+        for (int i = 0; i < 2 && moves && p->mixture; i++)
+            moves = moves_along(p->mixed[i].pattern, first_within);
+    }
+    return moves;
+}
+
+static bool is_plain(const struct orl_parser *parser, const struct orl_material *m,
+                     size_t first_within)
+{
+    if (!is_simple(m) || (is_varied(m) && parser->repeats.plain))
+        return false;
+    return moves_along(m->pattern, first_within) && moves_along(m->texture, first_within) &&
+           moves_along(m->rough, first_within);
+}
+
+static bool is_fit(const struct orl_parser *parser, const struct orl_repeat_mark *before,
+                   bool *ret_varied)
+{
+    *ret_varied = false;
     const struct orl_description *const d = parser->out;
     const struct orl_repeat_mark now = orl_repeats_mark(parser);
     if (now.surfaces < before->surfaces + LEAST_SURFACES || now.distants > before->distants ||
         now.skies > before->skies || now.refused > before->refused || now.places > before->places)
         return false;
-    for (size_t i = before->surfaces; i < now.surfaces; i++)
-        if (!is_plain(&d->materials[d->surfaces[i].material]))
+    for (size_t i = before->surfaces; i < now.surfaces; i++) {
+        const struct orl_material *const m = &d->materials[d->surfaces[i].material];
+        if (!is_plain(parser, m, before->patterns))
             return false;
+        *ret_varied = *ret_varied || is_varied(m);
+    }
     return true;
 }
 
@@ -99,7 +161,8 @@ int orl_repeats_note(struct orl_parser *parser, const struct orl_repeat_key *key
                      struct orl_error *err)
 {
     struct orl_repeats *const r = &parser->repeats;
-    if (!is_fit(parser, before))
+    bool varied;
+    if (!is_fit(parser, before, &varied))
         return 0;
     const char *const prefix = prefixed(parser, scope, "");
     /* What was read within is a part of this, and in no other place yet. */
@@ -112,6 +175,7 @@ int orl_repeats_note(struct orl_parser *parser, const struct orl_repeat_key *key
                                            .end = parser->out->n_surfaces,
                                            .main_file = parser->out->n_first_surfaces - 1,
                                            .prefix = prefix,
+                                           .varied = varied,
                                            .back = orl_xform_inverse(&scope->xform)};
     return 0;
 }
@@ -150,6 +214,7 @@ static bool take_out(const struct orl_repeat *item, struct orl_description *d)
     memcpy(prototype->surfaces, d->surfaces + item->first, n * sizeof *prototype->surfaces);
     prototype->n_surfaces = n;
     prototype->prefix_bytes = strlen(item->prefix);
+    prototype->varied = item->varied;
     d->n_prototypes++;
     return true;
 }

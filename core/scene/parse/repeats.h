@@ -2,10 +2,15 @@
  * Compiled files that a scene has in several places (instance, mesh), such as trees: read once, and
  * kept once where the scene has them in four places or more.
  *
- * That is for files of at least 64 surfaces, all of them matt plastic or metal with no pattern and
- * no texture; what shines, lets light through or varies needs surfaces of its own in every place,
- * and so do files that have any of that in them. Of a file that is in fewer places the surfaces
- * stand in each, in the order of the files.
+ * That is for files of at least 64 surfaces, all of them plastic or metal, or trans that spreads
+ * evenly what it lets through, none of them brushed. What shines or lets light through otherwise
+ * needs surfaces of its own in every place, and so do files that have any of that in them. Of a
+ * file that is in fewer places the surfaces stand in each, in the order of the files.
+ *
+ * Patterns and textures of such a file are its own, and asked where it was read first
+ * (geometry/placed.h): those that come from outside it may depend on a mesh's coordinates alone,
+ * others not on where the world is in their frame (Ix, Tx and the like). Files that have any are
+ * kept once in two places already.
  */
 #ifndef ORL_SCENE_PARSE_REPEATS_H
 #define ORL_SCENE_PARSE_REPEATS_H
@@ -33,6 +38,7 @@ struct orl_repeat {
     const char *prefix;    /* of names there, with its full stop; in the arena */
     struct orl_xform back; /* from there to the file's own coordinates */
     size_t n_places;       /* besides */
+    bool varied;           /* it has patterns or textures */
 };
 
 struct orl_repeats {
@@ -40,11 +46,12 @@ struct orl_repeats {
     size_t n, room;
     struct orl_placement *places; /* prototype: of items */
     size_t n_places, places_room;
+    bool plain; /* what has patterns is not kept once */
 };
 
 /* What there was before a file was read. */
 struct orl_repeat_mark {
-    size_t surfaces, distants, skies, refused, places;
+    size_t surfaces, distants, skies, refused, places, patterns;
 };
 struct orl_repeat_mark orl_repeats_mark(const struct orl_parser *parser);
 
