@@ -100,8 +100,7 @@ int orl_scene_settle(struct orl_description *description, struct orl_error *err)
     if (d->settled)
         return 0;
     d->n_read = orl_description_count_surfaces(d) + d->n_degenerate;
-    int code =
-        orl_description_must_part(d) ? orl_placements_expand(d, ORL_ALL_PLACES, err) : 0;
+    int code = orl_description_must_part(d) ? orl_placements_expand(d, ORL_ALL_PLACES, err) : 0;
     if (code == 0)
         code = settle(d, err);
     if (code == 0)

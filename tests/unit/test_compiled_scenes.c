@@ -15,12 +15,14 @@
 #include <oriel/files.h>
 
 #include "scene/material/pattern.h"
+#include "scene/material/scatter.h"
+#include "scene/material/texture.h"
 #include "scene/parse/parse.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
 struct bytes {
-    unsigned char data[4096];
+    unsigned char data[8192];
     size_t size;
 };
 
@@ -182,7 +184,50 @@ static void make_mesh(struct bytes *b, int flags)
     put_int(b, 0, 2);
 }
 
+enum { SIDE = 9 }; /* corners of a cushion's side */
+
+/* A cushion of 128 triangles in one patch, with places, and normals of the three directions. */
+static void make_cushion(struct bytes *b)
+{
+    b->size = 0;
+    put_header(b, "Radiance_tmesh", 319);
+    for (int i = 0; i < 2; i++) {
+        put_number(b, -1);
+        put_number(b, 3);
+    }
+    put_int(b, 0, 1);
+    put_types(b);
+    put_primitive(b, -1, PLASTIC, "paint", gray, 5);
+    put_int(b, -1, 1);
+    put_int(b, 1, 4);
+    put_int(b, POINTS | NORMALS | PLACES, 1);
+    put_int(b, SIDE * SIDE, 2);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = i % SIDE / 8.0, y = i / SIDE / 8.0; /* of 8 steps */
+        put_corner(b, x, y, 1 + x * (1 - x) + y * (1 - y));
+    }
+    for (int i = 0; i < SIDE * SIDE; i++)
+        put_int(b, directions[i % 3], 4);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        put_int(b, (int64_t)((1 + i % SIDE / 8.0) / 4 * 4294967296.0), 4);
+        put_int(b, (int64_t)((1 + i / SIDE / 8.0) / 4 * 4294967296.0), 4);
+    }
+    put_int(b, 2 * (SIDE - 1) * (SIDE - 1), 2);
+    for (int i = 0; i < (SIDE - 1) * (SIDE - 1); i++) {
+        const int at = i / (SIDE - 1) * SIDE + i % (SIDE - 1);
+        const int corners[6] = {at, at + 1, at + SIDE, at + 1, at + SIDE + 1, at + SIDE};
+        for (int k = 0; k < 6; k++)
+            put_int(b, corners[k], 1);
+    }
+    put_int(b, 1, 2);
+    put_int(b, 0, 2);
+    put_int(b, 0, 2);
+    put_int(b, 0, 2);
+}
+
 /* ---- Reading --------------------------------------------------------------------------------- */
+
+static bool parse_apart; /* each place has surfaces of its own */
 
 static int parse(const char *scene, const struct bytes *compiled, size_t size, const char *other,
                  struct orl_description *ret, struct orl_error *err)
@@ -193,8 +238,10 @@ static int parse(const char *scene, const struct bytes *compiled, size_t size, c
                                         {other, strlen(other), NULL}};
     struct orl_memory_files memory = {names, contents, 3};
     const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_sources sources;
     *err = (struct orl_error){0};
-    return orl_scene_parse(names, 1, &files, ret, err);
+    orl_sources_init(&sources, &files, NULL, orl_arena_new());
+    return orl_scene_parse_begun(names, 1, &sources, parse_apart, ret, err);
 }
 
 static struct orl_description parse_well(const char *scene, const struct bytes *compiled,
@@ -367,6 +414,72 @@ static void test_places(void **state)
     orl_description_done(&d);
 }
 
+/*
+ * Smoothed and patterned by its coordinates, in places that are turned, mirrored and scaled: kept
+ * once it has the colours and normals that surfaces of its own have in each. Places of corners are
+ * rounded to 2e-9 of the cube in the file alone.
+ */
+static void test_meshes_in_places(void **state)
+{
+    static const char scene[] = "void brightfunc f 2 Lu*Lv+.2 . 0 0\n"
+                                "f plastic p 0 0 5 .9 .9 .9 .05 .1\n"
+                                "p mesh a 1 b.bin 0 0\n"
+                                "p mesh b 7 b.bin -rz 30 -t 4 0 0 0 0\n"
+                                "p mesh c 10 b.bin -mx -rx 20 -s 2 -t 8 0 0 0 0\n"
+                                "p mesh d 9 b.bin -ry 40 -s .5 -t 0 4 0 0 0\n";
+    static const char *const words[2] = {"kept once", "apart"};
+    struct bytes b = {.size = 0};
+    struct orl_description d[2];
+    struct orl_geometry *g[2];
+    struct orl_error err;
+    unsigned met = 0;
+    (void)state;
+    make_cushion(&b);
+    for (int i = 0; i < 2; i++) {
+        parse_apart = i == 1;
+        d[i] = parse_well(scene, &b, "");
+        parse_apart = false;
+        print_message("%s: %zu surfaces, %zu places\n", words[i], d[i].n_surfaces,
+                      d[i].n_placements);
+        assert_int_equal(orl_geometry_new(&d[i], &g[i], &err), 0);
+        assert_int_equal(orl_patterns_settle(&d[i], g[i], &err), 0);
+        assert_int_equal(orl_description_let_go(&d[i]), 0);
+    }
+    assert_int_equal(d[0].n_placements, 4);
+    assert_int_equal(d[0].n_surfaces, 0);
+    assert_int_equal(d[1].n_surfaces, 4 * 2 * (SIDE - 1) * (SIDE - 1));
+    for (int i = 0; i < 4000; i++) {
+        const struct orl_vec3 from = orl_v3(-1 + 12 * (i % 80) / 80.0, -1 + 6 * (i / 80) / 50.0, 4);
+        const struct orl_vec3 down = orl_normalize(orl_v3(.1, .2, -1));
+        struct orl_hit hit[2];
+        struct orl_rgb color[2];
+        struct orl_vec3 normal[2];
+        bool found[2];
+        for (int k = 0; k < 2; k++) {
+            found[k] = orl_geometry_intersect(g[k], orl_sub(from, g[k]->center), down, 99, &hit[k]);
+            if (!found[k])
+                continue;
+            const struct orl_material *const m =
+                &d[k].materials[orl_facet_of(g[k], hit[k].facet)->material];
+            color[k] = orl_material_diffuse(m, &hit[k]);
+            normal[k] = orl_texture_normal(m->texture, &hit[k], orl_neg(down));
+        }
+        assert_int_equal(found[0], found[1]);
+        if (!found[0])
+            continue;
+        met++;
+        assert_true(fabs(hit[0].distance - hit[1].distance) < 1e-5);
+        assert_true(fabs(color[0].r - color[1].r) < 1e-4);
+        assert_true(orl_length(orl_sub(normal[0], normal[1])) < 1e-4);
+    }
+    print_message("%u rays meet some\n", met);
+    assert_true(met > 200);
+    for (int i = 0; i < 2; i++) {
+        orl_geometry_free(g[i]);
+        orl_description_done(&d[i]);
+    }
+}
+
 /* Cut anywhere, or with any byte changed, it is refused with its name, or is another scene. */
 static void test_damaged(void **state)
 {
@@ -405,7 +518,7 @@ int main(void)
         cmocka_unit_test(test_frozen),      cmocka_unit_test(test_names_inside),
         cmocka_unit_test(test_named_files), cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_smooth_mesh), cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_places),      cmocka_unit_test(test_meshes_in_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,7 +95,7 @@ static void expect_same_looks(const struct pair *pair, const struct orl_hit *a,
                               const struct orl_hit *b)
 {
     const struct orl_material *const m = orl_scene_material(pair->shared, a->facet),
-                                    *const n = orl_scene_material(pair->expanded, b->facet);
+                                     *const n = orl_scene_material(pair->expanded, b->facet);
     const struct orl_vec3 from = orl_normalize(orl_v3(.3, -.5, .7));
     const struct orl_rgb c = orl_material_diffuse(m, a), d = orl_material_diffuse(n, b);
     assert_int_equal(m->kind, n->kind);
@@ -648,13 +648,19 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_memory),   cmocka_unit_test(test_hits),
+        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_hits),
         cmocka_unit_test(test_bounds_of_patterns),
-        cmocka_unit_test(test_many),     cmocka_unit_test(test_leave),
-        cmocka_unit_test(test_outlines), cmocka_unit_test(test_squares),
-        cmocka_unit_test(test_section),  cmocka_unit_test(test_expand),
-        cmocka_unit_test(test_fitness),  cmocka_unit_test(test_nested),
-        cmocka_unit_test(test_names),    cmocka_unit_test(test_swaps),
+        cmocka_unit_test(test_many),
+        cmocka_unit_test(test_leave),
+        cmocka_unit_test(test_outlines),
+        cmocka_unit_test(test_squares),
+        cmocka_unit_test(test_section),
+        cmocka_unit_test(test_expand),
+        cmocka_unit_test(test_fitness),
+        cmocka_unit_test(test_nested),
+        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_swaps),
         cmocka_unit_test(test_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

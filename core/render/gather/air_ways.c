@@ -46,8 +46,8 @@ static bool may_send_on(const struct orl_world *world)
         const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
         if (!(f->area > 0) || (!mirrors && !lobes && !orl_material_bends(m)))
             continue;
-        if (lamps || orl_facet_is_placed(g, walk.facet) || !is_flat(f) || m->texture || orl_material_bends(m) ||
-            (lobes && !orl_material_transmits_lobes(m)))
+        if (lamps || orl_facet_is_placed(g, walk.facet) || !is_flat(f) || m->texture ||
+            orl_material_bends(m) || (lobes && !orl_material_transmits_lobes(m)))
             return true;
         plane = plane ? plane : f;
         any_lobes = any_lobes || lobes;

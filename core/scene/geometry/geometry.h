@@ -353,8 +353,8 @@ static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
  */
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2]);
 
-/* A point uniform by area on a facet, with its front normal; u in [0,1)^2. Of the scene's own alone,
- * points of many pairs. */
+/* A point uniform by area on a facet, with its front normal; u in [0,1)^2. Of the scene's own
+ * alone, points of many pairs. */
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
 void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,

@@ -150,13 +150,9 @@ void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
             orl_quadric_sample(f, u[i], &ret_points[i], &normal);
 }
 
-void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
-                      struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
+static void sample_own(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
+                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
-    if (orl_facet_is_placed(geometry, facet)) {
-        orl_placed_sample(geometry, facet, u, ret_point, ret_normal);
-        return;
-    }
     const struct orl_facet *f = &geometry->facets[facet];
     if (f->kind != ORL_SURFACE_POLYGON) {
         orl_quadric_sample(f, u, ret_point, ret_normal);
@@ -164,4 +160,17 @@ void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const
     }
     *ret_point = polygon_point(geometry, f, u);
     *ret_normal = f->normal;
+}
+
+void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
+                      struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
+{
+    if (!orl_facet_is_placed(geometry, facet)) {
+        sample_own(geometry, facet, u, ret_point, ret_normal);
+        return;
+    }
+    const struct orl_placed *const placed = orl_placed_of(geometry, facet);
+    sample_own(placed->prototype, facet - placed->first_facet, u, ret_point, ret_normal);
+    *ret_point = orl_xform_point(&placed->to, *ret_point);
+    *ret_normal = orl_xform_normal(&placed->to, *ret_normal);
 }

@@ -97,15 +97,6 @@ bool orl_kept_next(struct orl_kept_walk *walk)
     return true;
 }
 
-void orl_placed_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
-                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
-{
-    const struct orl_placed *const placed = orl_placed_of(geometry, facet);
-    orl_facet_sample(placed->prototype, facet - placed->first_facet, u, ret_point, ret_normal);
-    *ret_point = orl_xform_point(&placed->to, *ret_point);
-    *ret_normal = orl_xform_normal(&placed->to, *ret_normal);
-}
-
 void orl_placed_hit(const struct orl_geometry *geometry, const struct orl_placed *placed,
                     struct orl_vec3 origin, struct orl_vec3 direction, struct orl_hit *hit)
 {

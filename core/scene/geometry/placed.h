@@ -15,7 +15,7 @@
 
 struct orl_placed {
     const struct orl_geometry *prototype;
-    uint32_t number; /* of it */
+    uint32_t number;           /* of it */
     struct orl_xform to, from; /* between its coordinates, moved as its are, and the scene's */
     double offset;             /* of all its facets (orl_facet) */
     uint32_t first_facet, first_triangle;
@@ -45,17 +45,12 @@ struct orl_kept_walk {
 struct orl_kept_walk orl_kept_walk(const struct orl_geometry *geometry);
 bool orl_kept_next(struct orl_kept_walk *walk);
 
-/* A point on a facet of a place, as orl_facet_sample. */
-void orl_placed_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
-                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
-
 /* A hit on the prototype as one on the scene, of a ray from there. */
 void orl_placed_hit(const struct orl_geometry *geometry, const struct orl_placed *placed,
                     struct orl_vec3 origin, struct orl_vec3 direction, struct orl_hit *hit);
 
 /* Whether it is on something placed. */
-static inline bool orl_hit_is_placed(const struct orl_geometry *geometry,
-                                     const struct orl_hit *hit)
+static inline bool orl_hit_is_placed(const struct orl_geometry *geometry, const struct orl_hit *hit)
 {
     return hit->instance - 1 < geometry->n_placed;
 }

@@ -28,10 +28,9 @@
  * A texture (texture.h) is one whose three values turn the normal; both sorts may modify each
  * other.
  *
- * Frames: hits are in the geometry's moved coordinates, functions in their own. What the scene keeps
- * once for several places (placed.h) is asked where it was read. Ownership: a
- * description owns its patterns. Threads: immutable once settled; each thread has scratch of its
- * own.
+ * Frames: hits are in the geometry's moved coordinates, functions in their own. What the scene
+ * keeps once for several places (placed.h) is asked where it was read. Ownership: a description
+ * owns its patterns. Threads: immutable once settled; each thread has scratch of its own.
  */
 #ifndef ORL_SCENE_MATERIAL_PATTERN_H
 #define ORL_SCENE_MATERIAL_PATTERN_H
@@ -98,7 +97,7 @@ struct orl_pattern {
     uint32_t index;         /* in the description */
     struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
     struct orl_vec3 offset;
-    double scale;                   /* lengths of the function's in units of the files' */
+    double scale;                        /* lengths of the function's in units of the files' */
     struct orl_vec3 center;              /* the geometry's */
     const struct orl_geometry *geometry; /* NULL: before there is one */
     const struct orl_description *description; /* that it is of */

@@ -23,7 +23,8 @@ struct spread {
     double area;
 };
 
-/* Facets by patterns, of what is kept once in its first place: those of pattern i are from first[i] on. NULL without memory. */
+/* Facets by patterns, of what is kept once in its first place: those of pattern i are from first[i]
+ * on. NULL without memory. */
 static uint32_t *sort_facets(const struct orl_description *d, const struct orl_geometry *g,
                              size_t *first)
 {
@@ -67,8 +68,9 @@ static double area_of(const struct orl_geometry *g, uint32_t facet)
 {
     struct orl_curved room;
     const double area = orl_facet_at(g, facet, &room).area;
-    return orl_facet_is_placed(g, facet) ? area * (double)orl_placed_of(g, facet)->prototype->n_places
-                                         : area;
+    return orl_facet_is_placed(g, facet)
+               ? area * (double)orl_placed_of(g, facet)->prototype->n_places
+               : area;
 }
 
 /* n places of even area, within a facet by a sequence of low discrepancy (Roberts'). */
