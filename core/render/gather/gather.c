@@ -64,7 +64,9 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
     default:
         gather->max_radius[kind] = fmin(far, widest);
     }
-    const double near_surface = 0.25 * fmin(gather->max_radius[kind], 4 * far);
+    /* Few photons in a large scene lie far apart, which is no reason to take what is high above
+     * the ground to be on it. */
+    const double near_surface = fmin(0.25 * fmin(gather->max_radius[kind], 4 * far), 0.05 * widest);
     gather->reach = gather->reach > 0 ? fmin(gather->reach, near_surface) : near_surface;
 }
 

@@ -1,6 +1,7 @@
 #include "render/gather/air.h"
 #include "render/gather/gather.h"
 #include "render/gather/panes.h"
+#include "scene/geometry/placed.h"
 #include "scene/geometry/stand.h"
 #include "scene/material/hemisphere.h"
 
@@ -32,13 +33,21 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
     return orl_light_by_panes(&query);
 }
 
+/* How large what it belongs to is, at least: a leaf says nothing of what is a metre above it. */
+static double size_of(const struct orl_geometry *geometry, uint32_t facet)
+{
+    struct orl_curved room;
+    return sqrt(orl_facet_at(geometry, facet, &room).area);
+}
+
 /* The surface a sensor lies on, if one is close behind it and faces the same way. */
 static bool lies_on_surface(const struct orl_gather *gather, const struct orl_place *place,
                             struct orl_footing *ret_footing)
 {
     struct orl_hit hit;
     if (!orl_geometry_intersect(gather->world->geometry, place->point, orl_neg(place->normal),
-                                gather->reach, &hit))
+                                gather->reach, &hit) ||
+        hit.distance > size_of(gather->world->geometry, hit.facet))
         return false;
     if (fabs(orl_dot(hit.normal, place->normal)) < 0.9 ||
         !(orl_rgb_max(orl_material_diffuse(orl_world_material(gather->world, &hit), &hit)) > 0))
