@@ -2,7 +2,7 @@
 FROM debian:12 AS build
 RUN apt-get update && apt-get install -y --no-install-recommends \
         gcc libc6-dev make pkg-config libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
-        libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev libassimp-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev \
+        libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev \
         libopenexr-dev libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js \
     && rm -rf /var/lib/apt/lists/*
 WORKDIR /src
@@ -11,7 +11,7 @@ RUN make -j"$(nproc)" BUILD=/out /out/orield /out/oriel
 
 FROM debian:12
 RUN apt-get update && apt-get install -y --no-install-recommends \
-        libembree3-3 libmicrohttpd12 libjansson4 libuv1 libsqlite3-0 libexpat1 libpng16-16 libtiff6 libassimp5 zlib1g \
+        libembree3-3 libmicrohttpd12 libjansson4 libuv1 libsqlite3-0 libexpat1 libpng16-16 libtiff6 zlib1g \
         libsodium23 libgnutls30 libnettle8 libcurl4 libopenexr-3-1-30 libarchive13 ca-certificates curl \
     && rm -rf /var/lib/apt/lists/* \
     && useradd --system --uid 8423 --home-dir /var/lib/oriel --shell /usr/sbin/nologin oriel \

@@ -9,7 +9,7 @@ WERROR  ?= -Werror
 
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
-	libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev libassimp-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
+	libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
 	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind slurm-wlm munge
 # Of the dashboard's tests: Node and npm where there are none (others than Debian's do).
@@ -37,10 +37,9 @@ ALL_LDFLAGS = $(OPT_$(MODE)) -Wl,--build-id $(LDFLAGS) -pthread
 EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3)
 # Debian 12's library has its version in its name, later ones have not.
 EXR_LIB := $(if $(wildcard /usr/lib/*/libOpenEXRCore.so),-lOpenEXRCore,-lOpenEXRCore-3_1)
-CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -ltiff -lassimp -lz $(EXR_LIB) -lsodium -lnettle -lm
-API_LIBS    := -ljansson
-SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive $(API_LIBS)
-CLIENT_LIBS := -lcurl $(API_LIBS)
+CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -ltiff -lz $(EXR_LIB) -lsodium -lnettle -ljansson -lm
+SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive
+CLIENT_LIBS := -lcurl
 
 CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c))
 API_SRC    := $(sort $(wildcard api/*.c api/*/*.c))
@@ -334,7 +333,7 @@ $(FUZZ_TARGETS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/obj/tests/fuzz/driver_%.o \
 		$(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/promise.o $(BUILD)/obj/tests/support/wire.o $(FUZZ_SERVER_OBJ) \
 		$(BUILD)/liboriel.a
 	$(call say,LD,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive -lmicrohttpd -lsqlite3 $(API_LIBS) $(CORE_LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive -lmicrohttpd -lsqlite3 $(CORE_LIBS)
 .PHONY: run-tests run-threaded
 run-tests:
 	@tests/run $(BUILD) $(TEST_BIN)

@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/json_read.h>
 #include <oriel/limits.h>
-
-#include "json_read.h"
 
 int orl_json_fail(struct orl_error *err, int code, const char *path, const char *what, ...)
 {
@@ -21,30 +20,6 @@ int orl_json_fail(struct orl_error *err, int code, const char *path, const char 
     orl_error_set(err, code, "%s: %s", path, text);
     orl_error_at(err, NULL, 0, path);
     return code;
-}
-
-uint64_t orl_json_weight(const char *text, size_t size)
-{
-    /* Bytes in jansson 2.14 on 64 bits, with malloc's own: of an object and an array without
-     * members, a member's key, and any value. */
-    enum { OBJECT = 256, ARRAY = 144, KEY = 80, VALUE = 40 };
-    uint64_t weight = size;
-    bool quoted = false;
-    for (size_t i = 0; i < size; i++) {
-        const char c = text[i];
-        if (quoted) {
-            i += c == '\\';
-            quoted = c != '"';
-            continue;
-        }
-        quoted = c == '"';
-        weight += c == '{'   ? OBJECT + VALUE
-                  : c == '[' ? ARRAY + VALUE
-                  : c == ':' ? KEY
-                  : c == ',' ? VALUE
-                             : 0;
-    }
-    return weight;
 }
 
 int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,

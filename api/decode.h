@@ -18,9 +18,6 @@
 
 enum { ORL_JSON_PATH_MAX = 192 };
 
-/* Bytes of memory that reading the text will take, roughly, however small its values are. */
-uint64_t orl_json_weight(const char *text, size_t size);
-
 /*
  * Parses text; duplicate members are refused. name (the file's, or NULL) and the line of a mistake
  * go into err as ORL_ERR_SYNTAX. *ret_doc is a new reference.

@@ -9,6 +9,7 @@
 
 #include <oriel/annual_report.h>
 #include <oriel/bsdf.h>
+#include <oriel/json_read.h>
 #include <oriel/limits.h>
 #include <oriel/run.h>
 
@@ -25,7 +26,6 @@
 #include "encode.h"
 #include "health/blame.h"
 #include "honeybee/project.h"
-#include "json_read.h"
 #include "main_files.h"
 #include "scene_json.h"
 #include "uploads/unzip.h"

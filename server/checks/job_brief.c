@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/json_read.h>
 #include <oriel/limits.h>
 
 #include "jobs/job_share.h"
-#include "json_read.h"
 #include "runner/job_output.h"
 #include "runner/kinds.h"
 

@@ -14,12 +14,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <oriel/json_read.h>
+
 #include "checks/child_checks.h"
 #include "checks/confine.h"
 #include "checks/frames.h"
 #include "checks/keeper.h"
 #include "encode.h"
-#include "json_read.h"
 #include "process/sanitized.h"
 
 enum { POLL_MS = 25, VERDICT_BYTES = 1 << 20 };

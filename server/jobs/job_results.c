@@ -4,8 +4,9 @@
 #include <math.h>
 #include <stdio.h>
 
+#include <oriel/json_read.h>
+
 #include "jobs/job_runs.h"
-#include "json_read.h"
 #include "process/times.h"
 #include "store/discard.h"
 

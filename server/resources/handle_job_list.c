@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include <oriel/files.h>
+#include <oriel/json_read.h>
 
 #include "encode.h"
 #include "http/reply.h"
-#include "json_read.h"
 #include "labels_json.h"
 #include "process/limits.h"
 #include "process/times.h"

@@ -6,12 +6,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <oriel/json_read.h>
+
 #include "checks/ask.h"
 #include "checks/checks.h"
 #include "checks/job_inputs.h"
 #include "http/client_name.h"
 #include "http/reply.h"
-#include "json_read.h"
 #include "process/limits.h"
 #include "resources/job_path.h"
 #include "resources/job_status.h"

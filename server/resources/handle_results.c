@@ -9,8 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/json_read.h>
+
 #include "http/reply.h"
-#include "json_read.h"
 #include "process/times.h"
 #include "resources/job_path.h"
 #include "server.h"

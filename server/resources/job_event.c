@@ -4,8 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <oriel/json_read.h>
+
 #include "encode.h"
-#include "json_read.h"
 #include "resources/job_status.h"
 #include "runner/runner_json.h"
 

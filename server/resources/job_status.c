@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/json_read.h>
+
 #include "annual_json.h"
 #include "encode.h"
-#include "json_read.h"
 #include "process/times.h"
 #include "result_json.h"
 #include "runner/runner_json.h"

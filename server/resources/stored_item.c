@@ -4,8 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/json_read.h>
+
 #include "http/reply.h"
-#include "json_read.h"
 #include "process/times.h"
 #include "server.h"
 

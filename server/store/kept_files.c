@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "json_read.h"
+#include <oriel/json_read.h>
+
 #include "store/scenes.h"
 
 /* Names, one a row: two columns, of which the second may be empty. */

@@ -23,13 +23,20 @@
 /* ---- Files ----------------------------------------------------------------------------------- */
 
 /* A square in glTF's x and y, its corners in the order of a strip; numbers of corners of two
- * triangles, of a strip and of a fan; and a corner that is not finite. */
+ * triangles, of a strip and of a fan; a corner that is not finite; the square in whole numbers
+ * with a gap behind each corner, and its corners but the first by themselves; places of copies. */
 struct buffer {
     float corners[4][3];
     float normals[4][3];
     uint16_t triangles[6], strip[4], fan[4], lines[2];
-    uint16_t beyond[3], pad;
+    uint16_t beyond[3], restart[3];
     float not_finite[3][3];
+    int16_t whole[4][4];
+    int8_t whole_normals[4][4];
+    float apart[3][3];
+    float moves[2][3];
+    int16_t turns[2][4];
+    uint8_t places[3], falling[3], all[6];
 };
 
 static const struct buffer buffer = {
@@ -40,38 +47,97 @@ static const struct buffer buffer = {
     .fan = {0, 1, 3, 2},
     .lines = {0, 1},
     .beyond = {0, 1, 4},
+    .restart = {0, 1, 65535},
     .not_finite = {{0, 0, 0}, {NAN, 0, 0}, {0, 1, 0}},
+    .whole = {{0, 0, 0, 9}, {32767, 0, 0, 9}, {0, 32767, 0, 9}, {32767, 32767, -32768, 9}},
+    .whole_normals = {{0, 0, 127, 9}, {0, 0, 127, 9}, {0, 0, 127, 9}, {0, 0, 127, 9}},
+    .apart = {{1, 0, 0}, {0, 2, 0}, {1, 2, 0}},
+    .moves = {{0, 0, 0}, {1, 4, 3}},
+    .turns = {{0, 0, 0, 32767}, {0, 0, -23170, 23170}},
+    .places = {1, 2, 3},
+    .falling = {1, 3, 2},
+    .all = {0, 1, 2, 2, 1, 3},
 };
 
-#define VIEW "{\"buffer\": 0, \"byteOffset\": %zu, \"byteLength\": %zu}"
-#define AT(member) offsetof(struct buffer, member), sizeof buffer.member
-
-/* Everything but the nodes, the meshes and the buffer; its accessors: 0 corners, 1 normals,
- * 2 triangles, 3 strip, 4 fan, 5 lines, 6 beyond the corners, 7 not finite. */
-static void write_json(const char *uri, const char *nodes, const char *primitives, const char *more,
-                       char ret_json[8192])
-{
-    static const char accessor[] = "{\"bufferView\": %d, \"componentType\": %d, \"count\": %d, "
-                                   "\"type\": \"%s\"},";
-    static const int counts[8] = {4, 4, 6, 4, 4, 2, 3, 3};
-    int at = snprintf(ret_json, 8192,
-                      "{\"asset\": {\"version\": \"2.0\"}, %s \"scene\": 0, \"scenes\": "
-                      "[{\"nodes\": [0]}], \"nodes\": [%s], \"meshes\": [{\"primitives\": [%s]}], "
-                      "\"materials\": [{\"name\": \"red wall\"}], \"buffers\": [{\"byteLength\": "
-                      "%zu%s%s%s}], \"bufferViews\": [",
-                      more, nodes, primitives, sizeof buffer, uri ? ", \"uri\": \"" : "",
-                      uri ? uri : "", uri ? "\"" : "");
-    at += snprintf(ret_json + at, 8192 - (size_t)at,
-                   VIEW "," VIEW "," VIEW "," VIEW "," VIEW "," VIEW "," VIEW "," VIEW, AT(corners),
-                   AT(normals), AT(triangles), AT(strip), AT(fan), AT(lines), AT(beyond),
-                   AT(not_finite));
-    at += snprintf(ret_json + at, 8192 - (size_t)at, "], \"accessors\": [");
-    for (int i = 0; i < 8; i++) {
-        const bool corners = i < 2 || i == 7;
-        at += snprintf(ret_json + at, 8192 - (size_t)at, accessor, i, corners ? 5126 : 5123,
-                       counts[i], corners ? "VEC3" : "SCALAR");
+#define AT(member, stride)                                                                         \
+    {                                                                                              \
+        offsetof(struct buffer, member), sizeof buffer.member, stride                              \
     }
-    snprintf(ret_json + at - 1, 8192 - (size_t)at, "]}");
+static const struct {
+    size_t offset, length, stride;
+} views[] = {AT(corners, 0),    AT(normals, 12), AT(triangles, 0),     AT(strip, 0),
+             AT(fan, 0),        AT(lines, 0),    AT(beyond, 0),        AT(restart, 0),
+             AT(not_finite, 0), AT(whole, 8),    AT(whole_normals, 4), AT(apart, 0),
+             AT(moves, 0),      AT(turns, 0),    AT(places, 0),        AT(falling, 0),
+             AT(all, 0)};
+
+#define OF(view, component, count, type)                                                           \
+    "{\"bufferView\": " #view ", \"componentType\": " #component ", \"count\": " #count            \
+    ", \"type\": \"" type "\"}"
+#define APART(count, places, values)                                                               \
+    "\"sparse\": {\"count\": " #count ", \"indices\": {\"bufferView\": " #places                   \
+    ", \"componentType\": 5121}, \"values\": {\"bufferView\": " #values "}}}"
+#define ZEROS(count) "{\"componentType\": 5126, \"type\": \"VEC3\", \"count\": " #count
+static const char *const accessors[] = {
+    OF(0, 5126, 4, "VEC3"),
+    OF(1, 5126, 4, "VEC3"),
+    OF(2, 5123, 6, "SCALAR"),
+    OF(3, 5123, 4, "SCALAR"),
+    OF(4, 5123, 4, "SCALAR"),
+    OF(5, 5123, 2, "SCALAR"),
+    OF(6, 5123, 3, "SCALAR"),
+    OF(8, 5126, 3, "VEC3"),
+    /* 8: whole numbers that are normalized, in steps of 8 bytes; 9: normals like that */
+    "{\"bufferView\": 9, \"componentType\": 5122, \"count\": 4, \"type\": \"VEC3\", "
+    "\"normalized\": true}",
+    "{\"bufferView\": 10, \"componentType\": 5120, \"count\": 4, \"type\": \"VEC3\", "
+    "\"normalized\": true}",
+    /* 10: all corners but the first are given apart; 11: one is, in place of another; 12: their
+     * places fall */
+    ZEROS(4) ", " APART(3, 14, 11),
+    "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\", \"sparse\": "
+    "{\"count\": 1, \"indices\": {\"bufferView\": 14, \"componentType\": 5121}, \"values\": "
+    "{\"bufferView\": 12, \"byteOffset\": 12}}}",
+    ZEROS(4) ", " APART(3, 15, 11),
+    /* 13 and 14: of copies; 15: of more than there may be */
+    OF(12, 5126, 2, "VEC3"),
+    "{\"bufferView\": 13, \"componentType\": 5122, \"count\": 2, \"type\": \"VEC4\", "
+    "\"normalized\": true}",
+    ZEROS(4000000000) "}",
+    /* 16: a byte each; 17: starts a strip again; 18: beyond its stretch; 19: no such numbers */
+    OF(16, 5121, 6, "SCALAR"),
+    OF(7, 5123, 3, "SCALAR"),
+    OF(0, 5126, 5, "VEC3"),
+    OF(0, 5124, 4, "VEC3"),
+};
+
+enum { JSON_BYTES = 24576 };
+
+/* Everything but the nodes, the meshes and the buffer. */
+static void write_json(const char *uri, const char *nodes, const char *primitives, const char *more,
+                       char ret_json[JSON_BYTES])
+{
+    FILE *const f = fmemopen(ret_json, JSON_BYTES, "w");
+    assert_non_null(f);
+    fprintf(f,
+            "{\"asset\": {\"version\": \"2.0\"}, %s \"nodes\": [%s], \"meshes\": [{\"primitives\": "
+            "[%s]}], \"materials\": [{\"name\": \"red wall\"}], \"buffers\": [{\"byteLength\": "
+            "%zu%s%s%s}], \"bufferViews\": [",
+            more, nodes, primitives, sizeof buffer, uri ? ", \"uri\": \"" : "", uri ? uri : "",
+            uri ? "\"" : "");
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        fprintf(f, "%s{\"buffer\": 0, \"byteOffset\": %zu, \"byteLength\": %zu", i > 0 ? ", " : "",
+                views[i].offset, views[i].length);
+        if (views[i].stride > 0)
+            fprintf(f, ", \"byteStride\": %zu", views[i].stride);
+        fputs("}", f);
+    }
+    fputs("], \"accessors\": [", f);
+    for (size_t i = 0; i < sizeof accessors / sizeof *accessors; i++)
+        fprintf(f, "%s%s", i > 0 ? ", " : "", accessors[i]);
+    fputs("]}", f);
+    assert_int_equal(fclose(f), 0);
+    assert_true(strlen(ret_json) < JSON_BYTES - 1);
 }
 
 static void put_u32(unsigned char *at, size_t value)
@@ -81,7 +147,7 @@ static void put_u32(unsigned char *at, size_t value)
 }
 
 /* The JSON and the buffer as the chunks of a .glb. */
-static size_t write_glb(const char *json, unsigned char ret_bytes[16384])
+static size_t write_glb(const char *json, unsigned char ret_bytes[2 * JSON_BYTES])
 {
     const size_t text = (strlen(json) + 3) / 4 * 4, size = 28 + text + sizeof buffer;
     memcpy(ret_bytes, "glTF\2\0\0\0", 8);
@@ -95,6 +161,8 @@ static size_t write_glb(const char *json, unsigned char ret_bytes[16384])
     memcpy(ret_bytes + 28 + text, &buffer, sizeof buffer);
     return size;
 }
+
+#define ONE_SCENE "\"scene\": 0, \"scenes\": [{\"nodes\": [0]}],"
 
 /* ---- Scenes ---------------------------------------------------------------------------------- */
 
@@ -115,9 +183,10 @@ static int parse(const char *name, const void *data, size_t size, struct orl_des
 static int parse_glb(const char *nodes, const char *primitives, const char *more,
                      struct orl_description *ret, struct orl_error *err)
 {
-    char json[8192];
-    unsigned char bytes[16384];
-    write_json(NULL, nodes, primitives, more, json);
+    char json[JSON_BYTES], all[1024];
+    unsigned char bytes[2 * JSON_BYTES];
+    snprintf(all, sizeof all, "%s%s", strstr(more, "\"scene") ? "" : ONE_SCENE, more);
+    write_json(NULL, nodes, primitives, all, json);
     return parse("m.glb", bytes, write_glb(json, bytes), ret, err);
 }
 
@@ -220,10 +289,10 @@ static void test_modes(void **state)
 static void expect_square(const char *uri)
 {
     static const double first[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}};
-    char json[8192];
+    char json[JSON_BYTES];
     struct orl_description d;
     struct orl_error err;
-    write_json(uri, NODE, SQUARE, "", json);
+    write_json(uri, NODE, SQUARE, ONE_SCENE, json);
     if (parse("m.gltf", json, strlen(json), &d, &err) < 0)
         fail_msg("%s: %s", err.file, err.message);
     assert_int_equal(d.n_surfaces, 2);
@@ -231,21 +300,144 @@ static void expect_square(const char *uri)
     orl_description_done(&d);
 }
 
+static void expect_no_buffer(const char *uri, int code, const char *words)
+{
+    char json[JSON_BYTES];
+    struct orl_description d;
+    struct orl_error err;
+    write_json(uri, NODE, SQUARE, ONE_SCENE, json);
+    assert_int_equal(parse("m.gltf", json, strlen(json), &d, &err), code);
+    assert_string_equal(err.file, "m.gltf");
+    assert_string_equal(err.primitive, "buffers[0]");
+    if (!strstr(err.message, words))
+        fail_msg("not ...%s... but %s", words, err.message);
+}
+
 /* The buffer within the JSON, and in a file beside it, which is one of the scene's. */
 static void test_text(void **state)
 {
-    char uri[2048] = "data:application/octet-stream;base64,", json[8192];
-    struct orl_description d;
-    struct orl_error err;
+    char uri[2048] = "data:application/octet-stream;base64,";
     (void)state;
     sodium_bin2base64(uri + strlen(uri), sizeof uri - strlen(uri), (const unsigned char *)&buffer,
                       sizeof buffer, sodium_base64_VARIANT_ORIGINAL);
     expect_square(uri);
+    while (uri[strlen(uri) - 1] == '=')
+        uri[strlen(uri) - 1] = '\0';
+    expect_square(uri);
     expect_square("a%20buffer.bin");
-    write_json("not_there.bin", NODE, SQUARE, "", json);
-    assert_int_equal(parse("m.gltf", json, strlen(json), &d, &err), ORL_ERR_NOT_FOUND);
-    assert_string_equal(err.file, "m.gltf");
-    assert_non_null(strstr(err.message, "not_there.bin"));
+    expect_no_buffer("data:,AAAA", ORL_ERR_UNSUPPORTED, "not as base64");
+    expect_no_buffer("data:;base64,A*", ORL_ERR_SYNTAX, "does not decode");
+    expect_no_buffer("data:;base64,AAAA", ORL_ERR_SYNTAX, "it has 3 bytes");
+    expect_no_buffer("not_there.bin", ORL_ERR_NOT_FOUND, "not_there.bin");
+}
+
+/* The square from whole numbers, from corners given apart, and from indices of a byte each. */
+static void test_vertices(void **state)
+{
+    static const double first[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}},
+                        whole[3][3] = {{0, 0, 1}, {1, 0, 0}, {1, 1, 1}},
+                        replaced[3][3] = {{0, 0, 0}, {1, -3, 4}, {0, 0, 2}};
+    (void)state;
+    struct orl_description d =
+        read_glb(NODE, "{\"attributes\": {\"POSITION\": 8, \"NORMAL\": 9}, \"indices\": 2}",
+                 "\"extensionsRequired\": [\"KHR_mesh_quantization\"],");
+    assert_int_equal(d.n_surfaces, 2);
+    assert_int_equal(d.n_warnings, 0);
+    expect_corners(&d, 1, whole);
+    orl_description_done(&d);
+    d = read_glb(NODE, "{\"attributes\": {\"POSITION\": 10}, \"indices\": 16}", "");
+    assert_int_equal(d.n_surfaces, 2);
+    expect_corners(&d, 0, first);
+    orl_description_done(&d);
+    d = read_glb(NODE, "{\"attributes\": {\"POSITION\": 11}, \"indices\": 16}", "");
+    expect_corners(&d, 0, replaced);
+    orl_description_done(&d);
+}
+
+#define COPIES(attributes)                                                                         \
+    "{\"mesh\": 0, \"translation\": [0, 0, 1], \"extensions\": {\"EXT_mesh_gpu_instancing\": "     \
+    "{\"attributes\": {" attributes "}}}}"
+
+/* Twice, the second turned and moved within the node, which is moved itself. */
+static void test_copies(void **state)
+{
+    static const double first[3][3] = {{0, -1, 0}, {1, -1, 0}, {0, -1, 2}},
+                        second[3][3] = {{1, -4, 4}, {1, -4, 3}, {3, -4, 4}};
+    (void)state;
+    struct orl_description d =
+        read_glb(COPIES("\"TRANSLATION\": 13, \"ROTATION\": 14, \"_ID\": 99"), SQUARE,
+                 "\"extensionsRequired\": [\"EXT_mesh_gpu_instancing\"],");
+    assert_int_equal(d.n_surfaces, 4);
+    expect_corners(&d, 0, first);
+    expect_corners(&d, 2, second);
+    orl_description_done(&d);
+    expect_refused(COPIES(""), SQUARE, "", "of no copy where it is");
+    expect_refused(COPIES("\"TRANSLATION\": 13, \"SCALE\": 10"), SQUARE, "", "different counts");
+    expect_refused(COPIES("\"TRANSLATION\": 15"), SQUARE, "", "more than 5000000 triangles");
+}
+
+/* Which nodes stand: those of "scene", of the first scene, or all that are within none. */
+static void test_scenes(void **state)
+{
+    static const char nodes[] =
+        NODE ", {\"mesh\": 0, \"scale\": [2, 2, 2]}, {\"children\": [0, 1]}";
+    static const struct {
+        const char *scenes;
+        size_t n;
+        double height;
+    } cases[] = {
+        {"\"scene\": 1, \"scenes\": [{\"nodes\": [0]}, {\"nodes\": [1]}],", 2, 4},
+        {"\"scenes\": [{\"nodes\": [0]}, {\"nodes\": [1]}],", 2, 2},
+        {"\"scenes\": [],", 4, 2},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct orl_description d = read_glb(nodes, SQUARE, cases[i].scenes);
+        assert_int_equal(d.n_surfaces, cases[i].n);
+        assert_true(fabs(d.surfaces[0].vertices[2].z - cases[i].height) < 1e-6);
+        orl_description_done(&d);
+    }
+    expect_refused(nodes, SQUARE, "\"scene\": 2, \"scenes\": [{\"nodes\": [0]}],", "no scenes[2]");
+    expect_refused(nodes, SQUARE, "\"scenes\": [{\"nodes\": [0, 2]}],", "stands in two places");
+    expect_refused("{\"children\": [1]}, {\"children\": [0]}", SQUARE, "", "is within itself");
+}
+
+/* 501 within each other stand; the node that is one too deep is named. */
+static void test_depth(void **state)
+{
+    char nodes[16384];
+    (void)state;
+    for (int deep = 501; deep <= 502; deep++) {
+        FILE *const f = fmemopen(nodes, sizeof nodes, "w");
+        assert_non_null(f);
+        for (int i = 1; i < deep; i++)
+            fprintf(f, "{\"children\":[%d]},", i);
+        fputs("{\"mesh\":0}", f);
+        assert_int_equal(fclose(f), 0);
+        if (deep == 501) {
+            struct orl_description d = read_glb(nodes, SQUARE, "");
+            assert_int_equal(d.n_surfaces, 2);
+            orl_description_done(&d);
+        } else {
+            expect_refused(nodes, SQUARE, "", "more than 500 deep");
+        }
+    }
+}
+
+/* What moves or blends a mesh is told. */
+static void test_warnings(void **state)
+{
+    static const char blended[] =
+        "{\"attributes\": {\"POSITION\": 0}, \"indices\": 2, \"targets\": [{\"POSITION\": 0}]}";
+    (void)state;
+    struct orl_description d = read_glb("{\"mesh\": 0, \"weights\": [0.5]}", blended, "");
+    assert_int_equal(d.n_warnings, 1);
+    assert_non_null(strstr(d.warnings[0], "shape is blended"));
+    orl_description_done(&d);
+    d = read_glb("{\"mesh\": 0, \"skin\": 0, \"weights\": [0]}", blended, "");
+    assert_int_equal(d.n_warnings, 1);
+    assert_non_null(strstr(d.warnings[0], "skeleton"));
+    orl_description_done(&d);
 }
 
 static void test_refused(void **state)
@@ -253,30 +445,96 @@ static void test_refused(void **state)
     (void)state;
     expect_refused(NODE, SQUARE,
                    "\"extensionsRequired\": [\"KHR_texture_transform\", "
-                   "\"KHR_mesh_quantization\"],",
-                   "'KHR_mesh_quantization' is not read");
-    expect_refused("{\"mesh\": 0, \"extensions\": {\"EXT_mesh_gpu_instancing\": {}}}", SQUARE, "",
-                   "'EXT_mesh_gpu_instancing' is not read");
-    expect_refused(NODE, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 6}", "", "no faces");
-    expect_refused(NODE, "{\"attributes\": {\"POSITION\": 7}}", "", "not finite");
-    expect_refused(NODE, "{\"attributes\": {\"POSITION\": 40}}", "", "no glTF 2.0");
-    expect_refused("", SQUARE, "", "no glTF 2.0");
+                   "\"KHR_draco_mesh_compression\"],",
+                   "'KHR_draco_mesh_compression' is not read");
+    expect_refused("", SQUARE, "", "no nodes[0]");
+    expect_refused("{\"mesh\": 1}", SQUARE, "", "no meshes[1]");
+    expect_refused("{\"mesh\": -1}", SQUARE, "", "no whole number");
+    expect_refused("{\"mesh\": 0, \"matrix\": [1]}", SQUARE, "", "not 16 numbers");
+    expect_refused("{\"mesh\": 0, \"rotation\": [0, 0, 0, 0]}", SQUARE, "",
+                   "quaternion of length 0");
+    expect_refused("{\"mesh\": 0, \"scale\": [1, 1, 1], "
+                   "\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}",
+                   SQUARE, "", "'matrix', and");
+    expect_refused("{\"mesh\": 0, \"matrix\": [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1]}", SQUARE, "",
+                   "another last row");
+    expect_refused("{\"mesh\": 0, \"scale\": [1e308, 1e308, 1], \"rotation\": [0, 0, 0.6, 0.8]}",
+                   SQUARE, "", "not finite");
+}
+
+/* Meshes, whose accessors, corners and modes are not as they must be. */
+static void test_damaged_meshes(void **state)
+{
+    static const char *const cases[][2] = {
+        {"{\"attributes\": {\"POSITION\": 0}, \"indices\": 6}", "a corner, 4, that"},
+        {"{\"attributes\": {\"POSITION\": 0}, \"indices\": 17}", "a corner, 65535, that"},
+        {"{\"attributes\": {\"POSITION\": 7}}", "not finite"},
+        {"{\"attributes\": {\"POSITION\": 40}}", "no accessors[40]"},
+        {"{\"attributes\": {\"POSITION\": 2}}", "its 'type' is SCALAR"},
+        {"{\"attributes\": {\"POSITION\": 12}}", "places do not rise"},
+        {"{\"attributes\": {\"POSITION\": 18}}", "behind its bufferViews[0]'s end"},
+        {"{\"attributes\": {\"POSITION\": 19}}", "'componentType', or 'count'"},
+        {"{\"attributes\": {\"POSITION\": 15}}", "4000000000 corners, which is no multiple of 3"},
+        {"{\"attributes\": {\"POSITION\": 15}, \"mode\": 5}", "more than 5000000 triangles"},
+        {"{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 7}}", "4 corners, and 3 normals"},
+        {"{\"attributes\": {\"NORMAL\": 1}}", "no 'POSITION'"},
+        {"{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}", "4 corners, which is no multiple"},
+        {"{\"attributes\": {\"POSITION\": 0}, \"indices\": 0}", "its 'type' is VEC3"},
+        {"{\"attributes\": {\"POSITION\": 0}, \"indices\": 2, \"mode\": 7}", "no 'mode' 7"},
+        {"{\"attributes\": {\"POSITION\": 0}, \"indices\": 2, \"material\": 1}", "no materials[1]"},
+        {"{\"attributes\": 0}", "an object is wanted here"},
+        {"7", "an object is wanted here"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        expect_refused(NODE, cases[i][0], "", cases[i][1]);
+}
+
+/* A mark of byte order and blanks before the JSON; glTF of other versions, and JSON that is none.
+ */
+static void test_heads_of_text(void **state)
+{
+    static const struct {
+        const char *text, *words;
+    } cases[] = {
+        {"{\"asset\": {\"version\": \"1.0\"}}", "not of version 2.0"},
+        {"{\"asset\": {\"version\": \"2.1\", \"minVersion\": \"2.1\"}}", "not of version 2.0"},
+        {"{\"scene\": \"a\"}", "no 'asset'"},
+        {"{\"asset\": {\"version\": \"2.0\"}, \"asset\": 0}", "line 1, column"},
+        {"{\"asset\": {\"version\": \"2.0\"}} {", "line 1, column"},
+    };
+    struct orl_description d;
+    struct orl_error err;
+    (void)state;
+    static const char marked[] = "\xef\xbb\xbf \n{\"asset\": {\"version\": \"2.0\"}} ";
+    assert_int_equal(parse("m.gltf", marked, sizeof marked - 1, &d, &err), 0);
+    assert_int_equal(d.n_warnings, 1); /* there is nothing in it */
+    orl_description_done(&d);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_true(parse("m.gltf", cases[i].text, strlen(cases[i].text), &d, &err) < 0);
+        if (!strstr(err.message, cases[i].words))
+            fail_msg("not ...%s... but %s", cases[i].words, err.message);
+    }
 }
 
 /* glTF 1.0; and a chunk that says it is longer than the file. */
 static void test_heads(void **state)
 {
-    char json[8192];
-    unsigned char bytes[16384];
+    char json[JSON_BYTES];
+    unsigned char bytes[2 * JSON_BYTES];
     struct orl_description d;
     struct orl_error err;
     (void)state;
-    write_json(NULL, NODE, SQUARE, "", json);
+    write_json(NULL, NODE, SQUARE, ONE_SCENE, json);
     const size_t size = write_glb(json, bytes);
     bytes[4] = 1;
     assert_int_equal(parse("m.glb", bytes, size, &d, &err), ORL_ERR_UNSUPPORTED);
     assert_non_null(strstr(err.message, "not of version 2"));
     bytes[4] = 2;
+    bytes[8]++;
+    assert_int_equal(parse("m.glb", bytes, size, &d, &err), ORL_ERR_SYNTAX);
+    assert_non_null(strstr(err.message, "the file is longer"));
+    bytes[8]--;
     bytes[15] = 0x7e;
     assert_int_equal(parse("m.glb", bytes, size, &d, &err), ORL_ERR_SYNTAX);
     assert_non_null(strstr(err.message, "ends behind the file's end"));
@@ -286,10 +544,10 @@ static void test_heads(void **state)
 /* Of a file that is cut short anywhere nothing is taken. */
 static void test_cut(void **state)
 {
-    char json[8192];
-    unsigned char bytes[16384];
+    char json[JSON_BYTES];
+    unsigned char bytes[2 * JSON_BYTES];
     (void)state;
-    write_json(NULL, NODE, SQUARE, "", json);
+    write_json(NULL, NODE, SQUARE, ONE_SCENE, json);
     const size_t size = write_glb(json, bytes);
     for (size_t cut = 0; cut < size; cut += 97) {
         struct orl_description d;
@@ -303,10 +561,13 @@ static void test_cut(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_upright), cmocka_unit_test(test_nodes),
-        cmocka_unit_test(test_modes),   cmocka_unit_test(test_text),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_heads),
+        cmocka_unit_test(test_upright),        cmocka_unit_test(test_nodes),
+        cmocka_unit_test(test_modes),          cmocka_unit_test(test_text),
+        cmocka_unit_test(test_refused),        cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_heads),          cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_copies),         cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_depth),          cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_damaged_meshes), cmocka_unit_test(test_heads_of_text),
     };
     return sodium_init() < 0 ? 1 : cmocka_run_group_tests(tests, NULL, NULL);
 }

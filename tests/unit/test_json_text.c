@@ -9,8 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/json_read.h>
+
 #include "encode.h"
-#include "json_read.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define FAILING 0 /* sanitizers have allocators of their own; clang's check of them has too */

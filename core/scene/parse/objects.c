@@ -266,6 +266,10 @@ static void warn_of_rest(const struct object *object, const struct orl_gltf_rest
         orl_parser_warn(object->parser,
                         "%.200s: %llu meshes that a skeleton moves stand as they are without it",
                         file, (unsigned long long)rest->skinned);
+    if (rest->blended > 0)
+        orl_parser_warn(object->parser,
+                        "%.200s: %llu meshes whose shape is blended of several stand in the first",
+                        file, (unsigned long long)rest->blended);
 }
 
 static int read_gltf(struct object *object, const struct orl_file *file, struct orl_error *err)

@@ -1,13 +1,20 @@
 /*
  * Reads JSON text, whole or not at all. jansson by itself cuts strings short where it has no memory
- * for the rest of them, and says nothing.
+ * for the rest of them, and says nothing. Of the core only readers of glTF use it; it stands here
+ * for them and for api/.
  *
  * Threads: any.
  */
-#ifndef ORL_API_JSON_READ_H
-#define ORL_API_JSON_READ_H
+#ifndef ORIEL_JSON_READ_H
+#define ORIEL_JSON_READ_H
+
+#include <stddef.h>
+#include <stdint.h>
 
 #include <jansson.h>
+
+/* Bytes of memory that reading the text will take, roughly, however small its values are. */
+uint64_t orl_json_weight(const char *text, size_t size);
 
 /*
  * With jansson's flags; a new reference. NULL: errno is ENOMEM where there was no memory, and 0
