@@ -55,10 +55,14 @@ static int read_scene(const struct doubled_input *input, struct orl_error *err)
 
 static int read_mesh(const struct doubled_input *input, struct orl_error *err)
 {
-    static const char *const names[] = {"s.rad", "m.obj", "m.map", "m.stl"};
+    static const char *const names[] = {"s.rad",  "m.obj",    "m.map", "m.stl",
+                                        "m.gltf", "lamp.tab", "l.ies"};
     static const char scene[] = "void plastic m 0 0 5 .5 .5 .5 0 0\nvoid alias white m\n";
     static const char *const commands[] = {"!obj2rad m.obj\n", "!obj2rad -m m.map m.obj\n",
-                                           "!xform -s 2 m.stl\n"};
+                                           "!xform -s 2 m.stl\n", "!xform -m m m.gltf\n",
+                                           "!ies2rad l.ies\n"};
+    static const char luminaire[] = "IESNA91\n[LAMP] the wanted lamp\nTILT=NONE\n"
+                                    "1 1000 1 2 1 1 2 .3 .6 0\n1 1 40\n0 90\n0\n1 0\n";
     static const char object[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng g1\nf 1 2 3\n";
     const enum doubled_kind kind = input->of->kind;
     const struct orl_file whole = {input->data, input->size, NULL};
@@ -66,9 +70,14 @@ static int read_mesh(const struct doubled_input *input, struct orl_error *err)
     struct orl_description description = {0};
     char text[sizeof scene + 32];
     snprintf(text, sizeof text, "%s%s", scene, commands[kind - DOUBLED_OBJ]);
-    const struct orl_file contents[] = {
-        {text, strlen(text), NULL}, kind == DOUBLED_OBJ ? whole : small, whole, whole};
-    struct orl_memory_files memory = {names, contents, 4};
+    const struct orl_file contents[] = {{text, strlen(text), NULL},
+                                        kind == DOUBLED_OBJ ? whole : small,
+                                        whole,
+                                        whole,
+                                        whole,
+                                        whole,
+                                        {luminaire, sizeof luminaire - 1, NULL}};
+    struct orl_memory_files memory = {names, contents, sizeof names / sizeof *names};
     const struct orl_files files = orl_files_from_memory(&memory);
     const int code = orl_scene_parse(names, 1, &files, &description, err);
     orl_description_done(&description);
@@ -305,6 +314,7 @@ int doubled_read(const struct doubled_input *input, char text[256])
         [DOUBLED_SCHEDULE] = read_schedule, [DOUBLED_MEASURED] = read_measured,
         [DOUBLED_MATRIX] = read_matrix,     [DOUBLED_OBJ] = read_mesh,
         [DOUBLED_RULES] = read_mesh,        [DOUBLED_STL] = read_mesh,
+        [DOUBLED_GLTF] = read_mesh,         [DOUBLED_LAMPS] = read_mesh,
     };
     struct orl_error err = {0};
     const int code = readers[input->of->kind](input, &err);

@@ -30,6 +30,8 @@ enum doubled_kind {
     DOUBLED_OBJ,   /* a scene that names it */
     DOUBLED_RULES, /* of obj2rad, the same */
     DOUBLED_STL,
+    DOUBLED_GLTF,  /* without a material's name but for "m 1" and so on, which stand for one */
+    DOUBLED_LAMPS, /* a table of them, of a luminaire */
 };
 
 struct doubled {

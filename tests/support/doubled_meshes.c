@@ -1,10 +1,12 @@
 /*
- * OBJ files, with rules of obj2rad and without, and STL files.
+ * OBJ files, with rules of obj2rad and without, STL and glTF files; tables of lamps.
  */
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <sodium.h>
 
 #include "support/doubled.h"
 
@@ -76,13 +78,111 @@ static void write_stl_binary(FILE *f, size_t n)
     }
 }
 
+/* ---- glTF ------------------------------------------------------------------------------------ */
+
+/* So many corners, x y z in a strip, and numbers from 0 on, in a buffer within; accessors 0: the
+ * corners, 1: the numbers, 2: corners that are all 0 but for those. more: nodes and meshes. */
+static void write_gltf(FILE *f, size_t n, const char *more)
+{
+    const size_t size = 16 * n, room = sodium_base64_ENCODED_LEN(size, 1);
+    float *const data = malloc(size);
+    char *const text = malloc(room);
+    uint32_t *const numbers = (uint32_t *)(data + 3 * n);
+    if (!data || !text)
+        abort();
+    for (size_t i = 0; i < n; i++) {
+        data[3 * i] = (float)(i / 2);
+        data[3 * i + 1] = (float)(i % 2);
+        data[3 * i + 2] = 0;
+        numbers[i] = (uint32_t)i;
+    }
+    sodium_bin2base64(text, room, (const unsigned char *)data, size, 1);
+    fprintf(f,
+            "{\"asset\": {\"version\": \"2.0\"}, %s, \"buffers\": [{\"byteLength\": %zu, \"uri\": "
+            "\"data:;base64,%s\"}], \"bufferViews\": [{\"buffer\": 0, \"byteLength\": %zu}, "
+            "{\"buffer\": 0, \"byteOffset\": %zu, \"byteLength\": %zu}], \"accessors\": ["
+            "{\"bufferView\": 0, \"componentType\": 5126, \"count\": %zu, \"type\": \"VEC3\"}, "
+            "{\"bufferView\": 1, \"componentType\": 5125, \"count\": %zu, \"type\": \"SCALAR\"}, "
+            "{\"componentType\": 5126, \"count\": %zu, \"type\": \"VEC3\", \"sparse\": {\"count\": "
+            "%zu, \"indices\": {\"bufferView\": 1, \"componentType\": 5125}, \"values\": "
+            "{\"bufferView\": 0}}}]}",
+            more, size, text, 12 * n, 12 * n, 4 * n, n, n, n, n);
+    free(data);
+    free(text);
+}
+#define STRIP(corners)                                                                             \
+    "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": " #corners "}, \"mode\": "     \
+    "5}]}]"
+static void write_gltf_strip(FILE *f, size_t n)
+{
+    write_gltf(f, n, "\"nodes\": [{\"mesh\": 0}], " STRIP(0));
+}
+static void write_gltf_apart(FILE *f, size_t n)
+{
+    write_gltf(f, n, "\"nodes\": [{\"mesh\": 0}], " STRIP(2));
+}
+/* Of a quad at the origin there are as many copies as the buffer has corners. */
+static void write_gltf_copies(FILE *f, size_t n)
+{
+    write_gltf(f, n,
+               "\"nodes\": [{\"mesh\": 0, \"extensions\": {\"EXT_mesh_gpu_instancing\": "
+               "{\"attributes\": {\"TRANSLATION\": 0}}}}], \"meshes\": [{\"primitives\": "
+               "[{\"attributes\": {\"POSITION\": 0}, \"mode\": 1}]}]");
+}
+/* n nodes in each other by tens, each with a mesh and a material of its own. */
+static void write_gltf_nodes(FILE *f, size_t n)
+{
+    char *more = NULL;
+    size_t size = 0;
+    FILE *const m = open_memstream(&more, &size);
+    if (!m)
+        abort();
+    fputs("\"nodes\": [{}", m);
+    for (size_t i = 1; i <= n; i++)
+        fprintf(m, ", {\"mesh\": %zu%s%zu%s}", i - 1,
+                i % 10 ? ", \"children\": [" : ", \"skin\": ", i + 1, i % 10 ? "]" : "");
+    fputs(", {}], \"meshes\": [", m);
+    for (size_t i = 0; i < n; i++)
+        fprintf(m,
+                "%s{\"primitives\": [{\"attributes\": {\"POSITION\": 0}, \"mode\": 6, "
+                "\"material\": %zu}]}",
+                i > 0 ? ", " : "", i);
+    fputs("], \"materials\": [", m);
+    for (size_t i = 0; i < n; i++)
+        fprintf(m, "%s{\"name\": \"m %zu\"}", i > 0 ? ", " : "", i);
+    fputs("]", m);
+    fclose(m);
+    write_gltf(f, 4, more);
+    free(more);
+}
+
+/* ---- Tables of lamps ------------------------------------------------------------------------- */
+
+/* The luminaire's words are in the last line alone. */
+static void write_lamps(FILE *f, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "# %zu\n\n/[a-c]no such *lamp %zu/ .3 .3 .9\n", i, i);
+    fputs("/wanted lamp/ .3 .3 .9\n", f);
+}
+/* From the last line each leads to the one before it. */
+static void write_lamps_named(FILE *f, size_t n)
+{
+    fputs("/lamp 0$/ .3 .3 .9\n", f);
+    for (size_t i = 1; i < n; i++)
+        fprintf(f, "/lamp %zu$/ (lamp %zu)\n", i, i - 1);
+    fprintf(f, "/wanted lamp/ (lamp %zu)\n", n - 1);
+}
+
 #define KIND(name, kind, n)                                                                        \
     {                                                                                              \
 #name, DOUBLED_##kind, n, write_##name, 0                                                  \
     }
 const struct doubled doubled_meshes[] = {
-    KIND(obj_faces, OBJ, 500),   KIND(obj_names, OBJ, 500),    KIND(obj_bent, OBJ, 2000),
-    KIND(obj_turned, OBJ, 2000), KIND(obj_blanks, OBJ, 20000), KIND(rules, RULES, 1000),
-    KIND(stl_text, STL, 500),    KIND(stl_binary, STL, 500),
+    KIND(obj_faces, OBJ, 500),    KIND(obj_names, OBJ, 500),      KIND(obj_bent, OBJ, 2000),
+    KIND(obj_turned, OBJ, 2000),  KIND(obj_blanks, OBJ, 20000),   KIND(rules, RULES, 1000),
+    KIND(stl_text, STL, 500),     KIND(stl_binary, STL, 500),     KIND(gltf_strip, GLTF, 1000),
+    KIND(gltf_apart, GLTF, 1000), KIND(gltf_copies, GLTF, 1000),  KIND(gltf_nodes, GLTF, 500),
+    KIND(lamps, LAMPS, 1000),     KIND(lamps_named, LAMPS, 1000),
 };
 const size_t doubled_n_meshes = sizeof doubled_meshes / sizeof *doubled_meshes;

@@ -119,6 +119,25 @@ static void test_tables_that_are_wrong(void **state)
     }
 }
 
+/* Each but the first is the one before it: 32 names on the way, and 33. */
+static void test_names_of_names(void **state)
+{
+    (void)state;
+    for (int n = 32; n <= 33; n++) {
+        char text[2048], words[16];
+        struct orl_lamp lamp;
+        struct orl_error err = {0};
+        int at = snprintf(text, sizeof text, "/lamp 0$/ .3 .3 .7\n");
+        for (int i = 1; i <= n; i++)
+            at += snprintf(text + at, sizeof text - (size_t)at, "/lamp %d$/ (lamp %d)\n", i, i - 1);
+        snprintf(words, sizeof words, "lamp %d", n);
+        struct orl_lamp_table table = table_of(text);
+        const int code = orl_lamp_find(&table, words, strlen(words), &lamp, &err);
+        if (code != (n == 32 ? 1 : ORL_ERR_LIMIT))
+            fail_msg("%d names: %d, %s", n, code, err.message);
+    }
+}
+
 /* ---- Luminaires ------------------------------------------------------------------------------ */
 
 #define NUMBERS "1 1000 1 3 1 1 2 0 0 0\n1 1 40\n0 90 180\n0\n1000 1000 1000\n"
@@ -225,6 +244,7 @@ int main(void)
         cmocka_unit_test(test_patterns),
         cmocka_unit_test(test_color),
         cmocka_unit_test(test_tables_that_are_wrong),
+        cmocka_unit_test(test_names_of_names),
         cmocka_unit_test_setup_teardown(test_lamps_by_the_table, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_lamps_without_a_table, scratch_set_up,
                                         scratch_tear_down),

@@ -234,11 +234,15 @@ static int find_entry(struct orl_lamp_table *table, struct span words, int befor
 int orl_lamp_find(struct orl_lamp_table *table, const char *words, size_t length,
                   struct orl_lamp *ret_lamp, struct orl_error *err)
 {
+    enum { LONGEST = 32 }; /* each name is looked for from the first line on */
     struct span wanted = {words, words + length};
     struct entry entry;
     int line = find_entry(table, wanted, 1 << 30, &entry, err);
-    while (line > 0 && entry.rest.at < entry.rest.end && *entry.rest.at == '(') {
+    for (int n = 0; line > 0 && entry.rest.at < entry.rest.end && *entry.rest.at == '('; n++) {
         const int named = line;
+        if (n == LONGEST)
+            return fail(table, named, ORL_ERR_LIMIT,
+                        "from one lamp's name to another's it is too far", err);
         wanted.at = entry.rest.at + 1;
         wanted.end = find_end((struct span){wanted.at, entry.rest.end}, ')');
         line = find_entry(table, wanted, named, &entry, err);

@@ -3,7 +3,7 @@
  * words, and how much of its first light it has left when it is half spent. A line is a pattern
  * between two equal characters, in which . * [] ^ $ \< \> mean what they mean to grep and letters
  * (but those between []) are either case's; and then "x y share", or "(words)" that stand for an
- * entry before it. The first line counts whose pattern is in the words.
+ * entry before it, 32 times at the most. The first line counts whose pattern is in the words.
  *
  * Tables may be anybody's: a search gives up after so many steps.
  */
