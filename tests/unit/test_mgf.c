@@ -66,6 +66,36 @@ static const struct {
      "void WGMDfunc t 13 void 0 0 0 ts_rgb* 1 0.1 0.1 void 0 0 1 . 0 9 "
      "0.313941 0.16897 0.054716 0.313941 0.16897 0.054716 0.002634 0.377102 0.719314 "
      "t polygon f1 0 0 9 0 0 0 1 0 0 1 2 0 "},
+    {"a torus, whose vertex stays", "v b =\n p .5 .5 .5\n n 0 0 2\ntorus b .1 .25\nring _tv2 1 2\n",
+     "void plastic mat 0 0 5 0 0 0 0 0 "
+     "mat cone c1 0 0 8 0.5 0.5 0.575 0.5 0.5 0.571329 0.175 0.198176 "
+     "mat cone c2 0 0 8 0.5 0.5 0.571329 0.5 0.5 0.560676 0.198176 0.219084 "
+     "mat cone c3 0 0 8 0.5 0.5 0.560676 0.5 0.5 0.544084 0.219084 0.235676 "
+     "mat cone c4 0 0 8 0.5 0.5 0.544084 0.5 0.5 0.523176 0.235676 0.246329 "
+     "mat cone c5 0 0 8 0.5 0.5 0.523176 0.5 0.5 0.5 0.246329 0.25 "
+     "mat cone c6 0 0 8 0.5 0.5 0.5 0.5 0.5 0.476824 0.25 0.246329 "
+     "mat cone c7 0 0 8 0.5 0.5 0.476824 0.5 0.5 0.455916 0.246329 0.235676 "
+     "mat cone c8 0 0 8 0.5 0.5 0.455916 0.5 0.5 0.439324 0.235676 0.219084 "
+     "mat cone c9 0 0 8 0.5 0.5 0.439324 0.5 0.5 0.428671 0.219084 0.198176 "
+     "mat cone c10 0 0 8 0.5 0.5 0.428671 0.5 0.5 0.425 0.198176 0.175 "
+     "mat cup c11 0 0 8 0.5 0.5 0.425 0.5 0.5 0.428671 0.175 0.151824 "
+     "mat cup c12 0 0 8 0.5 0.5 0.428671 0.5 0.5 0.439324 0.151824 0.130916 "
+     "mat cup c13 0 0 8 0.5 0.5 0.439324 0.5 0.5 0.455916 0.130916 0.114324 "
+     "mat cup c14 0 0 8 0.5 0.5 0.455916 0.5 0.5 0.476824 0.114324 0.103671 "
+     "mat cup c15 0 0 8 0.5 0.5 0.476824 0.5 0.5 0.5 0.103671 0.1 "
+     "mat cup c16 0 0 8 0.5 0.5 0.5 0.5 0.5 0.523176 0.1 0.103671 "
+     "mat cup c17 0 0 8 0.5 0.5 0.523176 0.5 0.5 0.544084 0.103671 0.114324 "
+     "mat cup c18 0 0 8 0.5 0.5 0.544084 0.5 0.5 0.560676 0.114324 0.130916 "
+     "mat cup c19 0 0 8 0.5 0.5 0.560676 0.5 0.5 0.571329 0.130916 0.151824 "
+     "mat cup c20 0 0 8 0.5 0.5 0.571329 0.5 0.5 0.575 0.151824 0.175 "
+     "mat ring r1 0 0 8 0.5 0.5 0.575 0 0 1 1 2 "},
+    {"files within, in arrays and transforms of this one, and a vertex that stays",
+     "xf -s 2\ni sub/s.mgf\nxf\ni sub/s.mgf -t 1 0 0 -a 2 -t 0 5 0\nring far .1 .2\n",
+     "void plastic mat 0 0 5 0 0 0 0 0 "
+     "mat sphere thing.s1 0 0 4 2 4 6 1 mat ring thing.r1 0 0 8 18 20 22 0 0 1 2 4 "
+     "mat sphere a0.thing.s2 0 0 4 2 2 3 0.5 mat ring a0.thing.r2 0 0 8 10 10 11 0 0 1 1 2 "
+     "mat sphere a1.thing.s3 0 0 4 2 7 3 0.5 mat ring a1.thing.r3 0 0 8 10 15 11 0 0 1 1 2 "
+     "mat ring r4 0 0 8 9 10 11 0 0 1 0.1 0.2 "},
     {"a lamp", "m lamp =\n ed 3000\n" CORNERS "f a b c\n",
      "void light lamp 0 0 3 5.33481 5.33481 5.33481 lamp polygon f1 0 0 9 0 0 0 1 0 0 1 2 0 "},
 };
@@ -86,10 +116,41 @@ static void write_words(const char *text, char *ret_words, size_t size)
     }
 }
 
+/* Files that others include. */
+static const struct {
+    const char *folder, *name, *mgf;
+} others[] = {
+    {"", "sub/s.mgf", "o thing\nv a =\n p 1 2 3\nsph a .5\ni part.mgf\no\n"},
+    {"sub", "part.mgf", "v far =\n p 9 10 11\n n 0 0 1\nring far 1 2\n"},
+    {"", "itself.mgf", "# x\ni itself.mgf\n"},
+    {"", "open.mgf", "xf -t 1 0 0\n"},
+    {"", "shut.mgf", "xf\n"},
+    {"", "wrong.mgf", "\n\nv a b\n"},
+};
+
+static int open_other(void *ctx, const char *folder, const char *name, struct orl_mgf_text *ret,
+                      struct orl_error *err)
+{
+    (void)ctx;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(others[i].folder, folder) == 0 && strcmp(others[i].name, name) == 0) {
+            *ret = (struct orl_mgf_text){.file = others[i].name,
+                                         .folder = strchr(name, '/') ? "sub" : "",
+                                         .line = 1,
+                                         .data = others[i].mgf,
+                                         .size = strlen(others[i].mgf)};
+            return 0;
+        }
+    return orl_error_set(err, ORL_ERR_NOT_FOUND, "there is no %s", name);
+}
+
 static int convert(const char *mgf, struct orl_text *text, struct orl_error *err)
 {
     const struct orl_mgf document = {
-        .file = "p.mgf", .line = 1, .data = mgf, .size = strlen(mgf), .unit_m = 1, .emission = 1};
+        .text = {.file = "p.mgf", .folder = "", .line = 1, .data = mgf, .size = strlen(mgf)},
+        .open = open_other,
+        .unit_m = 1,
+        .emission = 1};
     return orl_mgf_write(&document, text, err);
 }
 
@@ -158,12 +219,30 @@ static const struct {
     {"xf\n", ORL_ERR_SYNTAX, 1, "no transform has been begun"},
     {"xf -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "not ended"},
     {"o\n", ORL_ERR_SYNTAX, 1, "no object"},
-    {"i other.mgf\n", ORL_ERR_UNSUPPORTED, 1, "not read here"},
-    {"torus a .1 .2\n", ORL_ERR_UNSUPPORTED, 1, "not read here"},
+    {"ies l.ies\n", ORL_ERR_UNSUPPORTED, 1, "not read here"},
+    {"\ni other.mgf\n", ORL_ERR_NOT_FOUND, 2, "there is no other.mgf"},
+    {"i\n", ORL_ERR_SYNTAX, 1, "1 words"},
+    {"i wrong.mgf -t 1 0\n", ORL_ERR_SYNTAX, 1, ""},
+    {CORNERS "torus a .1 .2\n", ORL_ERR_RANGE, 17, "needs a normal"},
+    {CORNERS "torus up .2 .1\n", ORL_ERR_RANGE, 17, "no torus"},
+    {CORNERS "torus up 0 0\n", ORL_ERR_RANGE, 17, "no torus"},
     {CORNERS "ring a .1 .2\n", ORL_ERR_RANGE, 17, "a normal"},
     {CORNERS "cone a .1 b -.2\n", ORL_ERR_RANGE, 17, "no cone"},
     {CORNERS "prism a b c 0\n", ORL_ERR_RANGE, 17, "no length"},
     {"o it's\n", ORL_ERR_SYNTAX, 1, "sign"},
+};
+
+/* In files that it includes. */
+static const struct {
+    const char *mgf;
+    int code, line;
+    const char *message, *file;
+} refused_within[] = {
+    {"i itself.mgf\n", ORL_ERR_LIMIT, 2, "includes itself", "itself.mgf"},
+    {"i open.mgf\nxf\n", ORL_ERR_SYNTAX, 1, "not ended", "open.mgf"},
+    {"xf -t 1 0 0\ni shut.mgf\n", ORL_ERR_SYNTAX, 1, "has been begun", "shut.mgf"},
+    {"i shut.mgf -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "has been begun", "shut.mgf"},
+    {"i wrong.mgf -t 1 0 0\n", ORL_ERR_SYNTAX, 3, "where '='", "wrong.mgf"},
 };
 
 static void what_may_mislead_is_said(void **state)
@@ -179,19 +258,27 @@ static void what_may_mislead_is_said(void **state)
     }
 }
 
+static void expect_refused(const char *mgf, int code, const char *file, int line,
+                           const char *message)
+{
+    struct orl_text text = {0};
+    struct orl_error err = {0};
+    const int found = convert(mgf, &text, &err);
+    if (found != code || err.line != line || !strstr(err.message, message))
+        fail_msg("%s: %d, line %d: %s", mgf, found, err.line, err.message);
+    assert_string_equal(err.file, file);
+    orl_text_done(&text);
+}
+
 static void what_is_refused_has_its_line(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
-        struct orl_text text = {0};
-        struct orl_error err = {0};
-        const int code = convert(refused[i].mgf, &text, &err);
-        if (code != refused[i].code || err.line != refused[i].line ||
-            !strstr(err.message, refused[i].message))
-            fail_msg("%s: %d, line %d: %s", refused[i].mgf, code, err.line, err.message);
-        assert_string_equal(err.file, "p.mgf");
-        orl_text_done(&text);
-    }
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+        expect_refused(refused[i].mgf, refused[i].code, "p.mgf", refused[i].line,
+                       refused[i].message);
+    for (size_t i = 0; i < sizeof refused_within / sizeof *refused_within; i++)
+        expect_refused(refused_within[i].mgf, refused_within[i].code, refused_within[i].file,
+                       refused_within[i].line, refused_within[i].message);
 }
 
 int main(void)

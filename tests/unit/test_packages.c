@@ -118,6 +118,28 @@ static void a_file_of_mgf_is_read(void **state)
     orl_description_done(&d);
 }
 
+/* Of a file beside it, which includes another beside itself. */
+static void a_file_of_mgf_includes_others(void **state)
+{
+    static const char *const names[] = {"a.rad", "sub/p.mgf", "sub/q.mgf"};
+    static const char *const texts[] = {"!mgf2rad sub/p.mgf\n", "i q.mgf -t 3 0 0 -a 2 -t 0 1 0\n",
+                                        MGF};
+    struct orl_file contents[3];
+    struct orl_description d = {0};
+    struct orl_error err = {0};
+    (void)state;
+    for (size_t i = 0; i < 3; i++)
+        contents[i] = (struct orl_file){texts[i], strlen(texts[i]), NULL};
+    struct orl_memory_files memory = {names, contents, 3};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    if (orl_scene_parse(names, 1, &files, &d, &err) < 0)
+        fail_msg("%s:%d: %s", err.file, err.line, err.message);
+    assert_int_equal(d.n_surfaces, 2);
+    assert_near(d.surfaces[1].vertices[0].x, 1);
+    assert_near(d.surfaces[1].vertices[0].y - d.surfaces[0].vertices[0].y, 1);
+    orl_description_done(&d);
+}
+
 /* ---- Refused --------------------------------------------------------------------------------- */
 
 static const struct {
@@ -168,6 +190,7 @@ int main(void)
         cmocka_unit_test(a_panel_alone_is_its_face),
         cmocka_unit_test(a_panel_with_geometry_is_a_proxy),
         cmocka_unit_test(a_file_of_mgf_is_read),
+        cmocka_unit_test(a_file_of_mgf_includes_others),
         cmocka_unit_test(what_is_refused_has_its_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,5 @@
-/* Entities of MGF, one after the other; transforms, which may repeat what they hold. */
+/* Entities of MGF, one after the other; transforms, which may repeat what they hold; other files.
+ */
 #include "scene/generate/mgf.h"
 
 #include <stdio.h>
@@ -9,7 +10,7 @@
 
 #include "scene/generate/mgf_context.h"
 
-enum { WORDS_BYTES = 1 << 18 };
+enum { WORDS_BYTES = 1 << 18, LEAVE_COST = 64 };
 
 /* ---- Properties ------------------------------------------------------------------------------ */
 
@@ -159,7 +160,9 @@ static int use_copy(struct orl_mgf_reader *r, const struct orl_mgf_frame *frame)
     return copy->name[0] ? push_object(r, copy->name) : 0;
 }
 
-static int begin_xform(struct orl_mgf_reader *r)
+/* By words; of what lies between start, behind that line, and its end. */
+static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_t n,
+                       const char *start, int line)
 {
     struct orl_mgf_frame *frame = &r->frames[r->n_frames];
     struct orl_error why = {0};
@@ -169,13 +172,13 @@ static int begin_xform(struct orl_mgf_reader *r)
                             ORL_MGF_DEPTH);
     *frame = (struct orl_mgf_frame){.most = ORL_LIMIT_XFORM_ARRAY,
                                     .outer = r->xform,
-                                    .start = r->at,
-                                    .line = r->line,
+                                    .start = start,
+                                    .line = line,
                                     .n_objects = r->n_objects};
     for (size_t i = 0; i < r->n_frames; i++)
         frame->most -= r->frames[i].n_copies < frame->most ? r->frames[i].n_copies : frame->most;
     r->n_frames++;
-    code = orl_xform_expand(r->words + 1, r->n_words - 1, refuse_file, add_copy, frame, &why);
+    code = orl_xform_expand(words, n, refuse_file, add_copy, frame, &why);
     if (code < 0)
         return orl_mgf_fail(r, code, "%s", why.message);
     if (frame->n_copies == 0)
@@ -183,15 +186,12 @@ static int begin_xform(struct orl_mgf_reader *r)
     return use_copy(r, frame);
 }
 
-static int read_xform(struct orl_mgf_reader *r)
+/* The next copy is read from the transform's start on, or it has ended. */
+static int end_xform(struct orl_mgf_reader *r, bool *ret_ended)
 {
-    struct orl_mgf_frame *frame;
-    if (r->n_words > 1)
-        return begin_xform(r);
-    if (r->n_frames == 0)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no transform has been begun");
-    frame = &r->frames[r->n_frames - 1];
-    if (++frame->copy < frame->n_copies) {
+    struct orl_mgf_frame *frame = &r->frames[r->n_frames - 1];
+    *ret_ended = ++frame->copy == frame->n_copies;
+    if (!*ret_ended) {
         r->at = frame->start;
         r->line = frame->line;
         return use_copy(r, frame);
@@ -203,11 +203,79 @@ static int read_xform(struct orl_mgf_reader *r)
     return 0;
 }
 
+static int read_xform(struct orl_mgf_reader *r)
+{
+    bool ended;
+    if (r->n_words > 1)
+        return begin_xform(r, r->words + 1, r->n_words - 1, r->at, r->line);
+    if (r->n_frames == r->texts[r->n_texts - 1].n_frames)
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no transform has been begun");
+    return end_xform(r, &ended);
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
 static int refuse(struct orl_mgf_reader *r)
 {
     const int code = orl_mgf_fail(r, ORL_ERR_UNSUPPORTED, "'%s' is not read here", r->words[0]);
     orl_error_hint(r->err, "convert the geometry with mgf2rad beforehand, and include its output");
     return code;
+}
+
+static int open_text(struct orl_mgf_reader *r, struct orl_mgf_text *ret_text)
+{
+    const struct orl_mgf *const mgf = r->mgf;
+    if (r->n_texts == ORL_LIMIT_INCLUDE_DEPTH)
+        return orl_mgf_fail(r, ORL_ERR_LIMIT, "files include each other more than %u deep",
+                            ORL_LIMIT_INCLUDE_DEPTH);
+    const int code =
+        mgf->open(mgf->ctx, r->texts[r->n_texts - 1].text.folder, r->words[1], ret_text, r->err);
+    if (code < 0) {
+        orl_error_at(r->err, r->texts[r->n_texts - 1].text.file, r->line, "MGF's i");
+        return code;
+    }
+    for (size_t i = 0; i < r->n_texts; i++)
+        if (strcmp(r->texts[i].text.file, ret_text->file) == 0)
+            return orl_mgf_fail(r, ORL_ERR_LIMIT, "'%.200s' includes itself", ret_text->file);
+    return 0;
+}
+
+/* "i file [transform]" */
+static int include(struct orl_mgf_reader *r)
+{
+    struct orl_mgf_place place = {.placed = r->n_words > 2, .back = r->at, .back_line = r->line};
+    if (!r->mgf->open)
+        return refuse(r);
+    int code = r->n_words > 1 ? open_text(r, &place.text) : orl_mgf_takes(r, 1, 1);
+    if (code == 0 && place.placed)
+        code = begin_xform(r, r->words + 2, r->n_words - 2, place.text.data, place.text.line - 1);
+    if (code < 0)
+        return code;
+    place.n_frames = r->n_frames;
+    r->texts[r->n_texts++] = place;
+    r->at = place.text.data;
+    r->line = place.text.line - 1;
+    return 0;
+}
+
+/* At the end of a text: it is repeated, or the one before goes on, if there is one. */
+static int leave_text(struct orl_mgf_reader *r, bool *ret_ended)
+{
+    const struct orl_mgf_place *const place = &r->texts[r->n_texts - 1];
+    bool ended = true;
+    r->n_words = 0;
+    r->n_read += LEAVE_COST;
+    if (r->n_frames > place->n_frames)
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "%zu transforms (xf) are not ended",
+                            r->n_frames - place->n_frames);
+    const int code = place->placed ? end_xform(r, &ended) : 0;
+    *ret_ended = r->n_texts == 1;
+    if (code < 0 || *ret_ended || !ended)
+        return code;
+    r->at = place->back;
+    r->line = place->back_line;
+    r->n_texts--;
+    return 0;
 }
 
 /* ---- Entities -------------------------------------------------------------------------------- */
@@ -226,7 +294,7 @@ static const struct {
     {"ed", read_part},
     {"f", orl_mgf_face},
     {"fh", orl_mgf_face_with_holes},
-    {"i", refuse},
+    {"i", include},
     {"ies", refuse},
     {"ir", read_index},
     {"m", read_material_name},
@@ -240,7 +308,7 @@ static const struct {
     {"sides", read_sides},
     {"sph", orl_mgf_sphere},
     {"td", read_part},
-    {"torus", refuse},
+    {"torus", orl_mgf_torus},
     {"ts", read_part},
     {"v", read_vertex_name},
     {"xf", read_xform},
@@ -248,8 +316,6 @@ static const struct {
 
 static int read_entity(struct orl_mgf_reader *r)
 {
-    if (r->n_read > ORL_LIMIT_SCENE_TEXT || r->text->size > ORL_LIMIT_FILE_BYTES)
-        return orl_mgf_fail(r, ORL_ERR_LIMIT, "the geometry, with its repeats, is too large");
     for (size_t i = 0; i < sizeof entities / sizeof *entities; i++)
         if (strcmp(entities[i].name, r->words[0]) == 0)
             return entities[i].read(r);
@@ -266,7 +332,8 @@ static bool is_space(char c)
  * comment or an empty line. Names that could not stand in scene text are refused. */
 static int read_words(struct orl_mgf_reader *r)
 {
-    const char *const end = r->mgf->data + r->mgf->size;
+    const struct orl_mgf_text *const text = &r->texts[r->n_texts - 1].text;
+    const char *const end = text->data + text->size;
     const char *const start = r->at;
     size_t length = 0;
     bool in_word = false;
@@ -302,15 +369,17 @@ static int read_words(struct orl_mgf_reader *r)
 
 static int read_all(struct orl_mgf_reader *r)
 {
-    const char *const end = r->mgf->data + r->mgf->size;
+    bool ended = false;
     int code = 0;
-    while (code == 0 && r->at < end) {
-        code = read_words(r);
+    while (code == 0 && !ended) {
+        const struct orl_mgf_text *const text = &r->texts[r->n_texts - 1].text;
+        const bool at_end = r->at == text->data + text->size;
+        code = at_end ? leave_text(r, &ended) : read_words(r);
+        if (code == 0 && (r->n_read > ORL_LIMIT_SCENE_TEXT || r->text->size > ORL_LIMIT_FILE_BYTES))
+            code = orl_mgf_fail(r, ORL_ERR_LIMIT, "the geometry, with its repeats, is too large");
         if (code == 0 && r->n_words > 0)
             code = read_entity(r);
     }
-    if (code == 0 && r->n_frames > 0)
-        code = orl_mgf_fail(r, ORL_ERR_SYNTAX, "%zu transforms (xf) are not ended", r->n_frames);
     return code;
 }
 
@@ -339,8 +408,10 @@ int orl_mgf_write(const struct orl_mgf *mgf, struct orl_text *text, struct orl_e
         *r = (struct orl_mgf_reader){.mgf = mgf,
                                      .text = text,
                                      .err = err ? err : &own,
-                                     .at = mgf->data,
-                                     .line = mgf->line - 1,
+                                     .texts[0].text = mgf->text,
+                                     .n_texts = 1,
+                                     .at = mgf->text.data,
+                                     .line = mgf->text.line - 1,
                                      .buffer = buffer,
                                      .xform = orl_xform_identity};
         for (int i = 0; i < 3; i++)

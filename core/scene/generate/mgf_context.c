@@ -20,7 +20,7 @@ int orl_mgf_fail(struct orl_mgf_reader *r, int code, const char *format, ...)
     va_end(args);
     snprintf(entity, sizeof entity, "MGF's %.60s", r->n_words > 0 ? r->words[0] : "end");
     orl_error_set(r->err, code, "%s", message);
-    orl_error_at(r->err, r->mgf->file, r->line, entity);
+    orl_error_at(r->err, r->texts[r->n_texts - 1].text.file, r->line, entity);
     return code;
 }
 

@@ -7,6 +7,8 @@
 #ifndef ORL_SCENE_GENERATE_MGF_CONTEXT_H
 #define ORL_SCENE_GENERATE_MGF_CONTEXT_H
 
+#include <oriel/limits.h>
+
 #include "scene/generate/mgf.h"
 #include "scene/generate/xform.h"
 
@@ -59,11 +61,22 @@ struct orl_mgf_frame {
     int line;
 };
 
+/* A text under way, by itself or within those before it. */
+struct orl_mgf_place {
+    struct orl_mgf_text text;
+    size_t n_frames;  /* transforms when it began, that of all of it included */
+    bool placed;      /* by such a one */
+    const char *back; /* where the one before goes on */
+    int back_line;
+};
+
 struct orl_mgf_reader {
     const struct orl_mgf *mgf;
     struct orl_text *text;
     struct orl_error *err;
-    const char *at;
+    struct orl_mgf_place texts[ORL_LIMIT_INCLUDE_DEPTH];
+    size_t n_texts;
+    const char *at; /* in the last of them */
     int line;
     char *buffer; /* the words of the entity at hand */
     const char *words[ORL_MGF_WORDS];
@@ -127,5 +140,8 @@ int orl_mgf_sphere(struct orl_mgf_reader *reader);
 int orl_mgf_cylinder(struct orl_mgf_reader *reader);
 int orl_mgf_cone(struct orl_mgf_reader *reader);
 int orl_mgf_ring(struct orl_mgf_reader *reader);
+
+/* mgf_torus.c */
+int orl_mgf_torus(struct orl_mgf_reader *reader);
 
 #endif

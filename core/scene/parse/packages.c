@@ -69,10 +69,10 @@ static int write_package(const struct package *package, struct orl_text *text,
     add_face(text, package, piece->thickness);
     if (reflects_behind(package->bsdf))
         add_face(text, package, -piece->thickness);
-    const struct orl_mgf mgf = {.file = package->resolved,
-                                .line = piece->geometry_line,
-                                .data = piece->geometry,
-                                .size = piece->geometry_size,
+    const struct orl_mgf mgf = {.text = {.file = package->resolved,
+                                         .line = piece->geometry_line,
+                                         .data = piece->geometry,
+                                         .size = piece->geometry_size},
                                 .unit_m = piece->geometry_unit,
                                 .emission = 1};
     return orl_mgf_write(&mgf, text, err);
@@ -132,16 +132,49 @@ int orl_parser_package(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* ---- mgf2rad --------------------------------------------------------------------------------- */
+/* ---- MGF ------------------------------------------------------------------------------------- */
+
+struct opening {
+    struct orl_parser *parser;
+    const struct orl_scope *scope;
+};
+
+static int open_mgf(void *ctx, const char *folder, const char *name, struct orl_mgf_text *ret_text,
+                    struct orl_error *err)
+{
+    const struct opening *const opening = ctx;
+    struct orl_sources *const sources = &opening->parser->sources;
+    size_t index = 0;
+    int code = orl_sources_find(sources, folder, name, &index, err);
+    if (code == 0)
+        code = orl_parser_count_text(opening->parser, opening->scope,
+                                     sources->items[index].file.size, err);
+    if (code == 0)
+        *ret_text = (struct orl_mgf_text){.file = sources->items[index].name,
+                                          .folder = sources->items[index].folder,
+                                          .line = 1,
+                                          .data = sources->items[index].file.data,
+                                          .size = sources->items[index].file.size};
+    return code;
+}
+
+int orl_parser_mgf(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                   const struct orl_mgf *mgf, struct orl_text *text, struct orl_error *err)
+{
+    struct opening opening = {parser, scope};
+    struct orl_mgf whole = *mgf;
+    const int code = open_mgf(&opening, scope->folder, name, &whole.text, err);
+    whole.open = open_mgf;
+    whole.ctx = &opening;
+    return code ? code : orl_mgf_write(&whole, text, err);
+}
 
 int orl_parser_mgf2rad(struct orl_parser *parser, const struct orl_scope *scope,
                        const char *const *words, size_t count, struct orl_text *text,
                        struct orl_error *err)
 {
     struct orl_words left = {.program = "mgf2rad", .at = words + 1, .left = count - 1};
-    struct orl_mgf mgf = {.line = 1, .unit_m = 1, .emission = 1};
-    struct orl_scope inner = *scope;
-    struct orl_file file = {0};
+    struct orl_mgf mgf = {.unit_m = 1, .emission = 1};
     int code = 0;
     while (code == 0 && left.left > 0 && left.at[0][0] == '-') {
         const char *const option = left.at[0];
@@ -158,12 +191,5 @@ int orl_parser_mgf2rad(struct orl_parser *parser, const struct orl_scope *scope,
         code = orl_error_set(err, ORL_ERR_SYNTAX, "mgf2rad takes one file here");
     if (code == 0 && !(mgf.glow_radius >= 0 && mgf.emission >= 0))
         code = orl_error_set(err, ORL_ERR_RANGE, "mgf2rad: numbers below 0");
-    if (code == 0)
-        code = orl_parser_enter(parser, &inner, left.at[0], &file, err);
-    if (code < 0)
-        return code;
-    mgf.file = inner.file;
-    mgf.data = file.data;
-    mgf.size = file.size;
-    return orl_mgf_write(&mgf, text, err);
+    return code ? code : orl_parser_mgf(parser, scope, left.at[0], &mgf, text, err);
 }
