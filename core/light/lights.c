@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "light/sky.h"
 #include "scene/material/bounds.h"
+#include "scene/material/kinds.h"
 #include "scene/material/pattern.h"
 
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
@@ -23,6 +24,7 @@ struct distant {
     const struct orl_pattern *pattern;
     struct orl_vec3 direction;
     double angle_deg;
+    bool seen_alone;
 };
 
 struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 direction)
@@ -37,9 +39,13 @@ static void add(struct orl_lights *lights, const struct distant *d)
 {
     const double half = 0.5 * d->angle_deg * ORL_DEG_TO_RAD;
     if (d->kind != ORL_MATERIAL_LIGHT || d->angle_deg > widest_sun_deg) {
-        lights->domes[lights->n_domes++] =
-            (struct orl_dome){d->direction, cos(half),  d->radiance,
-                              d->sky,       d->pattern, d->kind == ORL_MATERIAL_LIGHT};
+        lights->domes[lights->n_domes++] = (struct orl_dome){.direction = d->direction,
+                                                             .cos_half_angle = cos(half),
+                                                             .radiance = d->radiance,
+                                                             .sky = d->sky,
+                                                             .pattern = d->pattern,
+                                                             .light = d->kind == ORL_MATERIAL_LIGHT,
+                                                             .seen_alone = d->seen_alone};
         return;
     }
     /* 1 - cos without cancellation: the disc is half a degree across. */
@@ -66,7 +72,9 @@ static void add_of_scene(struct orl_lights *lights)
                                       .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
                                       .pattern = m->pattern,
                                       .direction = d->distants[i].direction,
-                                      .angle_deg = d->distants[i].angle_deg});
+                                      .angle_deg = d->distants[i].angle_deg,
+                                      .seen_alone =
+                                          m->kind == ORL_MATERIAL_GLOW && !orl_material_glows(m)});
     }
 }
 
@@ -211,7 +219,7 @@ void orl_lights_digest(const struct orl_lights *lights, unsigned char ret_digest
                                   dome->radiance.r,
                                   dome->radiance.g,
                                   dome->radiance.b,
-                                  dome->light};
+                                  dome->light + 2 * dome->seen_alone};
         orl_sha256_add(&hash, numbers, sizeof numbers);
         hash_sky(&hash, dome->sky);
         if (dome->pattern)

@@ -20,6 +20,7 @@ struct orl_sun {
 
 /* A wide distant light: a sky, a ground, a hemisphere of glow. Where they lie over one another all
  * lights shine, and hide glows; of glows the first does, as in Radiance (sourcehit of rt/source.c).
+ * One of a negative radius hides those behind it, too, and is there for views alone.
  */
 struct orl_dome {
     struct orl_vec3 direction;
@@ -28,6 +29,7 @@ struct orl_dome {
     const struct orl_sky *sky;         /* multiplies radiance; NULL for none */
     const struct orl_pattern *pattern; /* the same, of what is no such sky */
     bool light;                        /* and no glow */
+    bool seen_alone;                   /* lights nothing */
 };
 
 /* What a dome shines from a direction within it. */

@@ -98,7 +98,8 @@ void orl_world_keep_suns(struct orl_world *world, const bool *keep)
     world->n_suns = kept;
 }
 
-struct orl_rgb orl_world_dome_radiance(const struct orl_world *world, struct orl_vec3 direction)
+static struct orl_rgb radiance_of_domes(const struct orl_world *world, struct orl_vec3 direction,
+                                        bool seen)
 {
     struct orl_rgb sum = orl_gray(0);
     const struct orl_dome *glow = NULL;
@@ -114,7 +115,19 @@ struct orl_rgb orl_world_dome_radiance(const struct orl_world *world, struct orl
             glow = dome;
         }
     }
-    return glow && !lit ? orl_dome_radiance(glow, direction) : sum;
+    if (!glow || lit || (glow->seen_alone && !seen))
+        return sum;
+    return orl_dome_radiance(glow, direction);
+}
+
+struct orl_rgb orl_world_dome_radiance(const struct orl_world *world, struct orl_vec3 direction)
+{
+    return radiance_of_domes(world, direction, false);
+}
+
+struct orl_rgb orl_world_dome_seen(const struct orl_world *world, struct orl_vec3 direction)
+{
+    return radiance_of_domes(world, direction, true);
 }
 
 struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_vec3 direction)

@@ -84,8 +84,10 @@ static inline const struct orl_material *orl_world_material(const struct orl_wor
     return &world->materials[facet->material];
 }
 
-/* Radiance of the domes in a direction; suns are not in it. */
+/* Radiance of the domes in a direction, as it lights things; suns are not in it. */
 struct orl_rgb orl_world_dome_radiance(const struct orl_world *world, struct orl_vec3 direction);
+/* As views see it. */
+struct orl_rgb orl_world_dome_seen(const struct orl_world *world, struct orl_vec3 direction);
 
 /* Radiance of the suns in a direction: non-zero within their discs. */
 struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_vec3 direction);

@@ -17,6 +17,8 @@ enum { RAYS_A_SAMPLE = 3 };
 double orl_survey_dome_peak(const struct orl_dome *dome)
 {
     double most = 0;
+    if (dome->seen_alone)
+        return 0;
     if (!dome->sky && !dome->pattern)
         return orl_luma(dome->radiance);
     for (int row = 0; row < SKY_ROWS; row++) {

@@ -384,6 +384,28 @@ static void test_sources_over_one_another(void **state)
     orl_world_free(world);
 }
 
+/* A glow of negative radius is for views, and dark for all else, and what lies behind it, too.
+ * rtrace -I: 0 lx where it comes first, 562.3 lx (179 pi) where it comes second. */
+static void test_glows_that_light_nothing(void **state)
+{
+    static const char *const scenes[] = {
+        "void glow a 0 0 4 2 2 2 -1\nvoid glow b 0 0 4 1 1 1 0\n"
+        "a source x 0 0 4 0 0 1 180\nb source y 0 0 4 0 0 1 360\n",
+        "void glow a 0 0 4 2 2 2 -1\nvoid glow b 0 0 4 1 1 1 0\n"
+        "b source y 0 0 4 0 0 1 180\na source x 0 0 4 0 0 1 360\n"};
+    static const double lit[2][2] = {{0, 1}, {1, 0}}, seen[2][2] = {{2, 1}, {1, 2}};
+    const struct orl_vec3 ways[2] = {{0, .6, .8}, {0, .6, -.8}};
+    (void)state;
+    for (int s = 0; s < 2; s++) {
+        struct orl_world *world = scene_world(scenes[s], NULL, NULL, NULL);
+        for (int i = 0; i < 2; i++) {
+            assert_true(orl_world_dome_radiance(world, ways[i]).g == lit[s][i]);
+            assert_true(orl_world_dome_seen(world, ways[i]).g == seen[s][i]);
+        }
+        orl_world_free(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -398,6 +420,7 @@ int main(void)
         cmocka_unit_test(test_scene_with_a_sky_is_refused),
         cmocka_unit_test(test_bad_requests),
         cmocka_unit_test(test_sources_over_one_another),
+        cmocka_unit_test(test_glows_that_light_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

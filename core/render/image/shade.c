@@ -367,7 +367,7 @@ static struct orl_rgb seen_beyond(const struct look *look, struct orl_vec3 direc
     const struct orl_world *world = scene_of(look);
     const enum orl_suns shown = look->shader->suns;
     const struct orl_rgb sky =
-        shown >= ORL_SUNS_ALONE ? orl_gray(0) : orl_world_dome_radiance(world, direction);
+        shown >= ORL_SUNS_ALONE ? orl_gray(0) : orl_world_dome_seen(world, direction);
     const bool suns =
         shown == ORL_SUNS_SEEN ||
         (shown != ORL_LAMP_ALONE && (shown == ORL_SUNS_ALONE) == is_straight(look, direction));
