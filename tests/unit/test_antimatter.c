@@ -124,6 +124,23 @@ static void test_overlapping(void **state)
     orl_geometry_free(g);
 }
 
+/* Holes for the windows of a whole town, all of one antimatter: small in the box about them all. */
+static void test_far_apart(void **state)
+{
+    struct orl_geometry *g = scene_geometry(
+        WALL "!genbox w far .2 4 3 | xform -t 300 200 50\nvoid antimatter a 2 void w 0 0\n"
+             "!genbox a hole .4 .5 .5 | xform -t -.1 1 1\n"
+             "!genbox a hole .4 .5 .5 | xform -t 299.9 201 51\n");
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        const struct orl_vec3 place = i % 2 ? orl_v3(299, 200, 50) : orl_v3(-1, 0, 0);
+        const struct orl_vec3 from = orl_add(place, orl_v3(0, i < 2 ? 1.2 : 1.7, 1.2));
+        assert_int_equal(orl_geometry_occluded(g, orl_sub(from, g->center), orl_v3(1, 0, 0), 2),
+                         i >= 2);
+    }
+    orl_geometry_free(g);
+}
+
 #define ROOM                                                                                       \
     "void plastic b 0 0 5 .3 .3 .3 0 0\nvoid glow g 0 0 4 1 1 1 0\n"                               \
     "g source sky 0 0 4 0 0 1 360\n"                                                               \
@@ -218,7 +235,7 @@ int main(void)
         cmocka_unit_test(test_lined),      cmocka_unit_test(test_unlined),
         cmocka_unit_test(test_what_stays), cmocka_unit_test(test_overlapping),
         cmocka_unit_test(test_light),      cmocka_unit_test(test_pane_beside),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_far_apart),  cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

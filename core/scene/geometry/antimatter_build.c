@@ -45,34 +45,68 @@ static const struct orl_surface *one_of(const struct orl_geometry *g,
     return NULL;
 }
 
-/* From places all over its box both ways along a line say the same: inside, or not. */
+/* What places say of a volume. */
+struct closed {
+    int unlike; /* that both ways along a line say different things, or that it is inside out */
+    int inside;
+};
+
+static void ask(const struct orl_geometry *shell, struct orl_vec3 place, struct closed *closed)
+{
+    const int on = orl_hole_windings(shell, place, orl_hole_skew),
+              back = orl_hole_windings(shell, place, orl_neg(orl_hole_skew));
+    closed->unlike += on != back || on < 0;
+    closed->inside += on > 0;
+}
+
+static struct orl_vec3 between(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 u)
+{
+    return orl_v3(low.x + u.x * (high.x - low.x), low.y + u.y * (high.y - low.y),
+                  low.z + u.z * (high.z - low.z));
+}
+
+/* On both sides of one of its triangles, a thousandth of that triangle's size away. */
+static void ask_beside(const struct orl_geometry *shell, size_t triangle, struct orl_vec3 u,
+                       struct closed *closed)
+{
+    const struct orl_triangle t = orl_triangle_of(shell, triangle);
+    const double s = sqrt(u.x), away = 1e-3;
+    const struct orl_vec3 ab = orl_sub(t.b, t.a), ac = orl_sub(t.c, t.a), n = orl_cross(ab, ac);
+    const struct orl_vec3 p = orl_madd(orl_madd(t.a, ab, s * (1 - u.y)), ac, s * u.y);
+    const double size = sqrt(orl_length(n));
+    if (!(size > 0))
+        return;
+    ask(shell, orl_madd(p, n, away / size), closed);
+    ask(shell, orl_madd(p, n, -away / size), closed);
+}
+
+/* Places all over its box, and beside its surfaces: of holes all over a building few are within
+ * one. */
 static int check_closed(const struct orl_hole *hole, const struct orl_description *d,
                         struct orl_error *err)
 {
     enum { PLACES = 256, MOST_UNLIKE = 2 };
     const struct orl_geometry *const s = hole->shell;
-    int unlike = 0, inside = 0;
+    const size_t triangles = orl_geometry_triangles_end(s);
+    struct closed all_over = {0}, beside = {0};
     for (int i = 0; i < PLACES; i++) {
         /* Roberts' sequence in three dimensions. */
         const struct orl_vec3 u =
             orl_v3(fmod(0.5 + 0.8191725133961645 * i, 1), fmod(0.5 + 0.6710436067037893 * i, 1),
                    fmod(0.5 + 0.5497004779019703 * i, 1));
-        const struct orl_vec3 p =
-            orl_v3(s->low.x + u.x * (s->high.x - s->low.x), s->low.y + u.y * (s->high.y - s->low.y),
-                   s->low.z + u.z * (s->high.z - s->low.z));
-        const int on = orl_hole_windings(s, p, orl_hole_skew),
-                  back = orl_hole_windings(s, p, orl_neg(orl_hole_skew));
-        unlike += on != back || on < 0;
-        inside += on > 0;
+        ask(s, between(s->low, s->high, u), &all_over);
+        if (triangles > 0)
+            ask_beside(s, (size_t)(u.z * (double)triangles), u, &beside);
     }
-    if (unlike <= MOST_UNLIKE && inside > 0)
+    const bool unlike = all_over.unlike > MOST_UNLIKE || beside.unlike > MOST_UNLIKE;
+    if (!unlike && all_over.inside + beside.inside > 0)
         return 0;
     const struct orl_surface *const surface = one_of(s, d);
     const struct orl_material *const m = &d->materials[surface->material];
     char name[ORL_ERROR_NAME_MAX];
     snprintf(name, sizeof name, "antimatter %.200s", m->name);
     orl_error_set(err, ORL_ERR_RANGE, "its surfaces enclose no volume%s",
-                  unlike > MOST_UNLIKE ? ", or their normals do not all look outwards" : "");
+                  unlike ? ", or their normals do not all look outwards" : "");
     orl_error_at(err, surface->file, surface->line, name);
     orl_error_hint(err, "what it cuts is what lies inside of it: close it, with normals outwards");
     return ORL_ERR_RANGE;
