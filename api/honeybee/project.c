@@ -8,18 +8,32 @@
 #include "decode.h"
 #include "honeybee/project_parts.h"
 
-/* The shortest "" or "a/b/" in front of a .rad file in "scene/". */
+/* Whether the name ends here by what the folders of a model hold; folder: "scene/" and the like. */
+static bool is_of_model(const char *folder)
+{
+    /* Of a model without faces there are these alone. */
+    static const char *const alone[] = {"aperture/aperture.rad", "aperture_group/states.json",
+                                        "scene_dynamic/states.json",
+                                        "scene_dynamic/indoor/states.json"};
+    for (size_t k = 0; k < sizeof alone / sizeof *alone; k++)
+        if (strcmp(folder, alone[k]) == 0)
+            return true;
+    return strncmp(folder, "scene/", strlen("scene/")) == 0 &&
+           orl_project_ends_with(folder, ".rad");
+}
+
+/* The shortest "" or "a/b/" in front of such a file. */
 static bool find_root(struct orl_project_finding *f)
 {
     f->root = NULL;
     for (size_t i = 0; i < f->count; i++) {
-        const char *name = f->names[i], *scene = strstr(name, "scene/");
-        while (scene && scene != name && scene[-1] != '/')
-            scene = strstr(scene + 1, "scene/");
-        if (!scene || !orl_project_ends_with(name, ".rad"))
-            continue;
-        const size_t length = (size_t)(scene - name);
-        if (!f->root || length < f->root_length) {
+        const char *name = f->names[i], *folder = name;
+        while (folder && !is_of_model(folder)) {
+            folder = strchr(folder, '/');
+            folder = folder ? folder + 1 : NULL;
+        }
+        const size_t length = folder ? (size_t)(folder - name) : 0;
+        if (folder && (!f->root || length < f->root_length)) {
             f->root = name;
             f->root_length = length;
         }
@@ -30,8 +44,8 @@ static bool find_root(struct orl_project_finding *f)
 /* A folder "scene" alone makes no project. */
 static bool has_more(const struct orl_project_finding *f)
 {
-    static const char *const more[] = {"aperture/", "aperture_group/", "grid/", "view/",
-                                       "folder.cfg"};
+    static const char *const more[] = {"aperture/", "aperture_group/", "scene_dynamic/",
+                                       "grid/",     "view/",           "folder.cfg"};
     for (size_t i = 0; i < f->count; i++) {
         if (orl_project_below(f, f->names[i], "scene/") &&
             orl_project_ends_with(f->names[i], ".mat"))

@@ -351,6 +351,26 @@ static void test_wishes_that_nothing_meets_are_refused(void **state)
     json_decref(project);
 }
 
+/* Of a model without faces there is no folder "scene". */
+static void test_openings_alone_are_a_project(void **state)
+{
+    (void)state;
+    static const char *const names[][2] = {
+        {"model/aperture/aperture.mat", "model/aperture/aperture.rad"},
+        {"model/scene_dynamic/states.json", "model/scene_dynamic/south..default..0.rad"}};
+    for (size_t i = 0; i < 2; i++) {
+        const struct orl_project_choice choice = {NULL, NULL};
+        struct orl_file contents[2] = {{"{}", 2, NULL}, {"", 0, NULL}};
+        struct orl_memory_files memory;
+        struct orl_error err = {0};
+        json_t *project = NULL;
+        const struct orl_files files = open_names(&memory, names[i], contents, 2);
+        assert_int_equal(orl_project_find(names[i], 2, &files, &choice, &project, &err), 0);
+        assert_non_null(project);
+        json_decref(project);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -362,6 +382,7 @@ int main(void)
         cmocka_unit_test(test_grids_and_views_have_their_names),
         cmocka_unit_test(test_mistakes_are_told_by_their_place),
         cmocka_unit_test(test_a_folder_is_found_by_its_names),
+        cmocka_unit_test(test_openings_alone_are_a_project),
         cmocka_unit_test(test_wishes_that_nothing_meets_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
