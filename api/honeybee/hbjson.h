@@ -14,6 +14,7 @@
  * - Faces of type AirBoundary are not there: light passes.
  * - A modifier is the object's, else its room's set's, else the generic one (modifier_sets.h).
  *   Void is no surface.
+ *   Of several modifiers by one identifier the last in the list counts.
  * - A group (dynamic_group_identifier) is written once for each state: of an object with fewer
  *   states than others the last one stays; one without any stays as it is.
  * - Grids of one identifier are one grid. A grid without sensors has those of its mesh: a face's

@@ -52,7 +52,7 @@ static int add(struct orl_hb *hb, const char *identifier, const json_t *json, si
                : 0;
 }
 
-/* One of the document's. Of several by one identifier the first counts. */
+/* One of the document's. Of several by one identifier the first counts that stands at an object. */
 static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at *at,
                    size_t *ret_place)
 {
@@ -80,8 +80,11 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
     if (!hb->modifier_places)
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "modifiers", &modifiers);
-    for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));)
+    for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));) {
         rc = add_own(hb, modifier, &modifiers.here, &place);
+        if (rc == 0)
+            hb->modifiers[place].json = modifier; /* of several the last, as in Honeybee */
+    }
     for (size_t i = 0; i < sizeof generics / sizeof *generics && rc == 0; i++)
         if (!json_object_get(hb->modifier_places, generics[i].identifier))
             rc = add(hb, generics[i].identifier, NULL, &place);

@@ -142,6 +142,21 @@ static void test_the_second_side_stands_back(void **state)
     json_decref(model);
 }
 
+static void test_the_last_of_two_modifiers_counts(void **state)
+{
+    (void)state;
+    json_t *model = load_model();
+    json_t *radiance = json_object_get(json_object_get(model, "properties"), "radiance");
+    json_array_append_new(json_object_get(radiance, "modifiers"),
+                          json_pack("{s:s, s:s, s:f, s:f, s:f}", "type", "Plastic", "identifier",
+                                    "carpet", "r_reflectance", 0.5, "g_reflectance", 0.5,
+                                    "b_reflectance", 0.5));
+    struct orl_text_files files = translate(model);
+    assert_has(&files, "model/scene/envelope.mat", "void plastic carpet\n0\n0\n5 0.5 0.5 0.5 0 0");
+    orl_text_files_done(&files);
+    json_decref(model);
+}
+
 static void test_an_air_boundary_is_not_there(void **state)
 {
     (void)state;
@@ -377,6 +392,7 @@ int main(void)
         cmocka_unit_test(test_surfaces_are_in_their_files),
         cmocka_unit_test(test_openings_are_cut_out),
         cmocka_unit_test(test_the_second_side_stands_back),
+        cmocka_unit_test(test_the_last_of_two_modifiers_counts),
         cmocka_unit_test(test_an_air_boundary_is_not_there),
         cmocka_unit_test(test_groups_have_a_file_for_each_state),
         cmocka_unit_test(test_grids_and_views_have_their_names),
