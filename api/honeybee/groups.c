@@ -62,14 +62,14 @@ static int find_group(struct orl_hb *hb, struct orl_hb_groups *groups, const cha
     return 0;
 }
 
-int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups, const json_t *object,
-                      size_t modifier, bool shade, bool inside, const struct orl_hb_at *at,
-                      bool *ret_moves)
+int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups,
+                      const struct orl_hb_member *member, bool shade, bool inside,
+                      const struct orl_hb_at *at, bool *ret_moves)
 {
     const struct orl_hb_at properties = {at, "properties", 0},
                            radiance = {&properties, "radiance", 0},
                            here = {&radiance, "dynamic_group_identifier", 0};
-    const json_t *named = orl_hb_get(orl_hb_radiance(object), "dynamic_group_identifier");
+    const json_t *named = orl_hb_get(orl_hb_radiance(member->json), "dynamic_group_identifier");
     struct orl_hb_group *group = NULL;
     const char *identifier = NULL;
     *ret_moves = named;
@@ -85,7 +85,7 @@ int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups, const jso
     group->members = members;
     if (rc)
         return rc;
-    group->members[group->count++] = (struct orl_hb_member){object, modifier};
+    group->members[group->count++] = *member;
     group->inside = group->inside && inside;
     return 0;
 }
@@ -108,14 +108,16 @@ static size_t count_states(const struct orl_hb_group *group)
 }
 
 /* A polygon with its modifier; void is none. */
-static int write_surface(struct orl_hb *hb, const json_t *object, size_t modifier,
+static int write_surface(struct orl_hb *hb, const struct orl_hb_member *surface,
                          const struct orl_hb_at *at, struct orl_hb_polygon *polygon,
                          struct orl_hb_file *file)
 {
-    const char *name = json_string_value(json_object_get(object, "identifier"));
-    int rc = orl_hb_polygon_read(hb, json_object_get(object, "geometry"), at, polygon);
+    const size_t modifier = surface->modifier;
+    const char *name = json_string_value(json_object_get(surface->json, "identifier"));
+    int rc = orl_hb_polygon_read(hb, json_object_get(surface->json, "geometry"), at, polygon);
     if (rc || orl_hb_modifier_is_void(hb, modifier))
         return rc;
+    orl_hb_polygon_turn(polygon, surface->front);
     rc = orl_hb_modifier_write(hb, modifier, file);
     return rc ? rc
               : orl_hb_polygon_write(hb, polygon, hb->modifiers[modifier].identifier,
@@ -131,11 +133,12 @@ static int write_state_shades(struct orl_hb *hb, const json_t *state, const stru
     for (const json_t *shade; rc == 0 && (shade = orl_hb_next(&shades));) {
         const struct orl_hb_at in = {&shades.here, "modifier", 0};
         const json_t *named = orl_hb_get(shade, "modifier");
-        size_t modifier = orl_hb_modifier_generic(hb, "generic_exterior_shade_0.35");
+        struct orl_hb_member surface = {
+            .json = shade, .modifier = orl_hb_modifier_generic(hb, "generic_exterior_shade_0.35")};
         if (named)
-            rc = orl_hb_modifier_find(hb, named, &in, &modifier);
+            rc = orl_hb_modifier_find(hb, named, &in, &surface.modifier);
         if (rc == 0)
-            rc = write_surface(hb, shade, modifier, &shades.here, polygon, file);
+            rc = write_surface(hb, &surface, &shades.here, polygon, file);
     }
     return rc;
 }
@@ -151,14 +154,14 @@ static int write_member(struct orl_hb *hb, const struct orl_hb_member *member, s
     const struct orl_hb_at here = {&list, NULL, place}, in = {&here, "modifier", 0};
     const json_t *state = n > 0 ? json_array_get(states, place) : NULL;
     const json_t *named = orl_hb_get(state, "modifier");
-    size_t modifier = member->modifier;
+    struct orl_hb_member surface = *member;
     int rc = 0;
     if (states && !json_is_array(states))
         return orl_hb_fail(&list, hb->err, ORL_ERR_INVALID, "a list is wanted here");
     if (named)
-        rc = orl_hb_modifier_find(hb, named, &in, &modifier);
+        rc = orl_hb_modifier_find(hb, named, &in, &surface.modifier);
     if (rc == 0)
-        rc = write_surface(hb, member->json, modifier, &at, polygon, file);
+        rc = write_surface(hb, &surface, &at, polygon, file);
     return rc ? rc : write_state_shades(hb, state, &here, polygon, file);
 }
 

@@ -9,7 +9,8 @@
 
 struct orl_hb_member {
     const json_t *json;
-    size_t modifier; /* where no state says another */
+    size_t modifier;       /* where no state says another */
+    struct orl_vec3 front; /* which way it looks; zero: as its corners turn */
 };
 
 struct orl_hb_group {
@@ -27,9 +28,9 @@ struct orl_hb_groups {
 
 void orl_hb_groups_done(struct orl_hb_groups *groups);
 /* Adds an object to its group, if it has one: *ret_moves says so. */
-int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups, const json_t *object,
-                      size_t modifier, bool shade, bool inside, const struct orl_hb_at *at,
-                      bool *ret_moves);
+int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups,
+                      const struct orl_hb_member *member, bool shade, bool inside,
+                      const struct orl_hb_at *at, bool *ret_moves);
 /* Files of all states, and states.json of each folder. */
 int orl_hb_groups_write(struct orl_hb *hb, const struct orl_hb_groups *groups);
 

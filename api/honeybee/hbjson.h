@@ -8,7 +8,9 @@
  *
  * Rules, those of honeybee-radiance where the schema leaves a choice:
  * - A face is written with its apertures and doors cut out, one outline that runs to each hole and
- *   back. Vertices keep their order. Holes of a face are cut alike.
+ *   back. Holes of a face are cut alike.
+ * - Faces of a closed room are turned outwards (outward.h), openings as their face; all else looks
+ *   as its corners turn, or its plane's normal says.
  * - Of two faces that bound each other, the first has their apertures and doors; the second stands
  *   inwards from it by twice the model's tolerance, so that each side shows its own modifier.
  * - Faces of type AirBoundary are not there: light passes.
@@ -26,7 +28,8 @@
  *
  * Every number and name is checked; nothing is written that Radiance's syntax could take for
  * something else. Time and memory are linear in the document and what is written of it, which
- * ORL_LIMIT_FILE_BYTES bounds, with one term more, n log n of a face's holes.
+ * ORL_LIMIT_FILE_BYTES bounds, with two terms more: n log n of a face's holes, and a room's faces,
+ * 256 at the most, times its corners.
  * Errors: as in decode.h, with JSON paths ("rooms[2].faces[0].geometry").
  */
 #ifndef ORL_API_HONEYBEE_HBJSON_H

@@ -63,6 +63,19 @@ int orl_hb_polygon_cut(struct orl_hb *hb, const json_t *geometry, const struct o
     return add_loop(hb, json_object_get(geometry, "boundary"), &boundary, polygon);
 }
 
+/* As its plane's normal says, if it has one. */
+static int turn_by_plane(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *here,
+                         struct orl_hb_polygon *polygon)
+{
+    const struct orl_hb_at in_plane = {here, "plane", 0}, in_normal = {&in_plane, "n", 0};
+    const json_t *plane = orl_hb_get(geometry, "plane");
+    struct orl_vec3 normal;
+    const int rc = plane ? orl_hb_point(hb, json_object_get(plane, "n"), &in_normal, &normal) : 0;
+    if (rc == 0 && plane)
+        orl_hb_polygon_turn(polygon, normal);
+    return rc;
+}
+
 int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
                         struct orl_hb_polygon *polygon)
 {
@@ -70,6 +83,8 @@ int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct 
     struct orl_hb_walk holes = {0};
     polygon->n_points = polygon->n_loops = 0;
     int rc = orl_hb_polygon_cut(hb, geometry, at, polygon);
+    if (rc == 0)
+        rc = turn_by_plane(hb, geometry, &here, polygon);
     if (rc == 0)
         rc = orl_hb_walk(hb, geometry, &here, "holes", &holes);
     for (const json_t *hole; rc == 0 && (hole = orl_hb_next(&holes));)
@@ -101,6 +116,18 @@ struct orl_vec3 orl_hb_polygon_normal(const struct orl_hb_polygon *polygon)
     const struct orl_vec3 area = area_of(polygon, 0);
     const double length = orl_length(area);
     return length > 0 ? orl_scale(area, 1 / length) : orl_v3(0, 0, 0);
+}
+
+/* Holes are written against the boundary, whichever way they turn. */
+void orl_hb_polygon_turn(struct orl_hb_polygon *polygon, struct orl_vec3 front)
+{
+    if (!(orl_dot(area_of(polygon, 0), front) < 0))
+        return;
+    for (size_t i = 0, j = polygon->ends[0] - 1; i < j; i++, j--) {
+        const struct orl_vec3 corner = polygon->points[i];
+        polygon->points[i] = polygon->points[j];
+        polygon->points[j] = corner;
+    }
 }
 
 void orl_hb_polygon_move(struct orl_hb_polygon *polygon, struct orl_vec3 by)

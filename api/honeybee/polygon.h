@@ -17,7 +17,8 @@ struct orl_hb_polygon {
 };
 
 void orl_hb_polygon_done(struct orl_hb_polygon *polygon);
-/* Forgets what it held, and reads a Face3D. */
+/* Forgets what it held, and reads a Face3D: its corners turn as its plane's normal says, if it has
+ * one. */
 int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
                         struct orl_hb_polygon *polygon);
 /* One more hole: the boundary of a Face3D that is cut out. */
@@ -25,6 +26,8 @@ int orl_hb_polygon_cut(struct orl_hb *hb, const json_t *geometry, const struct o
                        struct orl_hb_polygon *polygon);
 /* Of unit length, as the boundary's corners turn; zero when they have no area. */
 struct orl_vec3 orl_hb_polygon_normal(const struct orl_hb_polygon *polygon);
+/* Turns it so that its normal is not against that one. */
+void orl_hb_polygon_turn(struct orl_hb_polygon *polygon, struct orl_vec3 front);
 void orl_hb_polygon_move(struct orl_hb_polygon *polygon, struct orl_vec3 by);
 /* "MODIFIER polygon NAME ...". name: letters that are no identifier's become '_'. */
 int orl_hb_polygon_write(struct orl_hb *hb, const struct orl_hb_polygon *polygon,

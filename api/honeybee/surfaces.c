@@ -1,9 +1,11 @@
 #include "honeybee/surfaces.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "honeybee/meshes.h"
 #include "honeybee/modifier_sets.h"
+#include "honeybee/outward.h"
 
 /* Surfaces of a kind, and their modifiers. */
 struct part {
@@ -15,14 +17,15 @@ struct surfaces {
     struct orl_hb_groups *groups;
     struct part envelope, apertures, shades;
     struct orl_hb_polygon polygon; /* scratch */
-    json_t *seconds;               /* identifiers of faces whose other side is written */
+    json_t *seconds;               /* identifiers of what has its other side written */
 };
 
 /* Where an object is: its room's set, or NULL, and whether it stands between rooms. */
 struct context {
     const json_t *set;
-    bool inside, in_wall; /* of apertures and doors */
-    bool second;          /* the face's other side has them */
+    bool inside, in_wall;  /* of apertures and doors */
+    bool second;           /* the face's other side has them */
+    struct orl_vec3 front; /* which way the face looks; zero without one */
 };
 
 static int begin_part(struct orl_hb *hb, struct part *part)
@@ -77,8 +80,9 @@ static int write_shade(struct surfaces *s, const json_t *shade, const struct orl
     bool moves;
     int rc = choose_modifier(s, shade, at, set, use, &modifier);
     if (rc == 0)
-        rc = orl_hb_groups_add(s->hb, s->groups, shade, modifier, true, use == ORL_HB_SHADE_INSIDE,
-                               at, &moves);
+        rc = orl_hb_groups_add(s->hb, s->groups,
+                               &(struct orl_hb_member){.json = shade, .modifier = modifier}, true,
+                               use == ORL_HB_SHADE_INSIDE, at, &moves);
     if (rc || moves)
         return rc;
     rc = orl_hb_polygon_read(s->hb, json_object_get(shade, "geometry"), at, &s->polygon);
@@ -131,13 +135,16 @@ static int write_opening(struct surfaces *s, const json_t *object, const struct 
                          door ? use_of_door(object, context) : use_of_aperture(object, context),
                          &modifier);
     if (rc == 0)
-        rc = orl_hb_groups_add(s->hb, s->groups, object, modifier, false, context->inside, at,
-                               &moves);
+        rc = orl_hb_groups_add(s->hb, s->groups,
+                               &(struct orl_hb_member){object, modifier, context->front}, false,
+                               context->inside, at, &moves);
     if (rc || moves)
         return rc;
     rc = orl_hb_polygon_read(s->hb, json_object_get(object, "geometry"), at, &s->polygon);
-    return rc ? rc
-              : write_polygon(s, object, modifier, context->inside ? &s->envelope : &s->apertures);
+    if (rc)
+        return rc;
+    orl_hb_polygon_turn(&s->polygon, context->front);
+    return write_polygon(s, object, modifier, context->inside ? &s->envelope : &s->apertures);
 }
 
 static int write_openings(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
@@ -191,7 +198,7 @@ static int cut_openings(struct surfaces *s, const json_t *face, const struct orl
     return rc;
 }
 
-/* Of two faces that bound each other, the first to come notes the second. */
+/* Of two faces or orphaned openings that bound each other, the first to come notes the second. */
 static int note_pair(struct surfaces *s, const json_t *face, struct context *context)
 {
     const json_t *bound = orl_hb_get(face, "boundary_condition");
@@ -220,21 +227,27 @@ static int write_face_itself(struct surfaces *s, const json_t *face, const char 
     if (rc == 0)
         rc = orl_hb_polygon_read(s->hb, json_object_get(face, "geometry"), at, &s->polygon);
     if (rc == 0)
+        orl_hb_polygon_turn(&s->polygon, context->front);
+    if (rc == 0)
         rc = cut_openings(s, face, at);
     if (rc)
         return rc;
     if (context->second)
-        orl_hb_polygon_move(&s->polygon,
-                            orl_scale(orl_hb_polygon_normal(&s->polygon), -2 * s->hb->tolerance));
+        orl_hb_polygon_move(&s->polygon, orl_scale(context->front, -2 * s->hb->tolerance));
     return write_polygon(s, face, modifier, &s->envelope);
 }
 
+/* inward: its front is to be turned. */
 static int write_face(struct surfaces *s, const json_t *face, const struct orl_hb_at *at,
-                      const json_t *set)
+                      const json_t *set, bool inward)
 {
     const char *type = word_of(face, "face_type", "");
     struct context context = {.set = set, .in_wall = strcmp(type, "Wall") == 0};
-    int rc = note_pair(s, face, &context);
+    int rc = orl_hb_polygon_read(s->hb, json_object_get(face, "geometry"), at, &s->polygon);
+    if (rc == 0) {
+        context.front = orl_scale(orl_hb_polygon_normal(&s->polygon), inward ? -1 : 1);
+        rc = note_pair(s, face, &context);
+    }
     if (rc == 0)
         rc = write_openings(s, face, at, "apertures", &context, false);
     if (rc == 0)
@@ -244,13 +257,14 @@ static int write_face(struct surfaces *s, const json_t *face, const struct orl_h
     return rc ? rc : write_face_itself(s, face, type, at, &context);
 }
 
+/* inward: which of them are to be turned; NULL: none. */
 static int write_faces(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
-                       const char *member, const json_t *set)
+                       const char *member, const json_t *set, const bool *inward)
 {
     struct orl_hb_walk faces;
     int rc = orl_hb_walk(s->hb, object, at, member, &faces);
     for (const json_t *face; rc == 0 && (face = orl_hb_next(&faces));)
-        rc = write_face(s, face, &faces.here, set);
+        rc = write_face(s, face, &faces.here, set, inward && inward[faces.here.index]);
     return rc;
 }
 
@@ -262,9 +276,12 @@ static int write_rooms(struct surfaces *s)
     int rc = orl_hb_walk(s->hb, s->hb->model, NULL, "rooms", &rooms);
     for (const json_t *room; rc == 0 && (room = orl_hb_next(&rooms));) {
         const json_t *set = NULL;
+        bool *inward = NULL;
         rc = orl_hb_set_of_room(s->hb, room, &rooms.here, &set);
-        rc = rc ? rc : write_faces(s, room, &rooms.here, "faces", set);
+        rc = rc ? rc : orl_hb_inward_faces(s->hb, room, &rooms.here, &inward);
+        rc = rc ? rc : write_faces(s, room, &rooms.here, "faces", set, inward);
         rc = rc ? rc : write_shades_of(s, room, &rooms.here, set);
+        free(inward);
     }
     return rc;
 }
@@ -279,17 +296,29 @@ static int write_orphaned_shades(struct surfaces *s)
     return rc;
 }
 
+/* Without a face; two that bound each other are one, as in rooms. */
+static int write_orphaned_openings(struct surfaces *s, const char *member, bool door)
+{
+    struct orl_hb_walk openings;
+    int rc = orl_hb_walk(s->hb, s->hb->model, NULL, member, &openings);
+    json_object_clear(s->seconds);
+    for (const json_t *opening; rc == 0 && (opening = orl_hb_next(&openings));) {
+        struct context alone = {.in_wall = true};
+        rc = note_pair(s, opening, &alone);
+        rc = rc ? rc : write_opening(s, opening, &openings.here, &alone, door);
+    }
+    return rc;
+}
+
 static int write_all(struct surfaces *s)
 {
-    const struct context alone = {.in_wall = true};
-    const json_t *model = s->hb->model;
     int rc = write_rooms(s);
     if (rc == 0)
-        rc = write_faces(s, model, NULL, "orphaned_faces", NULL);
+        rc = write_faces(s, s->hb->model, NULL, "orphaned_faces", NULL, NULL);
     if (rc == 0)
-        rc = write_openings(s, model, NULL, "orphaned_apertures", &alone, false);
+        rc = write_orphaned_openings(s, "orphaned_apertures", false);
     if (rc == 0)
-        rc = write_openings(s, model, NULL, "orphaned_doors", &alone, true);
+        rc = write_orphaned_openings(s, "orphaned_doors", true);
     return rc ? rc : write_orphaned_shades(s);
 }
 

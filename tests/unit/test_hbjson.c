@@ -142,6 +142,101 @@ static void test_the_second_side_stands_back(void **state)
     json_decref(model);
 }
 
+/* ---- Which way they look --------------------------------------------------------------------- */
+
+static json_t *find_object(json_t *list, const char *identifier)
+{
+    json_t *object;
+    size_t i;
+    json_array_foreach(list, i, object)
+    {
+        const char *own = json_string_value(json_object_get(object, "identifier"));
+        if (own && strcmp(own, identifier) == 0)
+            return object;
+    }
+    fail_msg("there is no %s", identifier);
+    return NULL;
+}
+
+static json_t *find_face(json_t *model, size_t room, const char *identifier)
+{
+    const json_t *rooms = json_object_get(model, "rooms");
+    return find_object(json_object_get(json_array_get(rooms, room), "faces"), identifier);
+}
+
+static void reverse(json_t *object)
+{
+    json_t *geometry = json_object_get(object, "geometry"), *turned = json_array();
+    const json_t *boundary = json_object_get(geometry, "boundary");
+    for (size_t i = json_array_size(boundary); i-- > 0;)
+        json_array_append(turned, json_array_get(boundary, i));
+    json_object_set_new(geometry, "boundary", turned);
+}
+
+/* A face that its room has the wrong way round stands inwards all the same, and what is in it, or
+ * in a face that is right, looks as it should. */
+static void test_faces_look_outwards(void **state)
+{
+    (void)state;
+    json_t *model = load_model();
+    json_t *north = find_face(model, 0, "office_north");
+    reverse(find_face(model, 1, "store_south"));
+    reverse(north);
+    reverse(find_object(json_object_get(north, "doors"), "glass_door"));
+    reverse(find_object(json_object_get(find_face(model, 0, "office_south"), "apertures"),
+                        "view_window"));
+    struct orl_text_files files = translate(model);
+    double corners[40][3];
+    size_t n = read_corners(&files, "store_south", corners, 40);
+    for (size_t i = 0; i < n; i++)
+        assert_float_equal(corners[i][1], 5.02, 1e-12);
+    /* Outwards is along y: from right to left. */
+    n = read_corners(&files, "glass_door", corners, 40);
+    assert_int_equal(n, 4);
+    assert_true(corners[1][0] - corners[0][0] < 0);
+    /* Seen from the south: from left to right. */
+    assert_has(&files, "model/aperture_group/south_glass..default..0.rad",
+               "\n0.5 0 1\n1.8 0 1\n1.8 0 2.2");
+    orl_text_files_done(&files);
+    json_decref(model);
+}
+
+static void test_a_plane_says_which_way(void **state)
+{
+    (void)state;
+    json_t *model = load_model();
+    json_t *shade = json_array_get(json_object_get(model, "orphaned_shades"), 0);
+    json_t *plane = json_pack("{s:[f,f,f], s:[f,f,f]}", "n", 0.0, 1.0, 0.0, "o", 0.0, -12.0, 0.0);
+    json_object_set_new(json_object_get(shade, "geometry"), "plane", plane);
+    struct orl_text_files files = translate(model);
+    assert_has(&files, "model/scene/shades.rad", "\n-2 -12 6\n6 -12 6\n6 -12 0\n-2 -12 0\n");
+    orl_text_files_done(&files);
+    json_object_set_new(plane, "n", json_string("up"));
+    struct orl_error err = {0};
+    assert_int_equal(orl_hbjson_translate(model, &files, &err), ORL_ERR_INVALID);
+    assert_non_null(strstr(err.message, "orphaned_shades[0].geometry.plane.n"));
+    json_decref(model);
+}
+
+/* Two openings without faces that bound each other are one, and stand between rooms. */
+static void test_orphaned_pairs_are_one(void **state)
+{
+    (void)state;
+    json_t *model = load_model();
+    json_t *door = json_object_get(find_face(model, 0, "office_north"), "doors");
+    json_t *back = json_object_get(find_face(model, 1, "store_south"), "doors");
+    json_object_set_new(model, "orphaned_doors",
+                        json_pack("[O, O]", json_array_get(door, 0), json_array_get(back, 0)));
+    json_array_clear(door);
+    json_array_clear(back);
+    struct orl_text_files files = translate(model);
+    const char *envelope = text_of(&files, "model/scene/envelope.rad");
+    assert_int_equal(count(envelope, " polygon glass_door"), 1);
+    assert_non_null(strstr(envelope, "generic_interior_window_vis_0.88 polygon glass_door\n"));
+    orl_text_files_done(&files);
+    json_decref(model);
+}
+
 static void test_the_last_of_two_modifiers_counts(void **state)
 {
     (void)state;
@@ -392,6 +487,9 @@ int main(void)
         cmocka_unit_test(test_surfaces_are_in_their_files),
         cmocka_unit_test(test_openings_are_cut_out),
         cmocka_unit_test(test_the_second_side_stands_back),
+        cmocka_unit_test(test_faces_look_outwards),
+        cmocka_unit_test(test_a_plane_says_which_way),
+        cmocka_unit_test(test_orphaned_pairs_are_one),
         cmocka_unit_test(test_the_last_of_two_modifiers_counts),
         cmocka_unit_test(test_an_air_boundary_is_not_there),
         cmocka_unit_test(test_groups_have_a_file_for_each_state),

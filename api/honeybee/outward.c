@@ -1,0 +1,113 @@
+#include "honeybee/outward.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { MOST_FACES = 256, MOST_CORNERS_TRIED = 64 };
+
+/* A face, and two axes in which it has an area. */
+struct side {
+    struct orl_hb_polygon polygon;
+    struct orl_vec3 normal;
+    int u, v;
+};
+
+static double along(struct orl_vec3 p, int axis)
+{
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+
+/* Of a point in its plane; holes are outside. */
+static bool is_inside(const struct side *side, struct orl_vec3 point)
+{
+    const struct orl_hb_polygon *polygon = &side->polygon;
+    const double u = along(point, side->u), v = along(point, side->v);
+    bool inside = false;
+    for (size_t loop = 0, from = 0; loop < polygon->n_loops; from = polygon->ends[loop++])
+        for (size_t i = from, before = polygon->ends[loop] - 1; i < polygon->ends[loop];
+             before = i++) {
+            const struct orl_vec3 a = polygon->points[before], b = polygon->points[i];
+            const double av = along(a, side->v), bv = along(b, side->v);
+            if ((av > v) != (bv > v) &&
+                u < along(a, side->u) +
+                        (v - av) / (bv - av) * (along(b, side->u) - along(a, side->u)))
+                inside = !inside;
+        }
+    return inside;
+}
+
+/* In one of its ears, and not in the middle, lest lines meet edges of faces that are alike. */
+static bool find_inside(const struct side *side, struct orl_vec3 *ret_point)
+{
+    const struct orl_vec3 *p = side->polygon.points;
+    const size_t n = side->polygon.ends[0];
+    for (size_t i = 0; i < n && i < MOST_CORNERS_TRIED; i++) {
+        *ret_point = orl_add(orl_add(orl_scale(p[(i + n - 1) % n], 0.41), orl_scale(p[i], 0.32)),
+                             orl_scale(p[(i + 1) % n], 0.27));
+        if (is_inside(side, *ret_point))
+            return true;
+    }
+    return false;
+}
+
+static bool looks_inwards(const struct side *sides, size_t n, size_t which, double tolerance)
+{
+    const struct side *own = &sides[which];
+    size_t ahead = 0, behind = 0;
+    struct orl_vec3 point;
+    if (!find_inside(own, &point))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        const double slope = orl_dot(own->normal, sides[i].normal);
+        if (i == which || fabs(slope) < 1e-6)
+            continue;
+        const double way =
+            orl_dot(orl_sub(sides[i].polygon.points[0], point), sides[i].normal) / slope;
+        if (fabs(way) > tolerance &&
+            is_inside(&sides[i], orl_add(point, orl_scale(own->normal, way))))
+            *(way > 0 ? &ahead : &behind) += 1;
+    }
+    return ahead % 2 == 1 && behind % 2 == 0;
+}
+
+static int read_side(struct orl_hb *hb, const json_t *face, const struct orl_hb_at *at,
+                     struct side *side)
+{
+    const int rc = orl_hb_polygon_read(hb, json_object_get(face, "geometry"), at, &side->polygon);
+    if (rc)
+        return rc;
+    side->normal = orl_hb_polygon_normal(&side->polygon);
+    const double x = fabs(side->normal.x), y = fabs(side->normal.y), z = fabs(side->normal.z);
+    side->u = x > y && x > z ? 1 : 0;
+    side->v = z > x && z > y ? 1 : 2;
+    return 0;
+}
+
+int orl_hb_inward_faces(struct orl_hb *hb, const json_t *room, const struct orl_hb_at *at,
+                        bool **ret_inward)
+{
+    struct orl_hb_walk faces;
+    *ret_inward = NULL;
+    int rc = orl_hb_walk(hb, room, at, "faces", &faces);
+    const size_t n = rc ? 0 : json_array_size(faces.array);
+    if (n == 0 || n > MOST_FACES)
+        return rc;
+    struct side *sides = calloc(n, sizeof *sides);
+    bool *inward = calloc(n, sizeof *inward);
+    size_t count = 0;
+    if (!sides || !inward)
+        rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    for (const json_t *face; rc == 0 && (face = orl_hb_next(&faces));)
+        rc = read_side(hb, face, &faces.here, &sides[count++]);
+    for (size_t i = 0; i < n && rc == 0; i++)
+        inward[i] = looks_inwards(sides, n, i, hb->tolerance);
+    for (size_t i = 0; i < count; i++)
+        orl_hb_polygon_done(&sides[i].polygon);
+    free(sides);
+    if (rc) {
+        free(inward);
+        return rc;
+    }
+    *ret_inward = inward;
+    return 0;
+}
