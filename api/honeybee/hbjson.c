@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "honeybee/assets.h"
+#include "honeybee/luminaires.h"
 #include "honeybee/modifier_sets.h"
 #include "honeybee/surfaces.h"
 
@@ -38,25 +39,10 @@ static int read_tolerance(struct orl_hb *hb)
     return rc;
 }
 
-static int refuse_luminaires(struct orl_hb *hb)
-{
-    const struct orl_hb_at properties = {NULL, "properties", 0},
-                           radiance = {&properties, "radiance", 0},
-                           here = {&radiance, "luminaires", 0};
-    if (json_array_size(json_object_get(orl_hb_radiance(hb->model), "luminaires")) == 0)
-        return 0;
-    orl_hb_fail(&here, hb->err, ORL_ERR_UNSUPPORTED, "luminaires of a model are not read");
-    orl_error_hint(hb->err, "Remove them, or export the model's folder and add them as ies2rad "
-                            "writes them");
-    return ORL_ERR_UNSUPPORTED;
-}
-
 static int write_files(struct orl_hb *hb)
 {
     struct orl_hb_groups groups = {0};
     int rc = read_tolerance(hb);
-    if (rc == 0)
-        rc = refuse_luminaires(hb);
     if (rc == 0)
         rc = orl_hb_modifiers_read(hb);
     if (rc == 0)
@@ -65,6 +51,8 @@ static int write_files(struct orl_hb *hb)
         rc = orl_hb_surfaces_write(hb, &groups);
     if (rc == 0)
         rc = orl_hb_groups_write(hb, &groups);
+    if (rc == 0)
+        rc = orl_hb_luminaires_write(hb);
     if (rc == 0)
         rc = orl_hb_grids_write(hb);
     if (rc == 0)

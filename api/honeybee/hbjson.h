@@ -22,7 +22,8 @@
  * - Grids of one identifier are one grid. A grid without sensors has those of its mesh: a face's
  *   middle, along its normal.
  * - Lengths stay in the model's units. What is for energy alone, modifier_blk and modifier_direct
- *   are not read. Luminaires are refused.
+ *   are not read. Luminaires are what ies2rad
+ *   and xform make of their IES files, in model/ies.
  *
  * Source: honeybee-schema, https://www.ladybug.tools/honeybee-schema/model.html
  *

@@ -349,7 +349,12 @@ static void test_mistakes_are_told_by_their_place(void **state)
         {"properties radiance views 0", "view_type", "\"x\"", "views[0].view_type: one of v"},
         {"shade_meshes 0 geometry", "faces", "[[0,1,9]]",
          "shade_meshes[0].geometry.faces[0]: the mesh has corners 0 to 3"},
-        {"properties radiance", "luminaires", "[1]", "luminaires: luminaires of a model"},
+        {"properties radiance", "luminaires", "[1]", "luminaires[0].identifier: an identifier"},
+        {"properties radiance", "luminaires", "[{\"identifier\": \"a\"}]",
+         "luminaires[0].ies_content: the text of an IES"},
+        {"properties radiance", "luminaires",
+         "[{\"identifier\": \"a\", \"ies_content\": \"IESNA\"}]",
+         "luminaires[0].luminaire_zone.instances: the places"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         json_t *model = load_model();
@@ -363,6 +368,44 @@ static void test_mistakes_are_told_by_their_place(void **state)
         assert_int_equal(files.count, 0);
         json_decref(model);
     }
+}
+
+/* ---- Luminaires ------------------------------------------------------------------------------ */
+
+static const char luminaires_text[] =
+    "[{\"identifier\": \"spot\", \"ies_content\": \"IESNA:LM-63-2002\\n\", \"light_loss_factor\": "
+    "0.5,"
+    "  \"candela_multiplier\": 3, \"luminaire_zone\": {\"instances\": ["
+    "   {\"point\": {\"type\": \"Point3D\", \"x\": 1, \"y\": 2, \"z\": 2.5}, \"spin\": 30, "
+    "\"tilt\": 20},"
+    "   {\"point\": [3, 2, 2.5], \"rotation\": 90}]}},"
+    " {\"identifier\": \"spot\", \"ies_content\": \"IES\", \"custom_lamp\": {\"name\": \"a b\","
+    "  \"depreciation_factor\": 0.5, \"white_xy\": [0.4, 0.3], \"rgb\": null},"
+    "  \"luminaire_zone\": {\"instances\": [{\"point\": [0, 0, 1]}]}},"
+    " {\"identifier\": \"spot\", \"ies_content\": \"IES\", \"custom_lamp\": {\"rgb\": [1, 0.5, 0]},"
+    "  \"luminaire_zone\": {\"instances\": [{\"point\": [0, 0, 2]}]}}]";
+
+/* As Honeybee has ies2rad and xform place them, and each by its own name. */
+static void test_luminaires_hang_in_their_places(void **state)
+{
+    (void)state;
+    json_t *model = load_model();
+    json_t *radiance = json_object_get(json_object_get(model, "properties"), "radiance");
+    json_object_set_new(radiance, "luminaires", json_loads(luminaires_text, 0, NULL));
+    json_object_set_new(model, "units", json_string("Feet"));
+    struct orl_text_files files = translate(model);
+    assert_string_equal(
+        text_of(&files, "model/ies/luminaires.rad"),
+        "!ies2rad -df -m 1.5 model/ies/0_spot.ies | xform -rz 30 -ry 20 -rz 0 -t 1 2 2.5\n"
+        "!ies2rad -df -m 1.5 model/ies/0_spot.ies | xform -rz 0 -ry 0 -rz 90 -t 3 2 2.5\n"
+        "!ies2rad -df -m 0.5 -t own -f model/ies/1_spot.tab model/ies/1_spot.ies | xform -rz 0 -ry "
+        "0 -rz 0 -t 0 0 1\n"
+        "!ies2rad -df -m 1 -t default -c 1 0.5 0 model/ies/2_spot.ies | xform -rz 0 -ry 0 -rz 0 -t "
+        "0 0 2\n");
+    assert_string_equal(text_of(&files, "model/ies/0_spot.ies"), "IESNA:LM-63-2002\n");
+    assert_string_equal(text_of(&files, "model/ies/1_spot.tab"), "/own/ 0.4 0.3 0.5\n");
+    orl_text_files_done(&files);
+    json_decref(model);
 }
 
 /* ---- Projects -------------------------------------------------------------------------------- */
@@ -494,6 +537,7 @@ int main(void)
         cmocka_unit_test(test_an_air_boundary_is_not_there),
         cmocka_unit_test(test_groups_have_a_file_for_each_state),
         cmocka_unit_test(test_grids_and_views_have_their_names),
+        cmocka_unit_test(test_luminaires_hang_in_their_places),
         cmocka_unit_test(test_mistakes_are_told_by_their_place),
         cmocka_unit_test(test_a_folder_is_found_by_its_names),
         cmocka_unit_test(test_openings_alone_are_a_project),
