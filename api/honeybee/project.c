@@ -59,6 +59,19 @@ static bool has_more(const struct orl_project_finding *f)
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
+/* "ies/__NAME__.rad", where "ies/NAME.rad" puts it in its places. */
+static bool is_put_by_another(const struct orl_project_finding *f, size_t file)
+{
+    const char *own = orl_project_below(f, f->names[file], "ies/__");
+    const size_t length = own ? strlen(own) : 0, tail = strlen("__.rad");
+    char name[ORL_PROJECT_NAME];
+    size_t place;
+    return length > tail && orl_project_ends_with(own, "__.rad") &&
+           snprintf(name, sizeof name, "%.*sies/%.*s.rad", (int)f->root_length, f->root,
+                    (int)(length - tail), own) < ORL_PROJECT_NAME &&
+           orl_project_name(f, name, &place);
+}
+
 static int add_static(struct orl_project_finding *f, const char *ending)
 {
     static const char *const folders[] = {"scene/", "aperture/", "ies/"};
@@ -66,7 +79,7 @@ static int add_static(struct orl_project_finding *f, const char *ending)
     for (size_t k = 0; k < sizeof folders / sizeof *folders; k++)
         for (size_t i = 0; i < f->count && rc == 0; i++)
             if (!f->used[i] && orl_project_below(f, f->names[i], folders[k]) &&
-                orl_project_ends_with(f->names[i], ending))
+                orl_project_ends_with(f->names[i], ending) && !is_put_by_another(f, i))
                 rc = orl_project_add_main(f, i);
     return rc;
 }
@@ -188,6 +201,8 @@ static const char *why_left_out(const struct orl_project_finding *f, const char 
         orl_project_ends_with(name, ".rad") || orl_project_ends_with(name, ".mat");
     if (!orl_project_below(f, name, ""))
         return sensors || surfaces ? "it lies outside the model's folder" : NULL;
+    if (orl_project_below(f, name, "ies/__"))
+        return surfaces ? "another file puts it in its places" : NULL;
     if (orl_project_ends_with(name, ".blk"))
         return "materials in black, for direct light alone";
     if (strstr(name, "..direct..") || strstr(name, "..black.") || strstr(name, "..mtx"))

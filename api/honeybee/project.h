@@ -6,10 +6,11 @@
  * A project is a model folder as Honeybee exports it: one that has .rad files in a folder
  * "scene", and beside it "aperture", "aperture_group", "grid", "view" or "folder.cfg", or materials
  * (.mat) there; of a model without faces, "aperture/aperture.rad" or a states.json alone. Of it are
- * the scene: every .mat of scene/ and aperture/ first, then their .rad, in
- * the order of their names; of every group in a states.json the chosen state's file, else the first
- * state's; and the chosen sky of a folder sky/, else the only one. Grids are the .pts of grid/
- * (those that its _info.json names, where there is one), views the .vf of view/.
+ * the scene: every .mat of scene/ and aperture/ first, then their .rad, in the order of their
+ * names, and those of ies/, but "__NAME__.rad" beside a "NAME.rad" that places it; of every group
+ * in a states.json the chosen state's file, else the first state's; and the chosen sky of a folder
+ * sky/, else the only one. Grids are the .pts of grid/ (those that its _info.json names, where
+ * there is one), views the .vf of view/.
  *
  *     {"files": ["model/aperture/aperture.mat", ...],
  *      "grids": [{"name": "room", "sensors": {"file": "model/grid/room.pts"}}],

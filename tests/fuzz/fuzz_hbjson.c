@@ -30,11 +30,11 @@ static void check_name(const char *name)
         FUZZ_PROMISE(!(c[0] == '/' && (c[1] == '.' || c[1] == '/' || c[1] == '\0')));
 }
 
-/* A BSDF's transform is the model's own words, which xform may not know. */
-static bool has_transform(const struct orl_text_files *written)
+/* A BSDF's transform is the model's own words, which xform may not know; so are IES files. */
+static bool has_own_words(const struct orl_text_files *written)
 {
     for (size_t i = 0; i < written->count; i++)
-        if (ends_with(written->items[i].name, ".xml"))
+        if (ends_with(written->items[i].name, ".xml") || ends_with(written->items[i].name, ".ies"))
             return true;
     return false;
 }
@@ -93,7 +93,7 @@ static void check_files(const struct orl_text_files *written)
         main_names[i] = json_string_value(name);
     }
     if (json_array_size(mains) > 0)
-        check_scene(main_names, json_array_size(mains), &files, has_transform(written));
+        check_scene(main_names, json_array_size(mains), &files, has_own_words(written));
     json_decref(project);
 }
 

@@ -440,7 +440,10 @@ static json_t *find(const char *states, const char *sky, struct orl_error *err)
                                         "p/model/view/eye.vf",
                                         "p/model/sky/noon.sky",
                                         "p/model/sky/dusk.rad",
-                                        "p/notes.rad"};
+                                        "p/notes.rad",
+                                        "p/model/ies/spot.rad",
+                                        "p/model/ies/__spot__.rad",
+                                        "p/model/ies/__lamp__.rad"};
     enum { N = sizeof names / sizeof *names };
     static const char info[] = "[{\"full_id\": \"g/desks\", \"name\": \"Desks\"}]";
     struct orl_file contents[N] = {{0}};
@@ -470,7 +473,8 @@ static void test_a_folder_is_found_by_its_names(void **state)
     assert_non_null(project);
     assert_list(json_object_get(project, "files"),
                 "[\"p/model/scene/b.mat\",\"p/model/aperture/z.mat\",\"p/model/scene/a.rad\","
-                "\"p/model/scene/b.rad\",\"p/model/aperture/z.rad\","
+                "\"p/model/scene/b.rad\",\"p/model/aperture/z.rad\",\"p/model/ies/__lamp__.rad\","
+                "\"p/model/ies/spot.rad\","
                 "\"p/model/aperture_group/south..default..1.rad\",\"p/model/sky/noon.sky\"]");
     assert_list(json_object_get(project, "grids"),
                 "[{\"name\":\"g/desks\",\"sensors\":{\"file\":\"p/model/grid/g/desks.pts\"}}]");
@@ -480,10 +484,13 @@ static void test_a_folder_is_found_by_its_names(void **state)
                 "\"p/model/aperture_group/south..default..0.rad\","
                 "\"p/model/aperture_group/south..default..1.rad\"]}}");
     const json_t *left = json_object_get(project, "left_out");
-    assert_int_equal(json_array_size(left), 4);
+    assert_int_equal(json_array_size(left), 5);
     assert_list(json_array_get(left, 1),
                 "{\"file\":\"p/model/grid/old.pts\",\"why\":\"grid/_info.json does not name it\"}");
-    assert_list(json_array_get(left, 3),
+    assert_list(json_array_get(left, 2),
+                "{\"file\":\"p/model/ies/__spot__.rad\",\"why\":\"another file puts it in its "
+                "places\"}");
+    assert_list(json_array_get(left, 4),
                 "{\"file\":\"p/notes.rad\",\"why\":\"it lies outside the model's folder\"}");
     json_decref(project);
 }
@@ -500,7 +507,7 @@ static void test_wishes_that_nothing_meets_are_refused(void **state)
     assert_non_null(strstr(err.message, "no sky 'dawn'"));
     /* Two skies, and none is chosen: neither is taken. */
     json_t *project = find(NULL, NULL, &err);
-    assert_int_equal(json_array_size(json_object_get(project, "files")), 6);
+    assert_int_equal(json_array_size(json_object_get(project, "files")), 8);
     json_decref(project);
 }
 
