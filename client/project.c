@@ -33,9 +33,28 @@ static bool is_list(const char *path)
     return ends_with(path, ".rif") || ends_with(path, ".cfg");
 }
 
+/* Models are also called .json, as documents are. */
+static bool holds_model(const char *path)
+{
+    const struct orl_files here = orl_files_from_folder(".");
+    struct orl_error err = {0};
+    struct orl_file text;
+    json_t *doc = NULL;
+    bool model = false;
+
+    if (here.open(here.ctx, path, &text, &err))
+        return false;
+    if (orl_json_parse(path, text.data, text.size, &doc, &err) == 0)
+        model = orl_hbjson_is_model(doc);
+    json_decref(doc);
+    here.close(here.ctx, &text);
+    return model;
+}
+
 bool orl_project_is_one(const char *path)
 {
-    return orl_is_folder(path) || ends_with(path, ".hbjson") || is_list(path);
+    return orl_is_folder(path) || ends_with(path, ".hbjson") || is_list(path) ||
+           (ends_with(path, "json") && holds_model(path));
 }
 
 /* ---- Models ---------------------------------------------------------------------------------- */

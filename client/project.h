@@ -1,6 +1,6 @@
 /*
- * Projects: a Honeybee model (.hbjson), a folder as Honeybee exports one, or a file of rad (.rif),
- * in place of a scene's list of files. A document says
+ * Projects: a Honeybee model (.hbjson, or JSON that says it is one), a folder as Honeybee exports
+ * one, or a file of rad (.rif), in place of a scene's list of files. A document says
  *
  *     "scene": {"project": PATH, "states": {"GROUP": "STATE"}, "sky": NAME, "files": [...]}
  *

@@ -39,10 +39,38 @@ static int read_tolerance(struct orl_hb *hb)
     return rc;
 }
 
+/* Dragonfly's models call themselves so, too: storeys, out of which rooms are still to be made. */
+static int refuse_dragonfly(struct orl_hb *hb)
+{
+    if (!json_object_get(hb->model, "buildings"))
+        return 0;
+    orl_hb_fail(&(struct orl_hb_at){NULL, "buildings", 0}, hb->err, ORL_ERR_UNSUPPORTED,
+                "this is a model of Dragonfly's");
+    orl_error_hint(hb->err, "Make Honeybee models of it first: dragonfly translate "
+                            "model-to-honeybee");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+/* Grids and views alone are no scene. */
+static int refuse_empty(struct orl_hb *hb)
+{
+    static const char *const members[] = {"rooms",          "orphaned_faces",  "orphaned_apertures",
+                                          "orphaned_doors", "orphaned_shades", "shade_meshes"};
+    for (size_t i = 0; i < sizeof members / sizeof *members; i++)
+        if (json_array_size(json_object_get(hb->model, members[i])) > 0)
+            return 0;
+    return orl_hb_fail(&(struct orl_hb_at){NULL, "rooms", 0}, hb->err, ORL_ERR_INVALID,
+                       "the model is empty: it has no rooms, faces, openings or shades");
+}
+
 static int write_files(struct orl_hb *hb)
 {
     struct orl_hb_groups groups = {0};
-    int rc = read_tolerance(hb);
+    int rc = refuse_dragonfly(hb);
+    if (rc == 0)
+        rc = refuse_empty(hb);
+    if (rc == 0)
+        rc = read_tolerance(hb);
     if (rc == 0)
         rc = orl_hb_modifiers_read(hb);
     if (rc == 0)

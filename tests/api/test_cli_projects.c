@@ -148,6 +148,29 @@ static void test_a_model_is_listed_and_written(void **state)
     json_decref(whole);
 }
 
+/* A model is one by what it says, too, and one of Dragonfly's is told from it. */
+static void test_models_are_known_by_what_they_say(void **state)
+{
+    struct cli_desk *f = *state;
+    char path[512], *text = cli_read_file(".", model);
+    assert_non_null(text);
+    cli_write_file(f->folder, "model.json", text);
+    free(text);
+    snprintf(path, sizeof path, "%s/model.json", f->folder);
+    const char *const run[] = {"run",     path,    "-o",
+                               f->output, "--sky", "{\"cie\": {\"type\": \"overcast\"}, \"x\": 1}",
+                               NULL};
+    cli_run(run, &f->result);
+    if (!strstr(f->result.err, "sky.x: there is no such member"))
+        fail_msg("%s", f->result.err);
+    cli_write_file(f->folder, "model.dfjson", "{\"type\": \"Model\", \"buildings\": []}");
+    snprintf(path, sizeof path, "%s/model.dfjson", f->folder);
+    cli_run(run, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    if (!strstr(f->result.err, "a model of Dragonfly's"))
+        fail_msg("%s", f->result.err);
+}
+
 /* Sensors of a grid of a run of the document, summed up. */
 static double run_project(struct cli_desk *f, const char *states)
 {
@@ -353,6 +376,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_a_model_is_listed_and_written, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_models_are_known_by_what_they_say, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_let_in_more_or_less, set_up,
                                         cli_desk_tear_down),

@@ -349,6 +349,7 @@ static void test_mistakes_are_told_by_their_place(void **state)
         {"properties radiance views 0", "view_type", "\"x\"", "views[0].view_type: one of v"},
         {"shade_meshes 0 geometry", "faces", "[[0,1,9]]",
          "shade_meshes[0].geometry.faces[0]: the mesh has corners 0 to 3"},
+        {"", "buildings", "[]", "buildings: this is a model of Dragonfly"},
         {"properties radiance", "luminaires", "[1]", "luminaires[0].identifier: an identifier"},
         {"properties radiance", "luminaires", "[{\"identifier\": \"a\"}]",
          "luminaires[0].ies_content: the text of an IES"},
