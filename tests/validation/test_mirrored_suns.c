@@ -191,13 +191,46 @@ static void a_tower_lights_a_northern_room(void **state)
     }
 }
 
+#define SITE                                                                                       \
+    "void glass g 0 0 3 .88 .88 .88\nvoid plastic d 0 0 5 .001 .001 .001 0 0\n"                    \
+    "g polygon pane 0 0 12 -.5 0 1 .5 0 1 .5 0 4 -.5 0 4\n"                                        \
+    "d polygon ledge 0 0 12 -.5 -.3 1 .5 -.3 1 .5 0 1 -.5 0 1\n"                                   \
+    "d polygon ground 0 0 12 -200 -200 0 200 -200 0 200 200 0 -200 200 0\n"
+
+/* A ledge before the only pane of a wide site, where hardly a photon comes: both suns shine there,
+ * on it and as little above it as counts as on it. The dark ground gives a thousandth at most. */
+static void a_pane_on_a_wide_site(void **state)
+{
+    static const struct orl_sensor places[2] = {{{0, -.1, 1}, {0, 0, 1}},
+                                                {{.1, -.1, 1.08}, {0, 0, 1}}};
+    struct orl_description d = scene_parse_text(SUN SITE, NULL, NULL);
+    const struct orl_material *glass = &d.materials[d.surfaces[0].material];
+    const double sun = expected_lx(0, 1) / (0.95 * 0.95);
+    const double expected = sun * (1 + orl_glass_reflectance(glass, &anywhere, 0.6).g);
+    orl_description_done(&d);
+    (void)state;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        double lx[2];
+        scene_run_lx(&(struct scene_run){.scene = SUN SITE,
+                                         .sensors = places,
+                                         .n_sensors = 2,
+                                         .technique = ORL_TECHNIQUE_GATHER,
+                                         .samples = 256,
+                                         .caustic = 20000,
+                                         .seed = seed},
+                     lx);
+        for (int i = 0; i < 2; i++)
+            if (!(fabs(lx[i] - expected) < 3e-3 * expected))
+                fail_msg("seed %d, place %d: %g lx, not %g", (int)seed, i, lx[i], expected);
+    }
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
-        cmocka_unit_test(down_an_open_shaft),
-        cmocka_unit_test(down_a_glazed_shaft),
-        cmocka_unit_test(panes_a_little_askew),
-        cmocka_unit_test(a_tower_lights_a_northern_room),
+        cmocka_unit_test(down_an_open_shaft),    cmocka_unit_test(down_a_glazed_shaft),
+        cmocka_unit_test(panes_a_little_askew),  cmocka_unit_test(a_tower_lights_a_northern_room),
+        cmocka_unit_test(a_pane_on_a_wide_site),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

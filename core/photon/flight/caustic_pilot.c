@@ -13,8 +13,8 @@ static const double caustic_floor = 0.02; /* of caustic photons spread evenly ov
 struct pilot {
     struct orl_emission *emission;
     uint64_t seed;
-    uint32_t flights;
-    double *yield;  /* per stratum: caustic flux deposited per flight */
+    uint32_t flights, open_flights; /* a stratum, and a sun that shines on the whole scene */
+    double *yield;                  /* per stratum: caustic flux deposited per flight */
     double **found; /* of some strata: by where on the port it would start; caustic_targets.h */
 };
 
@@ -23,11 +23,13 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
 {
     struct pilot *pilot = arg;
     const struct orl_stratum *stratum = &pilot->emission->strata[index];
+    const uint32_t flights =
+        stratum->kind == ORL_STRATUM_OPEN_SUN ? pilot->open_flights : pilot->flights;
     struct orl_deposits deposits = {0};
     uint32_t flown = 0;
     double sum = 0;
     (void)member;
-    for (uint32_t i = 0; i < pilot->flights && deposits.health.rays < CAUSTIC_RAYS; i++) {
+    for (uint32_t i = 0; i < flights && deposits.health.rays < CAUSTIC_RAYS; i++) {
         double point[5];
         struct orl_flight flight;
         flown++;
@@ -82,6 +84,27 @@ static int seek(struct pilot *pilot)
     return code;
 }
 
+/* Flights for each of so many strata. */
+static uint32_t flights_each(size_t strata)
+{
+    const size_t each = CAUSTIC_FLIGHTS / (strata + 1);
+    return (uint32_t)(each > MOST_FLIGHTS_A_STRATUM    ? MOST_FLIGHTS_A_STRATUM
+                      : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
+                                                       : each);
+}
+
+/* Windows share what there is. A sun on all of a building has flights of its own, as few of them
+ * meet any pane: of 512 none may be mirrored where one photon in 2000 is. */
+static void allot_flights(struct pilot *pilot)
+{
+    const struct orl_emission *e = pilot->emission;
+    size_t open = 0;
+    for (size_t i = 0; i < e->n_strata; i++)
+        open += e->strata[i].kind == ORL_STRATUM_OPEN_SUN;
+    pilot->flights = flights_each(e->n_strata);
+    pilot->open_flights = flights_each(open);
+}
+
 /* Caustic photons go by what the pilot's brought down, and a little everywhere. */
 static int share_out(struct pilot *pilot, struct orl_crew *crew)
 {
@@ -90,12 +113,9 @@ static int share_out(struct pilot *pilot, struct orl_crew *crew)
     pilot->yield = calloc(e->n_strata + 1, sizeof *pilot->yield);
     if (!pilot->yield)
         return ORL_ERR_NOMEM;
-    const size_t each = CAUSTIC_FLIGHTS / (e->n_strata + 1);
     if (e->world->omit.mirror_caustics && e->world->omit.lobe_caustics)
         return 0;
-    pilot->flights = (uint32_t)(each > MOST_FLIGHTS_A_STRATUM    ? MOST_FLIGHTS_A_STRATUM
-                                : each < LEAST_FLIGHTS_A_STRATUM ? LEAST_FLIGHTS_A_STRATUM
-                                                                 : each);
+    allot_flights(pilot);
     int code = orl_crew_try(crew, e->n_strata, try_caustics, pilot);
     if (code == 0)
         code = seek(pilot);

@@ -5,6 +5,7 @@
 #include "light/proxies.h"
 #include "photon/density/records.h"
 #include "photon/map/facing.h"
+#include "render/gather/air.h"
 
 enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300, NEIGHBOURS_RECORDS = 4 };
 enum { RADIUS_PROBES = 256 };
@@ -84,6 +85,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         choose_radii(gather, (enum orl_map_kind)kind, bandwidths ? bandwidths[kind] : 1, widest,
                      search);
     }
+    gather->by_images = gather->maps[ORL_MAP_CAUSTIC] && orl_air_is_by_images(world);
     if (gather->maps[ORL_MAP_GLOBAL]) {
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
                                         gather->max_radius[ORL_MAP_GLOBAL], crew);

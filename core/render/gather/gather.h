@@ -53,6 +53,7 @@ struct orl_gather {
     double max_radius[ORL_MAP_KINDS];
     double near;               /* hits closer than this are lit again */
     double reach;              /* a sensor so close to a surface lies on it */
+    bool by_images;            /* suns in flat mirrors are all the caustics there are: air.h */
     struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
     struct orl_texels *texels; /* of the same, for flat surfaces; NULL until views want them, as */
     struct orl_kernel_density

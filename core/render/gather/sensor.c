@@ -190,17 +190,18 @@ struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_ve
     return place;
 }
 
-/* Whether the density's bias shows, and there is a better way: suns' images in flat mirrors tell
- * all that there is. Outside rays find it. */
-static bool is_blurred(const struct orl_world *world, const struct orl_place *place,
-                       const struct orl_density *caustic, const struct orl_image_blur *blur,
-                       const struct orl_estimate *rest)
+/* Whether the density is of too few photons (on all of a building they lie far apart, and none may
+ * be where a pane mirrors the sun), or its bias shows, and there is a better way: suns' images in
+ * flat mirrors tell all that there is. Outside rays find it. */
+static bool is_poor(const struct orl_gather *gather, const struct orl_place *place,
+                    const struct orl_density *caustic, const struct orl_image_blur *blur,
+                    const struct orl_estimate *rest)
 {
     const double light = orl_luma(rest->value) + orl_luma(caustic->irradiance);
     const double bias = fmax(fabs(caustic->bias), fabs(orl_luma(blur->excess.value)));
-    return !place->in_air && !place->outside &&
-           bias > fmax(beside_rest * rest->standard_error, beside_light * light) &&
-           orl_air_is_by_images(world);
+    return gather->by_images && !place->in_air && !place->outside &&
+           (caustic->found < gather->k[ORL_MAP_CAUSTIC] ||
+            bias > fmax(beside_rest * rest->standard_error, beside_light * light));
 }
 
 /* A density without what of suns in flat mirrors it has blurred: its bias is that of the rest. */
@@ -243,7 +244,7 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
         orl_luma(caustic.irradiance) > beside_light * orl_luma(all.value))
         blur = orl_gather_image_blur(gather, footing, caustic.radius,
                                      sequence_of(gather, OF_BLUR, index));
-    if (is_blurred(gather->world, place, &caustic, &blur, &all)) {
+    if (is_poor(gather, place, &caustic, &blur, &all)) {
         place->in_air = true;
         caustic = none;
         blur = (struct orl_image_blur){.found = 0};
