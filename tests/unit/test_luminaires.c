@@ -12,6 +12,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <oriel/files.h>
+
+#include "scene/parse/parse.h"
 #include "support/scene_text.h"
 
 #define DOWN "0 30 60 90\n"
@@ -95,6 +98,79 @@ static void test_units_and_colors(void **state)
         fail_msg("%g lx, not %g", lx, wanted);
 }
 
+/* ---- What it looks like ---------------------------------------------------------------------- */
+
+#define LOOKS                                                                                      \
+    "IESNA:LM-63-1995\n \t[LUMINOUSGEOMETRY] looks.mgf \r\nTILT=NONE\n1 1000 2 4 1 1 2 .3 .6 .2\n" \
+    "1 1 40\n" DOWN "0\n" ONE
+
+/* !ies2rad with a luminaire in a folder, and its geometry if there is one. */
+static int read_looks(const char *command, const char *mgf, struct orl_description *ret,
+                      struct orl_error *err)
+{
+    static const char *const names[] = {"a.rad", "sub/lamp.ies", "sub/looks.mgf"};
+    const struct orl_file contents[] = {{command, strlen(command), NULL},
+                                        {LOOKS, strlen(LOOKS), NULL},
+                                        {mgf, mgf ? strlen(mgf) : 0, NULL}};
+    struct orl_memory_files memory = {names, contents, mgf ? 3 : 2};
+    const struct orl_files provider = orl_files_from_memory(&memory);
+    *err = (struct orl_error){0};
+    return orl_scene_parse(names, 1, &provider, ret, err);
+}
+
+/* As ies2rad -dc -m .8 writes it: an illum, and within it lamps that glow as far as the opening's
+ * diagonal, .7 m, times the factors of the measurement. */
+static void test_geometry(void **state)
+{
+    static const char mgf[] = "m shine =\n ed 3000\nv a =\n p 0 .1 0\nv b =\n p .1 0 0\nv c =\n "
+                              "p 0 0 0\no bar\nf a b c\no\n";
+    struct orl_description d;
+    struct orl_error err;
+    (void)state;
+    if (read_looks("!ies2rad -dc -m .8 sub/lamp.ies\n", mgf, &d, &err) < 0)
+        fail_msg("%s:%d: %s", err.file, err.line, err.message);
+    assert_int_equal(d.n_surfaces, 2);
+    const struct orl_material *const light = &d.materials[d.surfaces[0].material];
+    const struct orl_material *const shine = &d.materials[d.surfaces[1].material];
+    assert_int_equal(light->kind, ORL_MATERIAL_ILLUM);
+    assert_int_equal(shine->kind, ORL_MATERIAL_GLOW);
+    assert_true(fabs(shine->max_radius - 70) < 1e-4);
+    assert_true(fabs(shine->color.g / (1.6 * 3000 / (179 * M_PI)) - 1) < 1e-5);
+    assert_true(fabs(d.surfaces[1].vertices[0].y - 10) < 1e-9);
+    orl_description_done(&d);
+    assert_true(read_looks("!ies2rad sub/lamp.ies\n", "\nv a b\n", &d, &err) < 0);
+    assert_string_equal(err.file, "sub/looks.mgf");
+    assert_int_equal(err.line, 2);
+}
+
+/* Where the geometry is not there the luminaire is a light without it. */
+static void test_geometry_is_missing(void **state)
+{
+    struct orl_description d;
+    struct orl_error err;
+    (void)state;
+    assert_int_equal(read_looks("!xform -t 0 0 1 sub/lamp.ies\n", NULL, &d, &err), 0);
+    assert_int_equal(d.n_surfaces, 1);
+    assert_int_equal(d.materials[d.surfaces[0].material].kind, ORL_MATERIAL_LIGHT);
+    assert_int_equal(d.n_warnings, 1);
+    assert_non_null(strstr(d.warnings[0], "looks.mgf, is not there"));
+    orl_description_done(&d);
+}
+
+/* The radius of -i is in the scene's units, as ies2rad has it. */
+static void test_radius(void **state)
+{
+    struct orl_description d;
+    struct orl_error err;
+    (void)state;
+    assert_int_equal(read_looks("!ies2rad -dc -i 5 sub/lamp.ies\n", NULL, &d, &err), 0);
+    assert_int_equal(d.surfaces[0].kind, ORL_SURFACE_SPHERE);
+    assert_true(fabs(d.surfaces[0].round->radius[0] - 5) < 1e-9);
+    orl_description_done(&d);
+    assert_int_equal(read_looks("!ies2rad -dc -i .01 sub/lamp.ies\n", NULL, &d, &err),
+                     ORL_ERR_RANGE);
+}
+
 static void test_refused(void **state)
 {
     static const struct {
@@ -145,9 +221,9 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_far_away),
-        cmocka_unit_test(test_units_and_colors),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_far_away), cmocka_unit_test(test_units_and_colors),
+        cmocka_unit_test(test_geometry), cmocka_unit_test(test_geometry_is_missing),
+        cmocka_unit_test(test_radius),   cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

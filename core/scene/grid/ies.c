@@ -106,16 +106,39 @@ bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const cha
     return false;
 }
 
+/* The name behind a keyword, if it is that of the luminaire's geometry. */
+static int read_keyword(struct reading *r, const char *line, size_t length, struct orl_error *err)
+{
+    static const char key[] = "[LUMINOUSGEOMETRY]";
+    for (; length > 0 && (*line == ' ' || *line == '\t'); length--)
+        line++;
+    if (!begins(line, length, key))
+        return 0;
+    line += sizeof key - 1;
+    length -= sizeof key - 1;
+    for (; length > 0 && (*line == ' ' || *line == '\t'); length--)
+        line++;
+    if (length >= sizeof r->ies->geometry || memchr(line, '\0', length))
+        return fail(r, ORL_ERR_SYNTAX, "behind [LUMINOUSGEOMETRY] a file is expected", err);
+    memcpy(r->ies->geometry, line, length);
+    r->ies->geometry[length] = '\0';
+    return 0;
+}
+
 /* Whether the lamp's tilt is in the file, at which r is then. */
 static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
 {
-    bool keywords;
+    bool keywords = false;
     for (size_t length; r->at < r->end;) {
         const char *line = next_line(r, &length);
         if (r->line == 1)
             r->ies->year = year_of(line, length, &keywords);
-        if (!begins(line, length, "TILT="))
+        if (!begins(line, length, "TILT=")) {
+            const int code = keywords ? read_keyword(r, line, length, err) : 0;
+            if (code < 0)
+                return code;
             continue;
+        }
         for (line += 5, length -= 5; length > 0 && *line == ' '; length--)
             line++;
         *ret_tilted = length == 7 && memcmp(line, "INCLUDE", 7) == 0;

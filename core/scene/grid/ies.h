@@ -28,6 +28,7 @@ struct orl_ies {
     double length, width, height; /* of the luminous opening, metres; signs tell its shape */
     struct orl_ies_tilt tilt;
     char tilt_file[128]; /* where that is, if not in the file itself; or "" */
+    char geometry[128];  /* of the luminaire: what [LUMINOUSGEOMETRY] names, a file of MGF; or "" */
     uint32_t n_vertical, n_horizontal;
     double *vertical, *horizontal; /* degrees, rising */
     float *candela;                /* without the factor: [horizontal][vertical] */
@@ -37,7 +38,7 @@ struct orl_ies {
 bool orl_ies_is(const char *text, size_t size);
 
 /* ORL_ERR_SYNTAX, _RANGE, _UNSUPPORTED, with file and line; _NOMEM. orl_ies_done in the end of one
- * that was read. Of what TILT= names only the name is taken. */
+ * that was read. Of what TILT= and [LUMINOUSGEOMETRY] name only the name is taken. */
 int orl_ies_read(const char *name, const char *text, size_t size, struct orl_ies *ret_ies,
                  struct orl_error *err);
 void orl_ies_done(struct orl_ies *ies); /* also of one that is all zero */

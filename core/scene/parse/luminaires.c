@@ -8,17 +8,10 @@
 #include "base/number.h"
 #include "scene/grid/ies.h"
 #include "scene/parse/lamps.h"
+#include "scene/parse/luminaire_shape.h"
+#include "scene/parse/packages.h"
 
-/* Nothing is smaller, m. */
-static const double least = 1e-3, tiny = 1e-6;
-
-enum body { BOX, DISC, BALL };
-
-/* What shines, m: its body's length along x, width along y, height; of round ones the width. */
-struct shape {
-    enum body body;
-    double length, width, height;
-};
+static const double tiny = 1e-6;
 
 struct luminaire {
     const char *file; /* as scene text may name it */
@@ -29,91 +22,10 @@ struct luminaire {
                                              if it says nothing known; or NULL */
 };
 
-/* ---- Shapes ---------------------------------------------------------------------------------- */
-
-static struct shape box(double length, double width, double height)
-{
-    return (struct shape){BOX, fmax(length, least), fmax(width, least), fmax(height, least / 2)};
-}
-
-static struct shape disc(double width, double height)
-{
-    return (struct shape){DISC, width, width, fmax(height, least / 2)};
-}
-
-/* An ellipse that is nearly round is, others are boxes about it. */
-static struct shape ellipse(double length, double width, double height, struct orl_text *text)
-{
-    const double mean = (length + width) / 2;
-    const bool round = fabs(length - mean) < mean / 2;
-    orl_text_warn(text, "its opening is an ellipse: it shines as a %s",
-                  round ? "circular one" : "box");
-    return round ? disc(width, height) : box(width, length, height);
-}
-
-static int sign_of(double size)
-{
-    return size < 0 ? 0 : size == 0 ? 1 : 2;
-}
-
-/* Signs of length, width and height, - 0 +, as one number. */
-#define SIGNS(l, w, h) (100 * ((l) + 1) + 10 * ((w) + 1) + (h) + 1)
-
-/* What LM-63 means by negative sizes, before 1995, of then, and since 2002. False: nothing. */
-static bool shape_of(const struct orl_ies *ies, struct orl_text *text, struct shape *ret)
-{
-    const double l = fabs(ies->length), w = fabs(ies->width), h = fabs(ies->height);
-    const int signs = 100 * sign_of(ies->length) + 10 * sign_of(ies->width) + sign_of(ies->height);
-    const bool is_1986 = ies->year == 1986, is_1995 = ies->year == 1995;
-    switch (signs) {
-    case SIGNS(0, 0, 0):
-        *ret = (struct shape){BALL, least, least, least};
-        return true;
-    case SIGNS(1, 1, 0):
-    case SIGNS(1, 1, 1):
-    case SIGNS(0, 1, 1):
-    case SIGNS(1, 0, 1):
-        *ret = box(l, w, h);
-        return true;
-    case SIGNS(0, -1, 0):
-        *ret = disc(w, h);
-        return true;
-    case SIGNS(0, -1, 1):
-        *ret = disc(w, h);
-        return is_1986 || is_1995;
-    case SIGNS(0, -1, -1):
-        *ret = (struct shape){BALL, w, w, w};
-        return is_1995;
-    case SIGNS(-1, -1, 0):
-    case SIGNS(-1, -1, 1):
-        *ret = fabs(l - w) < tiny ? disc(w, h) : ellipse(w, l, h, text);
-        return !is_1986 && !is_1995;
-    case SIGNS(1, -1, 0):
-        *ret = ellipse(l, w, 0, text);
-        return is_1986;
-    case SIGNS(-1, -1, -1):
-        *ret = (struct shape){BALL, w, w, w};
-        if (fabs(l - w) < tiny && fabs(l - h) < tiny)
-            return true;
-        break;
-    case SIGNS(-1, 1, 1):
-    case SIGNS(1, -1, 1):
-        *ret = ellipse(l, w, h, text);
-        if (is_1995)
-            return true;
-        break;
-    default:
-        break;
-    }
-    orl_text_warn(text, "its opening is a lying cylinder or an ellipsoid: it shines as a box");
-    *ret = box(l, w, h);
-    return l > 0 || w > 0;
-}
-
 /* ---- Scene text ------------------------------------------------------------------------------ */
 
-static void add_rectangle(const struct luminaire *lamp, const struct shape *s, const char *suffix,
-                          const int corners[4], struct orl_text *text)
+static void add_rectangle(const struct luminaire *lamp, const struct orl_luminaire_shape *s,
+                          const char *suffix, const int corners[4], struct orl_text *text)
 {
     orl_text_add(text, "'%s_light' polygon '%s.%s'\n0\n0\n12\n", lamp->name, lamp->name, suffix);
     for (int i = 0; i < 4; i++)
@@ -122,7 +34,7 @@ static void add_rectangle(const struct luminaire *lamp, const struct shape *s, c
                      (corners[i] & 4 ? .5 : -.5) * s->height * lamp->unit);
 }
 
-static void add_disc(const struct luminaire *lamp, const struct shape *s, int side,
+static void add_disc(const struct luminaire *lamp, const struct orl_luminaire_shape *s, int side,
                      struct orl_text *text)
 {
     orl_text_add(text, "'%s_light' ring '%s.%s'\n0\n0\n8 0 0 %g 0 0 %d 0 %g\n", lamp->name,
@@ -134,28 +46,28 @@ struct faces {
     bool lower, upper, sides;
 };
 
-static void add_body(const struct luminaire *lamp, const struct shape *s, const struct faces *faces,
-                     struct orl_text *text)
+static void add_body(const struct luminaire *lamp, const struct orl_luminaire_shape *s,
+                     const struct faces *faces, struct orl_text *text)
 {
     static const int down[4] = {0, 2, 3, 1}, up[4] = {4, 5, 7, 6},
                      sides[4][4] = {{0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}};
     static const char *const names[4] = {"1", "2", "3", "4"};
-    if (s->body == BALL) {
+    if (s->body == ORL_LUMINAIRE_BALL) {
         orl_text_add(text, "'%s_light' sphere '%s.s'\n0\n0\n4 0 0 0 %g\n", lamp->name, lamp->name,
                      .5 * s->width * lamp->unit);
         return;
     }
-    if (faces->lower && s->body == BOX)
+    if (faces->lower && s->body == ORL_LUMINAIRE_BOX)
         add_rectangle(lamp, s, "d", down, text);
-    if (faces->upper && s->body == BOX)
+    if (faces->upper && s->body == ORL_LUMINAIRE_BOX)
         add_rectangle(lamp, s, "u", up, text);
-    for (int i = 0; i < 4 && faces->sides && s->body == BOX; i++)
+    for (int i = 0; i < 4 && faces->sides && s->body == ORL_LUMINAIRE_BOX; i++)
         add_rectangle(lamp, s, names[i], sides[i], text);
-    if (faces->lower && s->body == DISC)
+    if (faces->lower && s->body == ORL_LUMINAIRE_DISC)
         add_disc(lamp, s, -1, text);
-    if (faces->upper && s->body == DISC)
+    if (faces->upper && s->body == ORL_LUMINAIRE_DISC)
         add_disc(lamp, s, 1, text);
-    if (faces->sides && s->body == DISC)
+    if (faces->sides && s->body == ORL_LUMINAIRE_DISC)
         orl_text_add(text, "'%s_light' cylinder '%s.c'\n0\n0\n7 0 0 %g 0 0 %g %g\n", lamp->name,
                      lamp->name, .5 * s->height * lamp->unit, -.5 * s->height * lamp->unit,
                      .5 * s->width * lamp->unit);
@@ -194,51 +106,71 @@ static void add_tilt(const struct luminaire *lamp, const struct orl_ies_tilt *ti
 }
 
 static void add_distribution(const struct luminaire *lamp, const struct orl_ies *ies,
-                             const struct shape *s, bool sides, struct orl_text *text)
+                             const struct orl_luminaire_shape *s, bool sides, struct orl_text *text)
 {
     const double factor = lamp->factor * ies->factor;
-    const double area = s->body == BOX ? s->width * s->length : M_PI / 4 * s->width * s->width;
+    const double area =
+        s->body == ORL_LUMINAIRE_BOX ? s->width * s->length : M_PI / 4 * s->width * s->width;
     const char *angles, *turn;
     name_angles(ies, &angles, &turn);
-    const bool flat = s->body == BALL || !sides;
+    const bool flat = s->body == ORL_LUMINAIRE_BALL || !sides;
     const int n = 3 + (strchr(angles, ' ') ? 2 : 1) + (*turn ? 2 : 0);
     if (ies->tilt.n > 0)
         orl_text_add(text, "'%s_tilt'", lamp->name);
     else
         orl_text_add(text, "void");
     orl_text_add(text, " brightdata '%s_dist'\n%d %s '%s' source.cal %s%s\n0\n", lamp->name, n,
-                 s->body == BALL   ? "corr"
-                 : !sides          ? "flatcorr"
-                 : s->body == DISC ? "cylcorr"
-                                   : "boxcorr",
+                 s->body == ORL_LUMINAIRE_BALL   ? "corr"
+                 : !sides                        ? "flatcorr"
+                 : s->body == ORL_LUMINAIRE_DISC ? "cylcorr"
+                                                 : "boxcorr",
                  lamp->file, angles, turn);
     if (flat)
         orl_text_add(text, "1 %g\n", factor / area);
-    else if (s->body == DISC)
+    else if (s->body == ORL_LUMINAIRE_DISC)
         orl_text_add(text, "3 %g %g %g\n", factor, s->width, s->height);
     else
         orl_text_add(text, "4 %g %g %g %g\n", factor, s->length, s->width, s->height);
 }
 
-/* All of a file that was read. */
-static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies,
-                         struct orl_text *text, struct orl_error *err)
+/* All of a file that was read, but its geometry: about that it is an illum. */
+static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies, bool geometry,
+                         struct orl_text *text, struct orl_luminaire_shape *ret_shape,
+                         struct orl_error *err)
 {
-    struct shape shape = {BALL, 2 * lamp->illum_radius, 2 * lamp->illum_radius, 0};
-    if (!(lamp->illum_radius > 0) && !shape_of(ies, text, &shape))
+    const double size = 2 * lamp->illum_radius / lamp->unit;
+    struct orl_luminaire_shape shape = {ORL_LUMINAIRE_BALL, size, size, size};
+    if (!(lamp->illum_radius > 0) && !orl_luminaire_shape_of(ies, text, &shape))
         return orl_error_set(err, ORL_ERR_RANGE, "its sizes make no shape that LM-63 has");
+    if (lamp->illum_radius > 0 && size < ORL_LUMINAIRE_LEAST_M)
+        return orl_error_set(err, ORL_ERR_RANGE, "ies2rad: the radius of -i is too small");
     struct faces faces = {
         .lower =
             ies->vertical[0]<90 - tiny, .upper = ies->vertical[ies->n_vertical - 1]> 90 + tiny};
-    faces.sides = faces.lower && faces.upper && shape.height > least;
+    faces.sides = faces.lower && faces.upper && shape.height > ORL_LUMINAIRE_LEAST_M;
     if (ies->tilt.n > 0)
         add_tilt(lamp, &ies->tilt, text);
     add_distribution(lamp, ies, &shape, faces.sides, text);
     orl_text_add(text, "'%s_dist' %s '%s_light'\n0\n0\n3 %g %g %g\n", lamp->name,
-                 lamp->illum_radius > 0 ? "illum" : "light", lamp->name, lamp->color[0],
+                 geometry || lamp->illum_radius > 0 ? "illum" : "light", lamp->name, lamp->color[0],
                  lamp->color[1], lamp->color[2]);
     add_body(lamp, &shape, &faces, text);
+    *ret_shape = shape;
     return 0;
+}
+
+/* What it looks like, in MGF, in metres. Its lamps glow within, as far as its opening is wide: what
+ * comes out is what was measured. scope: of the IES file. */
+static int add_geometry(const struct luminaire *lamp, const struct orl_ies *ies,
+                        const struct orl_luminaire_shape *shape, struct orl_parser *parser,
+                        const struct orl_scope *scope, struct orl_text *text, struct orl_error *err)
+{
+    const double size = sqrt(shape->width * shape->width + shape->height * shape->height +
+                             shape->length * shape->length);
+    const struct orl_mgf mgf = {.unit_m = lamp->unit,
+                                .glow_radius = size * lamp->unit,
+                                .emission = lamp->factor * ies->factor};
+    return orl_parser_mgf(parser, scope, ies->geometry, &mgf, text, err);
 }
 
 /* ---- Lamps ----------------------------------------------------------------------------------- */
@@ -318,17 +250,12 @@ static int settle_lamp(struct luminaire *lamp, struct orl_parser *parser, const 
 /* ---- A file ---------------------------------------------------------------------------------- */
 
 /* What TILT= names, beside the file. */
-static int read_tilt_file(struct orl_parser *parser, const char *resolved, struct orl_ies *ies,
+static int read_tilt_file(struct orl_parser *parser, const char *folder, struct orl_ies *ies,
                           struct orl_error *err)
 {
-    const char *const slash = strrchr(resolved, '/');
-    char folder[512];
     size_t index = 0;
     if (ies->tilt_file[0] == '\0')
         return 0;
-    if (snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - resolved) : 0, resolved) >=
-        (int)sizeof folder)
-        return orl_error_set(err, ORL_ERR_LIMIT, "its folder's name is too long");
     const int code = orl_sources_find(&parser->sources, folder, ies->tilt_file, &index, err);
     if (code < 0)
         return code;
@@ -336,20 +263,50 @@ static int read_tilt_file(struct orl_parser *parser, const char *resolved, struc
     return orl_ies_read_tilt(source->name, source->file.data, source->file.size, ies, err);
 }
 
+/* Whether its geometry is there: without it, it shines all the same. */
+static int find_geometry(struct orl_parser *parser, const char *folder, const struct orl_ies *ies,
+                         struct orl_text *text, bool *ret_found, struct orl_error *err)
+{
+    struct orl_error missing = {0};
+    size_t index = 0;
+    *ret_found = false;
+    if (ies->geometry[0] == '\0')
+        return 0;
+    const int code = orl_sources_find(&parser->sources, folder, ies->geometry, &index, &missing);
+    *ret_found = code == 0;
+    if (code == ORL_ERR_NOT_FOUND)
+        orl_text_warn(text, "its geometry, %.80s, is not there: it shines without", ies->geometry);
+    else if (code < 0)
+        *err = missing;
+    return code == ORL_ERR_NOT_FOUND ? 0 : code;
+}
+
 /* folder: of the text that names it. */
 static int write_luminaire(struct luminaire *lamp, struct orl_parser *parser, const char *folder,
                            const char *resolved, const struct orl_file *file, struct orl_text *text,
                            struct orl_error *err)
 {
+    const char *const slash = strrchr(resolved, '/');
+    char beside[512];
+    const struct orl_scope scope = {.file = resolved, .folder = beside};
     struct orl_ies ies;
+    struct orl_luminaire_shape shape = {.body = ORL_LUMINAIRE_BALL};
+    bool geometry = false;
+    if (snprintf(beside, sizeof beside, "%.*s", slash ? (int)(slash - resolved) : 0, resolved) >=
+        (int)sizeof beside)
+        return orl_error_set(err, ORL_ERR_LIMIT, "its folder's name is too long");
     int code = orl_ies_read(resolved, file->data, file->size, &ies, err);
     if (code < 0)
         return code;
     code = settle_lamp(lamp, parser, folder, file, text, err);
     if (code == 0)
-        code = read_tilt_file(parser, resolved, &ies, err);
+        code = read_tilt_file(parser, beside, &ies, err);
     if (code == 0)
-        code = add_luminaire(lamp, &ies, text, err);
+        code = find_geometry(parser, beside, &ies, text, &geometry, err);
+    if (code == 0)
+        code = add_luminaire(lamp, &ies, geometry, text, &shape, err);
+    if (code == 0 && geometry)
+        code = add_geometry(lamp, &ies, &shape, parser, &scope, text, err);
     orl_ies_done(&ies);
     if (code < 0 && err->file[0] == '\0')
         orl_error_at(err, resolved, 0, NULL);

@@ -3,7 +3,8 @@
  * brightness is by direction, on the luminous opening's box, disc, cylinder or sphere about the
  * origin, down being -z. Colour and depreciation of their lamps are those of the table (lamps.h)
  * that lamp.tab is, among the scene's files or in the user's library, by the words that the file
- * has for its lamp; without one, or such words, they are white.
+ * has for its lamp; without one, or such words, they are white. What [LUMINOUSGEOMETRY] names, in
+ * MGF beside the file, stands within an illum.
  */
 #ifndef ORL_SCENE_PARSE_LUMINAIRES_H
 #define ORL_SCENE_PARSE_LUMINAIRES_H
