@@ -59,7 +59,7 @@ static int read_lamp(struct writing *w, char *ret_options, size_t size, double *
 {
     const struct orl_hb_at at = {w->at, "custom_lamp", 0};
     const json_t *lamp = orl_hb_get(w->json, "custom_lamp");
-    double rgb[3], white[2];
+    double rgb[3] = {0}, white[2] = {0};
     bool is_rgb = false, is_white = false;
     char table[200];
     *ret_factor = 1;

@@ -75,7 +75,7 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
     const struct orl_hb_at properties = {NULL, "properties", 0},
                            radiance = {&properties, "radiance", 0};
     struct orl_hb_walk modifiers;
-    size_t place;
+    size_t place = 0;
     hb->modifier_places = json_object();
     if (!hb->modifier_places)
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
