@@ -40,7 +40,7 @@ static bool is_inside(const struct side *side, struct orl_vec3 point)
 static bool find_inside(const struct side *side, struct orl_vec3 *ret_point)
 {
     const struct orl_vec3 *p = side->polygon.points;
-    const size_t n = side->polygon.ends[0];
+    const size_t n = side->polygon.n_loops > 0 ? side->polygon.ends[0] : 0;
     for (size_t i = 0; i < n && i < MOST_CORNERS_TRIED; i++) {
         *ret_point = orl_add(orl_add(orl_scale(p[(i + n - 1) % n], 0.41), orl_scale(p[i], 0.32)),
                              orl_scale(p[(i + 1) % n], 0.27));
@@ -95,12 +95,15 @@ int orl_hb_inward_faces(struct orl_hb *hb, const json_t *room, const struct orl_
     struct side *sides = calloc(n, sizeof *sides);
     bool *inward = calloc(n, sizeof *inward);
     size_t count = 0;
-    if (!sides || !inward)
-        rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    if (!sides || !inward) {
+        free(sides);
+        free(inward);
+        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    }
     for (const json_t *face; rc == 0 && (face = orl_hb_next(&faces));)
         rc = read_side(hb, face, &faces.here, &sides[count++]);
-    for (size_t i = 0; i < n && rc == 0; i++)
-        inward[i] = looks_inwards(sides, n, i, hb->tolerance);
+    for (size_t i = 0; i < count && rc == 0; i++)
+        inward[i] = looks_inwards(sides, count, i, hb->tolerance);
     for (size_t i = 0; i < count; i++)
         orl_hb_polygon_done(&sides[i].polygon);
     free(sides);
