@@ -34,8 +34,10 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
             err, ORL_ERR_LIMIT,
             "the document's values would take %llu MiB of memory; the limit is %lu",
             (unsigned long long)weight >> 20, ORL_LIMIT_JSON_MEMORY >> 20);
+    /* Editors and shells of Windows begin texts with a mark of their bytes' order. */
+    const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     json_error_t where;
-    json_t *doc = orl_json_read(text, size, JSON_REJECT_DUPLICATES, &where);
+    json_t *doc = orl_json_read(text + mark, size - mark, JSON_REJECT_DUPLICATES, &where);
     if (doc) {
         *ret_doc = doc;
         return 0;

@@ -403,9 +403,23 @@ static void test_document_must_be_an_object(void **state)
     assert_string_equal(err.primitive, "document");
 }
 
+static void test_a_byte_order_mark_is_passed_over(void **state)
+{
+    static const char text[] = "\xef\xbb\xbf{\"kind\": \"render\"}", alone[] = "\xef\xbb\xbf";
+    struct orl_error err = {0};
+    json_t *doc = NULL;
+    (void)state;
+    assert_int_equal(orl_json_parse("job.json", text, sizeof text - 1, &doc, &err), 0);
+    assert_string_equal(json_string_value(json_object_get(doc, "kind")), "render");
+    json_decref(doc);
+    assert_int_equal(orl_json_parse("job.json", alone, 3, &doc, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(orl_json_parse("job.json", alone, 2, &doc, &err), ORL_ERR_SYNTAX);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_byte_order_mark_is_passed_over),
         cmocka_unit_test(test_full_remote_document),
         cmocka_unit_test(test_one_of_two_photon_counts),
         cmocka_unit_test(test_local_document_and_defaults),
