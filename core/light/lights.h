@@ -40,7 +40,7 @@ struct orl_emitter {
     uint32_t facet;
     struct orl_rgb radiance; /* mean over the surface */
     struct orl_rgb most;     /* the most, anywhere */
-    bool direct; /* light: sampled by shadow rays; glow: found by rays that happen on it */
+    bool direct; /* a lamp: sampled by shadow rays; not one: found by rays that happen on it */
 };
 
 struct orl_lights {

@@ -44,7 +44,7 @@ enum orl_material_kind {
     ORL_MATERIAL_MIRROR,     /* color, on the front; black behind */
     ORL_MATERIAL_BSDF,       /* bsdf, up, thickness, peak, front/back/through diffuse additions */
     ORL_MATERIAL_LIGHT,      /* radiance; a source to be sampled directly */
-    ORL_MATERIAL_GLOW,       /* radiance, max_radius; seen, but sampled only within max_radius */
+    ORL_MATERIAL_GLOW,       /* radiance, max_radius; aimed at if max_radius is above 0 */
     ORL_MATERIAL_SPOTLIGHT,  /* a light that shines within a cone: spot */
     ORL_MATERIAL_MIXTURE,    /* mixed, mix: of unlike materials (material/scatter.h) */
     ORL_MATERIAL_ILLUM,      /* a light that views see as what it stands for: seen_as */

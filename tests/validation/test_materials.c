@@ -474,6 +474,36 @@ static void test_glow_radius(void **state)
 }
 
 /*
+ * A ball of glow of 2 cm, which one ray of 40 000 meets: aimed at, for its radius is above 0. As
+ * many rays and shadow rays come to the closed form, 1e-3 for the shadow rays' scatter over it;
+ * to a view of rough metal, which no ray of its lobe would find, as bright as a light.
+ */
+static void test_small_glow(void **state)
+{
+    static const char *const lamps[2] = {"void glow lamp 0 0 4 1e4 1e4 1e4 100\n",
+                                         "void light lamp 0 0 3 1e4 1e4 1e4\n"};
+    const double expected = 1e4 * ORL_PI * .0004 / (4 + .25) * 2 / sqrt(4.25);
+    struct outcome o[2];
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        char scene[1024];
+        snprintf(scene, sizeof scene,
+                 DARK WALLS SOUTH CEILING "void metal rough 0 0 5 .5 .5 .5 .9 .2\n"
+                                          "rough polygon p 0 0 12 0 1 .01 4 1 .01 4 2.4 .01 0 2.4 .01\n"
+                                          "%slamp sphere ball 0 0 4 2.5 2.5 2 .02\n",
+                 lamps[k]);
+        run((struct scene_run){.scene = scene,
+                               .sensors = under,
+                               .n_sensors = 1,
+                               .view = "-vtv -vp 2 .5 1 -vd 0 1 -.6 -vh 5 -vv 5"},
+            &o[k]);
+        assert_within("sensor", o[k].w[0], expected, 1e-3 * expected);
+    }
+    for (int i = 0; i < SIDE * SIDE; i++)
+        assert_within("pixel", o[0].pixels[i][1], o[1].pixels[i][1], 0.005 * o[1].pixels[i][1]);
+}
+
+/*
  * A lamp outside, a metre square and four metres off, seen straight through a pane that is not
  * there (index 1): by shadow rays or by rays that meet it, not by both. Parallel rectangle over a
  * point on its axis; 4096 rays and 128 shadow rays are good to 1 % of so smooth a lamp.
@@ -541,8 +571,8 @@ int main(void)
         cmocka_unit_test(test_trapped_light),    cmocka_unit_test(test_mirror_patch),
         cmocka_unit_test(test_spotlight),        cmocka_unit_test(test_spotlight_seen),
         cmocka_unit_test(test_illum_is_light),   cmocka_unit_test(test_illum_seen),
-        cmocka_unit_test(test_glow_radius),      cmocka_unit_test(test_lamp_outside),
-        cmocka_unit_test(test_white_sphere),
+        cmocka_unit_test(test_glow_radius),      cmocka_unit_test(test_small_glow),
+        cmocka_unit_test(test_lamp_outside),     cmocka_unit_test(test_white_sphere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -15,17 +15,24 @@ bool orl_material_shines(const struct orl_material *material)
     return orl_material_is_lamp(material) || material->kind == ORL_MATERIAL_GLOW;
 }
 
+/* Radiance aims at a glow as at a light where that is no further off than its radius. */
 bool orl_material_is_lamp(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_LIGHT || material->kind == ORL_MATERIAL_SPOTLIGHT ||
-           material->kind == ORL_MATERIAL_ILLUM;
+           material->kind == ORL_MATERIAL_ILLUM ||
+           (material->kind == ORL_MATERIAL_GLOW && material->max_radius > 0);
+}
+
+static bool holds_glow(const struct orl_material *material)
+{
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return orl_mixture_either(material, holds_glow);
+    return material->kind == ORL_MATERIAL_GLOW && material->max_radius >= 0;
 }
 
 bool orl_material_glows(const struct orl_material *material)
 {
-    if (material->kind == ORL_MATERIAL_MIXTURE)
-        return orl_mixture_either(material, orl_material_glows);
-    return material->kind == ORL_MATERIAL_GLOW && material->max_radius >= 0;
+    return holds_glow(material) && !orl_material_is_lamp(material);
 }
 
 bool orl_material_beams(const struct orl_material *material, struct orl_vec3 towards)

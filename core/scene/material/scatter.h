@@ -206,9 +206,10 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
 bool orl_material_is_window(const struct orl_material *material);
 
 /*
- * Whether it shines, and whether its light is to be sampled (light, spotlight, illum) or found by
- * chance (glow). Glow with a negative maximal radius shines only for views; the radius means
- * nothing else here, for no light is left out for its distance.
+ * Whether it shines, and whether its light is to be sampled (light, spotlight, illum, glow of a
+ * radius) or found by chance (glow of radius 0, and in mixtures). Glow with a negative radius
+ * shines only for views; how large a radius is means nothing, for no light is left out for its
+ * distance.
  */
 bool orl_material_shines(const struct orl_material *material);
 bool orl_material_is_lamp(const struct orl_material *material);
