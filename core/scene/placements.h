@@ -32,9 +32,9 @@ enum orl_surface_kind orl_xform_kind(const struct orl_xform *xform, enum orl_sur
 bool orl_description_must_part(const struct orl_description *description);
 
 /*
- * Prototypes in fewer places than that, but those that vary, have their surfaces in each of them, among the others in the
- * order of the files; of all of them by ORL_ALL_PLACES. Returns 0, ORL_ERR_LIMIT (more surfaces
- * than are allowed) or ORL_ERR_NOMEM.
+ * Prototypes in fewer places than that, but those that vary, have their surfaces in each of them,
+ * among the others in the order of the files; of all of them by ORL_ALL_PLACES. Returns 0,
+ * ORL_ERR_LIMIT (more surfaces than are allowed) or ORL_ERR_NOMEM.
  */
 #define ORL_ALL_PLACES SIZE_MAX
 int orl_placements_expand(struct orl_description *description, size_t fewer_than,

@@ -488,9 +488,10 @@ static void test_small_glow(void **state)
     for (int k = 0; k < 2; k++) {
         char scene[1024];
         snprintf(scene, sizeof scene,
-                 DARK WALLS SOUTH CEILING "void metal rough 0 0 5 .5 .5 .5 .9 .2\n"
-                                          "rough polygon p 0 0 12 0 1 .01 4 1 .01 4 2.4 .01 0 2.4 .01\n"
-                                          "%slamp sphere ball 0 0 4 2.5 2.5 2 .02\n",
+                 DARK WALLS SOUTH CEILING
+                 "void metal rough 0 0 5 .5 .5 .5 .9 .2\n"
+                 "rough polygon p 0 0 12 0 1 .01 4 1 .01 4 2.4 .01 0 2.4 .01\n"
+                 "%slamp sphere ball 0 0 4 2.5 2.5 2 .02\n",
                  lamps[k]);
         run((struct scene_run){.scene = scene,
                                .sensors = under,
