@@ -1,4 +1,5 @@
 /* `oriel run` of sensors in grids and of Honeybee's projects, by their names. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -359,6 +360,39 @@ static void test_own_files_are_not_written_over(void **state)
     assert_int_not_equal(access(path, F_OK), 0);
 }
 
+/* A model with a luminaire of 1000 cd all round that hangs 2 m above the first desk, by night. */
+static void test_luminaires_of_a_model_shine(void **state)
+{
+    static const char luminaire[] =
+        "{\"identifier\": \"ball\", \"light_loss_factor\": 0.5, \"ies_content\":"
+        " \"IESNA:LM-63-2002\\nTILT=NONE\\n1 1000 2 2 1 1 2 0 0 0\\n1 1 40\\n0 180\\n0\\n1000 "
+        "1000\\n\","
+        " \"luminaire_zone\": {\"instances\": [{\"point\": {\"x\": 1, \"y\": 1, \"z\": 2.8}}]}}";
+    struct cli_desk *f = *state;
+    json_t *doc = load(".", model);
+    json_t *radiance = json_object_get(json_object_get(doc, "properties"), "radiance");
+    json_object_set_new(radiance, "luminaires", json_pack("[o]", json_loads(luminaire, 0, NULL)));
+    json_array_clear(json_object_get(radiance, "views"));
+    char *text = json_dumps(doc, 0), path[512];
+    cli_write_file(f->folder, "lit.hbjson", text);
+    free(text);
+    json_decref(doc);
+    snprintf(path, sizeof path, "%s/lit.hbjson", f->folder);
+    const char *const args[] = {"run", path, "-o", f->output, "--threads", "1", NULL};
+    cli_run(args, &f->result);
+    if (f->result.exit_code != 0)
+        fail_msg("%s", f->result.err);
+    json_t *result = load(f->output, "result.json");
+    const json_t *sensor = json_array_get(json_object_get(result, "sensors"), 0);
+    const double lx = json_number_value(json_object_get(sensor, "illuminance_lx")),
+                 error = json_number_value(json_object_get(sensor, "standard_error_lx"));
+    json_decref(result);
+    /* 1000 cd and half of 2: 250 lx by themselves; 788.5 +- 0.6 by rtrace -ab 24 -as 0 -ad 32768
+     * -aa 0 -lw 1e-8, six times. */
+    assert_true(error < 0.03 * lx);
+    assert_true(fabs(lx - 788.5) < 4 * (error + 0.6));
+}
+
 static void test_what_is_no_project_is_refused(void **state)
 {
     struct cli_desk *f = *state;
@@ -387,6 +421,8 @@ int main(void)
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year_without_a_document, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_own_files_are_not_written_over, set_up,
+                                        cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_luminaires_of_a_model_shine, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_what_is_no_project_is_refused, set_up,
                                         cli_desk_tear_down),
