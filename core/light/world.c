@@ -138,19 +138,3 @@ struct orl_rgb orl_world_sun_radiance(const struct orl_world *world, struct orl_
             sum = orl_rgb_add(sum, world->suns[i].radiance);
     return sum;
 }
-
-bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
-{
-    enum { RAYS = 32 };
-    if (world->open)
-        return false;
-    /* In a sealed scene nothing inside sees past the walls, and most of what is outside does. */
-    for (int i = 0; i < RAYS; i++) {
-        const double z = 1 - (2 * i + 1.0) / RAYS, s = sqrt(1 - z * z);
-        const double phi = 2.399963229728653 * i;
-        if (!orl_geometry_occluded(world->geometry, point, orl_v3(s * cos(phi), s * sin(phi), z),
-                                   INFINITY))
-            return true;
-    }
-    return false;
-}

@@ -1,0 +1,72 @@
+/* Whether a point is outside a sealed building: by what rays from there come to. */
+#include <stdlib.h>
+
+#include "base/random.h"
+#include "light/world.h"
+#include "scene/material/hemisphere.h"
+
+enum { RAYS = 32, BOUNCES = 64, MARGIN = 2 };
+
+/* Ports that were met, by their outer and by their inner faces. */
+struct votes {
+    int outside, inside;
+};
+
+static struct orl_vec3 direction_of(int ray)
+{
+    const double z = 1 - (2 * ray + 1.0) / RAYS, s = sqrt(1 - z * z);
+    const double phi = 2.399963229728653 * ray;
+    return orl_v3(s * cos(phi), s * sin(phi), z);
+}
+
+/* Whether it is a port's. */
+static bool count(const struct orl_world *world, const struct orl_hit *hit, struct votes *votes)
+{
+    const enum orl_crossing crossing = orl_world_crossing(world, hit);
+    votes->outside += crossing == ORL_CROSSING_INWARDS;
+    votes->inside += crossing == ORL_CROSSING_OUTWARDS;
+    return crossing != ORL_CROSSING_NONE;
+}
+
+/* A path between surfaces stays on their side, until it meets a port or leaves the scene. Windows
+ * that are no ports let it through. */
+static void wander(const struct orl_world *world, struct orl_vec3 point, int ray,
+                   struct votes *votes)
+{
+    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, (uint64_t)ray);
+    struct orl_vec3 direction = direction_of(ray);
+    for (int bounce = 0; bounce < BOUNCES; bounce++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, point, direction, INFINITY, &hit)) {
+            votes->outside++;
+            return;
+        }
+        if (count(world, &hit, votes))
+            return;
+        if (!orl_material_is_window(orl_world_material(world, &hit))) {
+            const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
+            direction = orl_hemisphere_about(orl_hit_facing(&hit), u, v);
+        }
+        point = orl_hit_leave(world->geometry, &hit, direction);
+    }
+}
+
+/*
+ * Nothing inside sees past the walls, and most of what is outside does. What is outside and does
+ * not, between slats and the pane behind them, comes to a pane's outer face.
+ */
+bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
+{
+    struct votes votes = {0, 0};
+    if (world->open)
+        return false;
+    for (int i = 0; i < RAYS; i++) {
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(world->geometry, point, direction_of(i), INFINITY, &hit))
+            return true;
+        count(world, &hit, &votes);
+    }
+    for (int i = 0; i < RAYS && abs(votes.outside - votes.inside) < MARGIN; i++)
+        wander(world, point, i, &votes);
+    return votes.outside > votes.inside;
+}
