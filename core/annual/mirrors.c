@@ -27,7 +27,8 @@ static bool is_in_plane(const struct orl_mirrors *mirrors, const struct orl_mirr
 {
     const struct orl_world *world = mirrors->world;
     const struct orl_vec3 from = orl_sub(pane->corner, plane->whole.corner);
-    const double near = 8 * world->geometry->facets[pane->facet].offset + 1e-5 * orl_length(from);
+    const double near =
+        8 * orl_facet_offset(world->geometry, pane->facet) + 1e-5 * orl_length(from);
     return plane->class == world->images.class_of[pane->facet] &&
            fabs(orl_dot(from, plane->whole.normal)) < near &&
            fabs(orl_dot(from, pane->normal)) < near &&
@@ -72,7 +73,7 @@ static size_t list_candidates(const struct orl_world *world, struct candidate *c
     size_t n = 0;
     for (size_t i = 0; i < world->geometry->n_facets; i++)
         if (world->images.class_of[i] >= 0)
-            candidates[n++] = (struct candidate){world->geometry->facets[i].area, (uint32_t)i};
+            candidates[n++] = (struct candidate){orl_facet_area(world->geometry, i), (uint32_t)i};
     qsort(candidates, n, sizeof *candidates, larger_first);
     return n;
 }

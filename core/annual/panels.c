@@ -33,7 +33,8 @@ static int find_panes(struct orl_panels *panels)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < world->n_ports && code == 0; i++) {
         const struct orl_port *port = &world->ports[i];
-        const struct orl_facet *facet = &world->geometry->facets[port->facet];
+        struct orl_facet own;
+        const struct orl_facet *facet = orl_facet_own(world->geometry, port->facet, &own);
         const struct orl_material *m = &world->materials[facet->material];
         if (m->kind != ORL_MATERIAL_BSDF)
             continue;
@@ -169,7 +170,7 @@ static void look_at_points(struct before *b, uint64_t name)
 {
     const struct orl_world *world = b->panels->world;
     const struct orl_panel *panel = b->panel;
-    const double offset = world->geometry->facets[panel->window.facet].offset;
+    const double offset = orl_facet_offset(world->geometry, panel->window.facet);
     struct orl_random random = orl_random_stream(name, ORL_PURPOSE_ANNUAL, ~b->pane);
     for (uint32_t i = 0; i < PARTS; i++) {
         const uint32_t row = i / ORL_PANEL_SIDE, column = i % ORL_PANEL_SIDE;

@@ -9,7 +9,7 @@
 
 static const struct orl_material *material_of(const struct orl_world *world, uint32_t facet)
 {
-    return &world->materials[world->geometry->facets[facet].material];
+    return &world->materials[orl_facet_material(world->geometry, facet)];
 }
 
 void orl_ports_count(const struct orl_world *world, struct orl_ports_of_parts *ret_counts)
@@ -35,7 +35,7 @@ static struct orl_rgb reflectance(const struct orl_world *world, const struct or
     const struct orl_material *m = material_of(world, port->facet);
     const struct orl_vec3 inward = orl_neg(port->outward);
     const struct orl_hit hit =
-        orl_hit_anywhere(world->geometry->facets[port->facet].normal, !port->outside_is_front);
+        orl_hit_anywhere(orl_facet_normal(world->geometry, port->facet), !port->outside_is_front);
     struct orl_rgb sum = orl_gray(0);
     for (int i = 0; i < SIDE * SIDE; i++) {
         const int row = i / SIDE;
@@ -72,7 +72,7 @@ static struct orl_material blind_wall(const struct orl_world *world, const struc
 /* BSDFs stay the scene's to free. */
 static void shut(struct orl_world *world, const struct orl_port *port, bool *done)
 {
-    const uint32_t at = world->geometry->facets[port->facet].material;
+    const uint32_t at = orl_facet_material(world->geometry, port->facet);
     struct orl_material *m = &world->materials[at];
     if (done[at])
         return;
@@ -171,7 +171,8 @@ int orl_part_admit(const struct orl_world *world, uint32_t part, const char *nam
                    struct orl_error *err)
 {
     for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const struct orl_facet *f = &world->geometry->facets[i];
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_own(world->geometry, i, &own);
         const bool port = world->port_of_facet && world->port_of_facet[i] != ORL_NO_PORT;
         if (port || material_of(world, (uint32_t)i)->part != part || is_near(world, part, f))
             continue;

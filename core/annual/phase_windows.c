@@ -15,7 +15,8 @@ enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES, DRAWS_SIDE = 64, 
 
 static const struct orl_material *material_of(const struct orl_world *world, uint32_t port)
 {
-    const struct orl_facet *facet = &world->geometry->facets[world->ports[port].facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, world->ports[port].facet, &own);
     return &world->materials[facet->material];
 }
 

@@ -6,7 +6,8 @@ enum { PHOTONS = 300000, PANEL_PHOTONS = 800000, LEAST_PHOTONS = 512 };
 bool orl_annual_has_panels(const struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_ports; i++) {
-        const struct orl_facet *facet = &world->geometry->facets[world->ports[i].facet];
+        struct orl_facet own;
+        const struct orl_facet *facet = orl_facet_own(world->geometry, world->ports[i].facet, &own);
         if (world->materials[facet->material].kind == ORL_MATERIAL_BSDF)
             return true;
     }

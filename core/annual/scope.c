@@ -23,7 +23,7 @@ static int refuse(const struct orl_world *world, uint32_t facet, struct orl_erro
 static int refuse_mist(const struct orl_world *world, struct orl_error *err)
 {
     uint32_t facet = 0;
-    while (!(world->scene->mist->facets[facet].area > 0))
+    while (!(orl_facet_area(world->scene->mist, facet) > 0))
         facet++;
     return refuse(world, facet, err, "light through mist");
 }
@@ -37,7 +37,8 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
     uint32_t mirror = UINT32_MAX;
     for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
         const uint32_t i = walk.facet;
-        const struct orl_facet *facet = orl_facet_of(world->geometry, i);
+        struct orl_facet room;
+        const struct orl_facet *facet = orl_facet_of(world->geometry, i, &room);
         const struct orl_material *m = &world->materials[facet->material];
         if (!(facet->area > 0))
             continue;
@@ -70,7 +71,8 @@ size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_firs
 {
     size_t n = 0;
     for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
-        const struct orl_facet *facet = orl_facet_of(world->geometry, walk.facet);
+        struct orl_facet room;
+        const struct orl_facet *facet = orl_facet_of(world->geometry, walk.facet, &room);
         const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
         const bool textured = world->materials[facet->material].texture != NULL;
         if ((flat && !textured) || !orl_material_is_mirror(&world->materials[facet->material]))

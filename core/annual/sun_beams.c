@@ -9,7 +9,8 @@ static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *po
 {
     static const double about = 0.98; /* cosine between ports of a kind */
     const struct orl_world *world = beams->world;
-    const struct orl_material *m = &world->materials[world->geometry->facets[port->facet].material];
+    const struct orl_material *m =
+        &world->materials[orl_facet_material(world->geometry, port->facet)];
     uint32_t k = 0;
     while (k < beams->n_kinds && (beams->kinds[k].material != m ||
                                   orl_dot(beams->kinds[k].outward, port->outward) < about))
@@ -25,7 +26,8 @@ static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port
                         struct orl_vec3 towards)
 {
     const struct orl_world *world = beams->world;
-    const struct orl_facet *facet = &world->geometry->facets[port->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, port->facet, &own);
     const double cosine = orl_dot(towards, port->outward);
     if (!(cosine > 0))
         return 0;
@@ -46,7 +48,7 @@ static double let_in_of_disc(const struct orl_sun_beams *beams, const struct orl
                              struct orl_vec3 towards)
 {
     const struct orl_material *m =
-        &beams->world->materials[beams->world->geometry->facets[port->facet].material];
+        &beams->world->materials[orl_facet_material(beams->world->geometry, port->facet)];
     const struct orl_frame frame = orl_frame_about(towards);
     const double ring = mean_of_ring * tan(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
     double sum = let_in_by(beams, port, towards);
@@ -74,8 +76,8 @@ double orl_sun_beams_let_in(const struct orl_sun_beams *beams, uint32_t kind,
         if (beams->kind_of_port[i] != kind)
             continue;
         const bool same = last && orl_dot(last->outward, port->outward) > 1 - 1e-12 &&
-                          world->geometry->facets[last->facet].material ==
-                              world->geometry->facets[port->facet].material;
+                          orl_facet_material(world->geometry, last->facet) ==
+                              orl_facet_material(world->geometry, port->facet);
         of_last = same ? of_last / last->area * port->area : let_in_of_disc(beams, port, towards);
         last = port;
         sum += of_last;

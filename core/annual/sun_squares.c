@@ -99,9 +99,12 @@ int orl_sun_squares_init(struct orl_sun_squares *s, const struct orl_geometry *g
         .geometry = g, .width = width, .sheets = calloc(g->n_facets + 1, sizeof *s->sheets)};
     if (!s->sheets)
         return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < g->n_facets; i++)
-        if (g->facets[i].kind == ORL_SURFACE_POLYGON && g->facets[i].n_triangles > 0)
-            s->sheets[i] = sheet_of(g, &g->facets[i], width);
+    for (size_t i = 0; i < g->n_facets; i++) {
+        struct orl_facet own;
+        const struct orl_facet *const f = orl_facet_own(g, i, &own);
+        if (f->kind == ORL_SURFACE_POLYGON && f->n_triangles > 0)
+            s->sheets[i] = sheet_of(g, f, width);
+    }
     return 0;
 }
 
@@ -116,7 +119,7 @@ void orl_sun_squares_done(struct orl_sun_squares *s)
 struct met {
     const struct orl_facet *facet;
     const struct orl_sun_sheet *sheet;
-    struct orl_facet placed;
+    struct orl_facet room;
     struct orl_curved round;
     struct orl_sun_sheet placed_sheet;
 };
@@ -125,14 +128,14 @@ static void look_up(const struct orl_sun_squares *s, uint32_t facet, struct met 
 {
     const struct orl_geometry *const g = s->geometry;
     if (!orl_facet_is_placed(g, facet)) {
-        met->facet = &g->facets[facet];
+        met->facet = orl_facet_own(g, facet, &met->room);
         met->sheet = &s->sheets[facet];
         return;
     }
-    met->placed = orl_facet_at(g, facet, &met->round);
-    if (met->placed.kind == ORL_SURFACE_POLYGON)
-        met->placed_sheet = sheet_of(g, &met->placed, s->width);
-    met->facet = &met->placed;
+    met->room = orl_facet_at(g, facet, &met->round);
+    if (met->room.kind == ORL_SURFACE_POLYGON)
+        met->placed_sheet = sheet_of(g, &met->room, s->width);
+    met->facet = &met->room;
     met->sheet = &met->placed_sheet;
 }
 

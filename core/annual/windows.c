@@ -14,7 +14,8 @@ static void widen(struct orl_window *w, struct orl_vec3 corner)
 /* A polygon's rectangle has the direction of a side of its first triangle. */
 static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet)
 {
-    const struct orl_facet *f = &g->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(g, facet, &own);
     const struct orl_triangle t = orl_triangle_of(g, f->first_triangle);
     const struct orl_vec3 sides[3] = {orl_sub(t.b, t.a), orl_sub(t.c, t.b), orl_sub(t.a, t.c)};
     struct orl_window w = {.facet = facet, .corner = t.a, .normal = f->normal};
@@ -52,7 +53,8 @@ static struct orl_window of_ring(const struct orl_facet *f, uint32_t facet)
 
 struct orl_window orl_window_of(const struct orl_geometry *g, uint32_t facet)
 {
-    const struct orl_facet *f = &g->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(g, facet, &own);
     struct orl_window w = f->kind == ORL_SURFACE_POLYGON ? of_polygon(g, facet) : of_ring(f, facet);
     const double margin = 4 * f->offset + g->radius * 0x1p-18;
     for (int i = 0; i < 2; i++) {
@@ -80,7 +82,7 @@ static int make_room(struct orl_windows *windows, size_t most)
 
 static void add(struct orl_windows *windows, const struct orl_geometry *g, uint32_t facet)
 {
-    if (windows->count == ORL_MOST_WINDOWS || g->facets[facet].kind != ORL_SURFACE_POLYGON)
+    if (windows->count == ORL_MOST_WINDOWS || orl_facet_kind(g, facet) != ORL_SURFACE_POLYGON)
         windows->all = true;
     else
         windows->at[windows->count++] = orl_window_of(g, facet);

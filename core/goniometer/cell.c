@@ -9,7 +9,7 @@ struct orl_gonio_cell orl_gonio_cell_around(const struct orl_geometry *geometry,
 {
     double offset = 0;
     for (size_t i = 0; i < geometry->n_facets; i++)
-        offset = fmax(offset, geometry->facets[i].offset);
+        offset = fmax(offset, orl_facet_offset(geometry, i));
     for (size_t i = 0; i < geometry->n_placed; i++)
         offset = fmax(offset, geometry->placed[i].offset);
     const double m = MARGIN * offset;

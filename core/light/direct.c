@@ -109,7 +109,8 @@ static double float_room(const struct orl_facet *facet, const struct orl_lamp_ai
 static bool aim_by_area(const struct orl_world *world, const struct orl_emitter *emitter,
                         struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
 {
-    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
     struct orl_vec3 point, normal;
     orl_facet_sample(world->geometry, emitter->facet, u, &point, &normal);
     const struct orl_vec3 way = orl_sub(point, from);
@@ -129,7 +130,8 @@ static bool aim_by_area(const struct orl_world *world, const struct orl_emitter 
 bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitter,
                   struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
 {
-    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
     return facet->kind == ORL_SURFACE_SPHERE ? aim_at_sphere(facet, from, u, ret_aim)
                                              : aim_by_area(world, emitter, from, u, ret_aim);
 }
@@ -144,7 +146,8 @@ static double aim_pdf(const struct orl_lamp_aim *aim)
 static double aim_pdf_of_hit(const struct orl_world *world, const struct orl_hit *hit,
                              struct orl_vec3 from)
 {
-    const struct orl_facet *facet = &world->geometry->facets[hit->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, hit->facet, &own);
     const struct orl_vec3 way = orl_sub(hit->point, from);
     const double d2 = orl_dot(way, way);
     if (facet->kind != ORL_SURFACE_SPHERE) {
@@ -240,7 +243,8 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
                                          const struct orl_emitter *emitter,
                                          const struct orl_direct_query *query, const double u[2])
 {
-    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
     struct orl_lamp_aim aim;
     if (!orl_lamp_aim(world, emitter, query->point, u, &aim))
         return orl_gray(0);

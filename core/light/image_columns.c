@@ -92,9 +92,11 @@ static void draw_facet(struct drawing *d, const struct orl_facet *f,
 
 static void draw(struct drawing *d, void (*take)(struct drawing *, const struct box *))
 {
-    for (size_t i = 0; i < d->geometry->n_facets; i++)
+    for (size_t i = 0; i < d->geometry->n_facets; i++) {
+        struct orl_facet own;
         if (d->shows[i])
-            draw_facet(d, &d->geometry->facets[i], take);
+            draw_facet(d, orl_facet_own(d->geometry, i, &own), take);
+    }
 }
 
 void orl_image_columns_build(struct orl_image_columns *columns, const struct orl_geometry *geometry,

@@ -27,7 +27,7 @@ struct class
 
 static const struct orl_material *material_of(const struct orl_world *world, size_t facet)
 {
-    return &world->materials[world->geometry->facets[facet].material];
+    return &world->materials[orl_facet_material(world->geometry, facet)];
 }
 
 static bool is_flat_mirror(const struct orl_world *world, const struct orl_facet *f)
@@ -41,10 +41,12 @@ static bool is_flat_mirror(const struct orl_world *world, const struct orl_facet
 static size_t count_placed_mirrors(const struct orl_world *world)
 {
     size_t n = 0;
-    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);)
+    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
+        struct orl_facet room;
         if (orl_facet_is_placed(world->geometry, walk.facet) &&
-            is_flat_mirror(world, orl_facet_of(world->geometry, walk.facet)))
+            is_flat_mirror(world, orl_facet_of(world->geometry, walk.facet, &room)))
             n += walk.places;
+    }
     return n;
 }
 
@@ -89,7 +91,8 @@ static int find_mirrors(struct orl_images *images, const struct orl_world *world
         return ORL_ERR_NOMEM;
     }
     for (size_t i = 0; i < n_facets; i++) {
-        const struct orl_facet *f = &world->geometry->facets[i];
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_own(world->geometry, i, &own);
         images->class_of[i] = -1;
         if (!is_flat_mirror(world, f))
             continue;
@@ -204,7 +207,8 @@ static void light_mirror(struct pilot *pilot, uint32_t facet, uint32_t rays)
 {
     const struct orl_world *world = pilot->world;
     const struct orl_geometry *g = world->geometry;
-    const struct orl_facet *f = &g->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(g, facet, &own);
     const struct orl_sun *sun = &world->suns[pilot->sun];
     const double cosine = orl_dot(sun->frame.n, f->normal);
     const struct orl_vec3 lit = cosine > 0 ? f->normal : orl_neg(f->normal);

@@ -113,7 +113,8 @@ static void find_way(const struct orl_scene *scene, struct orl_vec3 origin,
         if (!orl_geometry_intersect(scene->mist, orl_madd(origin, direction, at), direction,
                                     INFINITY, &hit))
             break;
-        const struct orl_facet *const facet = &scene->mist->facets[hit.facet];
+        struct orl_facet own;
+        const struct orl_facet *const facet = orl_facet_own(scene->mist, hit.facet, &own);
         at += hit.distance;
         ret->crossings[ret->n++] = (struct crossing){
             at, &scene->description.materials[facet->material], hit.front ? 1 : -1};

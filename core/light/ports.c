@@ -47,7 +47,7 @@ static double share_escaping(const struct search *search, uint32_t facet, bool f
         orl_facet_sample(g, facet, u, &point, &normal);
         if (!front)
             normal = orl_neg(normal);
-        point = orl_facet_leave(g, facet, point, g->facets[facet].normal, normal);
+        point = orl_facet_leave(g, facet, point, orl_facet_normal(g, facet), normal);
         escaped += !orl_geometry_occluded(g, point, cosine_direction(normal, random), INFINITY);
     }
     return (double)escaped / search->rays;
@@ -55,11 +55,12 @@ static double share_escaping(const struct search *search, uint32_t facet, bool f
 
 bool orl_port_owns(const struct orl_geometry *g, const struct orl_port *port, struct orl_vec3 point)
 {
-    const double offset = g->facets[port->facet].offset;
+    if (!port->shared)
+        return true;
+    const double offset = orl_facet_offset(g, port->facet);
     struct orl_hit hit;
     /* A ray that slips past the rim has met nobody else's surface either. */
-    return !port->shared ||
-           !orl_geometry_intersect(g, orl_madd(point, port->outward, offset),
+    return !orl_geometry_intersect(g, orl_madd(point, port->outward, offset),
                                    orl_neg(port->outward), 2 * offset, &hit) ||
            hit.facet == port->facet;
 }
@@ -81,7 +82,8 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
     const uint32_t facet = search->candidates[index];
-    const struct orl_facet *f = &search->scene->geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(search->scene->geometry, facet, &own);
     struct orl_random random = orl_random_stream(0, ORL_PURPOSE_PILOT, facet);
     (void)member;
     const double front = share_escaping(search, facet, true, &random);
@@ -111,7 +113,7 @@ static void try_to_escape(void *arg, size_t index, uint32_t member)
     (void)member;
     orl_facet_sample(g, port->facet, u, &point, &normal);
     normal = orl_neg(port->outward);
-    point = orl_facet_leave(g, port->facet, point, g->facets[port->facet].normal, normal);
+    point = orl_facet_leave(g, port->facet, point, orl_facet_normal(g, port->facet), normal);
     struct orl_vec3 direction = cosine_direction(normal, &random);
     for (int bounce = 0; bounce < SEAL_BOUNCES; bounce++) {
         struct orl_hit hit;
@@ -131,7 +133,8 @@ static size_t list_candidates(const struct orl_scene *scene, uint32_t *ret_candi
 {
     size_t n = 0;
     for (size_t i = 0; i < scene->geometry->n_facets; i++) {
-        const struct orl_facet *f = &scene->geometry->facets[i];
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_own(scene->geometry, i, &own);
         if (f->kind == ORL_SURFACE_POLYGON && f->area > 0 &&
             orl_material_is_window(orl_scene_material(scene, i)))
             ret_candidates[n++] = (uint32_t)i;

@@ -19,14 +19,15 @@ struct ways {
 
 static bool is_proxy(const struct orl_scene *scene, uint32_t facet)
 {
-    const struct orl_facet *f = &scene->geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(scene->geometry, facet, &own);
     return orl_facet_beyond(scene->geometry, facet) != 0 && f->area > 0 &&
            (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING);
 }
 
 static struct orl_vec3 way_across(const struct orl_geometry *geometry, uint32_t facet)
 {
-    const struct orl_vec3 normal = geometry->facets[facet].normal;
+    const struct orl_vec3 normal = orl_facet_normal(geometry, facet);
     return orl_facet_beyond(geometry, facet) > 0 ? normal : orl_neg(normal);
 }
 
@@ -64,7 +65,8 @@ static bool is_covered(const struct orl_scene *scene, const struct orl_geometry 
         struct orl_hit hit;
         if (!orl_geometry_intersect(proxies, orl_madd(point, way, at), way, reach - at, &hit))
             return false;
-        const struct orl_facet *f = &proxies->facets[hit.facet];
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_own(proxies, hit.facet, &own);
         at += hit.distance;
         /* Of proxies that stand for each other only the first is one. */
         if (orl_dot(way_across(proxies, hit.facet), way) > 1 - 1e-3 &&
@@ -82,7 +84,7 @@ static bool is_well_covered(const struct orl_scene *scene, const struct orl_geom
                             uint32_t self)
 {
     const struct orl_frame frame = orl_frame_about(way);
-    const double back = 2 * scene->geometry->facets[self].offset;
+    const double back = 2 * orl_facet_offset(scene->geometry, self);
     const double aside = fmax(8 * back, aside_of_thickness * ways->reach);
     for (int i = 0; i < LOOKS; i++) {
         const double x = i == 1 ? aside : i == 2 ? -aside : 0;
@@ -127,7 +129,7 @@ static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3
         *ret_apart = at;
         if (orl_dot(way_across(proxies, hit.facet), way) > 1 - 1e-3)
             return hit.facet;
-        at += proxies->facets[hit.facet].offset;
+        at += orl_facet_offset(proxies, hit.facet);
     }
     return UINT32_MAX;
 }
@@ -135,7 +137,8 @@ static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3
 /* Notes of a proxy that it and another are one though neither reaches the other, or nearly so. */
 static void judge_pair(struct orl_scene *scene, const struct ways *ways, uint32_t self)
 {
-    const struct orl_facet *f = &scene->geometry->facets[self];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(scene->geometry, self, &own);
     const struct orl_vec3 way = orl_neg(way_across(scene->geometry, self));
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, self);
     uint32_t partner = UINT32_MAX;
@@ -184,7 +187,8 @@ int orl_proxies_part(struct orl_scene *scene, struct orl_error *err)
         keep[i] = is_proxy(scene, i);
     code = orl_geometry_subset(whole, keep, &scene->proxies, err);
     for (uint32_t i = 0; i < n && code == 0; i++) {
-        scene->hidden[i] = whole->facets[i].area > 0 && is_hidden(scene, scene->proxies, &ways, i);
+        scene->hidden[i] =
+            orl_facet_area(whole, i) > 0 && is_hidden(scene, scene->proxies, &ways, i);
         scene->n_hidden += scene->hidden[i];
     }
     for (uint32_t i = 0; i < n && code == 0; i++)
@@ -218,7 +222,7 @@ enum orl_crossing orl_proxies_passed(const struct orl_scene *scene, struct orl_v
         if (!orl_geometry_intersect(scene->proxies, origin, direction, distance, &hit))
             break;
         const enum orl_crossing crossing = orl_scene_crossing(scene, &hit);
-        const double step = hit.distance + scene->proxies->facets[hit.facet].offset;
+        const double step = hit.distance + orl_facet_offset(scene->proxies, hit.facet);
         last = crossing == ORL_CROSSING_NONE ? last : crossing;
         origin = orl_madd(origin, direction, step);
         distance -= step;

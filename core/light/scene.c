@@ -16,9 +16,11 @@
  * the labels, and what is round twice, this is near what polygons hold (make bench-polygons).
  */
 enum {
-    BYTES_A_COUPLE = 106,
+    BYTES_A_COUPLE = 102,
     BYTES_A_CORNER = 36,
+    BYTES_A_PACKED_CORNER = 15,
     BYTES_A_FACET = 72,
+    BYTES_A_PACKED_FACET = 30,
     BYTES_A_PLACE = 512,
     BYTES_A_MESHED_OUTLINE = 160
 };
@@ -32,7 +34,7 @@ static int list_shining(struct orl_scene *scene)
     for (size_t i = 0; i < g->n_facets; i++) {
         const struct orl_material *m = orl_scene_material(scene, i);
         const bool shines = orl_material_is_lamp(m) || orl_material_glows(m);
-        if (shines && g->facets[i].area > 0 && orl_luma(orl_material_radiance_mean(m)) > 0)
+        if (shines && orl_facet_area(g, i) > 0 && orl_luma(orl_material_radiance_mean(m)) > 0)
             scene->shining[scene->n_shining++] = (uint32_t)i;
     }
     return 0;
@@ -201,8 +203,10 @@ static uint64_t bsdf_bytes(const struct orl_description *d)
 
 static uint64_t geometry_bytes(const struct orl_geometry *g)
 {
-    return g->n_couples * (uint64_t)BYTES_A_COUPLE + g->n_corners * (uint64_t)BYTES_A_CORNER +
-           g->n_facets * (uint64_t)BYTES_A_FACET + g->n_rounds * 2 * sizeof(struct orl_curved) +
+    const uint64_t corner = g->packed ? BYTES_A_PACKED_CORNER : BYTES_A_CORNER;
+    const uint64_t facet = g->packed ? BYTES_A_PACKED_FACET : BYTES_A_FACET;
+    return g->n_couples * (uint64_t)BYTES_A_COUPLE + g->n_corners * corner + g->n_facets * facet +
+           g->n_rounds * 2 * sizeof(struct orl_curved) +
            g->n_placed * (sizeof(struct orl_placed) + BYTES_A_PLACE);
 }
 
@@ -230,7 +234,7 @@ struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint3
 {
     const struct orl_geometry *const g = scene->geometry;
     const struct orl_description *const d = &scene->description;
-    const uint32_t surface = orl_facet_of(g, facet)->surface;
+    const uint32_t surface = orl_facet_surface(g, facet);
     if (!orl_facet_is_placed(g, facet))
         return orl_surface_label_of(d->labels, surface);
     const struct orl_placement *const p = &d->placements[orl_placed_of(g, facet) - g->placed];
@@ -239,7 +243,7 @@ struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint3
 
 void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash)
 {
-    static const char vast[] = "couples 2";
+    static const char vast[] = "couples 3";
     bool found = orl_geometry_is_vast(scene->geometry);
     for (size_t i = 0; i < scene->geometry->n_prototypes && !found; i++)
         found = orl_geometry_is_vast(scene->geometry->prototypes[i]);

@@ -86,12 +86,13 @@ uint64_t orl_scene_bytes(const struct orl_scene *scene);
 static inline const struct orl_material *orl_scene_material(const struct orl_scene *scene,
                                                             size_t facet)
 {
-    return &scene->description.materials[orl_facet_of(scene->geometry, (uint32_t)facet)->material];
+    return &scene->description.materials[orl_facet_material(scene->geometry, facet)];
 }
 
 /*
  * What its files do not say of how rays meet it: where triangles are many, those that pass through
- * an edge may meet the other side of it (orl_geometry_is_vast), which is the second recipe of that.
+ * an edge may meet the other side of it (orl_geometry_is_vast), and numbers are packed (packed.h),
+ * which is the third recipe of that.
  */
 void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash);
 

@@ -80,8 +80,7 @@ static inline const struct orl_world *orl_world_seen(const struct orl_world *wor
 static inline const struct orl_material *orl_world_material(const struct orl_world *world,
                                                             const struct orl_hit *hit)
 {
-    const struct orl_facet *facet = orl_facet_of(world->geometry, hit->facet);
-    return &world->materials[facet->material];
+    return &world->materials[orl_facet_material(world->geometry, hit->facet)];
 }
 
 /* Radiance of the domes in a direction, as it lights things; suns are not in it. */

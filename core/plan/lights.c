@@ -65,7 +65,7 @@ static void decide_sky(struct orl_survey *survey, struct orl_plan *plan)
 static void put_out_lamps(struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_emitters; i++) {
-        const uint32_t material = world->geometry->facets[world->emitters[i].facet].material;
+        const uint32_t material = orl_facet_material(world->geometry, world->emitters[i].facet);
         world->materials[material].color = orl_gray(0);
     }
     world->n_emitters = 0;

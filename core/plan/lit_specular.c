@@ -20,11 +20,10 @@ struct look {
     uint32_t samples;            /* a side of a facet */
 };
 
-static bool is_kind(const struct orl_facet *facet, const struct orl_material *m,
+static bool is_kind(enum orl_surface_kind shape, const struct orl_material *m,
                     enum orl_lit_kind kind)
 {
-    const bool flat =
-        !m->texture && (facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING);
+    const bool flat = !m->texture && (shape == ORL_SURFACE_POLYGON || shape == ORL_SURFACE_RING);
     const bool bends = orl_material_bends(m);
     if (kind == ORL_LIT_LOBE)
         return orl_material_has_lobes(m);
@@ -55,7 +54,8 @@ static bool counts(const struct look *look, uint32_t facet, bool front, struct o
         return !orl_world_is_outside(world, point);
     if (front != world->ports[port].outside_is_front)
         return true;
-    const struct orl_material *const m = &world->materials[world->geometry->facets[facet].material];
+    const struct orl_material *const m =
+        &world->materials[orl_facet_material(world->geometry, facet)];
     return (kind == ORL_LIT_LOBE && orl_material_transmits_lobes(m)) ||
            (kind == ORL_LIT_CURVED && orl_material_bends(m));
 }
@@ -83,7 +83,7 @@ static void look_at(struct look *look, uint32_t facet, enum orl_lit_kind kind)
 {
     struct orl_lit_class *class = &look->lit->classes[kind];
     const struct orl_material *const m =
-        &look->world->materials[orl_facet_of(look->world->geometry, facet)->material];
+        &look->world->materials[orl_facet_material(look->world->geometry, facet)];
     for (int side = 0; side < 2 && !class->lit; side++)
         if (sent_on(m, side == 0, kind) > 0 && is_lit(look, facet, side == 0, kind)) {
             class->lit = true;
@@ -108,8 +108,9 @@ static void look_at_facets(struct look *look, enum orl_lit_kind kind)
     const struct orl_lit_class *const class = &look->lit->classes[kind];
     struct orl_kept_walk walk = orl_kept_walk(world->geometry);
     while (!class->lit && !orl_crew_cancelled(look->crew) && orl_kept_next(&walk)) {
-        const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet);
-        if (!(f->area > 0) || !is_kind(f, &world->materials[f->material], kind))
+        struct orl_facet room;
+        const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet, &room);
+        if (!(f->area > 0) || !is_kind(f->kind, &world->materials[f->material], kind))
             continue;
         if (orl_facet_is_placed(world->geometry, walk.facet))
             look_at_placed(look, &walk, kind);
@@ -142,14 +143,15 @@ static void count_facets(struct look *look)
     const struct orl_geometry *part = NULL;
     size_t places = 0;
     for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
-        const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet);
+        struct orl_facet room;
+        const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet, &room);
         const struct orl_material *m = &world->materials[f->material];
         if (walk.part != part)
             places = count_places(world, &walk);
         part = walk.part;
         for (int kind = 0; kind < ORL_LIT_KINDS && f->area > 0 && places > 0; kind++) {
             struct orl_lit_class *class = &look->lit->classes[kind];
-            if (!is_kind(f, m, (enum orl_lit_kind)kind))
+            if (!is_kind(f->kind, m, (enum orl_lit_kind)kind))
                 continue;
             class->facets += places;
             for (int side = 0; side < 2; side++)
@@ -160,11 +162,12 @@ static void count_facets(struct look *look)
 
 static void note(struct look *look, uint32_t facet)
 {
-    const struct orl_facet *f = orl_facet_of(look->world->geometry, facet);
-    const struct orl_material *m = &look->world->materials[f->material];
+    const struct orl_geometry *const g = look->world->geometry;
+    const enum orl_surface_kind shape = orl_facet_kind(g, facet);
+    const struct orl_material *m = &look->world->materials[orl_facet_material(g, facet)];
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++) {
         struct orl_lit_class *class = &look->lit->classes[kind];
-        if (!class->lit && is_kind(f, m, (enum orl_lit_kind)kind)) {
+        if (!class->lit && is_kind(shape, m, (enum orl_lit_kind)kind)) {
             class->lit = true;
             class->facet = facet;
         }

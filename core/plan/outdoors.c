@@ -45,14 +45,16 @@ static double reach(const struct orl_geometry *g, const struct orl_facet *f, str
 /* Where a port's pane ends outwards. */
 static double plane_of(const struct orl_world *world, const struct orl_port *port)
 {
-    return reach(world->geometry, &world->geometry->facets[port->facet], port->outward);
+    struct orl_facet own;
+    return reach(world->geometry, orl_facet_own(world->geometry, port->facet, &own), port->outward);
 }
 
 /* In one of the scene's two geometries: what light meets, or what views see. */
 static bool reaches_beyond(const struct orl_geometry *g, size_t facet, struct orl_vec3 outward,
                            double plane)
 {
-    const struct orl_facet *f = &g->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(g, facet, &own);
     return f->area > 0 && reach(g, f, outward) > plane + in_plane * g->radius;
 }
 
@@ -143,7 +145,7 @@ static double sent_back_placed(const struct orl_world *world, const struct orl_g
         beyond = g->placed[i].prototype == prototype &&
                  is_placed_beyond(g, &g->placed[i], outward, plane);
     for (size_t i = 0; i < prototype->n_facets && beyond; i++)
-        most = fmax(most, sent_back(&world->materials[prototype->facets[i].material]));
+        most = fmax(most, sent_back(&world->materials[orl_facet_material(prototype, i)]));
     return most;
 }
 
@@ -163,7 +165,7 @@ double orl_outdoors_reflectance(const struct orl_world *world)
             most = fmax(most, sent_back_placed(world, g->prototypes[i], port->outward, plane));
         for (size_t i = 0; i < g->n_facets; i++)
             if (reaches_beyond(g, i, port->outward, plane))
-                most = fmax(most, sent_back(&world->materials[g->facets[i].material]));
+                most = fmax(most, sent_back(&world->materials[orl_facet_material(g, i)]));
     }
     return most;
 }
@@ -174,6 +176,7 @@ double orl_panes_reflectance(const struct orl_world *world)
     for (size_t p = 0; p < world->n_ports; p++)
         most = fmax(
             most,
-            sent_back(&world->materials[world->geometry->facets[world->ports[p].facet].material]));
+            sent_back(
+                &world->materials[orl_facet_material(world->geometry, world->ports[p].facet)]));
     return most;
 }

@@ -83,15 +83,13 @@ static void count_surfaces(struct orl_survey *survey)
     const struct orl_world *world = survey->world;
     const struct orl_world *seen = world->seen ? world->seen : world;
     for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        const struct orl_facet *light = &world->geometry->facets[i];
-        const struct orl_facet *view = &seen->geometry->facets[i];
-        if (light->area > 0 || view->area > 0)
-            survey->surfaces[light->material]++;
+        if (orl_facet_area(world->geometry, i) > 0 || orl_facet_area(seen->geometry, i) > 0)
+            survey->surfaces[orl_facet_material(world->geometry, i)]++;
     }
     for (size_t i = 0; i < world->geometry->n_prototypes; i++) {
         const struct orl_geometry *const prototype = world->geometry->prototypes[i];
         for (size_t k = 0; k < prototype->n_facets; k++)
-            survey->surfaces[prototype->facets[k].material] += (uint32_t)prototype->n_places;
+            survey->surfaces[orl_facet_material(prototype, k)] += (uint32_t)prototype->n_places;
     }
     for (size_t i = 0; i < world->n_materials; i++) {
         const int32_t behind = world->materials[i].seen_as;

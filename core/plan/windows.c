@@ -136,7 +136,7 @@ static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         struct orl_vec3 point, normal = orl_neg(port->outward), ignored;
         orl_facet_sample(g, port->facet, u, &point, &ignored);
-        point = orl_facet_leave(g, port->facet, point, g->facets[port->facet].normal, normal);
+        point = orl_facet_leave(g, port->facet, point, orl_facet_normal(g, port->facet), normal);
         for (int bounce = 0; bounce < REACH_BOUNCES; bounce++) {
             struct orl_hit hit;
             const double a = orl_random_uniform(&random), b = orl_random_uniform(&random);

@@ -90,8 +90,9 @@ static int mark_facets(const struct orl_view_out_wish *wish, struct orl_openings
             o->clear[i] = material->kind == ORL_MATERIAL_GLASS ||
                           (material->kind == ORL_MATERIAL_GLAZING && material->transmitted > 0);
         o->clear[i] = o->clear[i] && orl_material_is_window(material);
+        struct orl_facet own;
         if (wish->n_ground == 0)
-            o->ground[i] = is_ground(scene->geometry, &scene->geometry->facets[i]);
+            o->ground[i] = is_ground(scene->geometry, orl_facet_own(scene->geometry, i, &own));
     }
     return code;
 }
@@ -108,7 +109,8 @@ struct pane {
 static struct pane pane_of(const struct orl_scene *scene, uint32_t index)
 {
     const struct orl_port *port = &scene->ports[index];
-    const struct orl_facet *f = &scene->geometry->facets[port->facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(scene->geometry, port->facet, &own);
     struct pane pane = {
         index, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
     for (uint32_t t = 0; t < f->n_triangles; t++) {

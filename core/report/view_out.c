@@ -227,7 +227,8 @@ static void find_extent(const struct orl_openings *o, struct orl_vec3 eye, struc
     }
     for (size_t p = 0; p < o->scene->n_ports; p++) {
         const uint32_t facet = o->scene->ports[p].facet;
-        const struct orl_facet *f = &g->facets[facet];
+        struct orl_facet room;
+        const struct orl_facet *f = orl_facet_own(g, facet, &room);
         for (uint32_t t = 0; o->clear[facet] && t < f->n_triangles; t++) {
             const struct orl_triangle at = orl_triangle_of(g, orl_facet_triangle(f, t));
             const struct orl_vec3 corners[3] = {orl_sub(at.a, eye), orl_sub(at.b, eye),

@@ -51,7 +51,7 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
     uint32_t facet = 0;
     if (!scene->mist || state->result->plan.technique == ORL_TECHNIQUE_BACKWARD)
         return 0;
-    while (!(scene->mist->facets[facet].area > 0))
+    while (!(orl_facet_area(scene->mist, facet) > 0))
         facet++;
     const struct orl_surface_label label = orl_scene_label_of(scene, facet);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,

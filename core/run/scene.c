@@ -111,12 +111,13 @@ static int part_ports(struct orl_scene *scene, struct orl_error *err)
     if (own)
         memset(own, 0xff, (n + 1) * sizeof *own);
     for (size_t i = 0; i < scene->n_ports && code == 0; i++) {
-        uint32_t *material = &scene->geometry->facets[scene->ports[i].facet].material;
-        if (d->materials[*material].part != 0)
+        const uint32_t facet = scene->ports[i].facet;
+        const uint32_t material = orl_facet_material(scene->geometry, facet);
+        if (d->materials[material].part != 0)
             continue;
-        if (own[*material] == UINT32_MAX)
-            code = orl_material_part(d, *material, ORL_PART_OF_NONE, &own[*material]);
-        *material = own[*material];
+        if (own[material] == UINT32_MAX)
+            code = orl_material_part(d, material, ORL_PART_OF_NONE, &own[material]);
+        orl_facet_set_material(scene->geometry, facet, own[material]);
     }
     free(own);
     return code < 0 ? orl_error_set(err, code, "out of memory") : 0;

@@ -148,7 +148,8 @@ static void check_geometry(const struct orl_geometry *g)
     fuzz_check_finite(g->low);
     fuzz_check_finite(g->high);
     for (size_t i = 0; i < g->n_facets; i++) {
-        const struct orl_facet *f = &g->facets[i];
+        struct orl_facet room;
+        const struct orl_facet *f = orl_facet_own(g, i, &room);
         FUZZ_PROMISE(isfinite(f->area) && f->area >= 0 && isfinite(f->offset));
         FUZZ_PROMISE(f->n_triangles == 0 ||
                      orl_facet_triangle(f, f->n_triangles - 1) < orl_geometry_triangles_end(g));

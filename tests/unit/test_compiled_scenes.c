@@ -460,7 +460,7 @@ static void test_meshes_in_places(void **state)
             if (!found[k])
                 continue;
             const struct orl_material *const m =
-                &d[k].materials[orl_facet_of(g[k], hit[k].facet)->material];
+                &d[k].materials[orl_facet_material(g[k], hit[k].facet)];
             color[k] = orl_material_diffuse(m, &hit[k]);
             normal[k] = orl_texture_normal(m->texture, &hit[k], orl_neg(down));
         }

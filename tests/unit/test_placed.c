@@ -265,7 +265,7 @@ static void test_leave(void **state)
         const struct orl_vec3 from = orl_hit_leave(g, &hit, back);
         left++;
         if (orl_geometry_intersect(g, from, back, INFINITY, &next) && next.facet == hit.facet)
-            assert_true(orl_facet_of(g, hit.facet)->kind != ORL_SURFACE_POLYGON);
+            assert_true(orl_facet_kind(g, hit.facet) != ORL_SURFACE_POLYGON);
     }
     assert_true(left > RAYS / 3);
     drop_pair(&pair);

@@ -69,7 +69,7 @@ static void share_out(struct making *m)
         if (!texels->planes.has[i / 2] || !(landed > 0))
             continue;
         const double width =
-            sqrt(texels->planes.geometry->facets[i / 2].area * texels->photons / landed);
+            sqrt(orl_facet_area(texels->planes.geometry, i / 2) * texels->photons / landed);
         side->across = steps(plane->wide, width);
         side->down = steps(plane->high, width);
         side->width = plane->wide / side->across;

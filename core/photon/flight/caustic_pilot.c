@@ -54,7 +54,7 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
 static bool sends_on_itself(const struct orl_emission *e, const struct orl_stratum *s)
 {
     const uint32_t facet = e->world->ports[s->port].facet;
-    const uint32_t material = e->world->geometry->facets[facet].material;
+    const uint32_t material = orl_facet_material(e->world->geometry, facet);
     return orl_material_transmits_lobes(&e->world->materials[material]);
 }
 

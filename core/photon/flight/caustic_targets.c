@@ -94,10 +94,11 @@ static int look_from(const struct orl_emission *e, uint32_t facet, uint32_t sun,
         const int32_t port = leaves_by(world, point, towards, &hit, &share);
         if (port == ORL_NO_PORT || !(share > 0) || of_port[port] == SIZE_MAX)
             continue;
-        locate(g, &g->facets[hit.facet], hit.point, at);
+        struct orl_facet own;
+        locate(g, orl_facet_own(g, hit.facet, &own), hit.point, at);
         code = note(&found[of_port[port]], orl_caustic_target_cell(at),
                     share * orl_luma(world->suns[sun].irradiance) * fabs(orl_dot(towards, normal)) *
-                        g->facets[facet].area / samples);
+                        orl_facet_area(g, facet) / samples);
     }
     return code;
 }
@@ -110,7 +111,7 @@ int orl_caustic_target_look(const struct orl_emission *emission, double **found)
     size_t facets = 1;
     int code = of_port ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; i < g->n_facets; i++)
-        facets += g->facets[i].area > 0 && sends_on(&world->materials[g->facets[i].material]);
+        facets += orl_facet_area(g, i) > 0 && sends_on(&world->materials[orl_facet_material(g, i)]);
     const size_t share = MOST_RAYS / (facets * (world->n_suns + 1));
     const uint32_t samples = (uint32_t)(share > MOST_A_FACET    ? MOST_A_FACET
                                         : share < LEAST_A_FACET ? LEAST_A_FACET
@@ -122,7 +123,7 @@ int orl_caustic_target_look(const struct orl_emission *emission, double **found)
             if (emission->strata[s].kind == ORL_STRATUM_PORT_SUN && emission->strata[s].sun == sun)
                 of_port[emission->strata[s].port] = s;
         for (uint32_t i = 0; i < g->n_facets && code == 0; i++)
-            if (g->facets[i].area > 0 && sends_on(&world->materials[g->facets[i].material]))
+            if (orl_facet_area(g, i) > 0 && sends_on(&world->materials[orl_facet_material(g, i)]))
                 code = look_from(emission, i, sun, samples, of_port, found);
     }
     free(of_port);

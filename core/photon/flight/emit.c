@@ -17,7 +17,7 @@ static struct orl_hit port_hit(const struct orl_world *world, const struct orl_p
                                struct orl_vec3 point)
 {
     return (struct orl_hit){.point = point,
-                            .normal = world->geometry->facets[port->facet].normal,
+                            .normal = orl_facet_normal(world->geometry, port->facet),
                             .facet = port->facet,
                             .front = port->outside_is_front};
 }
@@ -74,8 +74,8 @@ static enum stage aim_port_dome(const struct orl_emission *e, const struct orl_s
     ret->passage = NULL;
     ret->point = start->point;
     ret->outwards = start->out;
-    ret->start =
-        orl_facet_leave(g, port->facet, start->point, g->facets[port->facet].normal, port->outward);
+    ret->start = orl_facet_leave(g, port->facet, start->point, orl_facet_normal(g, port->facet),
+                                 port->outward);
     /* The square is uniform in projected solid angle, pi in all. */
     ret->measure = ORL_PI * port->area / start->density;
     return LOOKS;
@@ -100,7 +100,7 @@ static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_st
     const struct orl_vec3 out = start->out;
     const struct orl_vec3 from =
         orl_facet_leave(world->geometry, port->facet, start->point,
-                        world->geometry->facets[port->facet].normal, port->outward);
+                        orl_facet_normal(world->geometry, port->facet), port->outward);
     const struct orl_rgb share =
         image ? orl_image_transmittance(world, from, out, image, false)
         : stratum->shades && !orl_may_be_shaded(stratum->shades, start->point)

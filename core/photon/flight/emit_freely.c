@@ -21,7 +21,8 @@ bool orl_emit_from_lamp(const struct orl_emission *e, const struct orl_stratum *
 {
     const struct orl_world *world = e->world;
     const struct orl_emitter *emitter = &world->emitters[stratum->port];
-    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
     const struct orl_material *m = &world->materials[facet->material];
     struct orl_vec3 point, normal;
     double measure = ORL_PI;

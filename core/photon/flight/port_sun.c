@@ -163,7 +163,8 @@ static bool cast_shades(const struct orl_world *world, const struct orl_port *po
                         const struct orl_sun *sun, struct orl_shades *shades)
 {
     const struct orl_geometry *g = world->geometry;
-    const struct orl_facet *facet = &g->facets[port->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(g, port->facet, &own);
     const struct orl_frame frame = orl_frame_about(port->outward);
     const double cosine = orl_dot(port->outward, sun->frame.n), cos_half = sun->cos_half_angle;
     const double sin_half = sqrt(fmax(0, 1 - cos_half * cos_half));
@@ -182,10 +183,11 @@ static bool cast_shades(const struct orl_world *world, const struct orl_port *po
     c.plane = reach(&c, facet);
     const struct orl_shade pane = pane_of(&c, facet);
     for (uint32_t i = 0; i < g->n_facets; i++) {
-        if (!(g->facets[i].area > 0) || i == port->facet ||
-            reach(&c, &g->facets[i]) <= 0.1 * c.room)
+        struct orl_facet room;
+        const struct orl_facet *const f = orl_facet_own(g, i, &room);
+        if (!(f->area > 0) || i == port->facet || reach(&c, f) <= 0.1 * c.room)
             continue;
-        const struct orl_shade shade = shade_of(&c, &g->facets[i]);
+        const struct orl_shade shade = shade_of(&c, f);
         if (!add_shade(shades, &shade, &pane))
             return false;
     }
@@ -250,7 +252,9 @@ int orl_port_sun_prepare(struct orl_emission *emission)
         struct orl_stratum *s = &emission->strata[i];
         if (s->kind != ORL_STRATUM_PORT_SUN)
             continue;
-        const struct orl_facet *facet = &world->geometry->facets[world->ports[s->port].facet];
+        struct orl_facet own;
+        const struct orl_facet *facet =
+            orl_facet_own(world->geometry, world->ports[s->port].facet, &own);
         if (look || world->ports[s->port].clear)
             code = find_shades(emission, s);
         if (code == 0)

@@ -29,7 +29,8 @@ struct pilot {
 static double transmitted_luma(const struct orl_world *world, const struct orl_port *port,
                                struct orl_vec3 outwards)
 {
-    const struct orl_facet *facet = &world->geometry->facets[port->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, port->facet, &own);
     const struct orl_material *m = &world->materials[facet->material];
     const struct orl_hit hit = orl_hit_anywhere(facet->normal, false);
     return orl_luma(orl_material_albedo(m, &hit, outwards, ORL_LOBE_TRANSMITTED));
@@ -175,7 +176,8 @@ static void list_images(struct orl_emission *e)
 /* At most, for spotlights. */
 static double emitter_flux(const struct orl_world *world, const struct orl_emitter *emitter)
 {
-    const struct orl_facet *facet = &world->geometry->facets[emitter->facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
     const struct orl_material *m = &world->materials[facet->material];
     const double cone = m->kind == ORL_MATERIAL_SPOTLIGHT ? 2 * ORL_PI * (1 - m->cos_cone) : ORL_PI;
     return fmin(cone, ORL_PI) * facet->area * orl_luma(emitter->radiance);

@@ -72,7 +72,7 @@ static struct orl_vec3 in_plane(const struct orl_frame *frame, const double dire
 
 static bool is_flat(const struct orl_world *world, uint32_t facet)
 {
-    const enum orl_surface_kind kind = orl_facet_of(world->geometry, facet)->kind;
+    const enum orl_surface_kind kind = orl_facet_kind(world->geometry, facet);
     return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
 }
 

@@ -25,7 +25,8 @@ static struct corners corners_of(const struct orl_world *world, uint32_t facet)
                             placed};
 }
 
-static struct orl_vec3 corner(const struct corners *corners, uint32_t i)
+static inline __attribute__((always_inline)) struct orl_vec3 corner(const struct corners *corners,
+                                                                    uint32_t i)
 {
     const struct orl_vec3 at = orl_outline_corner(&corners->outline, i);
     return corners->placed ? orl_xform_point(&corners->placed->to, at) : at;
@@ -118,7 +119,7 @@ double orl_outline_exit(const struct orl_world *world, uint32_t facet,
 {
     struct orl_curved room;
     *ret_line = (struct orl_line){{0, 0}, 0};
-    if (orl_facet_of(world->geometry, facet)->kind == ORL_SURFACE_POLYGON) {
+    if (orl_facet_kind(world->geometry, facet) == ORL_SURFACE_POLYGON) {
         const struct corners corners = corners_of(world, facet);
         return polygon_exit(&corners, frame, origin, direction, from, ret_line);
     }
@@ -159,7 +160,7 @@ static double round_clearance(const struct orl_facet *f, struct orl_vec3 point)
 double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point)
 {
     struct orl_curved room;
-    if (orl_facet_of(world->geometry, facet)->kind != ORL_SURFACE_POLYGON) {
+    if (orl_facet_kind(world->geometry, facet) != ORL_SURFACE_POLYGON) {
         const struct orl_facet f = orl_facet_at(world->geometry, facet, &room);
         return round_clearance(&f, point);
     }

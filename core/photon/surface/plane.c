@@ -4,13 +4,14 @@
 
 static struct orl_vec3 corner_of(const struct orl_geometry *g, uint32_t triangle, uint32_t k)
 {
-    return g->corners[orl_triangle_corner(g, triangle, k)];
+    return orl_corner_of(g, orl_triangle_corner(g, triangle, k));
 }
 
 static void lay_out(struct orl_planes *planes, uint32_t facet, uint32_t first)
 {
     const struct orl_geometry *g = planes->geometry;
-    const struct orl_facet *f = &g->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(g, facet, &own);
     struct orl_plane *plane = &planes->planes[facet];
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     *plane = (struct orl_plane){
@@ -50,8 +51,9 @@ bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geome
     if (!planes->planes || !planes->flats || !planes->has)
         return false;
     for (size_t i = 0; i < geometry->n_facets; i++) {
+        struct orl_facet own;
         lay_out(planes, (uint32_t)i, first);
-        first += geometry->facets[i].n_triangles;
+        first += orl_facet_own(geometry, i, &own)->n_triangles;
     }
     return true;
 }

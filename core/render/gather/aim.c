@@ -16,7 +16,8 @@ struct maker {
 static int find_beam(const struct maker *maker, uint32_t facet, const struct orl_sun *sun)
 {
     struct orl_aim *aim = maker->aim;
-    const struct orl_facet *f = &aim->world->geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(aim->world->geometry, facet, &own);
     const struct orl_material *m = &aim->world->materials[f->material];
     for (uint32_t i = 0; i < aim->n_beams; i++) {
         const struct orl_beam *beam = &aim->beams[i];
@@ -35,7 +36,8 @@ enum { MOST_FREE_PANES = 1024 };
 
 static bool is_pane(const struct orl_world *world, uint32_t facet)
 {
-    const struct orl_facet *f = &world->geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(world->geometry, facet, &own);
     return (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING) && f->area > 0 &&
            orl_material_transmits_lobes(&world->materials[f->material]);
 }
@@ -147,7 +149,8 @@ struct orl_effort orl_aim_effort(const struct orl_aim *aim, struct orl_effort wa
 /* Density, per steradian, with which a ray is aimed at the port it meets. */
 static double port_density(const struct orl_aim *aim, const struct orl_aimed *aimed)
 {
-    const struct orl_facet *facet = &aim->world->geometry->facets[aimed->hit.facet];
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(aim->world->geometry, aimed->hit.facet, &own);
     const double cosine = fmax(fabs(orl_dot(aimed->direction, aimed->hit.normal)), 1e-9);
     return aimed->hit.distance * aimed->hit.distance /
            (cosine * facet->area * (double)aim->world->n_ports);

@@ -36,12 +36,13 @@ static bool may_send_on(const struct orl_world *world)
 {
     const struct orl_geometry *g = world->geometry;
     const bool lamps = has_lamps(world);
-    const struct orl_facet *plane = NULL;
-    bool any_lobes = false, apart = false;
+    struct orl_facet first = {.n_triangles = 0};
+    bool any_plane = false, any_lobes = false, apart = false;
     if (world->n_suns == 0 && !lamps)
         return false;
     for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);) {
-        const struct orl_facet *f = orl_facet_of(g, walk.facet);
+        struct orl_facet room;
+        const struct orl_facet *f = orl_facet_of(g, walk.facet, &room);
         const struct orl_material *m = &world->materials[f->material];
         const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
         if (!(f->area > 0) || (!mirrors && !lobes && !orl_material_bends(m)))
@@ -49,9 +50,11 @@ static bool may_send_on(const struct orl_world *world)
         if (lamps || orl_facet_is_placed(g, walk.facet) || !is_flat(f) || m->texture ||
             orl_material_bends(m) || (lobes && !orl_material_transmits_lobes(m)))
             return true;
-        plane = plane ? plane : f;
+        if (!any_plane)
+            first = *f;
+        any_plane = true;
         any_lobes = any_lobes || lobes;
-        apart = apart || !lie_in_one_plane(g, plane, f);
+        apart = apart || !lie_in_one_plane(g, &first, f);
     }
     return (any_lobes && apart) || world->images.n_left_out > 0;
 }
@@ -65,7 +68,7 @@ bool orl_air_is_by_images(const struct orl_world *world)
 {
     const struct orl_geometry *g = world->geometry;
     for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);)
-        if (orl_material_has_lobes(&world->materials[orl_facet_of(g, walk.facet)->material]))
+        if (orl_material_has_lobes(&world->materials[orl_facet_material(g, walk.facet)]))
             return false;
     return !may_send_on(world);
 }

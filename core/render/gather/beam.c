@@ -147,7 +147,8 @@ int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct o
 struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct orl_beam *beam,
                               uint32_t index, uint32_t facet)
 {
-    const struct orl_facet *f = &geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(geometry, facet, &own);
     struct orl_shaft shaft = {.beam = index, .facet = facet};
     double low_u = INFINITY, high_u = -INFINITY, low_v = INFINITY, high_v = -INFINITY;
     struct orl_vec3 corner = f->round->center[0];

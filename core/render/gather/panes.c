@@ -55,7 +55,7 @@ static bool draw(const struct pane *pane, const double u[2], struct seen *ret_se
     const struct orl_aim *aim = pane->query->aim;
     const struct orl_geometry *g = pane->query->world->geometry;
     const struct orl_vec3 from = pane->query->place->point;
-    const struct orl_vec3 center = pane->shaft->center, normal = g->facets[pane->facet].normal;
+    const struct orl_vec3 center = pane->shaft->center, normal = orl_facet_normal(g, pane->facet);
     struct orl_vec3 direction;
     struct orl_hit hit;
     if (!orl_shaft_draw(pane->shaft, &aim->beams[pane->shaft->beam], aim->cells, from, u,
@@ -77,7 +77,7 @@ static double density_of(const struct pane *pane, const struct seen *seen)
 {
     const struct orl_aim *aim = pane->query->aim;
     const double leaves = fmax(fabs(orl_dot(seen->eye, seen->hit.normal)), 1e-9);
-    const double area = pane->query->world->geometry->facets[pane->facet].area;
+    const double area = orl_facet_area(pane->query->world->geometry, pane->facet);
     double density = seen->distance * seen->distance / (area * leaves);
     if (pane->shaft)
         density += orl_shaft_density(pane->shaft, &aim->beams[pane->shaft->beam], aim->cells,
@@ -134,9 +134,10 @@ struct orl_rgb orl_light_by_panes(const struct orl_pane_query *query)
     const struct orl_world *world = query->world;
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t f = 0; f < world->geometry->n_facets; f++) {
-        const struct orl_facet *facet = &world->geometry->facets[f];
+        const uint32_t material = orl_facet_material(world->geometry, f);
         const int32_t port = world->port_of_facet[f];
-        if (!orl_material_transmits_lobes(&world->materials[facet->material]) || !(facet->area > 0))
+        if (!orl_material_transmits_lobes(&world->materials[material]) ||
+            !(orl_facet_area(world->geometry, f) > 0))
             continue;
         for (size_t s = 0; s < world->n_suns; s++) {
             const struct pane pane = {query, f, port == ORL_NO_PORT ? NULL : &world->ports[port],

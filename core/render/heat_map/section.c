@@ -127,8 +127,10 @@ void orl_section_cut(const struct orl_geometry *geometry, const struct orl_senso
     for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++)
         if (!orl_triangle_is_none(geometry, i))
             cut_numbered(&cut, i);
-    for (size_t i = 0; i < geometry->n_facets; i++)
-        cut_facet(&cut, &geometry->facets[i]);
+    for (size_t i = 0; i < geometry->n_facets; i++) {
+        struct orl_facet own;
+        cut_facet(&cut, orl_facet_own(geometry, i, &own));
+    }
     for (size_t i = 0; i < geometry->n_placed; i++)
         cut_placed(&cut, &geometry->placed[i]);
 }

@@ -78,7 +78,7 @@ static bool is_small_lamp(const struct orl_world *world, const struct orl_emitte
                           const struct orl_painting *painting)
 {
     enum { POINTS = LEAST_SIDE * LEAST_SIDE };
-    const uint32_t material = world->geometry->facets[emitter->facet].material;
+    const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
     double sr = 0, least_pixel_sr = INFINITY;
     if (world->materials[material].kind == ORL_MATERIAL_ILLUM)
         return false; /* views see something else there */

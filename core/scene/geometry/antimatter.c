@@ -50,7 +50,7 @@ static bool is_lining(const struct orl_holes *holes, const struct orl_hole *hole
     struct orl_hit next;
     if (!orl_meet(hole->matter, behind, hit->normal, INFINITY, &next) || next.front)
         return false;
-    return !is_cut(holes, geometry, geometry->facets[next.facet].material, hit, hole);
+    return !is_cut(holes, geometry, orl_facet_material(geometry, next.facet), hit, hole);
 }
 
 bool orl_holes_leave(const struct orl_geometry *geometry, const struct orl_hit *hit)
@@ -60,7 +60,7 @@ bool orl_holes_leave(const struct orl_geometry *geometry, const struct orl_hit *
     if (own == ORL_HOLE_UNTOUCHED)
         return true;
     if (own == ORL_HOLE_NONE)
-        return !is_cut(holes, geometry, geometry->facets[hit->facet].material, hit, NULL);
+        return !is_cut(holes, geometry, orl_facet_material(geometry, hit->facet), hit, NULL);
     const struct orl_hole *const hole = &holes->items[own];
     return hole->lined && !hit->front && is_lining(holes, hole, geometry, hit);
 }

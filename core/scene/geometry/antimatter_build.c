@@ -26,10 +26,11 @@ static void bound(struct orl_geometry *g)
         include(g, t.c);
     }
     for (size_t i = 0; i < g->n_facets; i++) {
+        struct orl_facet own;
         struct orl_vec3 low, high;
-        if (g->facets[i].kind == ORL_SURFACE_POLYGON || !(g->facets[i].area > 0))
+        if (orl_facet_kind(g, i) == ORL_SURFACE_POLYGON || !(orl_facet_area(g, i) > 0))
             continue;
-        orl_quadric_bounds(&g->facets[i], &low, &high);
+        orl_quadric_bounds(orl_facet_own(g, i, &own), &low, &high);
         include(g, low);
         include(g, high);
     }
@@ -40,8 +41,8 @@ static const struct orl_surface *one_of(const struct orl_geometry *g,
                                         const struct orl_description *d)
 {
     for (size_t i = 0; i < g->n_facets; i++)
-        if (g->facets[i].area > 0)
-            return &d->surfaces[g->facets[i].surface];
+        if (orl_facet_area(g, i) > 0)
+            return &d->surfaces[orl_facet_surface(g, i)];
     return NULL;
 }
 
@@ -125,10 +126,10 @@ static int build_hole(struct orl_geometry *g, const struct orl_description *d, u
     for (size_t i = 0; i < d->n_materials; i++)
         hole->cuts[i] = hole->cuts[orl_material_origin(&d->materials[i], (uint32_t)i)];
     for (size_t i = 0; i < g->n_facets; i++)
-        keep[i] = d->surfaces[g->facets[i].surface].material == material;
+        keep[i] = d->surfaces[orl_facet_surface(g, i)].material == material;
     int code = orl_geometry_subset(g, keep, &hole->shell, err);
     for (size_t i = 0; i < g->n_facets; i++)
-        keep[i] = hole->cuts[d->surfaces[g->facets[i].surface].material];
+        keep[i] = hole->cuts[d->surfaces[orl_facet_surface(g, i)].material];
     if (code == 0)
         code = orl_geometry_subset(g, keep, &hole->matter, err);
     if (code < 0)
@@ -143,7 +144,7 @@ static size_t list(const struct orl_geometry *g, const struct orl_description *d
 {
     size_t n = 0;
     for (size_t i = 0; i < g->n_facets; i++)
-        used[d->surfaces[g->facets[i].surface].material] = 1;
+        used[d->surfaces[orl_facet_surface(g, i)].material] = 1;
     for (size_t i = 0; i < d->n_materials; i++)
         if (used[i] && d->materials[i].kind == ORL_MATERIAL_ANTIMATTER)
             ret_materials[n++] = (uint32_t)i;
@@ -154,7 +155,7 @@ static void mark(struct orl_geometry *g, const struct orl_description *d, struct
                  const uint32_t *materials)
 {
     for (size_t i = 0; i < g->n_facets; i++) {
-        const uint32_t own = d->surfaces[g->facets[i].surface].material;
+        const uint32_t own = d->surfaces[orl_facet_surface(g, i)].material;
         holes->of_facet[i] = ORL_HOLE_UNTOUCHED;
         for (size_t k = 0; k < holes->n; k++) {
             if (holes->items[k].cuts[own])
@@ -162,7 +163,7 @@ static void mark(struct orl_geometry *g, const struct orl_description *d, struct
             if (materials[k] == own) {
                 holes->of_facet[i] = (int32_t)k;
                 if (holes->items[k].lined)
-                    g->facets[i].material = (uint32_t)d->materials[own].lining;
+                    orl_facet_set_material(g, i, (uint32_t)d->materials[own].lining);
                 break;
             }
         }

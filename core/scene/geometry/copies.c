@@ -5,13 +5,16 @@
 #include <string.h>
 
 #include "scene/geometry/embree.h"
+#include "scene/geometry/packed.h"
 
 /* The second of two that were one couple, as the first of another. */
 static struct orl_couple second_alone(const struct orl_couple *couple)
 {
     return (struct orl_couple){
-        {couple->corners[2], couple->corners[3], couple->corners[1], couple->corners[1]},
-        {couple->halves[1], couple->halves[1]}};
+        .corners = {couple->corners[2], couple->corners[3], couple->corners[1], couple->corners[1]},
+        .facet = orl_couple_facet(couple, true) & 0x7ffffffU,
+        .turn = couple->turn_of_second,
+    };
 }
 
 /* Couples of which a half is kept; facets follow their triangles. */
@@ -20,18 +23,19 @@ static void keep_couples(struct orl_geometry *g, const struct orl_geometry *whol
     for (size_t i = 0; i < whole->n_couples; i++) {
         const struct orl_couple *const from = &whole->couples[i];
         struct orl_couple *const to = &g->couples[g->n_couples];
-        const uint32_t facets[2] = {from->halves[0].facet, from->halves[1].facet};
+        const uint32_t facets[2] = {from->facet, orl_couple_facet(from, true)};
         const bool first = keep[facets[0]], second = keep[facets[1]];
         if (!first && !second)
             continue;
         *to = first ? *from : second_alone(from);
         if (first && !second) {
             to->corners[2] = to->corners[3];
-            to->halves[1].facet = to->halves[0].facet;
+            to->next = 0;
         }
         for (int half = 0; half < 2; half++)
+            /* As it is in the whole: numbers that are given here are no greater. */
             if (keep[facets[half]] &&
-                whole->facets[facets[half]].first_triangle == 2 * i + (size_t)half)
+                g->facets[facets[half]].first_triangle == 2 * i + (size_t)half)
                 g->facets[facets[half]].first_triangle =
                     (uint32_t)(2 * g->n_couples) + (half == 1 && first);
         g->n_couples++;
@@ -55,6 +59,8 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     g->met = NULL;
     g->areas = NULL;
     g->listed = NULL;
+    g->packed = NULL;
+    g->n_plain = g->n_facets;
     g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
     g->more = malloc((g->n_more + 1) * sizeof *g->more);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
@@ -66,8 +72,6 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     if (!g->outlines || !g->outline_corners || !g->facets || !g->rounds || !g->couples ||
         !g->corners || !g->rivals || !g->more)
         goto done;
-    if (g->n_corners > 0)
-        memcpy(g->corners, whole->corners, g->n_corners * sizeof *g->corners);
     if (g->n_outlines > 0) {
         memcpy(g->outlines, whole->outlines, g->n_outlines * sizeof *g->outlines);
         memcpy(g->outline_corners, whole->outline_corners,
@@ -78,16 +82,17 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     if (g->n_rivals > 0)
         memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
     memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
+    orl_geometry_unpack(whole, g->facets, g->corners);
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet *f = &g->facets[i];
-        *f = whole->facets[i];
         if (f->kind != ORL_SURFACE_POLYGON)
             f->round = &g->rounds[g->n_facets - 1 - i];
         f->area = keep[i] ? f->area : 0;
         f->n_triangles = keep[i] ? f->n_triangles : 0;
     }
     keep_couples(g, whole, keep);
-    code = orl_geometry_list_triangles(g) ? orl_embree_build(g, NULL, err) : ORL_ERR_NOMEM;
+    code = orl_geometry_list_triangles(g) && orl_geometry_pack(g) ? orl_embree_build(g, NULL, err)
+                                                                  : ORL_ERR_NOMEM;
 done:
     if (code == 0)
         *ret_geometry = g;
@@ -115,6 +120,7 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry->areas);
     free(geometry->listed);
     free(geometry->corners);
+    orl_packed_free(geometry->packed);
     free(geometry->outlines);
     free(geometry->outline_corners);
     free(geometry->rivals);

@@ -20,28 +20,28 @@ static bool find_turns(const uint32_t *first, const uint32_t *second, unsigned *
 }
 
 /* Of a triangle that is turned as the couple has it: where its own list begins in that. */
-static void name_half(struct orl_couple *couple, int half, uint32_t facet, unsigned turn)
+static unsigned turned_back(unsigned turn)
 {
-    couple->halves[half].facet = facet & 0x3fffffffU;
-    couple->halves[half].turn = (3 - turn) % 3 & 3U;
+    return (3 - turn) % 3;
 }
 
 /* The first triangle, turned to begin there, alone. */
 static struct orl_couple couple_of(const uint32_t *triangle, unsigned turn, uint32_t facet)
 {
     const uint32_t last = triangle[turn];
-    struct orl_couple couple = {
-        .corners = {triangle[(turn + 1) % 3], triangle[(turn + 2) % 3], last, last}};
-    name_half(&couple, 0, facet, turn);
-    name_half(&couple, 1, facet, 0);
-    return couple;
+    return (struct orl_couple){
+        .corners = {triangle[(turn + 1) % 3], triangle[(turn + 2) % 3], last, last},
+        .facet = facet & 0x7ffffffU,
+        .turn = turned_back(turn) & 3U,
+    };
 }
 
-/* The second beside it. */
+/* The second beside it, of the same facet or of the one after it. */
 static void join(struct orl_couple *couple, const uint32_t *triangle, unsigned turn, uint32_t facet)
 {
     couple->corners[2] = triangle[(turn + 1) % 3];
-    name_half(couple, 1, facet, turn);
+    couple->next = facet != couple->facet;
+    couple->turn_of_second = turned_back(turn) & 3U;
 }
 
 static bool add_couple(struct orl_couples *c, const uint32_t *triangle, unsigned turn,
@@ -67,7 +67,7 @@ static bool add_one(struct orl_couples *c, uint32_t facet, const uint32_t *trian
                                     orl_triangle_corner(g, number, 1),
                                     orl_triangle_corner(g, number, 2)};
         if (find_turns(before, triangle, &turn, &other)) {
-            *last = couple_of(before, turn, last->halves[0].facet);
+            *last = couple_of(before, turn, last->facet);
             join(last, triangle, other, facet);
             f->first_triangle = (uint32_t)number + 1;
             c->open = false;

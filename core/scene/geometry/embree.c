@@ -7,6 +7,7 @@
 #include <oriel/crew.h>
 
 #include "scene/geometry/embree_device.h"
+#include "scene/geometry/packed.h"
 #include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
@@ -17,7 +18,9 @@ static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
 {
     const struct orl_geometry *geometry = args->geometryUserPtr;
     struct orl_vec3 low, high;
-    orl_quadric_bounds(&geometry->facets[geometry->n_facets - 1 - args->primID], &low, &high);
+    struct orl_facet own;
+    orl_quadric_bounds(orl_facet_own(geometry, geometry->n_facets - 1 - args->primID, &own), &low,
+                       &high);
     /* Floats round either way: widen by more than an ulp of the scene. */
     const double pad = geometry->radius * 1e-6;
     args->bounds_o->lower_x = (float)(low.x - pad);
@@ -31,7 +34,9 @@ static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
 static bool curved_test(const struct orl_geometry *geometry, uint32_t primitive,
                         const struct RTCRay *ray, double *ret_t, struct orl_vec3 *ret_normal)
 {
-    const struct orl_facet *facet = &geometry->facets[geometry->n_facets - 1 - primitive];
+    struct orl_facet own;
+    const struct orl_facet *facet =
+        orl_facet_own(geometry, geometry->n_facets - 1 - primitive, &own);
     const struct orl_vec3 direction = orl_v3(ray->dir_x, ray->dir_y, ray->dir_z);
     /* In a prototype the ray is as long as its place makes it. */
     const double length = geometry->n_places > 0 ? orl_length(direction) : 1;
@@ -88,6 +93,24 @@ static bool list_triangles(struct orl_geometry *geometry, RTCGeometry mesh)
     return true;
 }
 
+static bool give_corners(const struct orl_geometry *geometry, RTCGeometry mesh)
+{
+    const size_t n = geometry->n_corners;
+    if (geometry->packed) {
+        rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   geometry->packed->high, 0, sizeof *geometry->packed->high, n);
+        return true;
+    }
+    float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                              3 * sizeof(float), n);
+    for (size_t i = 0; vertices && i < n; i++) {
+        vertices[3 * i] = (float)geometry->corners[i].x;
+        vertices[3 * i + 1] = (float)geometry->corners[i].y;
+        vertices[3 * i + 2] = (float)geometry->corners[i].z;
+    }
+    return vertices != NULL;
+}
+
 /*
  * Couples are Embree's quadrangles where there are many: there these take half the memory that
  * triangles do, and rays less time. Of few, triangles are met sooner.
@@ -97,17 +120,9 @@ static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCS
     const bool vast = orl_geometry_is_vast(geometry);
     RTCGeometry mesh =
         rtcNewGeometry(device, vast ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
-    const size_t n = geometry->n_corners;
-    float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), n);
-    if (!vertices || (!vast && !list_triangles(geometry, mesh))) {
+    if (!give_corners(geometry, mesh) || (!vast && !list_triangles(geometry, mesh))) {
         rtcReleaseGeometry(mesh);
         return ORL_ERR_NOMEM;
-    }
-    for (size_t i = 0; i < n; i++) {
-        vertices[3 * i] = (float)geometry->corners[i].x;
-        vertices[3 * i + 1] = (float)geometry->corners[i].y;
-        vertices[3 * i + 2] = (float)geometry->corners[i].z;
     }
     if (vast)
         rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
@@ -186,9 +201,7 @@ int orl_embree_prepare(struct orl_error *err)
 int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
                      struct orl_error *err)
 {
-    unsigned n_curved = 0;
-    for (size_t i = 0; i < geometry->n_facets; i++)
-        n_curved += geometry->facets[i].kind != ORL_SURFACE_POLYGON;
+    const unsigned n_curved = (unsigned)geometry->n_rounds;
     const int rc = orl_embree_prepare(err);
     if (rc)
         return rc;

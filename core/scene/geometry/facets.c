@@ -30,10 +30,10 @@ static struct orl_facet_outline told_outline(const struct orl_geometry *g,
 {
     const uint32_t first = orl_facet_triangle(f, 0);
     struct orl_facet_outline outline = {
-        g->corners,
-        NULL,
-        {orl_triangle_corner(g, first, 1), orl_triangle_corner(g, first, 2)},
-        f->n_triangles + 2};
+        .corners = g->corners,
+        .at = {orl_triangle_corner(g, first, 1), orl_triangle_corner(g, first, 2)},
+        .n = f->n_triangles + 2,
+        .geometry = g};
     if (f->n_triangles == 2)
         outline.at[2] = orl_triangle_corner(g, orl_facet_triangle(f, 1), 1);
     outline.at[f->n_triangles + 1] = orl_triangle_corner(g, first, 0);
@@ -43,7 +43,8 @@ static struct orl_facet_outline told_outline(const struct orl_geometry *g,
 struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geometry, uint32_t facet)
 {
     const struct orl_own_outline *const outlines = geometry->outlines;
-    const struct orl_facet *const f = &geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *const f = orl_facet_own(geometry, facet, &own);
     size_t low = 0, high = geometry->n_outlines;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
@@ -54,9 +55,11 @@ struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geomet
     }
     if (low == geometry->n_outlines || outlines[low].facet != facet)
         return f->n_triangles > 0 ? told_outline(geometry, f)
-                                  : (struct orl_facet_outline){geometry->corners, NULL, {0}, 0};
-    return (struct orl_facet_outline){
-        geometry->corners, geometry->outline_corners + outlines[low].first, {0}, outlines[low].n};
+                                  : (struct orl_facet_outline){.geometry = geometry};
+    return (struct orl_facet_outline){.corners = geometry->corners,
+                                      .own = geometry->outline_corners + outlines[low].first,
+                                      .n = outlines[low].n,
+                                      .geometry = geometry};
 }
 
 /* Of more than these what is listed would be a sixth of what they take. */

@@ -12,6 +12,7 @@
 #include "scene/geometry/corners.h"
 #include "scene/geometry/couples.h"
 #include "scene/geometry/embree.h"
+#include "scene/geometry/packed.h"
 #include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 #include "scene/geometry/triangulate.h"
@@ -315,7 +316,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
     if (code < 0)
         goto done;
     code = ORL_ERR_NOMEM;
-    g->n_facets = description->n_surfaces;
+    g->n_facets = g->n_plain = description->n_surfaces;
     g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
     g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
     builder.couples.geometry = g;
@@ -326,7 +327,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
         code = add_more(g, description);
     if (code == 0)
         code = orl_placed_number(g, err);
-    if (code == 0 && !orl_geometry_list_triangles(g))
+    if (code == 0 && !(orl_geometry_list_triangles(g) && orl_geometry_pack(g)))
         code = ORL_ERR_NOMEM;
     if (code == 0)
         code = orl_embree_build(g, description->cancel, err);

@@ -18,7 +18,8 @@
  * meets; in all other cases of two in one place, one has been cut away (coincident.h).
  *
  * Triangles are kept two by two: those of a polygon, or of two polygons that follow each other and
- * share an edge; so some of their numbers are of none (orl_triangle_is_none).
+ * share an edge; so some of their numbers are of none (orl_triangle_is_none). Where there are many,
+ * facets and corners are kept packed (packed.h): ask for them by their numbers.
  *
  * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
  * time. Threads: immutable once built; intersect and occluded may be called from any thread.
@@ -44,7 +45,7 @@ struct orl_facet {
     bool stands_off : 1;            /* orl_facet_beyond is not 0 */
     unsigned n_triangles : 23;      /* polygons; else 0 */
     uint32_t first_triangle;        /* polygons: see orl_facet_triangle */
-    uint32_t material, surface;     /* indices into the description's */
+    uint32_t material, surface;     /* indices into the description's; see orl_facet_surface */
     struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
     const struct orl_curved *round; /* all but polygons: in orl_geometry.rounds; never NULL */
     double offset; /* how far from the surface a ray must start to be clear of it */
@@ -65,10 +66,10 @@ struct orl_facet_more {
  * corners are one.
  */
 struct orl_couple {
-    uint32_t corners[4]; /* first: Embree reads them in place */
-    struct {
-        uint32_t facet : 30, turn : 2; /* which it is listed from */
-    } halves[2];
+    uint32_t corners[4];                   /* first: Embree reads them in place */
+    uint32_t facet : 27;                   /* the first's */
+    uint32_t next : 1;                     /* the second is of the one after it */
+    uint32_t turn : 2, turn_of_second : 2; /* which each is listed from */
 };
 
 struct orl_triangle {
@@ -86,20 +87,23 @@ struct orl_own_outline {
 };
 
 struct orl_holes;
+struct orl_packed;
 struct orl_placed;
 
 struct orl_geometry {
     struct orl_vec3 center;    /* subtracted from the files' coordinates */
     struct orl_vec3 low, high; /* bounds, moved coordinates */
     double radius;             /* of the bounding sphere about the moved origin */
-    struct orl_facet *facets;
+    struct orl_facet *facets;  /* NULL: packed */
     size_t n_facets;
+    size_t n_plain;            /* as many, or none: packed */
     struct orl_curved *rounds; /* of the facets that are not polygons, from the last one back */
     size_t n_rounds;
     struct orl_couple *couples;
     size_t n_couples;
-    struct orl_vec3 *corners;
+    struct orl_vec3 *corners; /* NULL: packed */
     size_t n_corners;
+    struct orl_packed *packed;        /* packed.h; or NULL */
     struct orl_own_outline *outlines; /* by facet; where triangles are listed, of every facet */
     size_t n_outlines;
     uint32_t *outline_corners;
@@ -146,29 +150,89 @@ static inline bool orl_hit_is_anywhere(const struct orl_hit *hit)
     return hit->instance == UINT32_MAX;
 }
 
-/* placed.c: of numbers beyond the scene's own. */
-const struct orl_facet *orl_placed_facet(const struct orl_geometry *geometry, uint32_t facet);
-double orl_placed_offset(const struct orl_geometry *geometry, uint32_t facet);
+/* placed.c: of a number beyond the scene's own. */
 struct orl_triangle orl_placed_triangle(const struct orl_geometry *geometry, size_t index);
 
+/* packed.c: of facets that are packed, or of what is placed; and of corners and triangles that are
+ * packed. */
+const struct orl_facet *orl_facet_unpacked(const struct orl_geometry *geometry, size_t facet,
+                                           struct orl_facet *room);
+double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet);
+uint32_t orl_facet_surface_elsewhere(const struct orl_geometry *geometry, size_t facet);
+const struct orl_facet *orl_facet_of_elsewhere(const struct orl_geometry *geometry, size_t facet,
+                                               struct orl_facet *room);
+enum orl_surface_kind orl_facet_kind_elsewhere(const struct orl_geometry *geometry, size_t facet);
+uint32_t orl_facet_material_elsewhere(const struct orl_geometry *geometry, size_t facet);
+double orl_facet_clear_elsewhere(const struct orl_geometry *geometry, uint32_t facet, double side);
+double orl_facet_offset_elsewhere(const struct orl_geometry *geometry, size_t facet);
+struct orl_vec3 orl_corner_unpacked(const struct orl_geometry *geometry, size_t corner);
+struct orl_triangle orl_triangle_unpacked(const struct orl_geometry *geometry, size_t index);
+
 /* Whether a facet is one of what the scene has in several places (placed.h). */
-static inline bool orl_facet_is_placed(const struct orl_geometry *geometry, uint32_t facet)
+static inline bool orl_facet_is_placed(const struct orl_geometry *geometry, size_t facet)
 {
     return facet >= geometry->n_facets;
 }
 
-/* Its kind and material; of what is placed nothing else. */
-static inline const struct orl_facet *orl_facet_of(const struct orl_geometry *geometry,
-                                                   uint32_t facet)
+/* One of the scene's own: all but its surface. Where it is packed it is written to room. */
+static inline const struct orl_facet *orl_facet_own(const struct orl_geometry *geometry,
+                                                    size_t facet, struct orl_facet *room)
 {
-    return orl_facet_is_placed(geometry, facet) ? orl_placed_facet(geometry, facet)
-                                                : &geometry->facets[facet];
+    return geometry->facets ? &geometry->facets[facet] : orl_facet_unpacked(geometry, facet, room);
 }
 
-static inline double orl_facet_offset(const struct orl_geometry *geometry, uint32_t facet)
+/* Of any: what is placed has its prototype's kind, material and area; nothing else is its own. */
+static inline const struct orl_facet *orl_facet_of(const struct orl_geometry *geometry,
+                                                   size_t facet, struct orl_facet *room)
 {
-    return orl_facet_is_placed(geometry, facet) ? orl_placed_offset(geometry, facet)
-                                                : geometry->facets[facet].offset;
+    return facet < geometry->n_plain ? &geometry->facets[facet]
+                                     : orl_facet_of_elsewhere(geometry, facet, room);
+}
+
+static inline struct orl_vec3 orl_facet_normal(const struct orl_geometry *geometry, size_t facet)
+{
+    struct orl_facet own;
+    return orl_facet_own(geometry, facet, &own)->normal;
+}
+
+static inline double orl_facet_area(const struct orl_geometry *geometry, size_t facet)
+{
+    return geometry->facets ? geometry->facets[facet].area
+                            : orl_facet_area_unpacked(geometry, facet);
+}
+
+/* Of these what is placed has some, too: surface, kind and material are as its prototype says. */
+static inline uint32_t orl_facet_surface(const struct orl_geometry *geometry, size_t facet)
+{
+    return facet < geometry->n_plain ? geometry->facets[facet].surface
+                                     : orl_facet_surface_elsewhere(geometry, facet);
+}
+
+static inline enum orl_surface_kind orl_facet_kind(const struct orl_geometry *geometry,
+                                                   size_t facet)
+{
+    return facet < geometry->n_plain ? geometry->facets[facet].kind
+                                     : orl_facet_kind_elsewhere(geometry, facet);
+}
+
+static inline uint32_t orl_facet_material(const struct orl_geometry *geometry, size_t facet)
+{
+    return facet < geometry->n_plain ? geometry->facets[facet].material
+                                     : orl_facet_material_elsewhere(geometry, facet);
+}
+
+static inline double orl_facet_offset(const struct orl_geometry *geometry, size_t facet)
+{
+    return facet < geometry->n_plain ? geometry->facets[facet].offset
+                                     : orl_facet_offset_elsewhere(geometry, facet);
+}
+
+/* To be done before anything asks for it. */
+void orl_facet_set_material(struct orl_geometry *geometry, size_t facet, uint32_t material);
+
+static inline struct orl_vec3 orl_corner_of(const struct orl_geometry *geometry, size_t corner)
+{
+    return geometry->corners ? geometry->corners[corner] : orl_corner_unpacked(geometry, corner);
 }
 
 /* Numbers of triangles are less than that. */
@@ -190,10 +254,15 @@ static inline bool orl_triangle_is_none(const struct orl_geometry *geometry, siz
     return index % 2 == 1 && couple->corners[2] == couple->corners[3];
 }
 
+static inline uint32_t orl_couple_facet(const struct orl_couple *couple, bool second)
+{
+    return couple->facet + (second ? couple->next : 0U);
+}
+
 static inline uint32_t orl_triangle_facet(const struct orl_geometry *geometry, size_t index)
 {
     return geometry->listed ? geometry->listed[index].facet
-                            : geometry->couples[index / 2].halves[index % 2].facet;
+                            : orl_couple_facet(&geometry->couples[index / 2], index % 2);
 }
 
 /* Which of the geometry's corners its k-th is. */
@@ -204,13 +273,16 @@ static inline uint32_t orl_triangle_corner(const struct orl_geometry *geometry, 
     if (geometry->listed)
         return geometry->listed[index].corners[k];
     const struct orl_couple *const couple = &geometry->couples[index / 2];
-    return couple->corners[order[index % 2][couple->halves[index % 2].turn + k]];
+    const unsigned turn = index % 2 ? couple->turn_of_second : couple->turn;
+    return couple->corners[order[index % 2][turn + k]];
 }
 
 static inline struct orl_triangle orl_triangle_of_own(const struct orl_geometry *geometry,
                                                       size_t index)
 {
     const struct orl_vec3 *const corners = geometry->corners;
+    if (!corners)
+        return orl_triangle_unpacked(geometry, index);
     return (struct orl_triangle){corners[orl_triangle_corner(geometry, index, 0)],
                                  corners[orl_triangle_corner(geometry, index, 1)],
                                  corners[orl_triangle_corner(geometry, index, 2)]};
@@ -232,9 +304,10 @@ static inline bool orl_geometry_is_vast(const struct orl_geometry *geometry)
 
 /* A polygon's corners, as the files list them: of the scene's own, and of one that can be met. */
 struct orl_facet_outline {
-    const struct orl_vec3 *corners; /* the geometry's */
+    const struct orl_vec3 *corners; /* the geometry's; NULL: packed */
     const uint32_t *own;            /* which of them; or NULL: at */
-    uint32_t at[4], n;
+    uint32_t n, at[4];
+    const struct orl_geometry *geometry;
 };
 struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geometry, uint32_t facet);
 static inline struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry,
@@ -243,7 +316,7 @@ static inline struct orl_facet_outline orl_outline_of_facet(const struct orl_geo
     if (!geometry->listed)
         return orl_outline_looked_up(geometry, facet);
     const struct orl_own_outline *const own = &geometry->outlines[facet];
-    struct orl_facet_outline outline; /* without at, which is not read */
+    struct orl_facet_outline outline; /* without what is not read */
     outline.corners = geometry->corners;
     outline.own = geometry->outline_corners + own->first;
     outline.n = own->n;
@@ -253,7 +326,9 @@ static inline struct orl_facet_outline orl_outline_of_facet(const struct orl_geo
 static inline struct orl_vec3 orl_outline_corner(const struct orl_facet_outline *outline,
                                                  uint32_t i)
 {
-    return outline->corners[outline->own ? outline->own[i] : outline->at[i]];
+    const uint32_t corner = outline->own ? outline->own[i] : outline->at[i];
+    return outline->corners ? outline->corners[corner]
+                            : orl_corner_unpacked(outline->geometry, corner);
 }
 
 static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geometry, size_t index)
@@ -314,7 +389,10 @@ const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geomet
 
 static inline double orl_facet_beyond(const struct orl_geometry *geometry, uint32_t facet)
 {
-    return geometry->facets[facet].stands_off ? orl_facet_more_of(geometry, facet)->beyond : 0;
+    struct orl_facet own;
+    return orl_facet_own(geometry, facet, &own)->stands_off
+               ? orl_facet_more_of(geometry, facet)->beyond
+               : 0;
 }
 
 /* Where a ray that leaves a point of a facet, of that front normal, along direction is to start. */
@@ -323,11 +401,11 @@ static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometr
                                               struct orl_vec3 direction)
 {
     const double side = orl_dot(direction, normal) >= 0 ? 1 : -1;
-    if (orl_facet_is_placed(geometry, facet))
-        return orl_madd(point, normal, side * orl_placed_offset(geometry, facet));
+    if (facet >= geometry->n_plain)
+        return orl_madd(point, normal, side * orl_facet_clear_elsewhere(geometry, facet, side));
     const struct orl_facet *f = &geometry->facets[facet];
     /* To the side of what it stands for: beyond that. */
-    const double beyond = orl_facet_beyond(geometry, facet);
+    const double beyond = f->stands_off ? orl_facet_more_of(geometry, facet)->beyond : 0;
     const double hidden = beyond * side < 0 ? fabs(beyond) : 0;
     return orl_madd(point, normal, side * (f->offset + hidden));
 }

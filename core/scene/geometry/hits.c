@@ -48,6 +48,8 @@ void orl_geometry_intersect_many(const struct orl_geometry *geometry, const stru
     for (size_t first = 0; first < n; first += AT_ONCE) {
         const size_t count = n - first < AT_ONCE ? n - first : AT_ONCE;
         orl_embree_intersect_many(geometry, rays + first, count, alike, met, ret_found + first);
+        if (geometry->packed && !geometry->curved && geometry->n_placed == 0)
+            orl_meet_expect(geometry, met, ret_found + first, count);
         for (size_t i = 0; i < count; i++)
             if (ret_found[first + i])
                 orl_meet_settle(geometry, rays[first + i].origin, rays[first + i].direction,
@@ -66,7 +68,7 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2])
 {
     struct orl_curved room;
-    if (orl_facet_of(geometry, hit->facet)->kind != ORL_SURFACE_POLYGON) {
+    if (orl_facet_kind(geometry, hit->facet) != ORL_SURFACE_POLYGON) {
         const struct orl_facet facet = orl_facet_at(geometry, hit->facet, &room);
         orl_quadric_uv(&facet, hit->point, ret_uv);
         return;
@@ -138,7 +140,8 @@ static void sample_simple(const struct orl_geometry *geometry, const struct orl_
 void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
                            const double (*u)[2], size_t n, struct orl_vec3 *ret_points)
 {
-    const struct orl_facet *f = &geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(geometry, facet, &own);
     struct orl_vec3 normal;
     if (f->kind == ORL_SURFACE_POLYGON && (f->n_triangles == 1 || f->n_triangles == 2))
         sample_simple(geometry, f, u, n, ret_points);
@@ -153,7 +156,8 @@ void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
 static void sample_own(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                        struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
-    const struct orl_facet *f = &geometry->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(geometry, facet, &own);
     if (f->kind != ORL_SURFACE_POLYGON) {
         orl_quadric_sample(f, u, ret_point, ret_normal);
         return;

@@ -1,5 +1,6 @@
 #include "scene/geometry/meet.h"
 
+#include "scene/geometry/packed.h"
 #include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
@@ -31,14 +32,37 @@ static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hi
     for (uint32_t i = 0; i < more->n_rivals; i++) {
         const uint32_t rival = geometry->rivals[more->first_rival + i];
         uint32_t triangle;
-        if (!holds(geometry, &geometry->facets[rival], hit->point, &triangle))
+        struct orl_facet own;
+        const struct orl_facet *const f = orl_facet_own(geometry, rival, &own);
+        if (!holds(geometry, f, hit->point, &triangle))
             continue;
         hit->facet = rival;
         hit->triangle = triangle;
-        hit->normal = geometry->facets[rival].normal;
+        hit->normal = f->normal;
         hit->front = true;
         return;
     }
+}
+
+/* What is asked of a facet at a hit, where they are packed or not; of room no more is written. */
+static inline const struct orl_facet *facet_of(const struct orl_geometry *geometry, uint32_t facet,
+                                               bool packed, struct orl_facet *room)
+{
+    if (!packed)
+        return &geometry->facets[facet];
+    const struct orl_packed_facet *const f = &geometry->packed->facets[facet];
+    room->bent = f->bent;
+    room->has_more = f->has_more;
+    room->normal = orl_packed_normal(f);
+    room->offset = orl_packed_offset(f);
+    return room;
+}
+
+static inline struct orl_vec3 corner_of(const struct orl_geometry *geometry, uint32_t triangle,
+                                        bool packed)
+{
+    const uint32_t corner = orl_triangle_corner(geometry, triangle, 0);
+    return packed ? orl_packed_corner(geometry->packed, corner) : geometry->corners[corner];
 }
 
 /* The plane that a hit lies in: not a bent polygon's mean one, which may be on the far side of the
@@ -56,9 +80,11 @@ static inline struct orl_vec3 plane_of(const struct orl_geometry *geometry,
 static double exact_distance(const struct orl_geometry *geometry, struct orl_vec3 origin,
                              struct orl_vec3 direction, uint32_t index)
 {
-    const struct orl_facet *const facet = &geometry->facets[orl_triangle_facet(geometry, index)];
+    struct orl_facet own;
+    const struct orl_facet *const facet =
+        facet_of(geometry, orl_triangle_facet(geometry, index), geometry->packed, &own);
     const struct orl_vec3 plane = plane_of(geometry, facet, index);
-    const struct orl_vec3 corner = geometry->corners[orl_triangle_corner(geometry, index, 0)];
+    const struct orl_vec3 corner = corner_of(geometry, index, geometry->packed);
     return orl_dot(orl_sub(corner, origin), plane) / orl_dot(direction, plane);
 }
 
@@ -81,20 +107,23 @@ static __attribute__((noinline)) uint32_t choose_half(const struct orl_geometry 
 
 static inline __attribute__((always_inline)) void
 settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
-           const struct orl_embree_hit *e, struct orl_hit *ret_hit)
+           const struct orl_embree_hit *e, bool packed, struct orl_hit *ret_hit)
 {
     const uint32_t met = e->seam ? choose_half(geometry, origin, direction, e) : e->index;
     const uint32_t index = e->curved ? met : orl_triangle_facet(geometry, met);
-    const struct orl_facet *facet = &geometry->facets[index];
+    struct orl_facet own;
+    const struct orl_facet *facet = facet_of(geometry, index, packed, &own);
     double t = e->distance;
     struct orl_vec3 normal = facet->normal;
     if (e->curved) {
+        if (packed)
+            facet = orl_facet_unpacked(geometry, index, &own);
         /* The same root again, in double. At a graze there may be none: then Embree's must do. */
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
         const struct orl_vec3 plane = plane_of(geometry, facet, met);
-        const struct orl_vec3 corner = geometry->corners[orl_triangle_corner(geometry, met, 0)];
+        const struct orl_vec3 corner = corner_of(geometry, met, packed);
         const double slope = orl_dot(direction, plane);
         const double exact = orl_dot(orl_sub(corner, origin), plane) / slope;
         if (fabs(exact - t) <= 1e-3 * t + facet->offset)
@@ -111,7 +140,15 @@ settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct o
         choose_front(geometry, ret_hit);
 }
 
-/* In the prototype's coordinates, and from there; not inline: nearly no scene needs it. */
+/* Apart, as the next: nearly no scene needs either. */
+static __attribute__((noinline)) void
+settle_packed(const struct orl_geometry *geometry, struct orl_vec3 origin,
+              struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
+{
+    settle_own(geometry, origin, direction, e, true, ret_hit);
+}
+
+/* In the prototype's coordinates, and from there. */
 static __attribute__((noinline)) void
 settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
               struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
@@ -119,8 +156,12 @@ settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
     const struct orl_placed *const placed = &geometry->placed[e->placed - 1];
     const struct orl_embree_hit inside = {e->distance / placed->to.scale, e->index, e->curved,
                                           e->seam, 0};
-    settle_own(placed->prototype, orl_xform_point(&placed->from, origin),
-               orl_xform_direction(&placed->from, direction), &inside, ret_hit);
+    const struct orl_vec3 from = orl_xform_point(&placed->from, origin);
+    const struct orl_vec3 along = orl_xform_direction(&placed->from, direction);
+    if (placed->prototype->packed)
+        settle_packed(placed->prototype, from, along, &inside, ret_hit);
+    else
+        settle_own(placed->prototype, from, along, &inside, false, ret_hit);
     orl_placed_hit(geometry, placed, origin, direction, ret_hit);
 }
 
@@ -130,8 +171,26 @@ settle(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_v
 {
     if (e->placed > 0)
         settle_placed(geometry, origin, direction, e, ret_hit);
+    else if (geometry->packed)
+        settle_packed(geometry, origin, direction, e, ret_hit);
     else
-        settle_own(geometry, origin, direction, e, ret_hit);
+        settle_own(geometry, origin, direction, e, false, ret_hit);
+}
+
+void orl_meet_expect(const struct orl_geometry *geometry, const struct orl_embree_hit *hits,
+                     const bool *found, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (found[i])
+            __builtin_prefetch(&geometry->couples[hits[i].index / 2]);
+    for (size_t i = 0; i < n; i++) {
+        if (!found[i])
+            continue;
+        const uint32_t corner = orl_triangle_corner(geometry, hits[i].index, 0);
+        __builtin_prefetch(&geometry->packed->facets[orl_triangle_facet(geometry, hits[i].index)]);
+        __builtin_prefetch(geometry->packed->high[corner]);
+        __builtin_prefetch(geometry->packed->low[corner]);
+    }
 }
 
 void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin,

@@ -12,6 +12,11 @@ void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin
                      struct orl_vec3 direction, const struct orl_embree_hit *e,
                      struct orl_hit *ret_hit);
 
+/* Fetches what settling those hits takes, of a geometry that is packed and has polygons of its own
+ * alone: from memory that takes longer than all else. */
+void orl_meet_expect(const struct orl_geometry *geometry, const struct orl_embree_hit *hits,
+                     const bool *found, size_t n);
+
 /* As orl_geometry_intersect, of all surfaces. */
 bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
               struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit);

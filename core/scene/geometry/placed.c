@@ -36,17 +36,6 @@ static const struct orl_placed *of_triangle(const struct orl_geometry *geometry,
     return &geometry->placed[low];
 }
 
-const struct orl_facet *orl_placed_facet(const struct orl_geometry *geometry, uint32_t facet)
-{
-    const struct orl_placed *const placed = orl_placed_of(geometry, facet);
-    return &placed->prototype->facets[facet - placed->first_facet];
-}
-
-double orl_placed_offset(const struct orl_geometry *geometry, uint32_t facet)
-{
-    return orl_placed_of(geometry, facet)->offset;
-}
-
 struct orl_triangle orl_placed_triangle(const struct orl_geometry *geometry, size_t index)
 {
     const struct orl_placed *const placed = of_triangle(geometry, index);
@@ -60,10 +49,11 @@ struct orl_triangle orl_placed_triangle(const struct orl_geometry *geometry, siz
 struct orl_facet orl_facet_at(const struct orl_geometry *geometry, uint32_t facet,
                               struct orl_curved *room)
 {
+    struct orl_facet own;
     if (facet < geometry->n_facets)
-        return geometry->facets[facet];
+        return *orl_facet_own(geometry, facet, &own);
     const struct orl_placed *const placed = orl_placed_of(geometry, facet);
-    struct orl_facet f = placed->prototype->facets[facet - placed->first_facet];
+    struct orl_facet f = *orl_facet_own(placed->prototype, facet - placed->first_facet, &own);
     if (f.kind != ORL_SURFACE_POLYGON) {
         *room = orl_xform_curved(&placed->to, f.round);
         f.round = room;
@@ -100,7 +90,7 @@ bool orl_kept_next(struct orl_kept_walk *walk)
 void orl_placed_hit(const struct orl_geometry *geometry, const struct orl_placed *placed,
                     struct orl_vec3 origin, struct orl_vec3 direction, struct orl_hit *hit)
 {
-    const bool round = placed->prototype->facets[hit->facet].kind != ORL_SURFACE_POLYGON;
+    const bool round = orl_facet_kind(placed->prototype, hit->facet) != ORL_SURFACE_POLYGON;
     hit->distance *= placed->to.scale;
     hit->point = orl_madd(origin, direction, hit->distance);
     hit->normal = orl_xform_normal(&placed->to, hit->normal);
@@ -148,9 +138,9 @@ static void bound(struct orl_placed *placed)
     placed->low = orl_v3(INFINITY, INFINITY, INFINITY);
     placed->high = orl_neg(placed->low);
     for (size_t i = 0; i < g->n_corners; i++)
-        include(orl_xform_point(&placed->to, g->corners[i]), &placed->low, &placed->high);
+        include(orl_xform_point(&placed->to, orl_corner_of(g, i)), &placed->low, &placed->high);
     for (size_t i = 0; i < g->n_rounds; i++) {
-        struct orl_facet facet = g->facets[g->n_facets - 1 - i];
+        struct orl_facet own, facet = *orl_facet_own(g, g->n_facets - 1 - i, &own);
         const struct orl_curved curved = orl_xform_curved(&placed->to, facet.round);
         struct orl_vec3 low, high;
         facet.round = &curved;

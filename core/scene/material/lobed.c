@@ -396,7 +396,7 @@ const struct orl_pattern *orl_lobed_narrow_of(const struct orl_geometry *geometr
 {
     const struct orl_pattern *found = NULL;
     for (size_t i = 0; i < geometry->n_facets && !found; i++)
-        found = orl_lobed_narrow(&materials[geometry->facets[i].material]);
+        found = orl_lobed_narrow(&materials[orl_facet_material(geometry, i)]);
     return found;
 }
 

@@ -91,7 +91,8 @@ static int know(const struct orl_geometry *g, const struct orl_material *m, uint
 {
     const uint64_t place = (uint64_t)7 << ORL_RAY_PX | (uint64_t)3 << ORL_RAY_LU;
     struct orl_pattern *const lobes = m->lobes;
-    const struct orl_facet *const f = &g->facets[facet];
+    struct orl_facet own;
+    const struct orl_facet *const f = orl_facet_own(g, facet, &own);
     const uint64_t inputs = orl_function_inputs(lobes->function) |
                             (lobes->values ? orl_function_inputs(lobes->values) : 0);
     const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
@@ -127,7 +128,8 @@ static void place_hits(const struct orl_geometry *g, const struct sample *sample
         const double u[2] = {fmod(0.5 + 0.7548776662466927 * (double)i, 1),
                              fmod(0.5 + 0.5698402909980532 * (double)i, 1)};
         struct orl_hit hit = {.facet = sample->facets[i % sample->n], .front = true};
-        hit.triangle = g->facets[hit.facet].first_triangle;
+        struct orl_facet own;
+        hit.triangle = orl_facet_own(g, hit.facet, &own)->first_triangle;
         orl_facet_sample(g, hit.facet, u, &hit.point, &hit.normal);
         ret_hits[i] = hit;
     }
@@ -199,7 +201,7 @@ static int judge_sum(struct orl_description *d, const struct orl_geometry *g,
     }
     if (!(most > 1 + slack))
         return 0;
-    const struct orl_surface *const s = &d->surfaces[g->facets[hits[0].facet].surface];
+    const struct orl_surface *const s = &d->surfaces[orl_facet_surface(g, hits[0].facet)];
     orl_error_set(err, ORL_ERR_RANGE,
                   "its material '%.200s' returns up to %.3g of the light that meets it, more than "
                   "all",
@@ -246,10 +248,10 @@ static void choose(const struct orl_description *d, const struct orl_geometry *g
                    struct sample *samples)
 {
     for (size_t i = 0; i < g->n_facets; i++)
-        samples[g->facets[i].material].all += g->facets[i].area > 0;
+        samples[orl_facet_material(g, i)].all += orl_facet_area(g, i) > 0;
     for (size_t i = 0; i < g->n_facets; i++) {
-        struct sample *const s = &samples[g->facets[i].material];
-        if (is_looked_at(&d->materials[g->facets[i].material]) && g->facets[i].area > 0 &&
+        struct sample *const s = &samples[orl_facet_material(g, i)];
+        if (is_looked_at(&d->materials[orl_facet_material(g, i)]) && orl_facet_area(g, i) > 0 &&
             s->n < PLACES && s->met++ % ((s->all + PLACES - 1) / PLACES) == 0)
             s->facets[s->n++] = (uint32_t)i;
     }

@@ -84,7 +84,7 @@ const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
         orl_facet_is_placed(g, hit->facet)
             ? d->prototypes[orl_placed_of(g, hit->facet)->number].surfaces
             : d->surfaces;
-    return surfaces ? &surfaces[orl_facet_of(g, hit->facet)->surface] : NULL;
+    return surfaces ? &surfaces[orl_facet_surface(g, hit->facet)] : NULL;
 }
 
 void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,

@@ -32,7 +32,7 @@ static uint32_t *sort_facets(const struct orl_description *d, const struct orl_g
     for (int pass = 0; pass < 2 && (pass == 0 || sorted); pass++) {
         for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);) {
             struct orl_pattern *all[ORL_MATERIAL_PATTERNS];
-            const uint32_t material = orl_facet_of(g, walk.facet)->material;
+            const uint32_t material = orl_facet_material(g, walk.facet);
             const size_t n = orl_patterns_of(&d->materials[material], all);
             for (size_t k = 0; k < n; k++)
                 if (pass == 0)
