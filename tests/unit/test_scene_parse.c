@@ -291,6 +291,38 @@ static void test_xform_arrays(void **state)
     orl_description_done(&d);
 }
 
+/* What has no extent is dropped with a warning, as by oconv; the last of each kind stays. */
+static void test_no_extent(void **state)
+{
+    struct orl_description d =
+        parse(RED "red sphere a 0 0 4 0 0 0 0\nred bubble b 0 0 4 0 0 0 0\n"
+                  "red cylinder c 0 0 7 0 0 0 0 0 0 1\nred tube e 0 0 7 0 0 0 0 0 1 0\n"
+                  "red cone f 0 0 8 0 0 0 0 0 1 0 0\nred cup g 0 0 8 1 1 1 1 1 1 1 2\n"
+                  "red ring h 0 0 8 0 0 0 0 0 0 0 1\nred ring i 0 0 8 0 0 0 0 0 1 1 1\n"
+                  "red sphere s 0 0 4 0 0 0 .1\nred cone k 0 0 8 0 0 0 0 0 1 0 .1\n"
+                  "red ring r 0 0 8 0 0 0 0 0 1 .1 0\n");
+    (void)state;
+    assert_int_equal(d.n_surfaces, 3);
+    assert_int_equal(d.n_degenerate, 8);
+    assert_string_equal(d.surfaces[0].name, "s");
+    assert_string_equal(d.surfaces[1].name, "k");
+    assert_string_equal(d.surfaces[2].name, "r");
+    orl_description_done(&d);
+}
+
+/* A shell ends a command where a word begins with '#'; within a word it is a sign. */
+static void test_command_comments(void **state)
+{
+    struct orl_description d =
+        parse(RED "!genbox red b 1 1 1 | xform -n a#b -t 1 0 0 # by hand; see 'plan\n"
+                  "!genbox red c 1 1 1 #\n");
+    (void)state;
+    assert_int_equal(d.n_surfaces, 12);
+    assert_string_equal(d.surfaces[0].name, "a#b.b.1540");
+    assert_vec(d.surfaces[6].vertices[0], 1, 0, 0);
+    orl_description_done(&d);
+}
+
 static void test_xform_mirror(void **state)
 {
     static const char *const pairs[][2] = {
@@ -483,6 +515,8 @@ int main(void)
         cmocka_unit_test(test_numbers),
         cmocka_unit_test(test_genbox_faces_outwards),
         cmocka_unit_test(test_xform_arrays),
+        cmocka_unit_test(test_no_extent),
+        cmocka_unit_test(test_command_comments),
         cmocka_unit_test(test_xform_mirror),
         cmocka_unit_test(test_xform_overrides),
         cmocka_unit_test(test_sky_turns_with_its_scene),

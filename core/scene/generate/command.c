@@ -47,7 +47,7 @@ static int copy_word(const char **line, char **to, bool formula, struct orl_erro
         if (quote != '\'' && strchr("$`", *at))
             return refuse(err, *at);
         if (!quote && !(formula && *at == '*') &&
-            (strchr(";&<>*?[]{}()", *at) || (*to == start && strchr("~#", *at))))
+            (strchr(";&<>*?[]{}()", *at) || (*to == start && *at == '~')))
             return refuse(err, *at);
         if (*at == '\\' && quote != '\'' && at[1] && !is_of_name(at[1]))
             at++;
@@ -96,7 +96,7 @@ int orl_command_split(struct orl_command *command, const char *line, struct orl_
     for (const char *at = line; code == 0;) {
         while (is_blank(*at))
             at++;
-        if (*at == '\0')
+        if (*at == '\0' || *at == '#') /* a shell's comment: to the end of the line */
             break;
         if (*at == '|') {
             code = end_stage(command, err);

@@ -253,57 +253,69 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
 
 /* ---- The round ones -------------------------------------------------------------------------- */
 
+/* Of no extent: dropped with a warning, as Radiance's programs do; nothing can meet it. */
+static void leave_out(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
+{
+    orl_parser_count(parser, scope, &parser->degenerate);
+    *ret_keep = false;
+}
+
 static int check_radius(struct orl_parser *parser, const struct orl_scope *scope, double radius,
-                        struct orl_error *err)
+                        bool *ret_keep, struct orl_error *err)
 {
     if (radius > 0)
         return 0;
+    if (radius == 0) {
+        leave_out(parser, scope, ret_keep);
+        return 0;
+    }
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radius %g is not positive", radius);
     orl_error_hint(err, "for a surface that faces inwards use bubble, tube or cup");
     return ORL_ERR_RANGE;
 }
 
 static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_curved *round, struct orl_error *err)
+                       struct orl_curved *round, bool *ret_keep, struct orl_error *err)
 {
     round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
     round->radius[0] = parser->primitive.reals[3] * scope->xform.scale;
-    return check_radius(parser, scope, parser->primitive.reals[3], err);
+    return check_radius(parser, scope, parser->primitive.reals[3], ret_keep, err);
 }
 
 /* Cylinder, tube (one radius), cone and cup (two, of which one may be 0). */
 static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_curved *round, struct orl_error *err)
+                     struct orl_curved *round, bool *ret_keep, struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
     const bool straight = parser->primitive.n_reals == 7;
     const struct orl_vec3 axis = orl_sub(real3(parser, 3), real3(parser, 0));
-    if (!(orl_length(axis) > 0)) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its two ends are the same point");
-        orl_error_hint(err, "it has no surface: leave it out, or use a ring for a flat disc");
-        return ORL_ERR_RANGE;
-    }
     if (!straight && (r[6] < 0 || r[7] < 0))
-        return check_radius(parser, scope, fmin(r[6], r[7]), err);
+        return check_radius(parser, scope, fmin(r[6], r[7]), ret_keep, err);
     for (size_t i = 0; i < 2; i++) {
         round->center[i] = orl_xform_point(&scope->xform, real3(parser, 3 * i));
         round->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
     }
-    return check_radius(parser, scope, straight ? r[6] : fmax(r[6], r[7]), err);
+    if (!(orl_length(axis) > 0)) {
+        leave_out(parser, scope, ret_keep);
+        return 0;
+    }
+    return check_radius(parser, scope, straight ? r[6] : fmax(r[6], r[7]), ret_keep, err);
 }
 
 static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_surface *surface, struct orl_curved *round, struct orl_error *err)
+                     struct orl_surface *surface, struct orl_curved *round, bool *ret_keep,
+                     struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
     const double inner = fmin(r[6], r[7]), outer = fmax(r[6], r[7]);
     struct orl_vec3 normal = orl_normalize(orl_xform_vector(&scope->xform, real3(parser, 3)));
-    if (!(fabs(orl_length(normal) - 1.0) < 1e-6))
+    if (inner < 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its direction (%g %g %g) has no length", r[3], r[4], r[5]);
-    if (inner < 0 || !(outer > inner))
-        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its radii %g and %g do not enclose anything", r[6], r[7]);
+                               "its radii %g and %g are not both positive", r[6], r[7]);
+    if (!(fabs(orl_length(normal) - 1.0) < 1e-6) || !(outer > inner)) {
+        leave_out(parser, scope, ret_keep);
+        return 0;
+    }
     round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
     surface->normal = scope->xform.inverted ? orl_neg(normal) : normal;
     round->radius[0] = inner * scope->xform.scale;
@@ -311,8 +323,9 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
     return 0;
 }
 
+/* ret_keep becomes false when it has no extent. */
 static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
-                      const struct surface_type *type, struct orl_surface *surface,
+                      const struct surface_type *type, struct orl_surface *surface, bool *ret_keep,
                       struct orl_error *err)
 {
     struct orl_curved *const round = orl_arena_take(parser->out->outlines, sizeof *round);
@@ -323,11 +336,11 @@ static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
         return out_of_memory(parser, scope, err);
     *round = orl_curved_none;
     if (type->kind == ORL_SURFACE_RING)
-        code = read_ring(parser, scope, surface, round, err);
+        code = read_ring(parser, scope, surface, round, ret_keep, err);
     else if (type->n_reals == 4)
-        code = read_sphere(parser, scope, round, err);
+        code = read_sphere(parser, scope, round, ret_keep, err);
     else
-        code = read_cone(parser, scope, round, err);
+        code = read_cone(parser, scope, round, ret_keep, err);
     if (code == 0 && (!in_reach(round->center[0]) || !in_reach(round->center[1]) ||
                       !(round->radius[0] < farthest) || !(round->radius[1] < farthest)))
         code = too_far(parser, scope, err);
@@ -467,6 +480,6 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
     if (type->kind == ORL_SURFACE_POLYGON)
         code = read_polygon(parser, scope, &surface, &keep, err);
     else
-        code = read_round(parser, scope, type, &surface, err);
+        code = read_round(parser, scope, type, &surface, &keep, err);
     return code == 0 && keep ? keep_surface(parser, scope, &surface, err) : code;
 }
