@@ -290,6 +290,31 @@ static void test_frozen(void **state)
     orl_description_done(&d);
 }
 
+/* In the places of markers, by replmarks: where Radiance 6.1's replmarks and xform put the ball. */
+static void test_markers(void **state)
+{
+    static const char scene[] =
+        "void plastic red 0 0 5 .9 0 0 0 0\nvoid plastic grass 0 0 5 0 .7 0 0 0\n"
+        "!genblinds mark b 1 2 3 2 20 | cat | replmarks -s .5 -m grass -i b.bin mark | "
+        "xform -n n -t 0 0 1\n";
+    struct bytes b = {.size = 0};
+    (void)state;
+    make_frozen(&b);
+    struct orl_description d = parse_well(scene, &b, "");
+    assert_int_equal(d.n_surfaces, 2);
+    for (int i = 0; i < 2; i++) {
+        const struct orl_vec3 c = d.surfaces[i].round->center[0];
+        const struct orl_vec3 there = orl_v3(-1.96575267155, 1, 4.22705757571 + 1.5 * i);
+        assert_true(orl_length(orl_sub(c, there)) < 2e-6); /* six decimals */
+        assert_true(fabs(d.surfaces[i].round->radius[0] - .5) < 1e-6);
+        assert_string_equal(material_of(&d, (size_t)i)->name, "grass");
+        assert_string_equal(d.surfaces[i].name, i == 0 ? "n.b.1.0.ball" : "n.b.2.0.ball");
+    }
+    orl_description_done(&d);
+    expect_error("!genblinds mark b 1 2 3 1 20 | replmarks -I b.bin mark\n", &b, ORL_ERR_SYNTAX,
+                 "mesh");
+}
+
 /* Names inside are its own: red outside stays what it was, and is not seen inside. */
 static void test_names_inside(void **state)
 {
@@ -515,10 +540,15 @@ static void test_damaged(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_frozen),      cmocka_unit_test(test_names_inside),
-        cmocka_unit_test(test_named_files), cmocka_unit_test(test_mesh),
-        cmocka_unit_test(test_smooth_mesh), cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_places),      cmocka_unit_test(test_meshes_in_places),
+        cmocka_unit_test(test_frozen),
+        cmocka_unit_test(test_markers),
+        cmocka_unit_test(test_names_inside),
+        cmocka_unit_test(test_named_files),
+        cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_smooth_mesh),
+        cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_meshes_in_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,7 +121,7 @@ static const struct {
     {"!replmarks marks.rad", ORL_ERR_SYNTAX, "needs -x"},
     {"!replmarks -x tip.rad mark", ORL_ERR_SYNTAX, "no file"},
     {"!replmarks -m m mark marks.rad", ORL_ERR_SYNTAX, "missing for 'mark'"},
-    {"!replmarks -i tip.oct mark marks.rad", ORL_ERR_UNSUPPORTED, "'-i'"},
+    {"!replmarks -i tip.oct mark marks.rad", ORL_ERR_NOT_FOUND, "tip.oct"},
     {"!replmarks -q mark marks.rad", ORL_ERR_SYNTAX, "'-q'"},
     {"!replmarks -s x -x tip.rad mark marks.rad", ORL_ERR_SYNTAX, "'x'"},
     {"!replmarks -x away.rad mark marks.rad", ORL_ERR_NOT_FOUND, "away.rad"},

@@ -181,6 +181,21 @@ static int read_arguments(void *ctx, const char *name, char **ret_text, struct o
 
 /* ---- replmarks ------------------------------------------------------------------------------- */
 
+/* An octree or a mesh in a marker's place: the primitive that replmarks writes of it. The marker's
+ * name goes before those inside an octree, and is that of a mesh. */
+static int place_compiled(struct orl_parser *parser, struct orl_scope *inner,
+                          const struct orl_marker *marker, int line, struct orl_error *err)
+{
+    char text[ORL_PREFIX_BYTES + ORL_LIMIT_WORD_BYTES + 64];
+    const int size = snprintf(text, sizeof text, "void %s \"%s\" 1 \"%s\" 0 0\n", marker->compiled,
+                              inner->prefix, marker->object);
+    if ((size_t)size >= sizeof text)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the name of its file is too long");
+    if (strcmp(marker->compiled, "mesh") == 0)
+        inner->prefix = NULL;
+    return orl_parser_read(parser, inner, text, (size_t)size, line, err);
+}
+
 /* Reads the object of the marker at hand, in the scope where the markers were named; its name goes
  * before those of the object, with the prefixes it has itself. */
 static int replace_marker(struct orl_parser *parser, const struct orl_scope *scope,
@@ -198,7 +213,8 @@ static int replace_marker(struct orl_parser *parser, const struct orl_scope *sco
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "its name is too long");
     struct orl_scope inner = enter(scope->markers->scope, &use, NULL);
     inner.prefix = name;
-    code = orl_parser_include(parser, &inner, marker->object, err);
+    code = marker->compiled ? place_compiled(parser, &inner, marker, line, err)
+                            : orl_parser_include(parser, &inner, marker->object, err);
     if (code < 0 && err->file[0] == '\0') {
         snprintf(primitive, sizeof primitive, "polygon %.180s", name);
         orl_error_at(err, scope->file, line, primitive);

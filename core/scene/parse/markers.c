@@ -14,13 +14,6 @@ enum { CORNERS_MAX = 6 };
 
 /* ---- The command ----------------------------------------------------------------------------- */
 
-static int refuse_kind(const char *option, struct orl_error *err)
-{
-    orl_error_set(err, ORL_ERR_UNSUPPORTED, "replmarks: option '%s' is not supported", option);
-    orl_error_hint(err, "replace markers by a scene file (-x) instead");
-    return ORL_ERR_UNSUPPORTED;
-}
-
 static int read_option(struct orl_markers *markers, struct orl_marker *marker,
                        struct orl_words *words, struct orl_error *err)
 {
@@ -33,11 +26,10 @@ static int read_option(struct orl_markers *markers, struct orl_marker *marker,
     }
     if (strcmp(option, "-s") == 0)
         return orl_words_number(words, option, &marker->scale, err);
-    if (strcmp(option, "-i") == 0 || strcmp(option, "-I") == 0)
-        return refuse_kind(option, err);
-    if (strcmp(option, "-x") == 0)
+    if (strcmp(option, "-x") == 0 || strcmp(option, "-i") == 0 || strcmp(option, "-I") == 0) {
         name = &marker->object;
-    else if (strcmp(option, "-m") == 0)
+        marker->compiled = option[1] == 'x' ? NULL : option[1] == 'i' ? "instance" : "mesh";
+    } else if (strcmp(option, "-m") == 0)
         name = &marker->replacement;
     else
         return orl_error_set(err, ORL_ERR_SYNTAX, "replmarks: '%.40s' is no option", option);
@@ -61,7 +53,7 @@ int orl_markers_read(struct orl_markers *markers, const char *const *words, size
             code = orl_words_name(&rest, "the markers' modifier", &marker.modifier, err);
         if (code == 0 && !marker.object)
             code = orl_error_set(err, ORL_ERR_SYNTAX,
-                                 "replmarks: -x and a scene file are missing for '%.80s'",
+                                 "replmarks: -x, -i or -I and a file are missing for '%.80s'",
                                  marker.modifier);
         if (code < 0)
             return code;
@@ -69,7 +61,7 @@ int orl_markers_read(struct orl_markers *markers, const char *const *words, size
     }
     if (markers->n == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "replmarks needs -x, a scene file and a modifier");
+                             "replmarks needs -x, -i or -I, a file and a modifier");
     *ret_used = count - rest.left;
     return 0;
 }

@@ -13,7 +13,8 @@ enum { ORL_MARKERS_MAX = 128 };
 
 struct orl_marker {
     const char *modifier;    /* of polygons that are markers */
-    const char *object;      /* a scene file */
+    const char *object;      /* a scene file, or what is an instance or a mesh */
+    const char *compiled;    /* -i: "instance", -I: "mesh"; NULL: a scene file */
     const char *replacement; /* -m: the objects' modifier, or NULL */
     double scale;            /* -s: of the object for an x axis of length 1; 0: as it is */
 };
