@@ -87,6 +87,21 @@ static void test_screen(void **state)
     check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
 }
 
+/* The same of a wall with a texture, which the hole has not. */
+static void test_rough_screen(void **state)
+{
+#define BUMPS                                                                                      \
+    "void texfunc bumps 4 .3*sin(9*Px) 0 .3*cos(9*Pz) . 0 0\n"                                     \
+    "bumps plastic bumpy 0 0 5 .5 .5 .5 .1 .1\n"
+    static const char split[] =
+        ROOM BUMPS "wall " FLOOR "bumpy " LEFT "void glass nothing 0 0 4 1 1 1 1\nnothing " RIGHT;
+    static const char mixed[] =
+        ROOM BUMPS "wall " FLOOR "void mixfunc half 4 void bumpy if(Px-2,1,0) . 0 0\nhalf " SOUTH;
+    (void)state;
+    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+}
+
 /* A floor half steel, half paint: what gloss makes of the sun. A gather's sensor opposite finds the
  * sun in it by chance, of both scenes. */
 static void test_floor(void **state)
@@ -230,10 +245,11 @@ static void test_bounds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_facade),   cmocka_unit_test(test_screen),
-        cmocka_unit_test(test_floor),    cmocka_unit_test(test_glow),
-        cmocka_unit_test(test_directed), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_bounds),   cmocka_unit_test(test_texture),
+        cmocka_unit_test(test_facade),       cmocka_unit_test(test_screen),
+        cmocka_unit_test(test_rough_screen), cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_glow),         cmocka_unit_test(test_directed),
+        cmocka_unit_test(test_refused),      cmocka_unit_test(test_bounds),
+        cmocka_unit_test(test_texture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

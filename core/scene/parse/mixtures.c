@@ -61,17 +61,25 @@ static int count_leaves(const struct orl_material *m)
     return m->mixed ? count_leaves(&m->mixed[0]) + count_leaves(&m->mixed[1]) : 1;
 }
 
+/* What no texture changes: glow, and void. */
+static bool has_no_normal(const struct orl_material *m)
+{
+    const struct orl_rgb t = m->transmissivity;
+    return m->kind == ORL_MATERIAL_GLOW ||
+           (m->kind == ORL_MATERIAL_GLASS && !m->pattern && !m->texture && m->ior == 1 &&
+            t.r == 1 && t.g == 1 && t.b == 1);
+}
+
 static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_material two[2], struct orl_error *err)
 {
-    const bool either_glows = two[0].kind == ORL_MATERIAL_GLOW || two[1].kind == ORL_MATERIAL_GLOW;
     const char *what = NULL;
     if (!is_mixable(two[0].kind) || !is_mixable(two[1].kind))
         what = "mixtures of unlike materials are simulated of plastic, metal, trans, "
                "those by functions, ashik2, glass, BRTDfunc, mirror, glow and void";
     else if (two[0].sky >= 0 || two[1].sky >= 0)
         what = "a glow that a sky modifies cannot be mixed";
-    else if (two[0].texture != two[1].texture && !either_glows)
+    else if (two[0].texture != two[1].texture && !has_no_normal(&two[0]) && !has_no_normal(&two[1]))
         what = "mixtures of unlike materials are simulated where both have one texture, or none";
     else if (count_leaves(&two[0]) + count_leaves(&two[1]) > ORL_MIXED_MOST)
         what = "with all that it mixes it is more than eight materials";
@@ -120,7 +128,7 @@ static int mix_unlike(struct orl_parser *parser, const struct orl_scope *scope,
     memcpy(kept, two, 2 * sizeof *kept);
     ret_material->mixed = kept;
     ret_material->kind = ORL_MATERIAL_MIXTURE;
-    ret_material->texture = two[two[0].kind == ORL_MATERIAL_GLOW].texture;
+    ret_material->texture = two[has_no_normal(&two[0])].texture;
     return 0;
 }
 
