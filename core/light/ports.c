@@ -17,6 +17,7 @@ static const double least_seen =
     1e-3; /* share of escaping rays that makes a face an outside face */
 static const double least_contrast = 4; /* and how many times the other face's it must be */
 
+enum { AT_ONCE = 64 };
 enum { SEAL_PATHS = 16384, SEAL_BOUNCES = 8, SEAL_ESCAPES = 2 };
 
 struct search {
@@ -29,34 +30,49 @@ struct search {
     atomic_uint escapes;
 };
 
-/* A cosine-weighted direction about normal. */
+/* A cosine-weighted direction about normal: above a point of the disc, which the first of the
+ * square about it that lies in it is. */
 static struct orl_vec3 cosine_direction(struct orl_vec3 normal, struct orl_random *random)
 {
-    const double u = orl_random_uniform(random), v = orl_random_uniform(random);
-    return orl_hemisphere_about(normal, u, v);
+    const struct orl_frame frame = orl_frame_about(normal);
+    double x, y, square;
+    do {
+        x = 2 * orl_random_uniform(random) - 1;
+        y = 2 * orl_random_uniform(random) - 1;
+        square = x * x + y * y;
+    } while (square > 1);
+    return orl_to_world(&frame, orl_v3(x, y, sqrt(1 - square)));
 }
 
 static double share_escaping(const struct search *search, uint32_t facet, bool front,
                              struct orl_random *random)
 {
     const struct orl_geometry *g = search->scene->geometry;
+    const struct orl_vec3 normal = orl_facet_normal(g, facet);
+    const struct orl_frame frame = orl_frame_about(front ? normal : orl_neg(normal));
     uint32_t escaped = 0;
-    for (uint32_t i = 0; i < search->rays; i++) {
-        const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
-        struct orl_vec3 point, normal;
-        orl_facet_sample(g, facet, u, &point, &normal);
-        if (!front)
-            normal = orl_neg(normal);
-        point = orl_facet_leave(g, facet, point, orl_facet_normal(g, facet), normal);
-        escaped += !orl_geometry_occluded(g, point, cosine_direction(normal, random), INFINITY);
+    for (uint32_t i = 0; i < search->rays; i += AT_ONCE) {
+        const uint32_t n = search->rays - i < AT_ONCE ? search->rays - i : AT_ONCE;
+        double u[AT_ONCE][2];
+        struct orl_vec3 points[AT_ONCE], directions[AT_ONCE];
+        for (uint32_t k = 0; k < n; k++) {
+            u[k][0] = orl_random_uniform(random);
+            u[k][1] = orl_random_uniform(random);
+            const double x = orl_random_uniform(random), y = orl_random_uniform(random);
+            directions[k] = orl_to_world(&frame, orl_hemisphere_point(x, y));
+        }
+        orl_facet_sample_many(g, facet, (const double(*)[2])u, n, points);
+        for (uint32_t k = 0; k < n; k++) {
+            const struct orl_vec3 start = orl_facet_leave(g, facet, points[k], normal, frame.n);
+            escaped += !orl_geometry_occluded(g, start, directions[k], INFINITY);
+        }
     }
     return (double)escaped / search->rays;
 }
 
-bool orl_port_owns(const struct orl_geometry *g, const struct orl_port *port, struct orl_vec3 point)
+bool orl_port_owns_shared(const struct orl_geometry *g, const struct orl_port *port,
+                          struct orl_vec3 point)
 {
-    if (!port->shared)
-        return true;
     const double offset = orl_facet_offset(g, port->facet);
     struct orl_hit hit;
     /* A ray that slips past the rim has met nobody else's surface either. */

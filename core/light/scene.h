@@ -119,7 +119,12 @@ bool orl_scene_has_name(const struct orl_scene *scene, uint32_t facet, const cha
  * Whether a place on a port is the port's own. Where two surfaces lie in one plane a ray meets one
  * of them and is past both: so must be what the ports send in, or light would be counted twice.
  */
-bool orl_port_owns(const struct orl_geometry *geometry, const struct orl_port *port,
-                   struct orl_vec3 point);
+bool orl_port_owns_shared(const struct orl_geometry *geometry, const struct orl_port *port,
+                          struct orl_vec3 point); /* of a plane that is shared */
+static inline bool orl_port_owns(const struct orl_geometry *geometry, const struct orl_port *port,
+                                 struct orl_vec3 point)
+{
+    return !port->shared || orl_port_owns_shared(geometry, port, point);
+}
 
 #endif
