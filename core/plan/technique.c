@@ -12,6 +12,15 @@ enum { LAMPS_OF_VIEWS = 200000, LAMPS_OF_A_SAMPLE = 50, LAMPS_A_WINDOW_OF_VIEWS 
 
 /* ---- Technique ------------------------------------------------------------------------------- */
 
+/* Surfaces of what stands in several places, counted in each. */
+static uint64_t count_placed(const struct orl_geometry *geometry)
+{
+    uint64_t n = 0;
+    for (size_t i = 0; i < geometry->n_prototypes; i++)
+        n += (uint64_t)geometry->prototypes[i]->n_facets * geometry->prototypes[i]->n_places;
+    return n;
+}
+
 static enum orl_technique by_itself(const struct orl_survey *survey, const struct orl_lit *lit,
                                     char ret_why[ORL_WHY_MAX])
 {
@@ -30,6 +39,14 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
     if (orl_job_asks_for_glare(job) && !orl_lit_by_chance(lit, &survey->world->images)) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "views ask for their glare: paths have no bias, and their batches tell its error");
+        return ORL_TECHNIQUE_BACKWARD;
+    }
+    const uint64_t leaves = count_placed(survey->world->geometry);
+    if (leaves > ORL_DEFAULT_PHOTONS && !orl_lit_by_chance(lit, &survey->world->images)) {
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "%llu surfaces by instances: photons would be fewer than leaves are, paths do not "
+                 "ask for them",
+                 (unsigned long long)leaves);
         return ORL_TECHNIQUE_BACKWARD;
     }
     if (job->n_views > 0 || survey->request->n_sensors == 0) {
