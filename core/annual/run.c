@@ -56,6 +56,8 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     job.seed = y->request->seed;
     env.progress = NULL;
     struct orl_run_state state = {.job = &job, .env = &env, .result = &result, .told = &told};
+    state.sensors = y->request->sensors;
+    state.n_sensors = y->request->n_sensors;
     state.swaps = y->variant ? y->variant->swaps : NULL;
     state.stage_started = state.started_s = orl_year_now(y);
     int code = orl_run_load(&state, err);

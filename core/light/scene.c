@@ -6,6 +6,7 @@
 #include "light/mist.h"
 #include "light/proxies.h"
 #include "scene/geometry/coincident.h"
+#include "scene/geometry/linings.h"
 #include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 #include "scene/material/own_settle.h"
@@ -113,6 +114,22 @@ int orl_scene_settle(struct orl_description *description, struct orl_error *err)
     return code;
 }
 
+/* Which antimatter is lined. */
+static int settle_linings(struct orl_scene *scene)
+{
+    const struct orl_description *const d = &scene->description;
+    if (orl_linings_end(scene->geometry) == 0)
+        return 0;
+    bool *const windows = malloc((d->n_materials + 1) * sizeof *windows);
+    if (!windows)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < d->n_materials; i++)
+        windows[i] = orl_material_is_window(&d->materials[i]);
+    orl_linings_settle(scene->geometry, windows);
+    free(windows);
+    return 0;
+}
+
 int orl_scene_new(struct orl_description *description, struct orl_scene **ret_scene,
                   struct orl_error *err)
 {
@@ -132,6 +149,8 @@ int orl_scene_new(struct orl_description *description, struct orl_scene **ret_sc
         code = orl_patterns_settle(&scene->description, scene->geometry, err);
     if (code == 0)
         code = orl_own_settle(&scene->description, scene->geometry, err);
+    if (code == 0)
+        code = settle_linings(scene);
     if (code == 0)
         code = orl_mist_part(scene, err);
     if (code == 0)
@@ -243,12 +262,17 @@ struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint3
 
 void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash)
 {
-    static const char vast[] = "couples 3";
+    static const char vast[] = "couples 3", unlined[] = "linings 2";
     bool found = orl_geometry_is_vast(scene->geometry);
     for (size_t i = 0; i < scene->geometry->n_prototypes && !found; i++)
         found = orl_geometry_is_vast(scene->geometry->prototypes[i]);
     if (found)
         orl_sha256_add(hash, vast, sizeof vast);
+    found = false;
+    for (size_t i = 0; i < orl_linings_end(scene->geometry) && !found; i++)
+        found = orl_lining_is_left_away(scene->geometry, i);
+    if (found)
+        orl_sha256_add(hash, unlined, sizeof unlined);
 }
 
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet)

@@ -92,7 +92,7 @@ static inline const struct orl_material *orl_scene_material(const struct orl_sce
 /*
  * What its files do not say of how rays meet it: where triangles are many, those that pass through
  * an edge may meet the other side of it (orl_geometry_is_vast), and numbers are packed (packed.h),
- * which is the third recipe of that.
+ * which is the third recipe of that; and a lining may be left away (linings.h).
  */
 void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash);
 

@@ -10,6 +10,7 @@
 #include "base/shelf.h"
 #include "light/scene.h"
 #include "run/kept_scene.h"
+#include "scene/geometry/linings.h"
 
 /* ---- The shelf ------------------------------------------------------------------------------- */
 
@@ -75,6 +76,67 @@ static void warn_of_proxies(struct orl_run_state *state)
     }
 }
 
+/* Sensors and eyes, moved; at most so many sensors of all over the job. *ret_n of them; NULL: out
+ * of memory. */
+static struct orl_vec3 *list_places(const struct orl_run_state *state, size_t *ret_n)
+{
+    enum { MOST_SENSORS = 4096 };
+    const struct orl_vec3 center = state->scene->geometry->center;
+    const size_t step = state->n_sensors / MOST_SENSORS + 1;
+    struct orl_vec3 *const list =
+        malloc((state->n_sensors / step + state->job->n_views + 2) * sizeof *list);
+    size_t n = 0;
+    for (size_t i = 0; list && i < state->n_sensors; i += step)
+        list[n++] = orl_sub(state->sensors[i].position, center);
+    for (size_t i = 0; list && i < state->job->n_views; i++) {
+        struct orl_view view;
+        if (orl_view_parse(state->job->views[i].view, &view, NULL) == 0)
+            list[n++] = orl_sub(view.point, center);
+    }
+    *ret_n = n;
+    return list;
+}
+
+/* Where rooms are taken for matter: a lining that is left away, or that may stand in the room. */
+static void warn_of_lining(struct orl_run_state *state, size_t antimatter,
+                           const struct orl_vec3 *places, size_t n)
+{
+    static const char mend[] = "write 'void' as the first of its modifiers, or make the rooms' "
+                               "surfaces look into the rooms";
+    const struct orl_scene *const scene = state->scene;
+    uint32_t material, facet;
+    orl_lining_of(scene->geometry, antimatter, &material, &facet);
+    const char *const name = scene->description.materials[material].name;
+    const struct orl_surface_label at = orl_scene_label_of(scene, facet);
+    if (orl_lining_is_left_away(scene->geometry, antimatter))
+        orl_run_warn(state,
+                     "the lining of the antimatter '%.100s' ('%.100s' in %.200s:%d) is left away: "
+                     "windows in it look on it, as where rooms' surfaces look out of the rooms, "
+                     "which makes matter of them; to be sure, %s",
+                     name, at.name, at.file, at.line, mend);
+    for (size_t i = 0; i < n; i++) {
+        if (!orl_lining_has_in_matter(scene->geometry, antimatter, places[i]))
+            continue;
+        const struct orl_vec3 p = orl_add(places[i], scene->geometry->center);
+        orl_run_warn(state,
+                     "the antimatter '%.100s' ('%.100s' in %.200s:%d) takes the place (%.6g %.6g "
+                     "%.6g) for the inside of what it cuts: if that is a room, the lining stands "
+                     "in it, and results are wrong there; %s",
+                     name, at.name, at.file, at.line, p.x, p.y, p.z, mend);
+        return;
+    }
+}
+
+static void warn_of_linings(struct orl_run_state *state)
+{
+    const size_t end = orl_linings_end(state->scene->geometry);
+    size_t n = 0;
+    struct orl_vec3 *const places = end > 0 ? list_places(state, &n) : NULL;
+    for (size_t i = 0; i < end; i++)
+        warn_of_lining(state, i, places, places ? n : 0);
+    free(places);
+}
+
 static void tell_faults(struct orl_run_state *state)
 {
     const struct orl_description *d = &state->scene->description;
@@ -82,6 +144,7 @@ static void tell_faults(struct orl_run_state *state)
         orl_run_warn(state, "%s", d->warnings[i]);
     orl_run_count_scene(state, state->scene);
     warn_of_proxies(state);
+    warn_of_linings(state);
 }
 
 /* ---- Reading it ------------------------------------------------------------------------------ */

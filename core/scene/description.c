@@ -9,8 +9,6 @@
 #include "scene/material/pattern.h"
 #include "scene/surface_labels.h"
 
-const struct orl_curved orl_curved_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
-
 static bool has_corners_of_its_own(const struct orl_surface *surfaces, size_t n)
 {
     for (size_t i = 0; i < n; i++)

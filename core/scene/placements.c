@@ -7,6 +7,8 @@
 
 #include "base/arena.h"
 
+const struct orl_curved orl_curved_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
+
 uint64_t orl_description_count_surfaces(const struct orl_description *description)
 {
     uint64_t n = description->n_surfaces;

@@ -20,7 +20,7 @@ int orl_hole_windings(const struct orl_geometry *shell, struct orl_vec3 point,
     return out;
 }
 
-static bool is_inside(const struct orl_hole *hole, struct orl_vec3 point)
+bool orl_hole_is_inside(const struct orl_hole *hole, struct orl_vec3 point)
 {
     const struct orl_geometry *const s = hole->shell;
     return point.x > s->low.x && point.x < s->high.x && point.y > s->low.y && point.y < s->high.y &&
@@ -36,21 +36,20 @@ static bool is_cut(const struct orl_holes *holes, const struct orl_geometry *geo
     for (size_t i = 0; i < holes->n; i++) {
         const struct orl_hole *const hole = &holes->items[i];
         if (hole != but && hole->cuts[material] &&
-            (is_inside(hole, above) || is_inside(hole, below)))
+            (orl_hole_is_inside(hole, above) || orl_hole_is_inside(hole, below)))
             return true;
     }
     return false;
 }
 
-/* Of a volume's surface: whether it lies in what the volume cuts, and in no other's. */
-static bool is_lining(const struct orl_holes *holes, const struct orl_hole *hole,
-                      const struct orl_geometry *geometry, const struct orl_hit *hit)
+bool orl_hole_is_lining(const struct orl_geometry *geometry, const struct orl_hole *hole,
+                        const struct orl_hit *hit)
 {
     const struct orl_vec3 behind = orl_hit_leave(geometry, hit, hit->normal);
     struct orl_hit next;
     if (!orl_meet(hole->matter, behind, hit->normal, INFINITY, &next) || next.front)
         return false;
-    return !is_cut(holes, geometry, orl_facet_material(geometry, next.facet), hit, hole);
+    return !is_cut(geometry->holes, geometry, orl_facet_material(geometry, next.facet), hit, hole);
 }
 
 bool orl_holes_leave(const struct orl_geometry *geometry, const struct orl_hit *hit)
@@ -60,9 +59,10 @@ bool orl_holes_leave(const struct orl_geometry *geometry, const struct orl_hit *
     if (own == ORL_HOLE_UNTOUCHED)
         return true;
     if (own == ORL_HOLE_NONE)
-        return !is_cut(holes, geometry, orl_facet_material(geometry, hit->facet), hit, NULL);
+        return !is_cut(geometry->holes, geometry, orl_facet_material(geometry, hit->facet), hit,
+                       NULL);
     const struct orl_hole *const hole = &holes->items[own];
-    return hole->lined && !hit->front && is_lining(holes, hole, geometry, hit);
+    return hole->lined && !hit->front && orl_hole_is_lining(geometry, hole, hit);
 }
 
 bool orl_geometry_is_cut(const struct orl_geometry *geometry, uint32_t facet)

@@ -10,8 +10,8 @@
  * Volumes are closed, their normals look outwards: a volume that is not is refused. The area of a
  * facet is that of all of it.
  *
- * Only geometry.c and copies.c, which build and free, and hits.c include this. Ownership: shared by
- * a geometry and its subsets, by count. Threads: immutable once built.
+ * Only geometry.c and copies.c, which build and free, hits.c and linings.c include this. Ownership:
+ * shared by a geometry and its subsets, by count. Threads: immutable once built.
  */
 #ifndef ORL_SCENE_GEOMETRY_ANTIMATTER_H
 #define ORL_SCENE_GEOMETRY_ANTIMATTER_H
@@ -24,7 +24,8 @@
 struct orl_hole {
     struct orl_geometry *shell, *matter;
     bool *cuts; /* by material */
-    bool lined;
+    uint32_t material;
+    bool lined, left_away; /* ... its lining: see linings.h */
 };
 
 struct orl_holes {
@@ -51,6 +52,12 @@ int orl_hole_windings(const struct orl_geometry *shell, struct orl_vec3 point,
                       struct orl_vec3 direction);
 /* In no particular direction. */
 extern const struct orl_vec3 orl_hole_skew;
+
+bool orl_hole_is_inside(const struct orl_hole *hole, struct orl_vec3 point);
+/* Of a place on its volume's surface: whether it lies in what the volume cuts, and in no other's.
+ */
+bool orl_hole_is_lining(const struct orl_geometry *geometry, const struct orl_hole *hole,
+                        const struct orl_hit *hit);
 
 /* Whether there is anything where a ray has met that facet. */
 bool orl_holes_leave(const struct orl_geometry *geometry, const struct orl_hit *hit);

@@ -117,6 +117,7 @@ static int build_hole(struct orl_geometry *g, const struct orl_description *d, u
                       bool *keep, struct orl_hole *hole, struct orl_error *err)
 {
     const struct orl_material *const m = &d->materials[material];
+    hole->material = material;
     hole->lined = m->lining >= 0;
     hole->cuts = calloc(d->n_materials + 1, sizeof *hole->cuts);
     if (!hole->cuts)

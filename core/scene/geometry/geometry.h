@@ -153,11 +153,12 @@ static inline bool orl_hit_is_anywhere(const struct orl_hit *hit)
 /* placed.c: of a number beyond the scene's own. */
 struct orl_triangle orl_placed_triangle(const struct orl_geometry *geometry, size_t index);
 
-/* packed.c: of facets that are packed, or of what is placed; and of corners and triangles that are
- * packed. */
+/* packed.c: of facets, corners and triangles that are packed; and elsewhere.c: of facets that are
+ * packed, or of what is placed. */
 const struct orl_facet *orl_facet_unpacked(const struct orl_geometry *geometry, size_t facet,
                                            struct orl_facet *room);
 double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet);
+uint32_t orl_facet_surface_unpacked(const struct orl_geometry *geometry, size_t facet);
 uint32_t orl_facet_surface_elsewhere(const struct orl_geometry *geometry, size_t facet);
 const struct orl_facet *orl_facet_of_elsewhere(const struct orl_geometry *geometry, size_t facet,
                                                struct orl_facet *room);

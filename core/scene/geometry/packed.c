@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/geometry/placed.h"
-
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
 static void pack_normal(struct orl_vec3 n, int32_t packed[2])
@@ -110,12 +108,8 @@ double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet
  * Polygons and what is round are numbered in the files' order, from either end: before a polygon
  * there are as many round ones as come after no more polygons than it does.
  */
-uint32_t orl_facet_surface_elsewhere(const struct orl_geometry *geometry, size_t facet)
+uint32_t orl_facet_surface_unpacked(const struct orl_geometry *geometry, size_t facet)
 {
-    if (orl_facet_is_placed(geometry, facet)) {
-        const struct orl_placed *const placed = orl_placed_of(geometry, (uint32_t)facet);
-        return orl_facet_surface(placed->prototype, facet - placed->first_facet);
-    }
     const struct orl_packed_facet *const last = &geometry->packed->facets[geometry->n_facets - 1];
     size_t low = 0, high = geometry->n_rounds;
     if (geometry->packed->facets[facet].kind != ORL_SURFACE_POLYGON)
@@ -128,51 +122,6 @@ uint32_t orl_facet_surface_elsewhere(const struct orl_geometry *geometry, size_t
             high = middle;
     }
     return (uint32_t)(facet + low);
-}
-
-/* ---- By number, of any ----------------------------------------------------------------------- */
-
-const struct orl_facet *orl_facet_of_elsewhere(const struct orl_geometry *geometry, size_t facet,
-                                               struct orl_facet *room)
-{
-    if (!orl_facet_is_placed(geometry, facet))
-        return orl_facet_unpacked(geometry, facet, room);
-    const struct orl_placed *const placed = orl_placed_of(geometry, (uint32_t)facet);
-    return orl_facet_own(placed->prototype, facet - placed->first_facet, room);
-}
-
-enum orl_surface_kind orl_facet_kind_elsewhere(const struct orl_geometry *geometry, size_t facet)
-{
-    if (orl_facet_is_placed(geometry, facet)) {
-        const struct orl_placed *const placed = orl_placed_of(geometry, (uint32_t)facet);
-        return orl_facet_kind(placed->prototype, facet - placed->first_facet);
-    }
-    return geometry->packed->facets[facet].kind;
-}
-
-uint32_t orl_facet_material_elsewhere(const struct orl_geometry *geometry, size_t facet)
-{
-    if (orl_facet_is_placed(geometry, facet)) {
-        const struct orl_placed *const placed = orl_placed_of(geometry, (uint32_t)facet);
-        return orl_facet_material(placed->prototype, facet - placed->first_facet);
-    }
-    return geometry->packed->facets[facet].material;
-}
-
-double orl_facet_clear_elsewhere(const struct orl_geometry *geometry, uint32_t facet, double side)
-{
-    const bool placed = orl_facet_is_placed(geometry, facet);
-    const double beyond = placed || !geometry->packed->facets[facet].stands_off
-                              ? 0
-                              : orl_facet_more_of(geometry, facet)->beyond;
-    return orl_facet_offset_elsewhere(geometry, facet) + (beyond * side < 0 ? fabs(beyond) : 0);
-}
-
-double orl_facet_offset_elsewhere(const struct orl_geometry *geometry, size_t facet)
-{
-    return orl_facet_is_placed(geometry, facet)
-               ? orl_placed_of(geometry, (uint32_t)facet)->offset
-               : orl_packed_offset(&geometry->packed->facets[facet]);
 }
 
 void orl_facet_set_material(struct orl_geometry *geometry, size_t facet, uint32_t material)
@@ -250,7 +199,8 @@ void orl_geometry_unpack(const struct orl_geometry *geometry, struct orl_facet *
 {
     for (size_t i = 0; i < geometry->n_facets; i++) {
         ret_facets[i] = *orl_facet_own(geometry, i, &ret_facets[i]);
-        ret_facets[i].surface = orl_facet_surface(geometry, i);
+        if (!geometry->facets)
+            ret_facets[i].surface = orl_facet_surface_unpacked(geometry, i);
     }
     for (size_t i = 0; i < geometry->n_corners; i++)
         ret_corners[i] = orl_corner_of(geometry, i);

@@ -90,7 +90,9 @@ bool orl_kept_next(struct orl_kept_walk *walk)
 void orl_placed_hit(const struct orl_geometry *geometry, const struct orl_placed *placed,
                     struct orl_vec3 origin, struct orl_vec3 direction, struct orl_hit *hit)
 {
-    const bool round = orl_facet_kind(placed->prototype, hit->facet) != ORL_SURFACE_POLYGON;
+    struct orl_facet own;
+    const bool round =
+        orl_facet_own(placed->prototype, hit->facet, &own)->kind != ORL_SURFACE_POLYGON;
     hit->distance *= placed->to.scale;
     hit->point = orl_madd(origin, direction, hit->distance);
     hit->normal = orl_xform_normal(&placed->to, hit->normal);

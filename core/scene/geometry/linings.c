@@ -1,0 +1,133 @@
+#include "scene/geometry/linings.h"
+
+#include "scene/geometry/antimatter.h"
+#include "scene/geometry/meet.h"
+
+/* ---- Windows that look on a lining -------------------------------------------------------------
+ */
+
+enum { WINDOW_PLACES = 16 };
+
+/* Of the windows in a volume, how much is blocked: more than the edges of panes that have some
+ * thickness, which look on what is beside them. */
+static const double much_blocked = 0.05;
+
+/* Windows within a volume, and those that look on its lining on one side alone. */
+struct windows {
+    double area, blocked;
+};
+
+/* What is straight on from a place beside a window. */
+struct outlook {
+    bool inside; /* of the volume */
+    bool matter; /* where that ends, or here */
+};
+
+static struct outlook look(const struct orl_geometry *g, const struct orl_hole *hole,
+                           struct orl_vec3 from, struct orl_vec3 direction)
+{
+    struct outlook outlook = {.inside = orl_hole_is_inside(hole, from)};
+    struct orl_hit hit;
+    if (outlook.inside)
+        outlook.matter = orl_meet(hole->shell, from, direction, INFINITY, &hit) && !hit.front &&
+                         orl_hole_is_lining(g, hole, &hit);
+    else
+        outlook.matter = orl_meet(hole->matter, from, direction, INFINITY, &hit) && !hit.front;
+    return outlook;
+}
+
+static void add_window(const struct orl_geometry *g, const struct orl_hole *hole, uint32_t window,
+                       struct windows *windows)
+{
+    const double area = orl_facet_area(g, window);
+    int inside = 0, blocked = 0;
+    for (int i = 0; i < WINDOW_PLACES; i++) {
+        /* Roberts' sequence in two dimensions. */
+        const double u[2] = {fmod(0.5 + 0.7548776662466927 * i, 1),
+                             fmod(0.5 + 0.5698402909980532 * i, 1)};
+        struct orl_vec3 point, normal;
+        struct outlook sides[2];
+        orl_facet_sample(g, window, u, &point, &normal);
+        for (int k = 0; k < 2; k++) {
+            const struct orl_vec3 direction = k ? orl_neg(normal) : normal;
+            sides[k] =
+                look(g, hole, orl_facet_leave(g, window, point, normal, direction), direction);
+        }
+        inside += sides[0].inside || sides[1].inside;
+        blocked += sides[0].matter != sides[1].matter && sides[sides[0].matter ? 0 : 1].inside;
+    }
+    windows->area += area * inside / WINDOW_PLACES;
+    if (2 * blocked >= inside) /* else it stands in a floor, say */
+        windows->blocked += area * blocked / WINDOW_PLACES;
+}
+
+static void leave_away(struct orl_geometry *g, size_t antimatter)
+{
+    struct orl_hole *const hole = &g->holes->items[antimatter];
+    hole->lined = false;
+    hole->left_away = true;
+    for (size_t i = 0; i < g->n_facets; i++)
+        if (g->holes->of_facet[i] == (int32_t)antimatter)
+            orl_facet_set_material(g, i, hole->material);
+}
+
+void orl_linings_settle(struct orl_geometry *geometry, const bool *is_window)
+{
+    const size_t n = orl_linings_end(geometry);
+    for (size_t k = 0; k < n; k++) {
+        const struct orl_hole *const hole = &geometry->holes->items[k];
+        struct windows windows = {0};
+        for (uint32_t i = 0; i < geometry->n_facets && hole->lined; i++) {
+            struct orl_facet own;
+            const struct orl_facet *const f = orl_facet_own(geometry, i, &own);
+            if (f->kind == ORL_SURFACE_POLYGON && f->area > 0 && is_window[f->material] &&
+                geometry->holes->of_facet[i] < 0)
+                add_window(geometry, hole, i, &windows);
+        }
+        if (windows.blocked > much_blocked * windows.area)
+            leave_away(geometry, k);
+    }
+}
+
+/* ---- What is told of them -------------------------------------------------------------------- */
+
+size_t orl_linings_end(const struct orl_geometry *geometry)
+{
+    return geometry->holes ? geometry->holes->n : 0;
+}
+
+void orl_lining_of(const struct orl_geometry *geometry, size_t antimatter, uint32_t *ret_material,
+                   uint32_t *ret_facet)
+{
+    uint32_t facet = 0;
+    while (geometry->holes->of_facet[facet] != (int32_t)antimatter)
+        facet++;
+    *ret_material = geometry->holes->items[antimatter].material;
+    *ret_facet = facet;
+}
+
+bool orl_lining_is_left_away(const struct orl_geometry *geometry, size_t antimatter)
+{
+    return geometry->holes->items[antimatter].left_away;
+}
+
+bool orl_lining_has_in_matter(const struct orl_geometry *geometry, size_t antimatter,
+                              struct orl_vec3 place)
+{
+    /* A third may show no back: what stands about in a room does not look out of it. */
+    enum { DIRECTIONS = 48, MOST_OTHERS = DIRECTIONS / 3 };
+    const struct orl_hole *const hole = &geometry->holes->items[antimatter];
+    int others = 0;
+    for (int i = 0; i < DIRECTIONS && hole->lined; i++) {
+        /* By the golden angle; upwards and downwards in turn. */
+        const double z = (i % 2 ? -1 : 1) * (1 - (i + 0.5) / DIRECTIONS), s = sqrt(1 - z * z);
+        const double phi = 2.399963229728653 * i;
+        struct orl_hit hit;
+        others +=
+            !orl_meet(hole->matter, place, orl_v3(s * cos(phi), s * sin(phi), z), INFINITY, &hit) ||
+            hit.front;
+        if (others > MOST_OTHERS)
+            return false;
+    }
+    return hole->lined;
+}
