@@ -19,10 +19,10 @@ static struct orl_vec3 direction_of(int ray)
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* Whether it is a port's. */
+/* Whether it is a port's: of those, too, that are closed for a while. */
 static bool count(const struct orl_world *world, const struct orl_hit *hit, struct votes *votes)
 {
-    const enum orl_crossing crossing = orl_world_crossing(world, hit);
+    const enum orl_crossing crossing = orl_scene_crossing(world->scene, hit);
     votes->outside += crossing == ORL_CROSSING_INWARDS;
     votes->inside += crossing == ORL_CROSSING_OUTWARDS;
     return crossing != ORL_CROSSING_NONE;
@@ -43,7 +43,7 @@ static void wander(const struct orl_world *world, struct orl_vec3 point, int ray
         }
         if (count(world, &hit, votes))
             return;
-        if (!orl_material_is_window(orl_world_material(world, &hit))) {
+        if (!orl_material_is_window(orl_scene_material(world->scene, hit.facet))) {
             const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
             direction = orl_hemisphere_about(orl_hit_facing(&hit), u, v);
         }

@@ -111,7 +111,7 @@ static void test_mistakes_are_told_by_their_place(void **state)
     expect_refusal(*state, "?sky=noon", text, "no sky 'noon'");
     expect_refusal(*state, "", "{\"type\": \"Model\", \"rooms\": [{\"faces\": [{}]}]}",
                    "rooms[0].faces[0]");
-    expect_refusal(*state, "", "{\"type\": \"Model\"}", "no scene file was sent");
+    expect_refusal(*state, "", "{\"type\": \"Model\"}", "the model is empty");
     free(text);
 }
 
