@@ -1,6 +1,7 @@
 #include "health/blame.h"
 
 #include <dlfcn.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
@@ -19,7 +20,21 @@ static _Thread_local char other_stack[16 << 10];
 
 /* ---- Signals --------------------------------------------------------------------------------- */
 
+extern const char __executable_start, etext; /* by the linker */
+enum { MOST_FRAMES = 32, HEX = 2 * sizeof(uintptr_t) };
+
 /* Nothing but what may be called while a signal is handled. */
+static void write_line(const char *const *parts, size_t n)
+{
+    char line[1024];
+    size_t used = 0;
+    for (size_t i = 0; i < n; i++)
+        for (const char *c = parts[i]; *c && used < sizeof line; c++)
+            line[used++] = *c;
+    if (write(STDERR_FILENO, line, used) < 0)
+        return;
+}
+
 static void say(const char *event, int signum, const char *job)
 {
     char number[3] = {(char)('0' + signum / 10), (char)('0' + signum % 10), '\0'};
@@ -32,13 +47,33 @@ static void say(const char *event, int signum, const char *job)
                             job,
                             "\"}\n"};
     const char *const *parts = lines_are_json ? object : pairs;
-    char line[256];
+    write_line(parts, 7);
+}
+
+/* Where it was: the calls within the program, from the innermost out, as offsets into it, which
+ * addr2line tells the places of. A second line, for the stack may be what is broken. */
+static void say_where(void)
+{
+    const uintptr_t begin = (uintptr_t)&__executable_start, end = (uintptr_t)&etext;
+    void *frames[MOST_FRAMES];
+    char text[MOST_FRAMES * (HEX + 1) + 2] = "-";
     size_t used = 0;
-    for (size_t i = 0; i < 7; i++)
-        for (const char *c = parts[i]; *c && used < sizeof line; c++)
-            line[used++] = *c;
-    if (write(STDERR_FILENO, line, used) < 0)
-        return;
+    const int n = backtrace(frames, MOST_FRAMES);
+    for (int i = 0; i < n; i++) {
+        const uintptr_t at = (uintptr_t)frames[i];
+        if (at < begin || at >= end)
+            continue;
+        if (used > 0)
+            text[used++] = ',';
+        for (int digit = HEX - 1; digit >= 0; digit--)
+            if ((at - begin) >> 4 * digit != 0)
+                text[used++] = "0123456789abcdef"[(at - begin) >> 4 * digit & 15];
+        text[used] = '\0';
+    }
+    const char *pairs[] = {"level=error event=crashed-at frames=", text, "\n"};
+    const char *object[] = {"{\"level\":\"error\",\"event\":\"crashed-at\",\"frames\":\"", text,
+                            "\"}\n"};
+    write_line(lines_are_json ? object : pairs, 3);
 }
 
 static void on_fault(int signum, siginfo_t *info, void *context)
@@ -56,6 +91,7 @@ static void on_fault(int signum, siginfo_t *info, void *context)
         page->signum = signum;
     }
     say("crashed", signum, job[0] ? job : "-");
+    say_where();
     raise(signum); /* as it would have been: the handler is gone */
 }
 
@@ -80,7 +116,9 @@ static void catch_faults(void)
     static const int signals[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
     struct sigaction action = {.sa_flags =
                                    (int)(SA_SIGINFO | SA_ONSTACK | SA_RESETHAND | SA_NODEFER)};
+    void *frame;
     action.sa_sigaction = on_fault;
+    backtrace(&frame, 1); /* loads what it takes now, and not in a handler */
     for (size_t i = 0; i < sizeof signals / sizeof *signals && !ORL_SANITIZED; i++)
         sigaction(signals[i], &action, NULL);
     orl_heed_terminate(on_terminate);

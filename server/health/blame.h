@@ -4,8 +4,9 @@
  *
  * Signals that end a process for a fault of its own (and C++'s terminate, which is where Embree
  * ends up when there is no memory in a place that cannot say so) leave the job there whose thread
- * it was, and a line in the log. What cannot be caught (SIGKILL, as from a kernel without memory)
- * leaves what was stored last: how much memory was resident, and how many checks were under way.
+ * it was, and two lines in the log: whose, and where in the program. What cannot be caught
+ * (SIGKILL, as from a kernel without memory) leaves what was stored last: how much memory was
+ * resident, and how many checks were under way.
  *
  * Threads: begin and end on any; the rest on the loop's. One daemon a process.
  */
