@@ -10,6 +10,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "health/modules.h"
 #include "process/sanitized.h"
 
 static struct orl_past *page; /* shared with the file; NULL: there is none */
@@ -20,8 +21,7 @@ static _Thread_local char other_stack[16 << 10];
 
 /* ---- Signals --------------------------------------------------------------------------------- */
 
-extern const char __executable_start, etext; /* by the linker */
-enum { MOST_FRAMES = 32, HEX = 2 * sizeof(uintptr_t) };
+enum { MOST_FRAMES = 24 };
 
 /* Nothing but what may be called while a signal is handled. */
 static void write_line(const char *const *parts, size_t n)
@@ -50,25 +50,33 @@ static void say(const char *event, int signum, const char *job)
     write_line(parts, 7);
 }
 
-/* Where it was: the calls within the program, from the innermost out, as offsets into it, which
- * addr2line tells the places of. A second line, for the stack may be what is broken. */
+static size_t add_text(char *to, size_t used, size_t room, const char *text)
+{
+    while (*text && used + 1 < room)
+        to[used++] = *text++;
+    to[used] = '\0';
+    return used;
+}
+
+/* Where it was: the calls, from the innermost out, each as its module and the offset in there. A
+ * second line, for the stack may be what is broken. */
 static void say_where(void)
 {
-    const uintptr_t begin = (uintptr_t)&__executable_start, end = (uintptr_t)&etext;
     void *frames[MOST_FRAMES];
-    char text[MOST_FRAMES * (HEX + 1) + 2] = "-";
+    char text[768] = "";
     size_t used = 0;
     const int n = backtrace(frames, MOST_FRAMES);
     for (int i = 0; i < n; i++) {
-        const uintptr_t at = (uintptr_t)frames[i];
-        if (at < begin || at >= end)
-            continue;
-        if (used > 0)
-            text[used++] = ',';
-        for (int digit = HEX - 1; digit >= 0; digit--)
-            if ((at - begin) >> 4 * digit != 0)
-                text[used++] = "0123456789abcdef"[(at - begin) >> 4 * digit & 15];
-        text[used] = '\0';
+        uintptr_t offset = 0;
+        char digits[2 * sizeof offset + 1] = "";
+        const char *const module = orl_module_of((uintptr_t)frames[i], &offset);
+        for (size_t k = sizeof digits - 1; k-- > 0; offset >>= 4)
+            digits[k] = "0123456789abcdef"[offset & 15];
+        const char *const shown = digits + strspn(digits, "0");
+        used = add_text(text, used, sizeof text, used > 0 ? "," : "");
+        used = add_text(text, used, sizeof text, module ? module : "?");
+        used = add_text(text, used, sizeof text, "+0x");
+        used = add_text(text, used, sizeof text, shown);
     }
     const char *pairs[] = {"level=error event=crashed-at frames=", text, "\n"};
     const char *object[] = {"{\"level\":\"error\",\"event\":\"crashed-at\",\"frames\":\"", text,
@@ -119,6 +127,7 @@ static void catch_faults(void)
     void *frame;
     action.sa_sigaction = on_fault;
     backtrace(&frame, 1); /* loads what it takes now, and not in a handler */
+    orl_modules_list();
     for (size_t i = 0; i < sizeof signals / sizeof *signals && !ORL_SANITIZED; i++)
         sigaction(signals[i], &action, NULL);
     orl_heed_terminate(on_terminate);
