@@ -82,6 +82,7 @@ help:
 ## make demo       install what is needed, then upload, render and show the paper's office
 ## make check      install what is needed, build what changed, run every test; ends with
 ##                 "N passed, N failed"
+## make long       the same tests with all their seeds and cases (ORIEL_LONG=1); about an hour of a processor
 ## make coverage   the share of core's lines that tests run, counted anew when something changed
 ## make lint       formatting, boundaries, clang-tidy, and a build with clang
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
@@ -164,7 +165,9 @@ $(eval $(call compile_rule,core,$(INC_core)))
 $(eval $(call compile_rule,api,$(INC_api)))
 $(eval $(call compile_rule,server,$(INC_server)))
 $(eval $(call compile_rule,client,$(INC_client)))
-$(eval $(call compile_rule,tests,$(INC_tests)))
+# Programs of tests/bench are measured; the code of the other tests only has to compile quickly.
+OPT_tests := $(if $(filter release,$(MODE)),-O1)
+$(eval $(call compile_rule,tests,$(INC_tests) $$(if $$(filter tests/bench/%,$$<),,$$(OPT_tests))))
 
 # Files that the daemon carries inside: migrations and the API contract.
 EMBEDDED := $(sort $(wildcard migrations/*.sql)) $(wildcard api/openapi.yaml)
@@ -198,10 +201,13 @@ $(BUILD)/oriel: $(CLIENT_OBJ) $(BUILD)/liboriel.a
 # What tests link beside the library: all of the daemon but its main, and their own shared code.
 $(BUILD)/libtests.a: $(SUPPORT_OBJ) $(SERVER_LIB_OBJ)
 	@rm -f $@; ar rcs $@ $^
+# Over 300 programs: a fast linker, and no copy of the debug information where a sanitizer needs none.
+FAST_LD := $(firstword $(foreach l,gold lld,$(if $(shell command -v ld.$(l)),-fuse-ld=$(l))))
+TEST_LDFLAGS := $(FAST_LD) $(if $(filter release cover,$(MODE)),-Xlinker -S)
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
 	@mkdir -p $(@D)
 	$(call say,LD,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ -lcmocka -lgnutls $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) $(TEST_LDFLAGS) -o $@ $^ -lcmocka -lgnutls $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
 # Its allocator is for the libraries, too.
 $(BUILD)/tests/unit/test_embree_memory: ALL_LDFLAGS += -rdynamic
 
@@ -227,6 +233,10 @@ $(BUILD)/browser/ready: $(BROWSER_LOCK)
 check: deps-check deps-browser
 	@$(MAKE) --no-print-directory -j$(JOBS) tests $(BUILD)/browser/ready
 	@tests/run $(BUILD) tests/browser/run $(TEST_BIN)
+.PHONY: long
+long: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) tests
+	@ORIEL_LONG=1 TEST_TIMEOUT=3600 tests/run $(BUILD) $(TEST_BIN)
 .PHONY: browser
 browser: deps-check deps-browser
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/browser/ready
