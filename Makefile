@@ -23,8 +23,9 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes \
 	-Wmissing-prototypes -Wvla -Wformat=2 -Wundef -fno-common
 # No option here may change what a floating-point expression means: results are compared by bytes.
 OPT_release := -O3 -fno-math-errno -fno-trapping-math
-OPT_asan    := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
-OPT_tsan    := -O1 -fsanitize=thread -fno-omit-frame-pointer
+# Assertions on the program's own invariants (ORL_DEBUG) are in the builds for tests alone.
+OPT_asan    := -O1 -DORL_DEBUG -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+OPT_tsan    := -O1 -DORL_DEBUG -fsanitize=thread -fno-omit-frame-pointer
 # Counts that threads lose tell the same lines; counting them all takes three times as long.
 OPT_cover   := -O1 --coverage -fprofile-update=single
 OPT_fuzz    := $(OPT_asan) -fsanitize=fuzzer-no-link

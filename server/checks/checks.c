@@ -26,16 +26,19 @@ void orl_checks_close(struct orl_checks *checks)
     uv_close((uv_handle_t *)&checks->turns, NULL);
 }
 
+/* The request is waiting already (orl_request_wait). */
 static void wait_for_turn(struct orl_checks *checks, struct orl_check *check)
 {
+    check->request->check = check;
     orl_check_wait(checks, check);
-    orl_request_wait(check->request, run_check, check->then);
     orl_checks_start(checks);
 }
 
 void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
                      struct orl_request *request, orl_request_step run, orl_request_step then)
 {
+    if (!orl_request_wait(request, run_check, then))
+        return;
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     *check = (struct orl_check){.checks = checks, .request = request, .run = run, .then = then};
@@ -44,7 +47,6 @@ void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
                                         .cpu_s = checks->config->check_timeout_s,
                                         .cancel = &check->cancel,
                                         .client_fd = info ? info->connect_fd : -1};
-    request->check = check;
     wait_for_turn(checks, check);
 }
 
@@ -58,6 +60,12 @@ static void refuse_late(const struct orl_checks *checks, struct orl_error *err)
                    "Fewer surfaces, copies or values take less; --check-timeout sets the bound");
 }
 
+static void start_again(struct orl_checks *checks, struct orl_check *check)
+{
+    if (orl_request_wait(check->request, run_check, check->then))
+        wait_for_turn(checks, check);
+}
+
 /* Once more, with all the memory that one may have? */
 static bool goes_again(struct orl_checks *checks, struct orl_check *check)
 {
@@ -66,8 +74,7 @@ static bool goes_again(struct orl_checks *checks, struct orl_check *check)
         return false;
     check->whole = true;
     check->asking.memory = most;
-    check->request->check = check;
-    wait_for_turn(checks, check);
+    start_again(checks, check);
     return true;
 }
 
@@ -79,8 +86,7 @@ static bool has_yielded(struct orl_checks *checks, struct orl_check *check)
     check->yields = false;
     check->is_long = true;
     atomic_store(&check->cancel, false);
-    check->request->check = check;
-    wait_for_turn(checks, check);
+    start_again(checks, check);
     return true;
 }
 

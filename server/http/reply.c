@@ -280,9 +280,16 @@ void orl_reply_when_safe(struct orl_request *request)
     struct orl_settling *settling = request->context->settling;
     if (orl_settling_is_safe(settling, orl_settling_last(settling)))
         return;
-    orl_request_wait(request, NULL, NULL);
+    if (!orl_request_wait(request, NULL, NULL))
+        return;
     request->settling.settled = on_settled;
     orl_settling_ask(settling, &request->settling);
+}
+
+void orl_reply_when_commit_is_safe(struct orl_request *request, uint64_t commit)
+{
+    if (!orl_settling_is_safe(request->context->settling, commit))
+        orl_reply_when_safe(request);
 }
 
 bool orl_reply_if_full(struct orl_request *request, uint64_t bytes)

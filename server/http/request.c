@@ -1,7 +1,10 @@
 #include "http/request.h"
 
+#include <stdlib.h>
+
 #include "http/connections.h"
 #include "http/context.h"
+#include "http/reply.h"
 
 const char *orl_request_query(const struct orl_request *request, const char *name)
 {
@@ -27,6 +30,13 @@ static void work_back(uv_work_t *work, int status)
     orl_request_go_on(work->data);
 }
 
+static void reply_started_twice(struct orl_request *request)
+{
+    struct orl_error err;
+    orl_error_set(&err, ORL_ERR_INTERNAL, "a second operation was started for one request");
+    orl_reply_error(request, &err);
+}
+
 void orl_request_go_on(struct orl_request *request)
 {
     struct orl_http_context *context = request->context;
@@ -35,19 +45,37 @@ void orl_request_go_on(struct orl_request *request)
     if (request->then)
         request->then(request);
     if (request->working)
-        return; /* then has it wait again */
+        return; /* `then` has started the next operation */
+    if (request->started_twice)
+        reply_started_twice(request);
     orl_connection_go_on(request->connection);
     MHD_resume_connection(request->connection);
     context->calls->worked(context->server);
 }
 
-void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then)
+/* In the log at once: the first operation may never end. */
+static void note_started_twice(struct orl_request *request)
 {
+    request->started_twice = true;
+    orl_log_event(request->context->log, ORL_LOG_ERROR, "second-operation", "iss", "id",
+                  (int64_t)request->id, "method", request->method, "path", request->path);
+#ifdef ORL_DEBUG
+    abort();
+#endif
+}
+
+bool orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then)
+{
+    if (request->working) {
+        note_started_twice(request);
+        return false;
+    }
     request->run = run;
     request->then = then;
     request->working = true;
     request->work.data = request;
     request->context->working++;
+    return true;
 }
 
 void orl_request_queue(struct orl_request *request)
@@ -57,8 +85,8 @@ void orl_request_queue(struct orl_request *request)
 
 void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then)
 {
-    orl_request_wait(request, run, then);
-    orl_request_queue(request);
+    if (orl_request_wait(request, run, then))
+        orl_request_queue(request);
 }
 
 struct orl_folders orl_request_folders(struct orl_request *request)

@@ -6,6 +6,11 @@
  * loop thread, and may reply or call orl_request_work again. What a handler keeps between the two
  * hangs on state, freed by free_state with the request whatever happens.
  *
+ * Invariant: a request has at most one pending operation: work on the pool, a check (checks.h), or
+ * a wait for the disk (orl_reply_when_safe). Starting a second one would overwrite the callbacks of
+ * the first. It is a bug of the handler: builds with ORL_DEBUG abort, others log it, let the first
+ * operation finish, and reply 500.
+ *
  * Threads: loop, except for run; between orl_request_work and then, only run touches the request.
  */
 #ifndef ORL_SERVER_HTTP_REQUEST_H
@@ -60,17 +65,22 @@ struct orl_request {
     orl_request_step run, then;
     struct orl_settling_wait settling; /* of its answer: orl_reply_when_safe */
     struct orl_check *check;           /* of what it has sent, under way; or NULL: checks.h */
-    bool working;
+    bool working;                      /* an operation is pending */
+    bool started_twice; /* a handler tried to start a second one: the reply is a 500 */
 
     void *state;
     void (*free_state)(void *state);
 };
 
-/* Has run called on the pool and then on the loop. The handler must return without replying. */
+/* Calls run on the pool and then `then` on the loop. The handler must return without replying. */
 void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then);
 
-/* The same in two steps: it waits, and is queued later. Whatever brings it back, it goes on. */
-void orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
+/*
+ * The parts of orl_request_work, for operations that start later or not on the pool. wait makes the
+ * operation pending and returns false, changing nothing, if one is pending already; queue sends run
+ * to the pool; go_on ends the operation: it calls `then` and resumes the connection.
+ */
+bool orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
 void orl_request_queue(struct orl_request *request);
 void orl_request_go_on(struct orl_request *request);
 

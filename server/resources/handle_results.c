@@ -89,6 +89,7 @@ struct final_file {
     struct stat st;
     char sha[ORL_SHA_HEX], tag[TAG_MAX];
     const char *type;
+    uint64_t commit; /* the job's end, which must be on disk before its results go out */
     int rc;
     struct orl_error err;
 };
@@ -106,6 +107,7 @@ static void send_final(struct orl_request *request, struct final_file *file)
     const int fd = file->fd;
     file->fd = -1;
     orl_reply_part(request, fd, (uint64_t)file->st.st_size, file->type, file->tag);
+    orl_reply_when_commit_is_safe(request, file->commit);
 }
 
 /* On the pool. */
@@ -128,9 +130,9 @@ static void verified(struct orl_request *request)
     send_final(request, file);
 }
 
-/* Takes the descriptor. Files of before there were digests go out as they are. */
-static void give_final(struct orl_request *request, int fd, const struct stat *st,
-                       const json_t *entry, const char *tag)
+/* Takes the descriptor. A file without a digest, written by an older version, is not verified. */
+static void reply_final(struct orl_request *request, const struct orl_jobs_job *job, int fd,
+                        const struct stat *st, const json_t *entry, const char *tag)
 {
     const char *sha = json_string_value(json_object_get(entry, "sha256"));
     struct final_file *file = calloc(1, sizeof *file);
@@ -142,6 +144,7 @@ static void give_final(struct orl_request *request, int fd, const struct stat *s
     *file = (struct final_file){
         .fd = fd,
         .st = *st,
+        .commit = job->commit,
         .type = type_of(json_string_value(json_object_get(entry, "name"))),
     };
     snprintf(file->sha, sizeof file->sha, "%s", sha ? sha : "");
@@ -194,8 +197,7 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
         orl_reply_file(request, fd, (uint64_t)st.st_size, type_of(name));
         orl_reply_header(request, "Cache-Control", "no-store");
     } else {
-        give_final(request, fd, &st, entry, tag);
-        orl_job_reply_when_ended(request, shown->job);
+        reply_final(request, shown->job, fd, &st, entry, tag);
     }
 }
 

@@ -23,7 +23,6 @@ const struct orl_jobs_job *orl_job_of_path(struct orl_request *request)
 
 void orl_job_reply_when_ended(struct orl_request *request, const struct orl_jobs_job *job)
 {
-    if (job->row.state >= ORL_JOB_SUCCEEDED &&
-        !orl_settling_is_safe(request->context->settling, job->commit))
-        orl_reply_when_safe(request);
+    if (job->row.state >= ORL_JOB_SUCCEEDED)
+        orl_reply_when_commit_is_safe(request, job->commit);
 }
