@@ -4,7 +4,6 @@
 
 #include "http/connections.h"
 #include "http/context.h"
-#include "http/reply.h"
 
 const char *orl_request_query(const struct orl_request *request, const char *name)
 {
@@ -30,13 +29,6 @@ static void work_back(uv_work_t *work, int status)
     orl_request_go_on(work->data);
 }
 
-static void reply_started_twice(struct orl_request *request)
-{
-    struct orl_error err;
-    orl_error_set(&err, ORL_ERR_INTERNAL, "a second operation was started for one request");
-    orl_reply_error(request, &err);
-}
-
 void orl_request_go_on(struct orl_request *request)
 {
     struct orl_http_context *context = request->context;
@@ -46,8 +38,6 @@ void orl_request_go_on(struct orl_request *request)
         request->then(request);
     if (request->working)
         return; /* `then` has started the next operation */
-    if (request->started_twice)
-        reply_started_twice(request);
     orl_connection_go_on(request->connection);
     MHD_resume_connection(request->connection);
     context->calls->worked(context->server);

@@ -160,9 +160,18 @@ static void let_go(struct orl_request *request)
     }
 }
 
+static void reply_started_twice(struct orl_request *request)
+{
+    struct orl_error err;
+    orl_error_set(&err, ORL_ERR_INTERNAL, "a second operation was started for one request");
+    orl_reply_error(request, &err);
+}
+
 static enum MHD_Result send_response(struct orl_request *request)
 {
     char id[24];
+    if (request->started_twice)
+        reply_started_twice(request);
     snprintf(id, sizeof id, "%llu", (unsigned long long)request->id);
     orl_reply_header(request, "X-Request-Id", id);
     /* A browser takes nothing here for a script or page that is not said to be one. */
