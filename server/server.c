@@ -10,8 +10,9 @@
 #include "process/pool.h"
 #include "process/times.h"
 #include "runner/program.h"
-#include "store/migrate.h"
+#include "store/opening.h"
 #include "store/tokens.h"
+#include "upkeep/missing.h"
 #include "upkeep/scrub.h"
 
 enum { SAVING_MS = 1000 };
@@ -87,6 +88,7 @@ static void on_saving(uv_timer_t *timer)
     orl_storage_look(&server->storage);
     orl_pulse_ask(&server->pulse);
     orl_shared_sweep_look(&server->sweep, &server->loop);
+    orl_aging_look(&server->aging, &server->loop);
 }
 
 static void on_drain_over(uv_timer_t *timer)
@@ -255,11 +257,15 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
         return rc;
     orl_blame_open(server->config.data, server->config.log_json, &server->past);
     orl_folders_path(&server->folders, path, "oriel.db");
-    rc = orl_db_open(&server->db, path, err);
-    if (rc == 0)
-        rc = orl_db_migrate_embedded(&server->db, err);
+    rc = orl_opening_database(&server->folders,
+                              server->config.set_orphans_aside ? ORL_OPENING_SET_ASIDE
+                                                               : ORL_OPENING_REFUSE,
+                              &server->db, err);
     if (rc == 0)
         rc = orl_db_serve(&server->db, err);
+    if (rc == 0)
+        rc = orl_aging_open(&server->aging, &server->db, &server->folders, &server->log,
+                            server->config.keep_orphans_days, err);
     if (rc == 0)
         rc = orl_folding_open(&server->db, path, &server->folding, err);
     if (rc == 0)
@@ -438,6 +444,9 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     if (rc == 0)
         rc = open_jobs(&server, err);
     if (rc == 0) {
+        orl_aging_log(&server.aging);
+        orl_aging_look(&server.aging, &server.loop);
+        orl_missing_log(&server.db, &server.folders, &server.log);
         open_budget(&server);
         server.scrubbing = orl_scrubbing_start(&server.folders, &server.log, server.maps,
                                                config->scrub_bytes_per_s);
@@ -462,6 +471,8 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
         orl_map_cache_flush(server.maps, NULL);
     orl_status_cache_free(server.statuses);
     orl_jobs_close(server.jobs);
+    orl_aging_close(&server.aging);
+    orl_shared_sweep_done(&server.sweep);
     close_storage(&server);
     uv_loop_close(&server.loop);
     uv_library_shutdown(); /* the pool's threads end before what they use does */

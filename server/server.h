@@ -32,6 +32,7 @@
 #include "store/log_folding.h"
 #include "store/settling.h"
 #include "store/verified.h"
+#include "upkeep/aging.h"
 #include "upkeep/shared_sweep.h"
 #include "upkeep/storage.h"
 
@@ -46,6 +47,7 @@ struct orl_server {
     char program[ORL_SHA_HEX]; /* program.h */
     struct orl_folders folders;
     struct orl_db db;
+    struct orl_aging aging;
     struct orl_folding *folding;   /* of its log */
     struct orl_settling *settling; /* of what is committed to it */
     struct orl_blobs *blobs;

@@ -9,6 +9,7 @@
 
 #include "cache/map_entries.h"
 #include "store/discard.h"
+#include "store/orphans.h"
 
 /* Is it of no more use? Nobody holds it, and the row is as it should be. */
 static bool is_spent(const struct orl_map_entry *entry)
@@ -182,8 +183,9 @@ static int load_row(void *ctx, const struct orl_stored_map *map)
     return 0;
 }
 
-/* Files that no row speaks of were committed a moment before a crash. */
-static int remove_orphans(struct orl_map_cache *cache, struct orl_error *err)
+/* Files without a row: of a crash a moment after they were committed, or of another database. One
+ * that cannot be moved, as on a full disk, stays for the next start. */
+static int set_orphans_aside(struct orl_map_cache *cache, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
     orl_folders_path(cache->folders, path, "maps");
@@ -198,8 +200,8 @@ static int remove_orphans(struct orl_map_cache *cache, struct orl_error *err)
         if (sscanf(file->d_name, "%15[a-z]-%64[0-9a-f].opm", kind, key) == 2)
             entry = orl_map_find(cache, kind, key);
         if (!entry || entry->state != ORL_MAP_IS_READY) {
-            orl_folders_path(cache->folders, path, "maps/%s", file->d_name);
-            unlink(path);
+            snprintf(path, sizeof path, "maps/%s", file->d_name);
+            orl_orphan_set_aside(cache->folders, path, NULL);
         }
     }
     closedir(folder);
@@ -224,7 +226,7 @@ int orl_map_cache_open(uv_loop_t *loop, const struct orl_folders *folders, struc
     pthread_condattr_destroy(&steady);
     int rc = orl_map_rows(db, load_row, cache, err);
     if (rc == 0)
-        rc = remove_orphans(cache, err);
+        rc = set_orphans_aside(cache, err);
     if (rc == 0)
         rc = orl_map_cache_flush(cache, err);
     if (rc)

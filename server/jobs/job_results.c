@@ -9,6 +9,7 @@
 #include "jobs/job_runs.h"
 #include "process/times.h"
 #include "store/discard.h"
+#include "store/orphans.h"
 
 static void results_path(const struct orl_jobs *jobs, const char *id, char ret_path[ORL_PATH_MAX])
 {
@@ -149,6 +150,23 @@ void orl_job_results_gone(struct orl_jobs *jobs, const char *id)
 
 /* ---- Start ---------------------------------------------------------------------------------- */
 
+/* Results of a job that has ended without any go. Those of a job that the database does not know,
+ * or thinks has yet to end, are set aside: it may be an older copy. */
+static void sweep_results(struct orl_jobs *jobs, const struct orl_jobs_job *job, const char *id)
+{
+    char path[ORL_PATH_MAX];
+    struct orl_error err;
+    if (job && job->row.state > ORL_JOB_RUNNING) {
+        results_path(jobs, id, path);
+        orl_remove_tree(path, NULL);
+        return;
+    }
+    snprintf(path, sizeof path, "results/%.255s", id);
+    if (orl_orphan_set_aside(jobs->env.folders, path, &err))
+        orl_log_event(jobs->env.log, ORL_LOG_WARN, "orphan-left", "ss", "what", path, "why",
+                      err.message);
+}
+
 void orl_job_results_sweep(struct orl_jobs *jobs)
 {
     char path[ORL_PATH_MAX];
@@ -160,8 +178,7 @@ void orl_job_results_sweep(struct orl_jobs *jobs)
         const struct orl_jobs_job *job = orl_jobs_lookup(jobs, entry->d_name);
         if (entry->d_name[0] == '.' || (job && orl_job_results_kept(job)))
             continue;
-        results_path(jobs, entry->d_name, path);
-        orl_remove_tree(path, NULL);
+        sweep_results(jobs, job, entry->d_name);
     }
     if (folder)
         closedir(folder);

@@ -89,10 +89,11 @@ static void recover(struct orl_jobs *jobs)
 
 /* Who goes on with a job's work: itself if it waits, else who leads those that ask for the same, as
  * after the cancelling of one that others followed. */
-static const char *heir_of(void *ctx, const char *id)
+static const char *heir_of(void *ctx, const char *id, bool *ret_known)
 {
     const struct orl_jobs *jobs = ctx;
     const struct orl_jobs_job *job = orl_jobs_lookup(jobs, id), *leader = jobs->leaders;
+    *ret_known = job != NULL;
     if (!job || job->row.state == ORL_JOB_QUEUED)
         return job ? job->row.id : NULL;
     while (leader && !is_same(leader, job))

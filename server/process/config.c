@@ -12,6 +12,40 @@
 
 enum { DEFAULT_PORT = 8423 };
 
+/* The second half of the help: ISO C bounds the length of one string. */
+static void print_bounds(FILE *stream)
+{
+    fprintf(
+        stream,
+        "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
+        "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
+        "  --check-memory SIZE    bytes of memory that it may take (%luM)\n"
+        "  --job-timeout S        seconds that one job may run, after which it fails (%u)\n"
+        "  --keep-jobs N          jobs that have ended and are remembered, with their results;\n"
+        "                         beyond them the oldest go (%u)\n"
+        "  --keep-days N          days after which jobs that have ended go; 0: never (0)\n"
+        "  --orphans WHAT         when the database is lost, or another folder's: refuse to "
+        "start;\n"
+        "                         or set-aside, which moves the files that it does not know to\n"
+        "                         DIR/orphans, and begins anew if there is none (refuse)\n"
+        "  --keep-orphans N       days after which what was moved there, as after a crash, is\n"
+        "                         removed; 0: at the next start (%u)\n"
+        "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
+        "  --address-connections N  open connections that one address may have (%u; on\n"
+        "                         loopback, where all share one, no fewer than in all)\n"
+        "  --log-level LEVEL      debug, info, warn or error (info)\n"
+        "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
+        "  --help, --version\n\n"
+        "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
+        "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
+        "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
+        "is queued again: it starts over with the next start, with the maps it has made.\n"
+        "SIGHUP has certificate and key read anew.\n",
+        ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S, ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S,
+        ORL_SERVER_KEPT_JOBS, ORL_SERVER_KEEP_ORPHANS_DAYS, ORL_SERVER_DRAIN_S,
+        ORL_SERVER_ADDRESS_CONNECTIONS);
+}
+
 void orl_config_help(FILE *stream)
 {
     fprintf(
@@ -55,28 +89,9 @@ void orl_config_help(FILE *stream)
         "                         documents ask for; 0: none does (60)\n"
         "  --slurm-partition, --slurm-account, --slurm-qos, --slurm-constraint NAME\n"
         "                         sbatch's\n"
-        "  --slurm-option OPTION  one more of sbatch's, as --time=60; there may be several\n"
-        "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
-        "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
-        "  --check-memory SIZE    bytes of memory that it may take (%luM)\n"
-        "  --job-timeout S        seconds that one job may run, after which it fails (%u)\n"
-        "  --keep-jobs N          jobs that have ended and are remembered, with their results;\n"
-        "                         beyond them the oldest go (%u)\n"
-        "  --keep-days N          days after which jobs that have ended go; 0: never (0)\n"
-        "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
-        "  --address-connections N  open connections that one address may have (%u; on\n"
-        "                         loopback, where all share one, no fewer than in all)\n"
-        "  --log-level LEVEL      debug, info, warn or error (info)\n"
-        "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
-        "  --help, --version\n\n"
-        "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
-        "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
-        "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
-        "is queued again: it starts over with the next start, with the maps it has made.\n"
-        "SIGHUP has certificate and key read anew.\n",
-        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_SCRUB_RATE >> 20,
-        ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S, ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S,
-        ORL_SERVER_KEPT_JOBS, ORL_SERVER_DRAIN_S, ORL_SERVER_ADDRESS_CONNECTIONS);
+        "  --slurm-option OPTION  one more of sbatch's, as --time=60; there may be several\n",
+        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_SCRUB_RATE >> 20);
+    print_bounds(stream);
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
@@ -169,6 +184,7 @@ static int apply_number(struct orl_config *config, const char *name, const char 
         {"--idle-timeout", 1, 3600, &config->idle_timeout_s},
         {"--check-timeout", 1, 86400, &config->check_timeout_s},
         {"--job-timeout", 1, 31536000, &config->job_timeout_s},
+        {"--keep-orphans", 0, 36500, &config->keep_orphans_days},
         {"--keep-jobs", 1, 10000000, &config->keep_jobs},
         {"--keep-days", 0, 36500, &config->keep_days},
         {"--drain-timeout", 0, 86400, &config->drain_s},
@@ -242,6 +258,11 @@ static int apply_option(struct orl_config *config, const char *name, const char 
     } else if (strcmp(name, "--log-level") == 0) {
         if (orl_log_level_from_name(value, &config->log_level))
             rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
+    } else if (strcmp(name, "--orphans") == 0) {
+        config->set_orphans_aside = strcmp(value, "set-aside") == 0;
+        if (!config->set_orphans_aside && strcmp(value, "refuse") != 0)
+            rc = orl_error_set(err, ORL_ERR_INVALID,
+                               "--orphans takes refuse or set-aside, not '%s'", value);
     } else if (strcmp(name, "--log-format") == 0) {
         config->log_json = strcmp(value, "json") == 0;
         if (!config->log_json && strcmp(value, "text") != 0)
@@ -274,6 +295,7 @@ static void set_defaults(struct orl_config *config)
     config->scrub_bytes_per_s = ORL_SERVER_SCRUB_RATE;
     config->job_timeout_s = ORL_SERVER_JOB_S;
     config->keep_jobs = ORL_SERVER_KEPT_JOBS;
+    config->keep_orphans_days = ORL_SERVER_KEEP_ORPHANS_DAYS;
     config->drain_s = ORL_SERVER_DRAIN_S;
     config->log_level = ORL_LOG_INFO;
 }

@@ -40,6 +40,8 @@ struct orl_config {
     uint64_t shelf_bytes;          /* of memory, for what jobs leave to those after them */
     uint32_t job_timeout_s;        /* that a job may run */
     uint32_t keep_jobs, keep_days; /* of those that have ended; no days: for ever */
+    uint32_t keep_orphans_days;    /* that files stay which a start has set aside */
+    bool set_orphans_aside;        /* of a database that is lost or another's: opening.h */
     uint32_t drain_s;              /* that running jobs are given to finish at a stop */
     struct orl_runner_options runner;
     enum orl_log_level log_level;

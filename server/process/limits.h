@@ -28,10 +28,11 @@
 #define ORL_SERVER_SESSIONS 64U                  /* of browsers, of one token */
 #define ORL_SERVER_LINK_S 3600U                  /* that a signed link may be good for */
 #define ORL_SERVER_LINKS 100U                    /* of them in one answer */
-#define ORL_SERVER_TIMEOUT_S 60U    /* of silence, before a connection is closed (default) */
-#define ORL_SERVER_JOB_S 86400U     /* that a job may run (default) */
-#define ORL_SERVER_KEPT_JOBS 10000U /* that have ended (default) */
-#define ORL_SERVER_DRAIN_S 5U       /* that running jobs have to finish at a stop (default) */
+#define ORL_SERVER_TIMEOUT_S 60U         /* of silence, before a connection is closed (default) */
+#define ORL_SERVER_JOB_S 86400U          /* that a job may run (default) */
+#define ORL_SERVER_KEPT_JOBS 10000U      /* that have ended (default) */
+#define ORL_SERVER_KEEP_ORPHANS_DAYS 30U /* that files stay which a start set aside (default) */
+#define ORL_SERVER_DRAIN_S 5U            /* that running jobs have to finish at a stop (default) */
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */

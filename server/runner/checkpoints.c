@@ -15,6 +15,7 @@
 #include "picture_json.h"
 #include "store/bundle.h"
 #include "store/mapped_file.h"
+#include "store/orphans.h"
 
 static void path_below(const char *folder, const char *before, const char *name, const char *ending,
                        char ret_path[ORL_PATH_MAX])
@@ -111,16 +112,23 @@ bool orl_checkpoint_give(const struct orl_folders *folders, const char *from_id,
 }
 
 void orl_checkpoint_sweep(const struct orl_folders *folders,
-                          const char *(*heir)(void *ctx, const char *job_id), void *ctx)
+                          const char *(*heir)(void *ctx, const char *job_id, bool *ret_known),
+                          void *ctx)
 {
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "partial");
     DIR *folder = opendir(path);
     for (const struct dirent *entry; folder && (entry = readdir(folder));) {
-        const char *id = entry->d_name[0] == '.' ? entry->d_name : heir(ctx, entry->d_name);
+        bool known = true;
+        const char *id = entry->d_name[0] == '.' ? entry->d_name : heir(ctx, entry->d_name, &known);
         if (id &&
             (strcmp(id, entry->d_name) == 0 || orl_checkpoint_give(folders, entry->d_name, id)))
             continue;
+        if (!known) {
+            snprintf(path, sizeof path, "partial/%.255s", entry->d_name);
+            orl_orphan_set_aside(folders, path, NULL);
+            continue;
+        }
         orl_checkpoint_folder(folders, entry->d_name, path);
         orl_remove_tree(path, NULL);
     }

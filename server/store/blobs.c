@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "store/discard.h"
+#include "store/orphans.h"
 #include "store/scenes.h"
 
 enum { BUCKETS = 1024 };
@@ -157,8 +158,9 @@ static int sweep_file(struct orl_blobs *blobs, const char *sha, struct orl_error
         blobs->bytes += (uint64_t)bytes;
         return 0;
     }
-    orl_blob_path(blobs->folders, sha, path);
-    unlink(path);
+    /* Where that fails, as on a full disk, it stays for the next start. */
+    snprintf(path, sizeof path, "blobs/%.2s/%s", sha, sha);
+    orl_orphan_set_aside(blobs->folders, path, NULL);
     return 0;
 }
 

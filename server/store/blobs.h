@@ -5,7 +5,7 @@
  * is about to write such a row claims it. When the last claim goes, or a row, a blob that is left
  * without either goes too: so nothing stays of an upload that fails at its last step, and nothing
  * goes that another one, of the same bytes, counts on. One whose row has gone stays until that is
- * safe (settling.h). Blobs without a row are removed at start.
+ * safe (settling.h). A start sets blobs without a row aside (orphans.h).
  *
  * Threads: the loop thread. A request claims before the pool may keep the file, and lets go after
  * the row is written, or never will be.
@@ -21,7 +21,7 @@
 
 struct orl_blobs;
 
-/* Counts those there are, and removes those that no row names. Borrows its arguments. */
+/* Counts those there are, and sets those aside that no row names. Borrows its arguments. */
 int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct orl_db *db,
                    struct orl_settling *settling, struct orl_blobs **ret_blobs,
                    struct orl_error *err);

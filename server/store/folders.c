@@ -14,6 +14,7 @@
 
 #include <oriel/sha256.h>
 
+#include "process/times.h"
 #include "store/bundle.h"
 #include "store/mapped_file.h"
 
@@ -71,6 +72,7 @@ int orl_folders_open(struct orl_folders *folders, const char *root, struct orl_e
     char path[ORL_PATH_MAX];
     folders->lock_fd = -1;
     folders->hold = NULL;
+    folders->start_ms = orl_time_now_ms();
     if (strlen(root) >= sizeof folders->root)
         return orl_error_set(err, ORL_ERR_LIMIT, "the data folder's path is too long");
     snprintf(folders->root, sizeof folders->root, "%s", root);

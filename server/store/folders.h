@@ -3,6 +3,7 @@
  *
  *     oriel.db  oriel.lock  blobs/ab/<sha256>  maps/<kind>-<key>.opm  results/<job>/...
  *     partial/<job>/...  oriel.running (blame.h)  tmp/
+ *     oriel.id (opening.h)  orphans/<time>/... (orphans.h)
  *
  * Files appear in their place by rename, after fsync, so that what is there is complete. tmp/
  * holds what is being written; it is emptied when the folder is opened. One daemon at a time: a
@@ -15,6 +16,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include <oriel/error.h>
 
@@ -25,6 +27,7 @@ struct orl_hold;
 struct orl_folders {
     char root[ORL_ROOT_MAX];
     int lock_fd;
+    int64_t start_ms;      /* when it was opened: names what this start sets aside (orphans.h) */
     struct orl_hold *hold; /* of what is written to tmp/ on behalf of a request (hold.h), or NULL */
 };
 

@@ -1,6 +1,9 @@
 #include "store/migrate.h"
 
+#include <errno.h>
 #include <sodium.h>
+#include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +32,22 @@ static int check_list(const struct orl_migration *list, size_t count, struct orl
     return 0;
 }
 
+static int refuse_list(struct orl_error *err, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+/* Refuses a database whose list of migrations is not that of its tables. */
+static int refuse_list(struct orl_error *err, const char *format, ...)
+{
+    char message[ORL_ERROR_TEXT_MAX];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    orl_error_set(err, ORL_ERR_CORRUPT, "%s", message);
+    orl_error_hint(err, "It is damaged, or another program's: put back oriel.db from a backup, or "
+                        "oriel.db.before-NNNN, the copy made before its latest migration");
+    return ORL_ERR_CORRUPT;
+}
+
 /* Compares what the database records with list; *ret_applied is how many it has. */
 static int check_applied(struct orl_db *db, const struct orl_migration *list, size_t count,
                          size_t *ret_applied, struct orl_error *err)
@@ -50,6 +69,13 @@ static int check_applied(struct orl_db *db, const struct orl_migration *list, si
             orl_error_hint(err, "Run the later version, or give another data folder");
             break;
         }
+        if (version > (sqlite3_int64)applied + 1) {
+            rc = refuse_list(err,
+                             "the database's list of migrations (schema_migrations) lacks "
+                             "number %zu",
+                             applied + 1);
+            break;
+        }
         digest_of(list[applied].sql, digest);
         if (version != (sqlite3_int64)applied + 1 || strcmp(digest, orl_db_text(stmt, 2)) != 0)
             rc = orl_error_set(err, ORL_ERR_CORRUPT,
@@ -62,6 +88,26 @@ static int check_applied(struct orl_db *db, const struct orl_migration *list, si
     sqlite3_finalize(stmt);
     if (rc == 0)
         *ret_applied = applied;
+    return rc;
+}
+
+/* A list that has lost its rows is no reason to make the tables once more. */
+static int check_unlisted(struct orl_db *db, struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err,
+                                        "SELECT count(*) FROM sqlite_schema WHERE type = 'table' "
+                                        "AND name <> 'schema_migrations' AND name NOT LIKE "
+                                        "'sqlite_%'",
+                                        "");
+    if (!stmt)
+        return ORL_ERR_IO;
+    int rc = 0;
+    if (sqlite3_step(stmt) != SQLITE_ROW)
+        rc = orl_db_error(db, "its tables cannot be listed", err);
+    else if (sqlite3_column_int64(stmt, 0) > 0)
+        rc = refuse_list(err, "the database has tables, but its list of migrations "
+                              "(schema_migrations) is empty");
+    sqlite3_finalize(stmt);
     return rc;
 }
 
@@ -79,27 +125,53 @@ static int apply(struct orl_db *db, const struct orl_migration *migration, size_
                         "INSERT INTO schema_migrations (version, name, digest, applied_ms) "
                         "VALUES (?, ?, ?, ?)",
                         "issi", (int64_t)version, migration->name, digest, orl_time_now_ms());
+    const bool refused = rc != 0 && (sqlite3_errcode(db->handle) & 0xff) == SQLITE_ERROR;
     rc = orl_db_end(db, rc, err);
     if (rc)
         orl_error_at(err, migration->name, 0, NULL);
+    if (refused)
+        orl_error_hint(err, "The tables are not those that the list of migrations "
+                            "(schema_migrations) speaks of; put back oriel.db from a backup, or "
+                            "oriel.db.before-NNNN, the copy made before its latest migration");
     return rc;
 }
 
-/* Of a database that holds something: what a migration did can be undone. */
-static int keep_copy(struct orl_db *db, size_t applied, struct orl_error *err)
+/* ---- The copy of before ---------------------------------------------------------------------- */
+
+/* A copy of a database that holds something, made before a migration and given its name after it,
+ * so that one that fails does not take the place of an earlier copy. */
+struct copy {
+    char made[4096 + 8], name[4096];
+};
+
+static int make_copy(struct orl_db *db, size_t applied, struct copy *copy, struct orl_error *err)
 {
     const char *path = sqlite3_db_filename(db->handle, "main");
-    char copy[4096];
+    copy->name[0] = '\0';
     if (!path || !*path)
         return 0; /* in memory */
-    snprintf(copy, sizeof copy, "%s.before-%04zu", path, applied + 1);
-    unlink(copy); /* of an earlier attempt */
-    return orl_db_run(db, err, NULL, "VACUUM INTO ?", "s", copy);
+    snprintf(copy->name, sizeof copy->name, "%s.before-%04zu", path, applied + 1);
+    snprintf(copy->made, sizeof copy->made, "%s.new", copy->name);
+    unlink(copy->made); /* of an earlier attempt */
+    return orl_db_run(db, err, NULL, "VACUUM INTO ?", "s", copy->made);
+}
+
+static int name_copy(const struct copy *copy, bool migrated, struct orl_error *err)
+{
+    if (!copy->name[0])
+        return 0;
+    if (!migrated)
+        unlink(copy->made);
+    else if (rename(copy->made, copy->name) != 0)
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot rename %s: %s", copy->made,
+                             strerror(errno));
+    return 0;
 }
 
 int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t count,
                    struct orl_error *err)
 {
+    struct copy copy = {{0}, {0}};
     size_t applied = 0;
     int rc = check_list(list, count, err);
     if (rc == 0)
@@ -110,10 +182,17 @@ int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t c
                          err);
     if (rc == 0)
         rc = check_applied(db, list, count, &applied, err);
+    if (rc == 0 && applied == 0)
+        rc = check_unlisted(db, err);
     if (rc == 0 && applied > 0 && applied < count)
-        rc = keep_copy(db, applied, err);
-    for (size_t i = applied; i < count && rc == 0; i++)
+        rc = make_copy(db, applied, &copy, err);
+    for (size_t i = applied; i < count && rc == 0; i++) {
         rc = apply(db, &list[i], i + 1, err);
+        if (i == applied) {
+            const int named = name_copy(&copy, rc == 0, rc == 0 ? err : NULL);
+            rc = rc ? rc : named;
+        }
+    }
     return rc;
 }
 

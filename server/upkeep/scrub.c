@@ -153,7 +153,7 @@ static void scrub_daily(struct orl_scrubbing *scrubbing)
         const double until_s = orl_time_steady_s() + PASS_S;
         struct orl_scrub_totals totals = {0};
         struct orl_db db = {NULL};
-        if (orl_db_open(&db, path, NULL) == 0)
+        if (orl_db_open_existing(&db, path, NULL) == 0)
             orl_scrub(&db, folders, &scrubber, &totals, NULL);
         orl_db_close(&db);
         if (!rest(scrubbing, until_s - orl_time_steady_s()))

@@ -2,6 +2,7 @@
 
 #include <dirent.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "parts/sharing.h"
@@ -37,14 +38,46 @@ static void sweep_back(uv_work_t *work, int status)
 }
 
 /* A job's folder has its id for a name, maybe with an ending, as while it is laid out. */
-static bool is_stale(const struct orl_jobs *jobs, const char *name)
+static bool read_id(const char *name, char ret_id[ORL_JOB_ID])
 {
-    char id[ID + 1];
-    if (strspn(name, "0123456789abcdef") != ID)
+    snprintf(ret_id, ORL_JOB_ID, "%.*s", ID, name);
+    return strspn(name, "0123456789abcdef") == ID;
+}
+
+static bool is_stale(const struct orl_shared_sweep *sweep, const char *name)
+{
+    char id[ORL_JOB_ID];
+    if (!read_id(name, id))
         return false;
-    snprintf(id, sizeof id, "%.*s", ID, name);
-    const struct orl_jobs_job *job = orl_jobs_find(jobs, id);
+    for (size_t i = 0; i < sweep->n_unknown; i++)
+        if (strcmp(sweep->unknown[i], id) == 0)
+            return false;
+    const struct orl_jobs_job *job = orl_jobs_find(sweep->jobs, id);
     return !job || orl_jobs_ended(job);
+}
+
+/* Lists the folders whose jobs are not known; false without memory for the list. */
+static bool list_unknown(struct orl_shared_sweep *sweep)
+{
+    DIR *entries = opendir(sweep->place->folder);
+    bool fits = true;
+    for (const struct dirent *entry; entries && fits && (entry = readdir(entries)) != NULL;) {
+        char id[ORL_JOB_ID];
+        if (!read_id(entry->d_name, id) || orl_jobs_find(sweep->jobs, id))
+            continue;
+        char(*grown)[ORL_JOB_ID] =
+            realloc(sweep->unknown, (sweep->n_unknown + 1) * sizeof *sweep->unknown);
+        fits = grown != NULL;
+        if (!fits)
+            break;
+        sweep->unknown = grown;
+        memcpy(sweep->unknown[sweep->n_unknown++], id, sizeof id);
+        orl_log_event(sweep->log, ORL_LOG_WARN, "parts-unknown", "ss", "folder", entry->d_name,
+                      "hint", "the database does not know its job; remove it if nothing else does");
+    }
+    if (entries)
+        closedir(entries);
+    return fits;
 }
 
 static bool find_stale(struct orl_shared_sweep *sweep)
@@ -52,7 +85,7 @@ static bool find_stale(struct orl_shared_sweep *sweep)
     DIR *entries = opendir(sweep->place->folder);
     bool found = false;
     for (const struct dirent *entry; entries && !found && (entry = readdir(entries)) != NULL;) {
-        found = is_stale(sweep->jobs, entry->d_name);
+        found = is_stale(sweep, entry->d_name);
         if (found)
             snprintf(sweep->folder, sizeof sweep->folder, "%.*s/%.64s", ORL_PATH_MAX - 80,
                      sweep->place->folder, entry->d_name);
@@ -66,9 +99,17 @@ void orl_shared_sweep_look(struct orl_shared_sweep *sweep, uv_loop_t *loop)
 {
     if (!sweep->place || !sweep->wanted || sweep->busy)
         return;
-    sweep->wanted = find_stale(sweep);
+    sweep->looked = sweep->looked || list_unknown(sweep);
+    sweep->wanted = sweep->looked && find_stale(sweep);
     if (!sweep->wanted)
         return;
     sweep->work.data = sweep;
     sweep->busy = uv_queue_work(loop, &sweep->work, sweep_work, sweep_back) == 0;
+}
+
+void orl_shared_sweep_done(struct orl_shared_sweep *sweep)
+{
+    free(sweep->unknown);
+    sweep->unknown = NULL;
+    sweep->n_unknown = 0;
 }

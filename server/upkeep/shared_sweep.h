@@ -1,7 +1,8 @@
 /*
  * Folders of jobs in parts (runner/shared_place.h) whose jobs wait or run no more: what Slurm has
  * of them is ended, and they go. They are left where a daemon was killed, or a job cancelled that
- * waited to go on with its parts.
+ * waited to go on with its parts. Folders of jobs that the database does not know when the daemon
+ * starts stay, and are logged: they may be those of a database that was lost.
  *
  * Threads: the loop thread; the work itself is on the pool.
  */
@@ -25,9 +26,13 @@ struct orl_shared_sweep {
     char folder[ORL_PATH_MAX]; /* that is being swept */
     int rc;
     struct orl_error err;
+    bool looked;                 /* for folders of unknown jobs */
+    char (*unknown)[ORL_JOB_ID]; /* jobs of those, owned */
+    size_t n_unknown;
 };
 
 /* To be called now and then: sweeps one, if there is any. */
 void orl_shared_sweep_look(struct orl_shared_sweep *sweep, uv_loop_t *loop);
+void orl_shared_sweep_done(struct orl_shared_sweep *sweep);
 
 #endif

@@ -7,7 +7,7 @@
 #include "process/config.h"
 #include "process/times.h"
 #include "store/folders.h"
-#include "store/migrate.h"
+#include "store/opening.h"
 
 enum { STATUS_FAILED = 1, STATUS_USAGE = 2 };
 
@@ -39,11 +39,10 @@ static int open_storage(const char *data, struct storage *storage, struct orl_er
         *err = locked;
         return mine;
     }
+    if (mine == 0)
+        return orl_opening_database(&storage->folders, ORL_OPENING_REFUSE, &storage->db, err);
     orl_folders_path(&storage->folders, path, "oriel.db");
-    int rc = orl_db_open(&storage->db, path, err);
-    if (rc == 0 && mine == 0)
-        rc = orl_db_migrate_embedded(&storage->db, err);
-    return rc;
+    return orl_db_open_existing(&storage->db, path, err);
 }
 
 static void close_storage(struct storage *storage)

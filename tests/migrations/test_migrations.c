@@ -134,6 +134,43 @@ static void test_copy_before(void **state)
     assert_int_not_equal(access(copy, F_OK), 0);
 }
 
+/* A list of migrations that has lost rows is told of, with what to do, and the copy that an earlier
+ * migration made stays. */
+static void test_lost_rows_are_refused(void **state)
+{
+    static const struct {
+        const char *sql, *says;
+        int code;
+    } losses[] = {
+        {"DELETE FROM schema_migrations", "list of migrations (schema_migrations) is empty",
+         ORL_ERR_CORRUPT},
+        {"DROP TABLE schema_migrations", "list of migrations (schema_migrations) is empty",
+         ORL_ERR_CORRUPT},
+        {"DELETE FROM schema_migrations WHERE version = 1", "lacks number 1", ORL_ERR_CORRUPT},
+        {"DELETE FROM schema_migrations WHERE version = 2", "duplicate column name", ORL_ERR_IO},
+    };
+    struct fixture *f = *state;
+    char copy[100];
+    snprintf(copy, sizeof copy, "%s.before-0002", f->path);
+    assert_int_equal(orl_db_migrate(&f->db, two, 1, &f->err), 0);
+    assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    for (size_t i = 0; i < sizeof losses / sizeof *losses; i++) {
+        assert_int_equal(orl_db_begin(&f->db, &f->err), 0);
+        assert_int_equal(orl_db_exec(&f->db, losses[i].sql, &f->err), 0);
+        assert_int_equal(orl_db_end(&f->db, 0, &f->err), 0);
+        assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), losses[i].code);
+        assert_non_null(strstr(f->err.message, losses[i].says));
+        assert_non_null(strstr(f->err.hint, "put back oriel.db"));
+        assert_int_equal(columns_of_copy(copy, &f->err), 1);
+        assert_int_equal(orl_db_exec(&f->db,
+                                     "DROP TABLE IF EXISTS a; DROP TABLE IF EXISTS "
+                                     "schema_migrations",
+                                     &f->err),
+                         0);
+        assert_int_equal(orl_db_migrate(&f->db, two, 2, &f->err), 0);
+    }
+}
+
 static void test_failure_is_atomic(void **state)
 {
     struct fixture *f = *state;
@@ -413,6 +450,7 @@ int main(void)
         EACH(test_stepwise_keeps_data),
         EACH(test_copy_before),
         EACH(test_failure_is_atomic),
+        EACH(test_lost_rows_are_refused),
         EACH(test_later_version_is_refused),
         EACH(test_edited_migration_is_refused),
         EACH(test_gap_is_refused),

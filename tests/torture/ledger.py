@@ -209,12 +209,12 @@ class _Database:
 
     def check_no_orphans(self, files, running):
         """files: those that a start should have looked at."""
-        known = {"oriel.db", "oriel.db-wal", "oriel.db-shm", "oriel.lock", "oriel.running",
+        known = {"oriel.db", "oriel.db-wal", "oriel.db-shm", "oriel.lock", "oriel.running", "oriel.id",
                  "blobs", "maps", "partial", "results", "tmp"}
         waiting = {job for job, (state, _) in self.jobs.items() if state in ("queued", "running")}
         for path, _ in sorted(files):
             parts = path.split(os.sep)
-            owned = (path in known or path.startswith("oriel.db.before-") or path in self.blobs or path in self.maps or
+            owned = (path in known or parts[0] == "orphans" or path.startswith("oriel.db.before-") or path in self.blobs or path in self.maps or
                      parts[0] == "results" and parts[1] in self.results or
                      running and parts[0] in ("partial", "results") and parts[1] in waiting or
                      parts[0] == "blobs" and len(parts) == 2)

@@ -1,0 +1,189 @@
+#include "store/opening.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "store/mapped_file.h"
+#include "store/migrate.h"
+#include "store/orphans.h"
+
+enum { ID_TEXT = 33 };
+
+static const char *const kept[] = {"blobs", "maps", "partial", "results"};
+
+/* ---- Files without a database ---------------------------------------------------------------- */
+
+static bool has_file(const char *path)
+{
+    bool found = false;
+    DIR *folder = opendir(path);
+    for (const struct dirent *entry; folder && !found && (entry = readdir(folder));) {
+        char below[ORL_PATH_MAX];
+        struct stat st;
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        snprintf(below, sizeof below, "%.*s/%s", ORL_PATH_MAX - 260, path, entry->d_name);
+        if (lstat(below, &st) == 0)
+            found = !S_ISDIR(st.st_mode) || has_file(below);
+    }
+    if (folder)
+        closedir(folder);
+    return found;
+}
+
+static bool has_kept_files(const struct orl_folders *folders)
+{
+    char path[ORL_PATH_MAX];
+    bool found = false;
+    for (size_t i = 0; i < sizeof kept / sizeof *kept && !found; i++) {
+        orl_folders_path(folders, path, "%s", kept[i]);
+        found = has_file(path);
+    }
+    return found;
+}
+
+static int refuse_lost(const struct orl_folders *folders, struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_CORRUPT,
+                  "%.200s has files of scenes, jobs or maps, but its database oriel.db is missing "
+                  "or empty; without it they would all be lost",
+                  folders->root);
+    orl_error_hint(err,
+                   "Put oriel.db back, from a backup or from oriel.db.before-NNNN; or start "
+                   "with --orphans set-aside, which moves the files to %.200s/orphans and "
+                   "begins anew",
+                   folders->root);
+    return ORL_ERR_CORRUPT;
+}
+
+/* Moves all that is kept aside; the folders are made again. */
+static int set_all_aside(const struct orl_folders *folders, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    int rc = 0;
+    for (size_t i = 0; i < sizeof kept / sizeof *kept && rc == 0; i++) {
+        rc = orl_orphan_set_aside(folders, kept[i], err);
+        orl_folders_path(folders, path, "%s", kept[i]);
+        if (rc == 0 && mkdir(path, 0777) != 0)
+            rc = orl_error_set(err, orl_err_of_errno(errno), "cannot make the folder %s: %s", path,
+                               strerror(errno));
+    }
+    return rc;
+}
+
+/* With the log that SQLite would remove, since it belongs to no database. */
+static int set_database_aside(const struct orl_folders *folders, struct orl_error *err)
+{
+    static const char *const parts[] = {"oriel.db", "oriel.db-wal", "oriel.db-shm", "oriel.id"};
+    int rc = 0;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts && rc == 0; i++)
+        rc = orl_orphan_set_aside(folders, parts[i], err);
+    return rc;
+}
+
+/* Before SQLite makes a new database of one that is missing or has no bytes. */
+static int check_before(const struct orl_folders *folders, const char *path,
+                        enum orl_opening opening, struct orl_error *err)
+{
+    struct stat st;
+    if ((stat(path, &st) == 0 && st.st_size > 0) || !has_kept_files(folders))
+        return 0;
+    if (opening == ORL_OPENING_REFUSE)
+        return refuse_lost(folders, err);
+    const int rc = set_database_aside(folders, err);
+    return rc ? rc : set_all_aside(folders, err);
+}
+
+/* A database without a table is one of SQLite's, but as empty as one without bytes. */
+static int check_tables(const struct orl_folders *folders, struct orl_db *db,
+                        enum orl_opening opening, struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, "SELECT 1 FROM sqlite_schema LIMIT 1", "");
+    if (!stmt)
+        return ORL_ERR_IO;
+    const int step = sqlite3_step(stmt);
+    const int rc = step == SQLITE_ROW || step == SQLITE_DONE
+                       ? 0
+                       : orl_db_error(db, "its tables cannot be listed", err);
+    sqlite3_finalize(stmt);
+    if (rc || step == SQLITE_ROW || !has_kept_files(folders))
+        return rc;
+    return opening == ORL_OPENING_REFUSE ? refuse_lost(folders, err) : set_all_aside(folders, err);
+}
+
+/* ---- Another folder's database --------------------------------------------------------------- */
+
+static int read_id(struct orl_db *db, char ret_id[ID_TEXT], struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, "SELECT id FROM data_folder", "");
+    if (!stmt)
+        return ORL_ERR_IO;
+    int rc = 0;
+    if (sqlite3_step(stmt) == SQLITE_ROW)
+        snprintf(ret_id, ID_TEXT, "%s", orl_db_text(stmt, 0));
+    else
+        rc = orl_db_error(db, "its id cannot be read", err);
+    sqlite3_finalize(stmt);
+    return rc;
+}
+
+static bool is_in_file(const char *path, const char *id)
+{
+    struct orl_file file;
+    if (orl_map_file(path, &file, NULL))
+        return false;
+    const bool same = file.size == strlen(id) && memcmp(file.data, id, file.size) == 0;
+    orl_unmap_file(&file);
+    return same;
+}
+
+/* On a full disk a folder that has no id yet gets one with a later start. */
+static int check_id(const struct orl_folders *folders, struct orl_db *db, enum orl_opening opening,
+                    struct orl_error *err)
+{
+    char id[ID_TEXT] = "", path[ORL_PATH_MAX];
+    struct stat st;
+    int rc = read_id(db, id, err);
+    orl_folders_path(folders, path, "oriel.id");
+    if (rc || is_in_file(path, id))
+        return rc;
+    const bool other = stat(path, &st) == 0 && st.st_size > 0;
+    if (other && opening == ORL_OPENING_REFUSE) {
+        orl_error_set(err, ORL_ERR_CORRUPT,
+                      "the database oriel.db is not the one of the data folder %.200s",
+                      folders->root);
+        orl_error_hint(err,
+                       "Put back its own, from a backup; or start with --orphans set-aside, "
+                       "which moves what this one does not know to %.200s/orphans",
+                       folders->root);
+        return ORL_ERR_CORRUPT;
+    }
+    rc = orl_write_file(path, id, strlen(id), err);
+    return rc == ORL_ERR_FULL ? 0 : rc;
+}
+
+/* ---- All ------------------------------------------------------------------------------------- */
+
+int orl_opening_database(const struct orl_folders *folders, enum orl_opening opening,
+                         struct orl_db *ret_db, struct orl_error *err)
+{
+    char path[ORL_PATH_MAX];
+    orl_folders_path(folders, path, "oriel.db");
+    ret_db->handle = NULL;
+    int rc = check_before(folders, path, opening, err);
+    if (rc == 0)
+        rc = orl_db_open(ret_db, path, err);
+    if (rc == 0)
+        rc = check_tables(folders, ret_db, opening, err);
+    if (rc == 0)
+        rc = orl_db_migrate_embedded(ret_db, err);
+    if (rc == 0)
+        rc = check_id(folders, ret_db, opening, err);
+    if (rc)
+        orl_db_close(ret_db);
+    return rc;
+}

@@ -1,0 +1,32 @@
+/*
+ * What grows old in a data folder: the retention clock, and files that starts have set aside.
+ *
+ * Threads: the loop thread.
+ */
+#ifndef ORL_SERVER_UPKEEP_AGING_H
+#define ORL_SERVER_UPKEEP_AGING_H
+
+#include <uv.h>
+
+#include "process/log.h"
+#include "store/folders.h"
+#include "store/retention_clock.h"
+
+struct orl_aging {
+    struct orl_retention_clock clock;
+    const struct orl_folders *folders;
+    const struct orl_log *log;
+    uint32_t keep_orphans_days;
+    int64_t purged_ms; /* by the clock, when orphans were last looked at; 0: not yet */
+};
+
+/* Of a migrated database, before anything looks for orphans. Borrows all. */
+int orl_aging_open(struct orl_aging *aging, struct orl_db *db, struct orl_folders *folders,
+                   const struct orl_log *log, uint32_t keep_orphans_days, struct orl_error *err);
+/* Logs what this start has set aside, once all that looks for orphans has started. */
+void orl_aging_log(const struct orl_aging *aging);
+/* To be called every second or so. */
+void orl_aging_look(struct orl_aging *aging, uv_loop_t *loop);
+void orl_aging_close(struct orl_aging *aging); /* a zeroed struct is fine */
+
+#endif
