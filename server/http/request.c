@@ -2,8 +2,16 @@
 
 #include <stdlib.h>
 
+#include "health/crash_report.h"
 #include "http/connections.h"
 #include "http/context.h"
+
+void orl_request_step_run(struct orl_request *request, orl_request_step step)
+{
+    orl_crash_request_begin(request->id, request->method, request->path);
+    step(request);
+    orl_crash_request_end();
+}
 
 const char *orl_request_query(const struct orl_request *request, const char *name)
 {
@@ -20,7 +28,7 @@ const char *orl_request_header(const struct orl_request *request, const char *na
 static void work_run(uv_work_t *work)
 {
     struct orl_request *request = work->data;
-    request->run(request);
+    orl_request_step_run(request, request->run);
 }
 
 static void work_back(uv_work_t *work, int status)
@@ -35,7 +43,7 @@ void orl_request_go_on(struct orl_request *request)
     request->working = false;
     context->working--;
     if (request->then)
-        request->then(request);
+        orl_request_step_run(request, request->then);
     if (request->working)
         return; /* `then` has started the next operation */
     orl_connection_go_on(request->connection);

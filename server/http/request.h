@@ -72,6 +72,9 @@ struct orl_request {
     void (*free_state)(void *state);
 };
 
+/* Calls a step of the request: a crash in there is reported with the request's method and path. */
+void orl_request_step_run(struct orl_request *request, orl_request_step step);
+
 /* Calls run on the pool and then `then` on the loop. The handler must return without replying. */
 void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then);
 

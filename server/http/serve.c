@@ -244,7 +244,7 @@ static enum MHD_Result dispatch(struct orl_request *request)
     else if (request->body.failed)
         orl_reply_error(request, &request->body.err);
     else
-        request->route->handler(request);
+        orl_request_step_run(request, request->route->handler);
     if (request->response && !request->working)
         return send_response(request);
     if (!request->working)

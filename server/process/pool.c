@@ -5,6 +5,8 @@
 
 #include <oriel/run.h>
 
+#include "process/signal_stack.h"
+
 struct preparing {
     pthread_barrier_t all; /* nobody takes two works */
     unsigned n_left;
@@ -14,6 +16,7 @@ struct preparing {
 static void prepare(uv_work_t *work)
 {
     struct preparing *preparing = work->data;
+    orl_signal_stack_install();
     orl_prepare_thread(NULL);
     pthread_barrier_wait(&preparing->all);
 }

@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "process/signal_stack.h"
+
 struct orl_folding {
     struct orl_db *db; /* that commits */
     struct orl_db own; /* the thread's */
@@ -22,6 +24,7 @@ static void fold(struct orl_db *db)
 static void *fold_when_called(void *ctx)
 {
     struct orl_folding *folding = ctx;
+    orl_signal_stack_install();
     pthread_mutex_lock(&folding->mutex);
     while (!folding->ending) {
         if (!folding->due) {

@@ -10,6 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "process/signal_stack.h"
 #include "store/folders.h"
 
 enum { FOLD_TRIES = 100, FOLD_TRIES_EVERY_NS = 20000000 };
@@ -85,6 +86,7 @@ static int make_safe(struct orl_settling *settling, struct orl_error *err)
 static void *settle_when_asked(void *ctx)
 {
     struct orl_settling *settling = ctx;
+    orl_signal_stack_install();
     pthread_mutex_lock(&settling->mutex);
     while (!settling->ending) {
         struct verdict verdict = {.ticket = settling->asked};

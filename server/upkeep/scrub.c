@@ -13,6 +13,7 @@
 
 #include <oriel/run.h>
 
+#include "process/signal_stack.h"
 #include "process/times.h"
 #include "store/verified.h"
 
@@ -164,6 +165,7 @@ static void scrub_daily(struct orl_scrubbing *scrubbing)
 static void *thread_main(void *arg)
 {
     struct orl_scrubbing *scrubbing = arg;
+    orl_signal_stack_install();
     lower_priority();
     scrub_daily(scrubbing);
     pthread_mutex_lock(&scrubbing->mutex);

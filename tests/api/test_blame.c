@@ -40,6 +40,28 @@ static bool log_has(const struct daemon *daemon, const char *text)
     return found;
 }
 
+/* Restarts the daemon with a library that makes faults where the variable says. */
+static void restart_faulty(struct daemon_room *f, const char *variable, const char *value,
+                           const char *const *extra)
+{
+    char shim[256];
+    const char *build = getenv("ORIEL_BUILD");
+    snprintf(shim, sizeof shim, "%s/tests/faulty.so", build ? build : "build");
+    daemon_end(&f->daemon, SIGTERM);
+    setenv("LD_PRELOAD", shim, 1);
+    setenv(variable, value, 1);
+    daemon_restart(&f->daemon, extra);
+}
+
+/* Daemons started from now on are sound. */
+static void end_faults(void)
+{
+    unsetenv("LD_PRELOAD");
+    unsetenv("FAULTY_CRASH");
+    unsetenv("FAULTY_JUMP");
+    unsetenv("FAULTY_OVERFLOW");
+}
+
 static void test_rules(void **state)
 {
     const struct orl_past marked = {.signum = SIGSEGV, .job = "0123"};
@@ -61,15 +83,10 @@ static void test_faults_are_named(void **state)
 {
     static const char *const two[] = {"--jobs", "2", "--threads", "2", NULL};
     struct daemon_room *f = *state;
-    char killer[80], bystander[80], line[120], shim[256];
-    const char *build = getenv("ORIEL_BUILD");
+    char killer[80], bystander[80], line[120];
     if (ORL_SANITIZED)
         skip();
-    snprintf(shim, sizeof shim, "%s/tests/faulty.so", build ? build : "build");
-    daemon_end(&f->daemon, SIGTERM);
-    setenv("LD_PRELOAD", shim, 1);
-    setenv("FAULTY_CRASH", "killer.hdr", 1);
-    daemon_restart(&f->daemon, two);
+    restart_faulty(f, "FAULTY_CRASH", "killer.hdr", two);
     daemon_submit(&f->daemon, f->scene, 2000000, 5, NULL, bystander);
     daemon_wait_running(&f->daemon, bystander, -1);
     daemon_submit(&f->daemon, f->scene, 1000, 6, "killer", killer);
@@ -77,8 +94,7 @@ static void test_faults_are_named(void **state)
         assert_int_equal(daemon_wait_end(&f->daemon), -1);
         daemon_restart(&f->daemon, two);
     }
-    unsetenv("LD_PRELOAD");
-    unsetenv("FAULTY_CRASH");
+    end_faults();
     expect_state(&f->daemon, killer, "failed", 3);
     expect_state(&f->daemon, bystander, "succeeded", 2);
     snprintf(line, sizeof line, "event=crashed signal=11 job=%s", strrchr(killer, '/') + 1);
@@ -86,6 +102,72 @@ static void test_faults_are_named(void **state)
     assert_true(log_has(&f->daemon, "event=crashed-at frames="));
     assert_true(log_has(&f->daemon, "faulty.so+0x"));
     assert_true(log_has(&f->daemon, ",orield+0x"));
+}
+
+static void expect_line(const struct daemon *daemon, const char *text)
+{
+    if (!log_has(daemon, text))
+        fail_msg("the log lacks '%s'", text);
+}
+
+/* Sends a request whose handler opens the named result file, and waits for the daemon's end. */
+static void crash_by_request(struct daemon_room *f, const char *job)
+{
+    char request[256];
+    const int length = snprintf(request, sizeof request,
+                                "GET %s/files/result.json HTTP/1.1\r\nHost: localhost:%s\r\n\r\n",
+                                job, strrchr(f->daemon.url, ':') + 1);
+    const int fd = daemon_dial(&f->daemon);
+    assert_int_equal(write(fd, request, (size_t)length), length);
+    assert_int_equal(daemon_wait_end(&f->daemon), -1);
+    close(fd);
+}
+
+/* A call through a null pointer in a request's handler: the unwinder finds no caller from there,
+ * but the report has the registers, the return address and the request. */
+static void test_calls_of_null_are_located(void **state)
+{
+    static const char *const json[] = {"--log-format", "json", NULL};
+    struct daemon_room *f = *state;
+    char job[80], line[160];
+    if (ORL_SANITIZED)
+        skip();
+    daemon_submit(&f->daemon, f->scene, 1000, 6, NULL, job);
+    expect_state(&f->daemon, job, "succeeded", 1);
+    restart_faulty(f, "FAULTY_JUMP", "result.json", NULL);
+    crash_by_request(f, job);
+    expect_line(&f->daemon, "event=crashed signal=11 job=-");
+    snprintf(line, sizeof line, " method=GET path=%s/files/result.json", job);
+    expect_line(&f->daemon, line);
+    expect_line(&f->daemon, "event=crashed-registers code=1 address=0x0 pc=0x0 sp=0x7f");
+    expect_line(&f->daemon, " caller=faulty.so+0x");
+    end_faults();
+    daemon_restart(&f->daemon, NULL);
+    restart_faulty(f, "FAULTY_JUMP", "result.json", json);
+    crash_by_request(f, job);
+    expect_line(&f->daemon, "\"event\":\"crashed-registers\",\"code\":1,\"address\":\"0x0\","
+                            "\"pc\":\"0x0\",\"sp\":\"0x7f");
+    expect_line(&f->daemon, ",\"caller\":\"faulty.so+0x");
+    end_faults();
+    daemon_restart(&f->daemon, NULL);
+}
+
+/* The handler of the signal runs on a stack of its own on the loop's thread, too. */
+static void test_stack_overflows_are_reported(void **state)
+{
+    struct daemon_room *f = *state;
+    char job[80], line[160];
+    if (ORL_SANITIZED)
+        skip();
+    daemon_submit(&f->daemon, f->scene, 1000, 6, NULL, job);
+    expect_state(&f->daemon, job, "succeeded", 1);
+    restart_faulty(f, "FAULTY_OVERFLOW", "result.json", NULL);
+    crash_by_request(f, job);
+    end_faults();
+    expect_line(&f->daemon, "event=crashed signal=11 job=-");
+    snprintf(line, sizeof line, " method=GET path=%s/files/result.json", job);
+    expect_line(&f->daemon, line);
+    daemon_restart(&f->daemon, NULL);
 }
 
 /* Uploads are being checked whenever the daemon is gone, and the only job has not grown: it is not
@@ -129,6 +211,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rules),
         cmocka_unit_test_setup_teardown(test_faults_are_named, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_calls_of_null_are_located, daemon_room_set_up,
+                                        daemon_room_tear_down),
+        cmocka_unit_test_setup_teardown(test_stack_overflows_are_reported, daemon_room_set_up,
                                         daemon_room_tear_down),
         cmocka_unit_test_setup_teardown(test_uploads_are_no_jobs_fault, daemon_room_set_up,
                                         daemon_room_tear_down),

@@ -10,11 +10,14 @@
  * With FAULTY_SLOW no call fails: a sync by the first thread of the program, which is a daemon's
  * loop, takes as many milliseconds more as the errno says, and is counted.
  *
- * A thread that moves a file to a name with FAULTY_CRASH in it makes a fault that ends the process.
+ * A thread that moves a file to a name with FAULTY_CRASH in it makes a fault that ends the process;
+ * one that opens a file with FAULTY_JUMP in its name calls a null pointer, and with FAULTY_OVERFLOW
+ * in it overflows its stack.
  */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -145,6 +148,34 @@ int unlinkat(int folder, const char *path, int flags)
     return faulty_is_due(FAULTY_REMOVALS)
                ? -1
                : REAL(int (*)(int, const char *, int), "unlinkat")(folder, path, flags);
+}
+
+/* Recurses until the stack ends; the volatile bytes keep it from becoming a loop. */
+static int overflow_stack(int depth)
+{
+    volatile char bytes[4096];
+    bytes[0] = (char)depth;
+    return depth < 0 ? 0 : bytes[0] + overflow_stack(depth + 1) + bytes[0];
+}
+
+static int is_named(const char *path, const char *variable)
+{
+    const char *name = getenv(variable);
+    return name && strstr(path, name) != NULL;
+}
+
+int open(const char *path, int flags, ...)
+{
+    static void (*volatile nowhere)(void);
+    va_list rest;
+    va_start(rest, flags);
+    const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(rest, mode_t) : 0;
+    va_end(rest);
+    if (is_named(path, "FAULTY_JUMP"))
+        nowhere();
+    if (is_named(path, "FAULTY_OVERFLOW"))
+        overflow_stack(0);
+    return REAL(int (*)(const char *, int, ...), "open")(path, flags, mode);
 }
 
 int rename(const char *from, const char *to)
