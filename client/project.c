@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include <oriel/files.h>
+#include <oriel/open.h>
 
 #include "decode.h"
 #include "frads.h"
@@ -72,11 +73,11 @@ static int write_file(const char *place, const struct orl_text_file *file, struc
     rc = orl_make_folder(folder, err);
     if (rc)
         return rc;
-    stream = fopen(path, "wb");
+    stream = orl_stream_regular(path, 'w');
     if (stream && fwrite(file->text, 1, file->size, stream) == file->size && fclose(stream) == 0)
         return 0;
     return orl_error_set(err, orl_err_of_errno(errno), "cannot write '%s': %s", path,
-                         strerror(errno));
+                         orl_open_reason(errno));
 }
 
 static int translate(const char *path, const char *place, struct orl_names *names,

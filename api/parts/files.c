@@ -6,11 +6,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 static int io_error(struct orl_error *err, const char *path, const char *verb)
 {
     const int code = errno == ENOENT ? ORL_ERR_NOT_FOUND : orl_err_of_errno(errno);
 
-    orl_error_set(err, code, "cannot %s: %s", verb, strerror(errno));
+    orl_error_set(err, code, "cannot %s: %s", verb, orl_open_reason(errno));
     orl_error_at(err, path, 0, NULL);
     return code;
 }
@@ -44,7 +46,8 @@ int orl_new_file_open(struct orl_new_file *ret_file, const char *target, struct 
     memcpy(ret_file->target, target, strlen(target) + 1);
     if (!is_replaced(target))
         ret_file->temporary[0] = '\0';
-    ret_file->stream = fopen(ret_file->temporary[0] ? ret_file->temporary : target, "wb");
+    ret_file->stream = ret_file->temporary[0] ? orl_stream_regular(ret_file->temporary, 'w')
+                                              : orl_stream_to_device(target);
     return ret_file->stream ? 0 : io_error(err, target, "create");
 }
 
@@ -79,13 +82,13 @@ int orl_open_for_reading(const char *path, FILE **ret_stream, long long *ret_siz
                          struct orl_error *err)
 {
     struct stat info;
-    FILE *stream = fopen(path, "rb");
+    FILE *stream = orl_stream_regular(path, 'r');
 
     if (!stream)
         return io_error(err, path, "read");
-    if (fstat(fileno(stream), &info) != 0 || !S_ISREG(info.st_mode)) {
+    if (fstat(fileno(stream), &info) != 0) {
         fclose(stream);
-        orl_error_set(err, ORL_ERR_IO, "is not a regular file");
+        orl_error_set(err, ORL_ERR_IO, "cannot be read");
         orl_error_at(err, path, 0, NULL);
         return ORL_ERR_IO;
     }

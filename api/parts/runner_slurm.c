@@ -14,6 +14,8 @@
 #include <string.h>
 #include <time.h>
 
+#include <oriel/open.h>
+
 #include "parts/command.h"
 #include "parts/files.h"
 #include "parts/slurm_facts.h"
@@ -171,7 +173,7 @@ static uint32_t note_number(const struct slurm *slurm, char *output)
 
     output[strspn(output, "0123456789")] = '\0'; /* "ID;CLUSTER" */
     snprintf(path, sizeof path, "%s/%s.slurm", slurm->spec.folder, slurm->wave);
-    file = fopen(path, "a");
+    file = orl_stream_regular(path, 'a');
     if (file) {
         fprintf(file, "%s\n", output);
         fclose(file);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/open.h>
+
 #include "parts/command.h"
 
 /* ---- What there is at the most --------------------------------------------------------------- */
@@ -164,7 +166,7 @@ static enum orl_part_end end_in_log(const struct orl_runner_spec *spec, uint32_t
     FILE *log;
 
     snprintf(path, sizeof path, "%s/slurm-%u_%u.log", spec->folder, task, number);
-    log = fopen(path, "r");
+    log = orl_stream_regular(path, 'r');
     while (log && fgets(line, sizeof line, log)) {
         if (strncmp(line, "slurmstepd", strlen("slurmstepd")) != 0)
             continue;

@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 /* Devices and pipes are written to, and never replaced: /dev/null, /dev/stdout. */
 static bool is_replaced(const char *path)
 {
@@ -19,10 +21,11 @@ int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *
     if (length < 0 || (size_t)length >= sizeof file->path)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path '%s' is too long", path);
     snprintf(file->part, sizeof file->part, "%s%s", file->path, is_replaced(path) ? ".part" : "");
-    file->stream = fopen(file->part, "wbe");
+    file->stream = strcmp(file->part, file->path) != 0 ? orl_stream_regular(file->part, 'w')
+                                                       : orl_stream_to_device(file->path);
     if (!file->stream)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot create '%s': %s", file->part,
-                             strerror(errno));
+                             orl_open_reason(errno));
     return 0;
 }
 

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <oriel/limits.h>
+#include <oriel/open.h>
 
 static int memory_open(void *ctx, const char *name, struct orl_file *ret_file,
                        struct orl_error *err)
@@ -46,14 +47,16 @@ static int folder_open(void *ctx, const char *name, struct orl_file *ret_file,
                                       : snprintf(path, sizeof path, "%s/%s", folder, name);
     if (length < 0 || (size_t)length >= sizeof path)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path of '%s' is too long", name);
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = orl_open_regular(path, O_RDONLY);
     if (fd < 0) {
         const int why = errno;
+        if (why == ORL_OPEN_NOT_REGULAR)
+            return orl_error_set(err, ORL_ERR_IO, "'%s' is not a regular file", name);
         return orl_error_set(err, why == ENOENT ? ORL_ERR_NOT_FOUND : ORL_ERR_IO,
                              "cannot open '%s': %s", name, strerror(why));
     }
-    if (fstat(fd, &st) != 0 || !S_ISREG(st.st_mode)) {
-        code = orl_error_set(err, ORL_ERR_IO, "'%s' is not a regular file", name);
+    if (fstat(fd, &st) != 0) {
+        code = orl_error_set(err, ORL_ERR_IO, "cannot read '%s': %s", name, strerror(errno));
     } else if ((unsigned long)st.st_size > ORL_LIMIT_FILE_BYTES) {
         code = orl_error_set(err, ORL_ERR_LIMIT, "'%s' is larger than %lu MiB", name,
                              ORL_LIMIT_FILE_BYTES >> 20);

@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 struct header {
     char magic[8];
     uint32_t version, byte_order;
@@ -47,10 +49,10 @@ int orl_sealed_begin(struct orl_sealed_writer *writer, const struct orl_sealed_k
     static const struct header none;
     *writer = (struct orl_sealed_writer){.kind = kind, .path = path, .size = sizeof none};
     orl_checksum_init(&writer->sum);
-    writer->fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    writer->fd = orl_open_regular(path, O_WRONLY | O_CREAT | O_TRUNC);
     if (writer->fd < 0)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot write the %s '%s': %s",
-                             kind->what, path, strerror(errno));
+                             kind->what, path, orl_open_reason(errno));
     write_all(writer, (const char *)&none, sizeof none);
     return 0;
 }
@@ -108,12 +110,12 @@ int orl_sealed_end(struct orl_sealed_writer *writer,
 static int map_file(const struct orl_sealed_kind *kind, const char *path,
                     struct orl_sealed_file *ret_file, struct orl_error *err)
 {
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = orl_open_regular(path, O_RDONLY);
     struct stat st;
     int code = 0;
     if (fd < 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot open the %s '%s': %s", kind->what, path,
-                             strerror(errno));
+        return orl_error_set(err, orl_open_err_of_stored(errno), "cannot open the %s '%s': %s",
+                             kind->what, path, orl_open_reason(errno));
     if (fstat(fd, &st) != 0 || st.st_size < ORL_SEALED_HEADER) {
         code =
             orl_error_set(err, ORL_ERR_CORRUPT, "the kept %s '%s' is cut short", kind->what, path);

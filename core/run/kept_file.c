@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 #include "base/checksum.h"
 
 struct header {
@@ -86,7 +88,7 @@ static bool decode(const uint32_t *coded, size_t n_coded, uint32_t *ret_words, s
 static int write_file(const char *path, const struct header *h, const uint32_t *coded,
                       struct orl_error *err)
 {
-    FILE *file = fopen(path, "wbe");
+    FILE *file = orl_stream_regular(path, 'w');
     bool fine = file && fwrite(h, sizeof *h, 1, file) == 1 &&
                 fwrite(coded, sizeof *coded, h->coded, file) == h->coded;
     if (file && fclose(file) != 0)
@@ -96,7 +98,8 @@ static int write_file(const char *path, const struct header *h, const uint32_t *
     const int why = errno;
     if (file)
         unlink(path);
-    return orl_error_set(err, orl_err_of_errno(why), "cannot write '%s': %s", path, strerror(why));
+    return orl_error_set(err, orl_err_of_errno(why), "cannot write '%s': %s", path,
+                         orl_open_reason(why));
 }
 
 int orl_kept_write(const char *path, struct orl_kept_about *about, const void *data, size_t size,
@@ -155,8 +158,10 @@ static int open_file(const char *path, struct header *h, struct orl_kept_about *
                      FILE **ret_file, struct orl_error *err)
 {
     struct stat st;
-    FILE *file = fopen(path, "rbe");
+    FILE *file = orl_stream_regular(path, 'r');
     if (!file) {
+        if (errno == ORL_OPEN_NOT_REGULAR)
+            return damaged(path, err);
         orl_error_set(err, ORL_ERR_IO, "cannot open '%s': %s", path, strerror(errno));
         return ORL_ERR_IO;
     }

@@ -9,6 +9,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 #include "health/crash_report.h"
 #include "process/sanitized.h"
 #include "process/signal_stack.h"
@@ -72,7 +74,7 @@ void orl_blame_open(const char *root, bool log_json, struct orl_past *ret_past)
     orl_crash_report_open(log_json);
     orl_signal_stack_install();
     snprintf(path, sizeof path, "%s/oriel.running", root);
-    const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    const int fd = orl_open_regular(path, O_RDWR | O_CREAT);
     /* Room is made now: on a full disk a store to the page would end the process. */
     void *data = fd >= 0 && posix_fallocate(fd, 0, sizeof *page) == 0
                      ? mmap(NULL, sizeof *page, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0)

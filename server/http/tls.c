@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 enum { PEM_MAX = 1 << 20 };
 
 static int read_pem(const char *path, mode_t refused, char **ret_text, struct orl_error *err)
@@ -16,10 +18,10 @@ static int read_pem(const char *path, mode_t refused, char **ret_text, struct or
     struct stat st;
     char *text = NULL;
     int rc = 0;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = orl_open_regular(path, O_RDONLY);
     if (fd < 0 || fstat(fd, &st) != 0) {
-        rc = orl_error_set(err, ORL_ERR_IO, "cannot read %s: %s", path, strerror(errno));
-    } else if (!S_ISREG(st.st_mode) || st.st_size <= 0 || st.st_size > PEM_MAX) {
+        rc = orl_error_set(err, ORL_ERR_IO, "cannot read %s: %s", path, orl_open_reason(errno));
+    } else if (st.st_size <= 0 || st.st_size > PEM_MAX) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "%s is no PEM file", path);
     } else if (st.st_mode & refused) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "everyone on this machine can read the key %s",

@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 #include "http/reply.h"
 #include "resources/job_path.h"
 #include "server.h"
@@ -19,10 +21,11 @@ void orl_handle_job_document(struct orl_request *request)
     if (!job || orl_reply_if_none_match(request, job->row.document))
         return;
     orl_blob_path(&request->server->folders, job->row.document, path);
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int fd = orl_open_regular(path, O_RDONLY | O_NOFOLLOW);
     if (fd < 0 || fstat(fd, &st) != 0) {
         struct orl_error err;
-        orl_error_set(&err, ORL_ERR_IO, "the job's document cannot be read: %s", strerror(errno));
+        orl_error_set(&err, ORL_ERR_IO, "the job's document cannot be read: %s",
+                      orl_open_reason(errno));
         if (fd >= 0)
             close(fd);
         orl_reply_error(request, &err);

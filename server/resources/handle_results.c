@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <oriel/json_read.h>
+#include <oriel/open.h>
 
 #include "http/reply.h"
 #include "process/times.h"
@@ -62,11 +63,11 @@ static int open_file(struct orl_request *request, const struct shown *shown, con
 {
     char path[ORL_PATH_MAX];
     snprintf(path, sizeof path, "%.*s/%s", ORL_PATH_MAX - 256, shown->folder, name);
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int fd = orl_open_regular(path, O_RDONLY | O_NOFOLLOW);
     if (fd >= 0 || !shown->running)
         return fd;
     orl_folders_path(&request->server->folders, path, "results/%s/%s", shown->job->row.id, name);
-    return open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    return orl_open_regular(path, O_RDONLY | O_NOFOLLOW);
 }
 
 /* The digest of the bytes. Of jobs of before there were any, the job and the name: results never

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
 #include <oriel/sha256.h>
 
 #include "process/times.h"
@@ -21,7 +22,7 @@
 static int io_error(struct orl_error *err, const char *what, const char *path)
 {
     return orl_error_set(err, orl_err_of_errno(errno), "cannot %s %s: %s", what, path,
-                         strerror(errno));
+                         orl_open_reason(errno));
 }
 
 static int make_folder(const char *path, struct orl_error *err)
@@ -54,7 +55,7 @@ static int take_lock(struct orl_folders *folders, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "oriel.lock");
-    folders->lock_fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    folders->lock_fd = orl_open_regular(path, O_RDWR | O_CREAT);
     if (folders->lock_fd < 0)
         return io_error(err, "open", path);
     if (flock(folders->lock_fd, LOCK_EX | LOCK_NB) != 0) {
@@ -114,7 +115,7 @@ int orl_remove_tree(const char *path, struct orl_error *err)
 
 int orl_sync_path(const char *path, struct orl_error *err)
 {
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* a file or a folder */
     if (fd < 0)
         return io_error(err, "open", path);
     int rc = 0;
@@ -136,7 +137,7 @@ int orl_rename_synced(const char *from, const char *to, struct orl_error *err)
 /* Writes and syncs what is to be whole when it gets its name. */
 static int write_part(const char *path, const char *at, size_t size, struct orl_error *err)
 {
-    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int fd = orl_open_regular(path, O_WRONLY | O_CREAT | O_TRUNC);
     if (fd < 0)
         return io_error(err, "create", path);
     int rc = 0;

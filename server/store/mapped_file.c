@@ -7,13 +7,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err)
 {
     struct stat st;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = orl_open_regular(path, O_RDONLY);
     if (fd < 0 || fstat(fd, &st) != 0) {
-        const int code = orl_err_of_errno(errno);
-        orl_error_set(err, code, "cannot open a stored file: %s", strerror(errno));
+        const int why = errno, code = orl_err_of_errno(why);
+        orl_error_set(err, code, "cannot open a stored file: %s", orl_open_reason(why));
         if (fd >= 0)
             close(fd);
         return code;

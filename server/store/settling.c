@@ -10,6 +10,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 #include "process/signal_stack.h"
 #include "store/folders.h"
 
@@ -171,10 +173,10 @@ static int open_log(struct orl_settling *settling, const char *path, struct orl_
 {
     char log[ORL_PATH_MAX];
     snprintf(log, sizeof log, "%s-wal", path);
-    settling->log_fd = open(log, O_RDWR | O_CLOEXEC);
+    settling->log_fd = orl_open_regular(log, O_RDWR);
     if (settling->log_fd >= 0)
         return 0;
-    return orl_error_set(err, ORL_ERR_IO, "cannot open %s: %s", log, strerror(errno));
+    return orl_error_set(err, ORL_ERR_IO, "cannot open %s: %s", log, orl_open_reason(errno));
 }
 
 /* Signals are the loop's. */

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
 #include <oriel/sha256.h>
 
 #include "process/times.h"
@@ -83,15 +84,16 @@ static int copy_file(const struct copy *copy, const struct orl_kept_file *file, 
     struct orl_error why;
     snprintf(from, sizeof from, "%.2000s/%s", copy->from, file->path);
     snprintf(to, sizeof to, "%.2000s/%s", copy->to, file->path);
-    const int in = open(from, O_RDONLY | O_CLOEXEC);
+    const int in = orl_open_regular(from, O_RDONLY);
     if (in < 0) {
         *ret_fate = GONE;
         return 0;
     }
     int rc = make_parents(to, err);
-    const int out = rc ? -1 : open(to, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int out = rc ? -1 : orl_open_regular(to, O_WRONLY | O_CREAT | O_TRUNC);
     if (rc == 0 && out < 0)
-        rc = orl_error_set(err, orl_err_of_errno(errno), "cannot make %s: %s", to, strerror(errno));
+        rc = orl_error_set(err, orl_err_of_errno(errno), "cannot make %s: %s", to,
+                           orl_open_reason(errno));
     *ret_fate = COPIED;
     if (rc == 0) {
         rc = copy_bytes(in, out, sha, &copy->totals->bytes, &why);

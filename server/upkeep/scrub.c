@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
 #include <oriel/run.h>
 
 #include "process/signal_stack.h"
@@ -30,11 +31,11 @@ static int look_at(const struct orl_kept_file *file, const char *path, uint64_t 
                    struct orl_error *err)
 {
     struct stat st;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = orl_open_regular(path, O_RDONLY);
     if (fd < 0 || fstat(fd, &st) != 0) {
         if (fd >= 0)
             close(fd);
-        return orl_error_set(err, ORL_ERR_IO, "cannot be read: %s", strerror(errno));
+        return orl_error_set(err, ORL_ERR_IO, "cannot be read: %s", orl_open_reason(errno));
     }
     *ret_bytes = (uint64_t)st.st_size;
     const int rc = file->kind == ORL_KEPT_MAP ? orl_map_verify(file->map_kind, path, err)

@@ -403,7 +403,7 @@ static void test_not_files(void **state)
     (void)state;
     assert_int_equal(open_bytes("", 0, false), ORL_ERR_CORRUPT);
     assert_int_equal(orl_photon_map_open(scratch_path("absent"), false, &map, &err), ORL_ERR_IO);
-    assert_int_equal(orl_photon_map_open(scratch_path(""), false, &map, &err), ORL_ERR_IO);
+    assert_int_equal(orl_photon_map_open(scratch_path(""), false, &map, &err), ORL_ERR_CORRUPT);
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
     struct orl_crew *crew = orl_crew_start(1);
     assert_int_equal(

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 #include "base/checksum.h"
 #include "photon/map/flux.h"
 #include "photon/map/map_layout.h"
@@ -149,10 +151,10 @@ static int map_file(const char *path, struct orl_photon_map *map, struct orl_err
 {
     struct stat st;
     int code = 0;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = orl_open_regular(path, O_RDONLY);
     if (fd < 0)
-        return orl_error_set(err, ORL_ERR_IO, "cannot open photon map '%s': %s", path,
-                             strerror(errno));
+        return orl_error_set(err, orl_open_err_of_stored(errno), "cannot open photon map '%s': %s",
+                             path, orl_open_reason(errno));
     if (fstat(fd, &st) != 0 || st.st_size < (off_t)sizeof(struct orl_map_header)) {
         code = orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' is truncated", path);
     } else {

@@ -8,6 +8,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <oriel/open.h>
+
 #include "base/checksum.h"
 #include "base/memory.h"
 #include "base/random.h"
@@ -176,10 +178,10 @@ static void fill_header(struct writer *w)
 /* Makes the file at its full size: running out of disk shows here, not as a fault later. */
 static int create_file(struct writer *w, const char *path, int *ret_fd, struct orl_error *err)
 {
-    const int fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int fd = orl_open_regular(path, O_RDWR | O_CREAT | O_TRUNC);
     if (fd < 0)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot create photon map '%s': %s",
-                             path, strerror(errno));
+                             path, orl_open_reason(errno));
     const int why = posix_fallocate(fd, 0, (off_t)w->size);
     void *file =
         why == 0 ? mmap(NULL, w->size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;

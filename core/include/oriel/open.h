@@ -1,0 +1,35 @@
+/*
+ * Opening files without waiting. open() of a FIFO waits for the other end, for ever if there is
+ * none; these functions do not wait, and refuse what is not a regular file.
+ *
+ * Errors: like open(), -1 or NULL with errno set; orl_open_reason() is the text for that errno.
+ */
+#ifndef ORIEL_OPEN_H
+#define ORIEL_OPEN_H
+
+#include <errno.h>
+#include <stdio.h>
+
+/* The errno for a folder, FIFO, socket or device in the place of a regular file. */
+#define ORL_OPEN_NOT_REGULAR EINVAL
+
+/*
+ * Opens a regular file, closed on exec. flags: O_RDONLY, O_WRONLY or O_RDWR, with O_CREAT (mode
+ * 0666 less the umask), O_TRUNC, O_APPEND and O_NOFOLLOW.
+ */
+int orl_open_regular(const char *path, int flags);
+
+/* The same as a stream. mode: 'r' reads, 'w' truncates or creates, 'a' appends or creates. */
+FILE *orl_stream_regular(const char *path, char mode);
+
+/* Opens an existing pipe or device for writing: /dev/null, /dev/stdout, a FIFO that has a reader. A
+ * FIFO without one fails with ENXIO. Writes may wait for the reader. */
+FILE *orl_stream_to_device(const char *path);
+
+/* strerror, or "not a regular file". */
+const char *orl_open_reason(int why);
+/* The code for a file of a store that does not open: ORL_ERR_CORRUPT when it is not regular, so
+ * that it is made again; else ORL_ERR_IO. */
+int orl_open_err_of_stored(int why);
+
+#endif
