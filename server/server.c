@@ -77,9 +77,18 @@ static void on_jobs_idle(void *ctx)
     stop_if_quiet(server);
 }
 
+static void look_at_disk(struct orl_server *server)
+{
+    if (!orl_disk_room_look(&server->disk))
+        return;
+    server->context.disk_full = server->disk.full;
+    orl_jobs_hold(server->jobs, server->disk.full);
+}
+
 static void on_saving(uv_timer_t *timer)
 {
     struct orl_server *server = timer->data;
+    look_at_disk(server);
     orl_jobs_save(server->jobs);
     orl_blame_note(&server->memory, server->checks.count);
     orl_jobs_bound(server->jobs);
@@ -255,6 +264,8 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     int rc = orl_folders_open(&server->folders, server->config.data, err);
     if (rc)
         return rc;
+    orl_disk_room_open(&server->disk, &server->folders, &server->log);
+    server->context.disk_full = server->disk.full;
     orl_blame_open(server->config.data, server->config.log_json, &server->past);
     orl_folders_path(&server->folders, path, "oriel.db");
     rc = orl_opening_database(&server->folders,
@@ -263,6 +274,11 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
                               &server->db, err);
     if (rc == 0)
         rc = orl_db_serve(&server->db, err);
+    if (rc == ORL_ERR_FULL)
+        orl_error_hint(err, "Free some MiB of the disk; photon maps (%.200s/maps) are made anew",
+                       server->config.data);
+    if (rc == 0)
+        orl_disk_room_for_log(&server->disk);
     if (rc == 0)
         rc = orl_aging_open(&server->aging, &server->db, &server->folders, &server->log,
                             server->config.keep_orphans_days, err);
@@ -322,6 +338,7 @@ static void close_storage(struct orl_server *server)
     orl_settling_free(server->settling);
     orl_folding_close(server->folding);
     orl_db_close(&server->db);
+    orl_disk_room_close(&server->disk);
     orl_blame_close();
     orl_folders_close(&server->folders);
 }
@@ -367,6 +384,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .job_timeout_s = server->config.job_timeout_s,
         .keep_jobs = server->config.keep_jobs,
         .keep_days = server->config.keep_days,
+        .held = server->disk.full,
         .changed = on_job_changed,
         .leaving = on_job_leaving,
         .idle = on_jobs_idle,

@@ -33,6 +33,7 @@
 #include "store/settling.h"
 #include "store/verified.h"
 #include "upkeep/aging.h"
+#include "upkeep/disk_room.h"
 #include "upkeep/shared_sweep.h"
 #include "upkeep/storage.h"
 
@@ -55,6 +56,7 @@ struct orl_server {
     struct orl_shared_place place; /* where jobs go in parts */
     struct orl_shared_sweep sweep;
     struct orl_shelf *shelf;
+    struct orl_disk_room disk;
     struct orl_storage storage;
     struct orl_verified verified;
     struct orl_scrubbing *scrubbing; /* scrub.h; or NULL */

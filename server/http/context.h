@@ -52,6 +52,7 @@ struct orl_http_context {
     struct orl_request *begun; /* the last one, while its target is read; or NULL */
     uint64_t requests;         /* served or under way; the last one's id */
     unsigned working;          /* requests whose work is on the pool, or whose answer waits */
+    bool disk_full;            /* nothing new is kept (disk_room.h) */
     bool stopping;             /* what is asked from now on is refused */
 };
 

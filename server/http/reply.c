@@ -241,8 +241,20 @@ static void refuse_full(struct orl_request *request, uint64_t bytes)
     orl_reply_header(request, "Retry-After", "60");
 }
 
+static void refuse_disk(struct orl_request *request)
+{
+    orl_reply_problem(request, 507, "disk-full", "There is no room to keep this",
+                      "the disk that the daemon keeps everything on is full; remove jobs, photon "
+                      "maps, scenes or BSDFs, or files of others there");
+    orl_reply_header(request, "Retry-After", "60");
+}
+
 void orl_reply_held(struct orl_request *request, uint64_t bytes)
 {
+    if (request->context->disk_full) {
+        refuse_disk(request);
+        return;
+    }
     const uint64_t own = request->hold.own ? atomic_load(&request->hold.own->most) : 0;
     if (request->hold.refused == ORL_HOLD_NO_ROOM || bytes > own) { /* to wait would not help */
         refuse_full(request, bytes);
@@ -294,8 +306,11 @@ void orl_reply_when_commit_is_safe(struct orl_request *request, uint64_t commit)
 
 bool orl_reply_if_full(struct orl_request *request, uint64_t bytes)
 {
-    if (request->context->calls->admit(request->server, &request->hold, bytes))
+    if (request->context->disk_full)
+        refuse_disk(request);
+    else if (request->context->calls->admit(request->server, &request->hold, bytes))
         return false;
-    refuse_full(request, bytes);
+    else
+        refuse_full(request, bytes);
     return true;
 }

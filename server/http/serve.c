@@ -36,7 +36,8 @@ static void receive(struct orl_request *request, uint64_t bytes)
                                       .own = request->client ? &request->client->bytes : NULL};
     if (bytes <= ORL_SERVER_BODY_BUFFER / 2)
         return;
-    if (request->context->calls->receive(request->server, &request->hold, bytes))
+    if (!request->context->disk_full &&
+        request->context->calls->receive(request->server, &request->hold, bytes))
         request->body.held = bytes;
     else
         orl_reply_held(request, bytes);

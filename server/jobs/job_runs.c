@@ -360,7 +360,7 @@ void orl_jobs_memory_freed(struct orl_jobs *jobs)
  */
 void orl_runs_start_next(struct orl_jobs *jobs)
 {
-    while (!jobs->stopping && jobs->n_workers < jobs->env.at_once && !jobs->alone) {
+    while (!jobs->stopping && !jobs->held && jobs->n_workers < jobs->env.at_once && !jobs->alone) {
         struct orl_jobs_job *job = next_job(jobs);
         struct orl_worker_outcome failed = {0};
         const bool suspect = job && is_suspect(job);

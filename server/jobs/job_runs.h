@@ -25,7 +25,7 @@ struct orl_jobs {
     bool batch;              /* rows wait for the end of what goes on */
     struct orl_settling_wait settling; /* of rows of jobs that have ended; used while: */
     bool settles;
-    bool stopping;
+    bool stopping, held; /* none starts */
 };
 
 /* ---- jobs.c --------------------------------------------------------------------------------- */

@@ -219,6 +219,12 @@ void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *en
         forget(ended[i]);
 }
 
+void orl_jobs_hold(struct orl_jobs *jobs, bool held)
+{
+    jobs->held = held;
+    orl_runs_start_next(jobs);
+}
+
 void orl_jobs_drain(struct orl_jobs *jobs)
 {
     jobs->stopping = true;

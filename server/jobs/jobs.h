@@ -76,6 +76,7 @@ struct orl_jobs_env {
     uint32_t threads; /* over all jobs */
     uint32_t at_once;
     uint32_t job_timeout_s;        /* that one may run */
+    bool held;                     /* at first: orl_jobs_hold */
     uint32_t keep_jobs, keep_days; /* of those that have ended; no days: for ever */
     /* It is new, or its state has changed, or it has been told to stop. */
     void (*changed)(void *ctx, const struct orl_jobs_job *job);
@@ -100,6 +101,9 @@ void orl_jobs_save(struct orl_jobs *jobs);
 
 /* There is more memory than there was: starts what waited for it. */
 void orl_jobs_memory_freed(struct orl_jobs *jobs);
+
+/* While held none starts, as on a full disk; those that run go on. */
+void orl_jobs_hold(struct orl_jobs *jobs, bool held);
 
 /* Is there room in the queue? */
 bool orl_jobs_full(const struct orl_jobs *jobs);

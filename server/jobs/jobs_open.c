@@ -107,6 +107,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
     if (!jobs)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     jobs->env = *env;
+    jobs->held = env->held;
     jobs->queue = orl_queue_new();
     const int rc = jobs->queue ? orl_job_rows(env->db, load_row, jobs, err)
                                : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -31,25 +31,31 @@ void orl_handle_health(struct orl_request *request)
 {
     const struct orl_server *server = request->server;
     orl_reply_json(request, 200,
-                   json_pack("{s:s, s:s, s:f}", "status", "ok", "version", ORL_VERSION, "uptime_s",
+                   json_pack("{s:s, s:s, s:s, s:f}", "status", "ok", "disk",
+                             server->disk.full ? "full" : "ok", "version", ORL_VERSION, "uptime_s",
                              orl_time_steady_s() - server->started_s));
     orl_reply_header(request, "Cache-Control", "no-store");
 }
 
-/* Ready: it takes jobs, and the pool, without which there is none, answers. A stopping daemon is
- * answered for before any handler (request.c). */
+/* Ready: it takes jobs, has a disk to keep them on, and the pool, without which there is none,
+ * answers. A stopping daemon is answered for before any handler (request.c). */
 void orl_handle_ready(struct orl_request *request)
 {
     const struct orl_jobs *jobs = request->server->jobs;
     const bool draining = request->server->draining, full = orl_jobs_full(jobs);
     const bool busy = orl_pulse_pool_s(&request->server->pulse) > ORL_SERVER_POOL_S;
-    const char *status = draining ? "stopping" : full ? "queue full" : busy ? "busy" : "ready";
-    orl_reply_json(request, draining || full || busy ? 503 : 200,
+    const bool disk = request->server->disk.full;
+    const char *status = draining ? "stopping"
+                         : disk   ? "disk full"
+                         : full   ? "queue full"
+                         : busy   ? "busy"
+                                  : "ready";
+    orl_reply_json(request, draining || disk || full || busy ? 503 : 200,
                    json_pack("{s:s, s:I, s:I}", "status", status, "queued",
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_QUEUED), "running",
                              (json_int_t)orl_jobs_count(jobs, ORL_JOB_RUNNING)));
     orl_reply_header(request, "Cache-Control", "no-store");
-    if (draining || full || busy)
+    if (draining || disk || full || busy)
         orl_reply_header(request, "Retry-After", "10");
 }
 
