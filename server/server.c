@@ -268,10 +268,12 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     server->context.disk_full = server->disk.full;
     orl_blame_open(server->config.data, server->config.log_json, &server->past);
     orl_folders_path(&server->folders, path, "oriel.db");
-    rc = orl_opening_database(&server->folders,
-                              server->config.set_orphans_aside ? ORL_OPENING_SET_ASIDE
-                                                               : ORL_OPENING_REFUSE,
-                              &server->db, err);
+    rc = orl_link_key_open(&server->folders, server->context.link_key, err);
+    if (rc == 0)
+        rc = orl_opening_database(&server->folders,
+                                  server->config.set_orphans_aside ? ORL_OPENING_SET_ASIDE
+                                                                   : ORL_OPENING_REFUSE,
+                                  &server->db, err);
     if (rc == 0)
         rc = orl_db_serve(&server->db, err);
     if (rc == ORL_ERR_FULL)

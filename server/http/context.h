@@ -13,6 +13,7 @@
 
 #include "health/metrics.h"
 #include "http/clients.h"
+#include "http/link_key.h"
 #include "http/router.h"
 #include "process/config.h"
 #include "process/log.h"
@@ -46,6 +47,7 @@ struct orl_http_context {
     const struct orl_folders *folders;
     struct orl_db *db;
     struct orl_settling *settling;
+    unsigned char link_key[ORL_LINK_KEY_BYTES];
     sqlite3_stmt *token_finder; /* where tokens are needed */
     struct orl_metrics *metrics;
     struct orl_clients clients;

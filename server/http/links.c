@@ -7,31 +7,31 @@
 
 #include "http/context.h"
 #include "http/router.h"
+#include "process/limits.h"
 #include "process/times.h"
 
-enum { MAC_BYTES = 32, MAC_TEXT = 44, KEY_BYTES = 32 };
+enum { MAC_BYTES = 32, MAC_TEXT = 44 };
 
-static void sign(const struct orl_token_row *token, const char *job, const char *file,
-                 int64_t until_s, char ret_signature[MAC_TEXT])
+static void sign(const unsigned char key[ORL_LINK_KEY_BYTES], const struct orl_token_row *token,
+                 const char *job, const char *file, int64_t until_s, char ret_signature[MAC_TEXT])
 {
-    unsigned char key[KEY_BYTES] = {0}, mac[MAC_BYTES];
-    char text[ORL_PARAM_MAX * 2 + 80];
+    unsigned char mac[MAC_BYTES];
+    char text[ORL_PARAM_MAX * 2 + sizeof token->id + sizeof token->hash + 80];
     /* Neither an id nor a file's name has a line's end in it; file comes last all the same. */
-    const int size =
-        snprintf(text, sizeof text, "oriel-link 1\n%s\n%lld\n%s", job, (long long)until_s, file);
-    sodium_hex2bin(key, sizeof key, token->hash, strlen(token->hash), NULL, NULL, NULL);
+    const int size = snprintf(text, sizeof text, "oriel-link 2\n%s\n%s\n%s\n%lld\n%s", token->id,
+                              token->hash, job, (long long)until_s, file);
     crypto_generichash(mac, sizeof mac, (const unsigned char *)text, (unsigned long long)size, key,
-                       sizeof key);
+                       ORL_LINK_KEY_BYTES);
     sodium_bin2base64(ret_signature, MAC_TEXT, mac, sizeof mac,
                       sodium_base64_VARIANT_URLSAFE_NO_PADDING);
-    sodium_memzero(key, sizeof key);
 }
 
-void orl_link_sign(const struct orl_token_row *token, const char *job, const char *file,
+void orl_link_sign(const struct orl_request *request, const char *job, const char *file,
                    int64_t until_s, char ret_arguments[ORL_LINK_ARGUMENTS])
 {
+    const struct orl_token_row *token = &request->holder;
     char signature[MAC_TEXT];
-    sign(token, job, file, until_s, signature);
+    sign(request->context->link_key, token, job, file, until_s, signature);
     snprintf(ret_arguments, ORL_LINK_ARGUMENTS, "by=%s&until=%lld&signature=%s", token->id,
              (long long)until_s, signature);
 }
@@ -59,8 +59,9 @@ int orl_link_check(const struct orl_request *request, struct orl_token_row *ret_
     if (rc || !found)
         return rc;
     const int64_t until_s = strtoll(until, NULL, 10);
-    sign(ret_token, request->params[0], request->params[1], until_s, wanted);
-    *ret_good =
-        sodium_memcmp(wanted, signature, MAC_TEXT - 1) == 0 && orl_time_now_ms() < 1000 * until_s;
+    sign(context->link_key, ret_token, request->params[0], request->params[1], until_s, wanted);
+    const int64_t left_ms = 1000 * until_s - orl_time_now_ms();
+    *ret_good = sodium_memcmp(wanted, signature, MAC_TEXT - 1) == 0 && left_ms > 0 &&
+                left_ms <= 1000 * (int64_t)ORL_SERVER_LINK_S;
     return 0;
 }

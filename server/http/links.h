@@ -4,9 +4,10 @@
  *     /v1/jobs/ID/files/north.png?by=0123456789abcdef&until=1711107000&signature=<43 of base64url>
  *                                    a token's id     s since 1970
  *
- * The signature is a keyed BLAKE2b-256 over job, file and time; its key is the hash that the
- * database keeps of the token's secret. A link reads that file and nothing else, until then or
- * until its token is removed, whoever has it. Nothing is kept of it.
+ * The signature is a keyed BLAKE2b-256 over job, file, time, and the id and hash of the token, by
+ * the key of link_key.h. A link reads that file and nothing else, until then or until its token is
+ * removed, whoever has it. Nothing is kept of it. A time further off than ORL_SERVER_LINK_S is
+ * refused, however it was signed.
  *
  * Threads: the loop thread only.
  */
@@ -17,8 +18,8 @@
 
 enum { ORL_LINK_ARGUMENTS = 128 };
 
-/* The arguments of a link, "by=...". */
-void orl_link_sign(const struct orl_token_row *token, const char *job, const char *file,
+/* The arguments of a link of the request's token, "by=...". */
+void orl_link_sign(const struct orl_request *request, const char *job, const char *file,
                    int64_t until_s, char ret_arguments[ORL_LINK_ARGUMENTS]);
 
 /* Has the request a signature to show? */

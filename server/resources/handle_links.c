@@ -52,7 +52,7 @@ static json_t *link_to_json(const struct orl_request *request, const char *job, 
     char arguments[ORL_LINK_ARGUMENTS], *text = NULL;
     json_t *url = orl_job_file_url(job, file), *link = NULL;
     if (request->context->config->needs_token) {
-        orl_link_sign(&request->holder, job, file, until_s, arguments);
+        orl_link_sign(request, job, file, until_s, arguments);
         if (asprintf(&text, "%s?%s", json_string_value(url), arguments) < 0)
             text = NULL;
         json_decref(url);

@@ -3,7 +3,8 @@
  *
  *     oriel.db  oriel.lock  blobs/ab/<sha256>  maps/<kind>-<key>.opm  results/<job>/...
  *     partial/<job>/...  oriel.running (blame.h)  tmp/
- *     oriel.id (opening.h)  oriel.reserve (disk_room.h)  orphans/<time>/... (orphans.h)
+ *     oriel.id (opening.h)  oriel.key (link_key.h)  oriel.reserve (disk_room.h)  orphans/<time>/...
+ * (orphans.h)
  *
  * Files appear in their place by rename, after fsync, so that what is there is complete. tmp/
  * holds what is being written; it is emptied when the folder is opened. One daemon at a time: a

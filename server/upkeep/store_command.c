@@ -19,8 +19,9 @@ static const char usage[] =
     "          if there are any. An upload, sent again, mends its files; a daemon removes\n"
     "          damaged maps by itself\n"
     "  backup  makes the folder TO: the database as it is at one moment, with scenes, BSDFs,\n"
-    "          jobs and results; not photon maps, which are made anew. What is damaged is\n"
-    "          left out and printed, and the status is 1. To restore: copy TO to where the\n"
+    "          jobs and results; not photon maps, which are made anew, nor the key of\n"
+    "          signed links. What is damaged is left out and printed, and the status is 1. To "
+    "restore: copy TO to where the\n"
     "          data folder is to be, and start the daemon\n\n"
     "  --data DIR  the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 

@@ -8,10 +8,12 @@
 #include <cmocka.h>
 #include <poll.h>
 #include <signal.h>
+#include <sodium.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -512,6 +514,78 @@ static void test_stolen_link(void **state)
     expect(f, longer, f->host, "", NULL, 403);
 }
 
+/* What a copy of the database has: the token's hash, with which links were signed once. */
+static void forge(const struct fixture *f, const char *id, const char *file, long long until_s,
+                  const unsigned char *key, char ret_line[400])
+{
+    unsigned char hash[32] = {0}, mac[32];
+    char path[100], text[400], signature[44];
+    const char *hex = NULL;
+    sqlite3 *db = NULL;
+    sqlite3_stmt *stmt = NULL;
+    snprintf(path, sizeof path, "%s/oriel.db", f->daemon.root);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    sqlite3_busy_timeout(db, 10000);
+    sqlite3_prepare_v2(db, "SELECT hash FROM tokens WHERE id = ?", -1, &stmt, NULL);
+    sqlite3_bind_text(stmt, 1, id, 16, SQLITE_STATIC);
+    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
+    hex = (const char *)sqlite3_column_text(stmt, 0);
+    sodium_hex2bin(hash, sizeof hash, hex, 64, NULL, NULL, NULL);
+    const int size = key ? snprintf(text, sizeof text, "oriel-link 2\n%.16s\n%s\n%s\n%lld\n%s", id,
+                                    hex, strrchr(f->job, '/') + 1, until_s, file)
+                         : snprintf(text, sizeof text, "oriel-link 1\n%s\n%lld\n%s",
+                                    strrchr(f->job, '/') + 1, until_s, file);
+    crypto_generichash(mac, sizeof mac, (const unsigned char *)text, (unsigned long long)size,
+                       key ? key : hash, 32);
+    sodium_bin2base64(signature, sizeof signature, mac, sizeof mac,
+                      sodium_base64_VARIANT_URLSAFE_NO_PADDING);
+    snprintf(ret_line, 400, "GET %s/files/%s?by=%.16s&until=%lld&signature=%s", f->job, file, id,
+             until_s, signature);
+    sqlite3_finalize(stmt);
+    sqlite3_close(db);
+}
+
+/* The database signs nothing, and not even the key signs for longer than an hour. */
+static void test_forged_links(void **state)
+{
+    struct fixture *f = *state;
+    unsigned char key[32] = {0};
+    char path[100], id[17], line[400], link[400], said[400];
+    struct stat st = {0};
+    const long long now_s = (long long)time(NULL);
+    snprintf(id, sizeof id, "%.16s", strstr(f->submit, "oriel_") + 6);
+    forge(f, id, "north.png", now_s + 60, NULL, line);
+    expect(f, line, f->host, "", NULL, 403);
+    forge(f, id, "north.png", 99999999999, NULL, line);
+    expect(f, line, f->host, "", NULL, 403);
+
+    snprintf(path, sizeof path, "%s/oriel.key", f->daemon.root);
+    assert_int_equal(stat(path, &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0600);
+    FILE *file = fopen(path, "r");
+    assert_int_equal(fread(key, 1, sizeof key, file), sizeof key);
+    fclose(file);
+    forge(f, id, "north.png", now_s + 60, key, line);
+    expect(f, line, f->host, "", NULL, 200);
+    forge(f, id, "north.png", now_s + 2 * 3600, key, line);
+    expect(f, line, f->host, "", NULL, 403);
+
+    /* A backup does not have it; a folder without one makes another. */
+    const char *build = getenv("ORIEL_BUILD");
+    snprintf(said, sizeof said,
+             "%s/orield backup %s.copy --data %s >/dev/null && ! test -e %s.copy/oriel.key; "
+             "s=$?; rm -rf %s.copy; exit $s",
+             build ? build : "build", f->daemon.root, f->daemon.root, f->daemon.root,
+             f->daemon.root);
+    assert_int_equal(system(said), 0);
+    make_link(f, f->submit, "north.png", 60, link);
+    assert_int_equal(unlink(path), 0);
+    restart(f, with_tokens);
+    expect(f, link, f->host, "", NULL, 403);
+    make_link(f, f->submit, "north.png", 60, link);
+    expect(f, link, f->host, "", NULL, 200);
+}
+
 static void test_refused_wishes(void **state)
 {
     struct fixture *f = *state;
@@ -579,6 +653,7 @@ int main(void)
         cmocka_unit_test(test_links),
         cmocka_unit_test(test_changed_links),
         cmocka_unit_test(test_stolen_link),
+        cmocka_unit_test(test_forged_links),
         cmocka_unit_test(test_refused_wishes),
         cmocka_unit_test(test_without_tokens),
     };

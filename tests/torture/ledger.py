@@ -209,7 +209,7 @@ class _Database:
 
     def check_no_orphans(self, files, running):
         """files: those that a start should have looked at."""
-        known = {"oriel.db", "oriel.db-wal", "oriel.db-shm", "oriel.lock", "oriel.running", "oriel.id", "oriel.reserve",
+        known = {"oriel.db", "oriel.db-wal", "oriel.db-shm", "oriel.lock", "oriel.running", "oriel.id", "oriel.reserve", "oriel.key",
                  "blobs", "maps", "partial", "results", "tmp"}
         waiting = {job for job, (state, _) in self.jobs.items() if state in ("queued", "running")}
         for path, _ in sorted(files):
