@@ -23,6 +23,8 @@ struct orl_address {
 
 struct orl_connection {
     int fd;
+    uint64_t serial;
+    bool has_requested;          /* so its TLS handshake is over */
     struct orl_address *address; /* counted there; NULL: out of memory */
     enum awaited awaited;
     double until_s; /* headers: when they must be there; body: when its rate begins to count */
@@ -99,9 +101,13 @@ static void open_connection(struct orl_connections *all, struct MHD_Connection *
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     struct orl_connection *one = info ? calloc(1, sizeof *one) : NULL;
-    if (!one)
-        return; /* it goes unwatched but for silence */
+    all->started++;
+    if (!one) {
+        all->unwatched++; /* but for silence */
+        return;
+    }
     one->fd = info->connect_fd;
+    one->serial = all->started;
     one->address = count_address(all, connection);
     one->idle_s = all->idle_s;
     one->until_s = orl_time_steady_s() +
@@ -124,8 +130,10 @@ void orl_connections_notify(void *connections, struct MHD_Connection *connection
         return;
     }
     all->open--;
-    if (!one)
+    if (!one) {
+        all->unwatched--;
         return;
+    }
     if (one->before)
         one->before->next = one->next;
     else
@@ -137,11 +145,21 @@ void orl_connections_notify(void *connections, struct MHD_Connection *connection
     *context = NULL;
 }
 
+uint64_t orl_connections_oldest_handshake(const struct orl_connections *connections)
+{
+    uint64_t oldest = connections->started + 1;
+    for (const struct orl_connection *one = connections->first; one; one = one->next)
+        if (!one->has_requested && one->serial < oldest)
+            oldest = one->serial;
+    return connections->unwatched > 0 ? 0 : oldest;
+}
+
 void orl_connection_headers(struct MHD_Connection *connection)
 {
     struct orl_connection *one = of(connection);
     if (!one)
         return;
+    one->has_requested = true;
     one->awaited = AWAITS_BODY;
     one->received = one->swept = 0;
     one->swept_taken = UINT64_MAX;

@@ -27,7 +27,8 @@ struct orl_connections {
     struct orl_connection *first;
     struct orl_address *addresses[ORL_ADDRESS_BUCKETS]; /* that have any open */
     unsigned most;                                      /* of one address */
-    size_t open;
+    size_t open, unwatched;  /* unwatched: opened without memory for an entry */
+    uint64_t started;        /* ever; a connection's serial number is this at its start */
     uint64_t cut;            /* for slowness, ever */
     double idle_s, looked_s; /* looked_s: when orl_connections_look did last */
 };
@@ -35,6 +36,12 @@ struct orl_connections {
 /* MHD's callback; the closure is the struct orl_connections. */
 void orl_connections_notify(void *connections, struct MHD_Connection *connection, void **context,
                             enum MHD_ConnectionNotificationCode code);
+
+/*
+ * The smallest serial number of a connection that has not brought a request yet: its TLS handshake
+ * may be under way. Without such: one more than the newest connection's. 0: unknown.
+ */
+uint64_t orl_connections_oldest_handshake(const struct orl_connections *connections);
 
 /* MHD's other: may that address have another one? IPv6 addresses count by their network, /64. */
 enum MHD_Result orl_connections_allow(void *connections, const struct sockaddr *address,

@@ -36,10 +36,16 @@ static void on_timer(uv_timer_t *timer)
     orl_http_kick(timer->data);
 }
 
+static void free_certificates(struct orl_http_server *http)
+{
+    orl_tls_free_older(&http->tls, orl_connections_oldest_handshake(&http->connections));
+}
+
 static void on_sweep(uv_timer_t *timer)
 {
     struct orl_http_server *http = timer->data;
     orl_connections_sweep(&http->connections);
+    free_certificates(http);
     http->context->calls->swept(http->context->server);
 }
 
@@ -159,7 +165,7 @@ int orl_http_start(struct orl_http_context *context, const struct sockaddr *addr
     http->connections.most = context->config->address_connections;
     int rc = 0;
     if (context->config->tls_cert)
-        rc = orl_tls_load(&http->tls, context->config->tls_cert, context->config->tls_key, err);
+        rc = orl_tls_load(&http->tls, context->config->tls_cert, context->config->tls_key, 0, err);
     if (rc == 0)
         rc = listen_on(address, &http->listen_fd, err);
     if (rc)
@@ -206,7 +212,12 @@ void orl_http_address(const struct orl_http_server *http, struct sockaddr_storag
 int orl_http_reload(struct orl_http_server *http, struct orl_error *err)
 {
     const struct orl_config *config = http->context->config;
-    return config->tls_cert ? orl_tls_load(&http->tls, config->tls_cert, config->tls_key, err) : 0;
+    if (!config->tls_cert)
+        return 0;
+    const int rc =
+        orl_tls_load(&http->tls, config->tls_cert, config->tls_key, http->connections.started, err);
+    free_certificates(http);
+    return rc;
 }
 
 void orl_http_quiesce(struct orl_http_server *http)

@@ -52,6 +52,7 @@ struct orl_certificate {
     unsigned count;
     gnutls_privkey_t key;
     struct orl_certificate *older;
+    uint64_t last_user; /* once replaced: the newest connection that may have been given it */
 };
 
 static const struct orl_tls *serving;
@@ -118,7 +119,7 @@ static int load(const char *cert_path, const char *key_path, char **ret_cert, ch
 }
 
 int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_path,
-                 struct orl_error *err)
+                 uint64_t newest_connection, struct orl_error *err)
 {
     char *cert = NULL, *key = NULL;
     struct orl_certificate *certificate = NULL;
@@ -135,6 +136,8 @@ int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_pat
         certificate_free(certificate);
     } else if (certificate) {
         certificate->older = tls->current;
+        if (tls->current)
+            tls->current->last_user = newest_connection;
         tls->current = certificate;
         serving = tls;
     }
@@ -143,6 +146,19 @@ int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_pat
     free(key);
     free(cert);
     return rc;
+}
+
+void orl_tls_free_older(struct orl_tls *tls, uint64_t oldest_handshake)
+{
+    struct orl_certificate **at = tls->current ? &tls->current->older : NULL;
+    /* From the newest to the oldest: numbers only fall. */
+    while (at && *at && (*at)->last_user >= oldest_handshake)
+        at = &(*at)->older;
+    while (at && *at) {
+        struct orl_certificate *certificate = *at;
+        *at = certificate->older;
+        certificate_free(certificate);
+    }
 }
 
 void orl_tls_done(struct orl_tls *tls)

@@ -1,6 +1,6 @@
 /*
  * Certificate and private key of HTTPS, as GnuTLS asks for them with every handshake: so they can
- * be others while the daemon runs. Those of before stay until the end, for handshakes under way.
+ * be others while the daemon runs. Those of before stay until the handshakes under way are over.
  *
  * Threads: the loop thread only. There is one in a process: GnuTLS's callback has no closure.
  */
@@ -23,9 +23,12 @@ struct orl_tls {
 /*
  * Reads both PEM files, and serves them from now on; where they are no good nothing changes. A key
  * that everyone on the machine can read is refused, and so is one of another certificate.
+ * newest_connection: serial number of the last connection that may use the certificate of before.
  */
 int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_path,
-                 struct orl_error *err);
+                 uint64_t newest_connection, struct orl_error *err);
+/* Frees the certificates that were replaced before any connection from oldest_handshake on. */
+void orl_tls_free_older(struct orl_tls *tls, uint64_t oldest_handshake);
 void orl_tls_done(struct orl_tls *tls); /* wipes the keys; a zeroed struct is fine */
 
 /* What MHD_OPTION_HTTPS_CERT_CALLBACK takes, as a number. */

@@ -106,7 +106,7 @@ static void test_readers(void **state)
     assert_true(orl_sealed_open(&kind, fifo, content, &sealed, &err) < 0);
     assert_true(orl_kept_describe(fifo, &about, &err) < 0);
     assert_true(orl_map_file(fifo, &file, &err) < 0);
-    assert_true(orl_tls_load(&tls, fifo, fifo, &err) < 0);
+    assert_true(orl_tls_load(&tls, fifo, fifo, 0, &err) < 0);
     assert_true(orl_sync_path(fifo, &err) < 0);
 }
 

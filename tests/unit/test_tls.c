@@ -1,0 +1,120 @@
+/* Certificates that are loaded again and again: memory, and how long those of before stay. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <malloc.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "http/connections.h"
+#include "http/tls.h"
+#include "support/certificate.h"
+#include "support/cli.h"
+
+struct fixture {
+    char folder[64], cert[80], key[80];
+    struct orl_tls tls;
+};
+
+static int set_up(void **state)
+{
+    static struct fixture f;
+    memset(&f, 0, sizeof f);
+    cli_make_folder(f.folder);
+    snprintf(f.cert, sizeof f.cert, "%s/cert.pem", f.folder);
+    snprintf(f.key, sizeof f.key, "%s/key.pem", f.folder);
+    certificate_make(f.cert, f.key);
+    *state = &f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    orl_tls_done(&f->tls);
+    cli_remove_folder(f->folder);
+    return 0;
+}
+
+static size_t memory(void)
+{
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+static void load(struct fixture *f, uint64_t newest_connection)
+{
+    struct orl_error err;
+    assert_int_equal(orl_tls_load(&f->tls, f->cert, f->key, newest_connection, &err), 0);
+}
+
+static size_t grown(size_t before)
+{
+    const size_t now = memory();
+    return now > before ? now - before : 0;
+}
+
+/* A certificate and its key take 10 kB. Small blocks that malloc keeps for later count as used. */
+enum { RELOADS = 500, LEAST_BYTES = 1000, MOST_BYTES = 10000 };
+
+/* Without handshakes under way nothing grows. */
+static void test_reloads(void **state)
+{
+    struct fixture *f = *state;
+    for (int i = 0; i < 10; i++) {
+        load(f, 5);
+        orl_tls_free_older(&f->tls, 6);
+    }
+    const size_t before = memory();
+    for (int i = 0; i < RELOADS; i++) {
+        load(f, 5);
+        orl_tls_free_older(&f->tls, 6);
+    }
+    print_message("# %d reloads: %zu bytes more\n", RELOADS, grown(before));
+    assert_true(grown(before) < MOST_BYTES);
+}
+
+/* A certificate stays while a connection of its time may be shaking hands. */
+static void test_handshakes(void **state)
+{
+    struct fixture *f = *state;
+    load(f, 0);
+    const size_t one = memory();
+    load(f, 3); /* connections 1 to 3 may use the first, */
+    load(f, 7); /* 1 to 7 the second */
+    const size_t three = memory();
+    assert_true(three - one > 2 * LEAST_BYTES);
+    orl_tls_free_older(&f->tls, 3);
+    assert_true(memory() == three);
+    orl_tls_free_older(&f->tls, 4);
+    assert_true(three - memory() > LEAST_BYTES);
+    orl_tls_free_older(&f->tls, 7);
+    assert_true(memory() - one > LEAST_BYTES);
+    orl_tls_free_older(&f->tls, 8);
+    assert_true(grown(one) < LEAST_BYTES);
+}
+
+/* Connections in MHD's place: the oldest that has brought no request. */
+static void test_oldest_handshake(void **state)
+{
+    struct orl_connections all = {.most = 10};
+    (void)state;
+    assert_int_equal(orl_connections_oldest_handshake(&all), 1);
+    all.started = 9;
+    assert_int_equal(orl_connections_oldest_handshake(&all), 10);
+    all.unwatched = 1;
+    assert_int_equal(orl_connections_oldest_handshake(&all), 0);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_reloads, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_handshakes, set_up, tear_down),
+        cmocka_unit_test(test_oldest_handshake),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
