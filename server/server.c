@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "health/notify.h"
+#include "health/stop_limit.h"
 #include "jobs/job_bounds.h"
 #include "process/limits.h"
 #include "process/pool.h"
@@ -62,6 +63,7 @@ static void stop(struct orl_server *server)
     /* The next one has its default effect. */
     for (int i = 0; i < 2; i++)
         uv_signal_stop(&server->signals[i]);
+    orl_stop_limit_begin();
     server->context.stopping = true;
     server->checks.stopping = true;
     orl_checks_sweep(&server->checks);
@@ -360,6 +362,7 @@ static void watch_signals(struct orl_server *server)
         uv_signal_init(&server->loop, &server->signals[i]);
         server->signals[i].data = server;
         uv_signal_start(&server->signals[i], on_signal, numbers[i]);
+        orl_stop_limit_heed(numbers[i], server->config.drain_s);
     }
 }
 
@@ -438,6 +441,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     server.started_s = orl_time_steady_s();
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
+    orl_stop_limit_open();
     orl_program_digest(server.program);
     orl_pool_prepare(&server.loop, config->threads + ORL_SERVER_IO_THREADS);
     orl_pulse_open(&server.pulse, &server.loop);
@@ -496,6 +500,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     close_storage(&server);
     uv_loop_close(&server.loop);
     uv_library_shutdown(); /* the pool's threads end before what they use does */
+    orl_stop_limit_close();
     if (rc == 0)
         orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");
     return rc;

@@ -5,7 +5,8 @@
  * it drains first, that is, takes and starts no jobs, but answers for those it has, until none
  * runs, the time for that is over, or a second signal comes. Then: no new connections, jobs that
  * still run asked to stop and queued again, the answers under way sent, and all is closed in the
- * opposite order. A third signal ends the process at once.
+ * opposite order. A third signal ends the process at once, and so does a stop that takes longer
+ * than health/stop_limit.h allows.
  */
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H

@@ -117,6 +117,12 @@ void orl_blame_end(void)
     whose = NULL;
 }
 
+void orl_blame_excuse(void)
+{
+    if (page && page->signum == 0)
+        page->signum = ORL_PAST_STOPPED;
+}
+
 /*
  * Where a signal names a job it is that one. Where nobody said, one of several may be anyone, and
  * each runs alone from then on; one that ran alone has to take it, unless the kernel had others to
@@ -124,6 +130,8 @@ void orl_blame_end(void)
  */
 bool orl_blame_is(const struct orl_past *past, bool is_named, bool alone)
 {
+    if (past->signum == ORL_PAST_STOPPED)
+        return false;
     if (past->signum != 0 && past->job[0])
         return is_named;
     return alone && (past->checks == 0 || past->resident > past->capacity / 2);

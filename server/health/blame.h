@@ -13,6 +13,7 @@
 #ifndef ORL_SERVER_HEALTH_BLAME_H
 #define ORL_SERVER_HEALTH_BLAME_H
 
+#include <signal.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -21,11 +22,14 @@
 
 /* How the daemon before ended. */
 struct orl_past {
-    int32_t signum;       /* 0: nobody said */
+    int32_t signum;       /* 0: nobody said; ORL_PAST_STOPPED: no job is to blame */
     uint32_t checks;      /* of uploads, under way */
     char job[ORL_JOB_ID]; /* whose thread it was; "": none's */
     uint64_t resident, capacity;
 };
+
+/* The signum of a daemon that was told to stop, and was ended since it did not. */
+#define ORL_PAST_STOPPED SIGTERM
 
 /* Says how the last one ended, and begins anew. Without a page nothing is told to the next. */
 void orl_blame_open(const char *root, bool log_json, struct orl_past *ret_past);
@@ -37,6 +41,9 @@ void orl_blame_note(const struct orl_memory *memory, uint32_t checks);
 /* What this thread does from now on is the job's; job is borrowed until the end. */
 void orl_blame_begin(const char *job);
 void orl_blame_end(void);
+
+/* The process ends by order: no job is to blame. */
+void orl_blame_excuse(void);
 
 /* Of jobs that ran when the daemon ended: was it this one? alone: no other ran. */
 bool orl_blame_is(const struct orl_past *past, bool is_named, bool alone);

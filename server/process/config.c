@@ -40,10 +40,11 @@ static void print_bounds(FILE *stream)
         "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
         "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
         "is queued again: it starts over with the next start, with the maps it has made.\n"
+        "A stop that takes %u s more than that is forced, which loses nothing.\n"
         "SIGHUP has certificate and key read anew.\n",
         ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S, ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S,
         ORL_SERVER_KEPT_JOBS, ORL_SERVER_KEEP_ORPHANS_DAYS, ORL_SERVER_DRAIN_S,
-        ORL_SERVER_ADDRESS_CONNECTIONS);
+        ORL_SERVER_ADDRESS_CONNECTIONS, ORL_SERVER_STOP_S);
 }
 
 void orl_config_help(FILE *stream)

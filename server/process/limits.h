@@ -33,6 +33,7 @@
 #define ORL_SERVER_KEPT_JOBS 10000U      /* that have ended (default) */
 #define ORL_SERVER_KEEP_ORPHANS_DAYS 30U /* that files stay which a start set aside (default) */
 #define ORL_SERVER_DRAIN_S 5U            /* that running jobs have to finish at a stop (default) */
+#define ORL_SERVER_STOP_S 5U             /* that a stop may take after that, else it is forced */
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */

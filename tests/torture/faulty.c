@@ -13,6 +13,9 @@
  * A thread that moves a file to a name with FAULTY_CRASH in it makes a fault that ends the process;
  * one that opens a file with FAULTY_JUMP in its name calls a null pointer, and with FAULTY_OVERFLOW
  * in it overflows its stack.
+ *
+ * A thread that moves a file to a name with FAULTY_HANG in it is blocked for good, as by a file
+ * server that does not answer.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -178,10 +181,18 @@ int open(const char *path, int flags, ...)
     return REAL(int (*)(const char *, int, ...), "open")(path, flags, mode);
 }
 
+static void hang_at(const char *to)
+{
+    const char *name = getenv("FAULTY_HANG");
+    while (name && strstr(to, name))
+        pause();
+}
+
 int rename(const char *from, const char *to)
 {
     const char *name = getenv("FAULTY_CRASH");
     volatile int *nowhere = NULL;
+    hang_at(to);
     if (name && strstr(to, name))
         *nowhere = 1;
     return faulty_is_due(FAULTY_NAMES)

@@ -1,0 +1,109 @@
+#include "health/stop_limit.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "health/blame.h"
+#include "health/crash_report.h"
+#include "process/limits.h"
+
+enum { SIGNALS = 65 };
+
+static struct {
+    sem_t changed; /* sem_post may be called in a signal handler; conditions may not */
+    pthread_t thread;
+    bool started;
+    atomic_llong deadline_s; /* by CLOCK_MONOTONIC; 0: none */
+    atomic_bool closed;
+    atomic_uint arrived; /* signals */
+    unsigned drain_s;
+    void (*handlers[SIGNALS])(int);
+} limit;
+
+static struct timespec now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return time;
+}
+
+static void begin(unsigned seconds)
+{
+    /* Rounded up. */
+    atomic_store(&limit.deadline_s, (long long)now().tv_sec + 1 + (long long)seconds);
+    sem_post(&limit.changed);
+}
+
+static void end_process(void)
+{
+    orl_blame_excuse();
+    orl_crash_report_line("stop-forced", SIGTERM, "");
+    _exit(1);
+}
+
+static void *keep_limit(void *unused)
+{
+    (void)unused;
+    while (!atomic_load(&limit.closed)) {
+        const struct timespec deadline = {.tv_sec = (time_t)atomic_load(&limit.deadline_s)};
+        if (deadline.tv_sec == 0)
+            sem_wait(&limit.changed);
+        else if (sem_clockwait(&limit.changed, CLOCK_MONOTONIC, &deadline) != 0 &&
+                 errno == ETIMEDOUT)
+            end_process();
+    }
+    return NULL;
+}
+
+void orl_stop_limit_open(void)
+{
+    sigset_t all, before;
+    sem_init(&limit.changed, 0, 0);
+    atomic_store(&limit.closed, false);
+    atomic_store(&limit.deadline_s, 0);
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    limit.started = pthread_create(&limit.thread, NULL, keep_limit, NULL) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+void orl_stop_limit_close(void)
+{
+    atomic_store(&limit.closed, true);
+    sem_post(&limit.changed);
+    if (limit.started)
+        pthread_join(limit.thread, NULL);
+    limit.started = false;
+}
+
+void orl_stop_limit_begin(void)
+{
+    begin(ORL_SERVER_STOP_S);
+}
+
+static void on_signal(int signum)
+{
+    const int why = errno;
+    const bool first = atomic_fetch_add(&limit.arrived, 1) == 0;
+    begin(ORL_SERVER_STOP_S + (first ? limit.drain_s : 0));
+    limit.handlers[signum](signum);
+    errno = why;
+}
+
+void orl_stop_limit_heed(int signum, unsigned drain_s)
+{
+    struct sigaction action;
+    limit.drain_s = drain_s;
+    if (sigaction(signum, NULL, &action) != 0 || (action.sa_flags & SA_SIGINFO) ||
+        action.sa_handler == SIG_DFL || action.sa_handler == SIG_IGN)
+        return;
+    limit.handlers[signum] = action.sa_handler;
+    action.sa_handler = on_signal;
+    sigaction(signum, &action, NULL);
+}
