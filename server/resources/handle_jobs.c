@@ -35,6 +35,7 @@ struct job_post {
     char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
     struct orl_blobs *blobs;       /* with a claim on the document; NULL: none */
+    struct orl_blob_claims claims; /* on the inputs */
     int rc;
     struct orl_error err;
 };
@@ -44,6 +45,7 @@ static void job_post_free(void *state)
     struct job_post *post = state;
     if (post->blobs)
         orl_blobs_release(post->blobs, post->document);
+    orl_blobs_release_files(&post->claims);
     orl_job_inputs_done(&post->inputs);
     orl_job_brief_done(&post->brief);
     free(post);
@@ -301,15 +303,10 @@ static void inputs_checked(struct orl_request *request)
     struct job_post *post = request->state;
     if (!orl_check_ended(&post->check, &post->rc, &post->err))
         return;
-    const struct orl_error found = post->err;
-    if (post->rc == 0) {
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
         admit(request);
-        return;
-    }
-    /* Unless the scene has gone meanwhile, and its files with it. */
-    if (check_references(request->server, post) == 0)
-        post->err = found;
-    orl_reply_error(request, &post->err);
 }
 
 static void look_up(struct orl_request *request)
@@ -321,6 +318,9 @@ static void look_up(struct orl_request *request)
         return;
     if (post->rc == 0)
         post->rc = check_references(request->server, post);
+    if (post->rc == 0)
+        post->rc = orl_blobs_claim_files(request->server->blobs, &post->inputs.files, &post->claims,
+                                         &post->err);
     if (post->rc)
         orl_reply_error(request, &post->err);
     else if (post->inputs.files.count > 0)

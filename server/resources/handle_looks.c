@@ -25,6 +25,7 @@ struct look {
     double height;             /* of a floor plan; NAN: half-way up */
     struct orl_incidence from; /* of a polar map */
     struct orl_bundle scene;
+    struct orl_blob_claims claims; /* on the scene's files */
     char bsdf[ORL_SHA_HEX];
     struct orl_scene_bsdf of_scene; /* which came with one */
     struct orl_blobs *blobs;        /* with a claim on the BSDF; NULL: none */
@@ -39,6 +40,7 @@ static void look_free(void *state)
     struct look *look = state;
     if (look->blobs)
         orl_blobs_release(look->blobs, look->bsdf);
+    orl_blobs_release_files(&look->claims);
     orl_bundle_done(&look->scene);
     free(look->text);
     free(look);
@@ -178,7 +180,8 @@ void orl_handle_scene_outline(struct orl_request *request)
     if (!take_number(request, "height", -highest, highest, &look->height))
         return;
     if (orl_scene_files(&server->db, &server->folders, request->params[0], &look->scene,
-                        &look->err))
+                        &look->err) ||
+        orl_blobs_claim_files(server->blobs, &look->scene, &look->claims, &look->err))
         orl_reply_error(request, &look->err);
     else
         orl_check_begin(&server->checks, &look->check, request, look_at_scene, reply_look);

@@ -21,6 +21,7 @@
 struct plan_post {
     struct orl_job_brief brief;
     struct orl_bundle scene;
+    struct orl_blob_claims claims; /* on its files */
     struct orl_check check;
     char *text; /* the answer */
     int rc;
@@ -32,6 +33,7 @@ static void plan_post_free(void *state)
     struct plan_post *post = state;
     orl_job_brief_done(&post->brief);
     orl_bundle_done(&post->scene);
+    orl_blobs_release_files(&post->claims);
     free(post->text);
     free(post);
 }
@@ -98,7 +100,6 @@ static void make_plan(struct orl_request *request)
 static int find_scene(struct orl_request *request, struct plan_post *post)
 {
     struct orl_server *server = request->server;
-    orl_bundle_done(&post->scene);
     int rc =
         orl_scene_files(&server->db, &server->folders, post->brief.scene, &post->scene, &post->err);
     if (rc == 0 && post->scene.count == 0) {
@@ -106,7 +107,9 @@ static int find_scene(struct orl_request *request, struct plan_post *post)
         orl_error_at(&post->err, NULL, 0, "scene");
         orl_error_hint(&post->err, "Upload it with POST /v1/scenes first");
     }
-    return rc ? rc : orl_job_inputs_check(&post->brief, &post->scene, &post->err);
+    if (rc == 0)
+        rc = orl_job_inputs_check(&post->brief, &post->scene, &post->err);
+    return rc ? rc : orl_blobs_claim_files(server->blobs, &post->scene, &post->claims, &post->err);
 }
 
 static void plan_made(struct orl_request *request)
@@ -114,16 +117,12 @@ static void plan_made(struct orl_request *request)
     struct plan_post *post = request->state;
     if (!orl_check_ended(&post->check, &post->rc, &post->err))
         return;
-    if (post->rc == 0) {
-        orl_reply_json_text(request, 200, post->text, strlen(post->text));
-        orl_reply_header(request, "Cache-Control", "no-store");
+    if (post->rc) {
+        orl_reply_error(request, &post->err);
         return;
     }
-    /* Unless the scene has gone meanwhile, and its files with it. */
-    const struct orl_error found = post->err;
-    if (find_scene(request, post) == 0)
-        post->err = found;
-    orl_reply_error(request, &post->err);
+    orl_reply_json_text(request, 200, post->text, strlen(post->text));
+    orl_reply_header(request, "Cache-Control", "no-store");
 }
 
 static void look_up(struct orl_request *request)

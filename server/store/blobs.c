@@ -131,6 +131,32 @@ void orl_blobs_release(struct orl_blobs *blobs, const char *sha)
     free(claim);
 }
 
+int orl_blobs_claim_files(struct orl_blobs *blobs, const struct orl_bundle *files,
+                          struct orl_blob_claims *claims, struct orl_error *err)
+{
+    int rc = 0;
+    *claims = (struct orl_blob_claims){
+        .blobs = blobs, .shas = calloc(files->count ? files->count : 1, sizeof *claims->shas)};
+    if (!claims->shas)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < files->count && rc == 0; i++) {
+        memcpy(claims->shas[i], files->files[i].sha, ORL_SHA_HEX);
+        rc = orl_blobs_claim(blobs, claims->shas[i], err);
+        claims->count += rc == 0;
+    }
+    if (rc)
+        orl_blobs_release_files(claims);
+    return rc;
+}
+
+void orl_blobs_release_files(struct orl_blob_claims *claims)
+{
+    for (size_t i = 0; i < claims->count; i++)
+        orl_blobs_release(claims->blobs, claims->shas[i]);
+    free(claims->shas);
+    *claims = (struct orl_blob_claims){0};
+}
+
 void orl_blobs_forget(struct orl_blobs *blobs, const char *sha)
 {
     if (!*find_claim(blobs, sha))

@@ -15,6 +15,7 @@
 
 #include <uv.h>
 
+#include "store/bundle.h"
 #include "store/db.h"
 #include "store/folders.h"
 #include "store/settling.h"
@@ -29,6 +30,16 @@ void orl_blobs_close(struct orl_blobs *blobs); /* NULL is allowed */
 
 int orl_blobs_claim(struct orl_blobs *blobs, const char *sha, struct orl_error *err);
 void orl_blobs_release(struct orl_blobs *blobs, const char *sha);
+/* Claims on the files of a scene, for as long as somebody reads them: it may be removed, and sent
+ * again, meanwhile. All of them or none; a zeroed struct has none. */
+struct orl_blob_claims {
+    struct orl_blobs *blobs;
+    char (*shas)[ORL_SHA_HEX];
+    size_t count;
+};
+int orl_blobs_claim_files(struct orl_blobs *blobs, const struct orl_bundle *files,
+                          struct orl_blob_claims *claims, struct orl_error *err);
+void orl_blobs_release_files(struct orl_blob_claims *claims);
 /* A row that named the blob is gone. */
 void orl_blobs_forget(struct orl_blobs *blobs, const char *sha);
 

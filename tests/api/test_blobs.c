@@ -233,6 +233,28 @@ static void test_removal_during_upload(void **state)
     expect(f, false, 0);
 }
 
+/* A plan reads a scene's files: they stay until it has, removed or not. */
+static void test_files_that_are_read(void **state)
+{
+    struct fixture *f = *state;
+    struct orl_blob_claims claims = {0};
+    struct orl_bundle files = {0};
+    claim(f);
+    keep(f);
+    name_it(f);
+    orl_blobs_release(f->blobs, f->sha);
+    assert_int_equal(orl_bundle_add(&files, "b.xml", true, "b", 10, f->sha, false, &f->err), 0);
+    assert_int_equal(orl_blobs_claim_files(f->blobs, &files, &claims, &f->err), 0);
+    orl_bundle_done(&files);
+    unname(f);
+    settle(f);
+    expect(f, true, 10);
+    orl_blobs_release_files(&claims);
+    settle(f);
+    expect(f, false, 0);
+    orl_blobs_release_files(&claims); /* there are none */
+}
+
 static void test_orphans_go_at_start(void **state)
 {
     struct fixture *f = *state;
@@ -246,10 +268,10 @@ static void test_orphans_go_at_start(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        EACH(test_upload_and_removal),   EACH(test_failed_upload),
-        EACH(test_two_uploads),          EACH(test_removal_during_upload),
-        EACH(test_orphans_go_at_start),  EACH(test_upload_beside_another),
-        EACH(test_upload_after_removal),
+        EACH(test_upload_and_removal),    EACH(test_failed_upload),
+        EACH(test_two_uploads),           EACH(test_removal_during_upload),
+        EACH(test_orphans_go_at_start),   EACH(test_files_that_are_read),
+        EACH(test_upload_beside_another), EACH(test_upload_after_removal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

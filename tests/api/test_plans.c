@@ -6,9 +6,12 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "support/daemon.h"
 
@@ -124,6 +127,68 @@ static void test_skies(void **state)
     reply_done(&plan);
 }
 
+/* A connection from another address than that of the test's other requests, so that its checks and
+ * theirs take turns. */
+static int dial_from_another(const struct daemon *daemon)
+{
+    struct sockaddr_in address = {.sin_family = AF_INET};
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    assert_true(fd >= 0);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 1);
+    assert_int_equal(bind(fd, (struct sockaddr *)&address, sizeof address), 0);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons((uint16_t)strtoul(strrchr(daemon->url, ':') + 1, NULL, 10));
+    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+/* Whatever others do to the scene meanwhile, a plan is made of it, or there is none: never a fault
+ * of the daemon's. Removal and upload go round while requests for plans and outlines are on their
+ * way. */
+static void test_removed_and_sent_again(void **state)
+{
+    enum { TURNS = 6, AT_ONCE = 12 };
+    struct daemon_room *f = *state;
+    char post[1024], body[512], look[256], removal[160], id[65], answer[4096];
+    snprintf(removal, sizeof removal, "/v1/scenes/%s", f->scene);
+    const int size =
+        snprintf(body, sizeof body, "{\"scene\":\"%s\",\"sensors\":[[2,1,0.8,0,0,1]]}", f->scene);
+    snprintf(post, sizeof post,
+             "POST /v1/plans HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+             "Content-Type: application/json\r\nContent-Length: %d\r\n\r\n%s",
+             size, body);
+    snprintf(look, sizeof look,
+             "GET /v1/scenes/%s/outline HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
+             f->scene);
+    for (int turn = 0; turn < TURNS; turn++) {
+        int fds[AT_ONCE];
+        struct reply reply;
+        for (int i = 0; i < AT_ONCE; i++) {
+            const char *text = i % 2 ? look : post;
+            fds[i] = dial_from_another(&f->daemon);
+            assert_int_equal(write(fds[i], text, strlen(text)), strlen(text));
+        }
+        for (int i = 0; i < 5; i++) { /* by then most of them have found the scene, and wait */
+            daemon_get(&f->daemon, "/readyz", &reply);
+            reply_done(&reply);
+        }
+        daemon_request(&f->daemon, "DELETE", removal, NULL, NULL, 0, NULL, &reply);
+        assert_int_equal(reply.status, 204);
+        reply_done(&reply);
+        daemon_upload_room(&f->daemon, id);
+        for (int i = 0; i < AT_ONCE; i++) {
+            const ssize_t n = read(fds[i], answer, sizeof answer - 1);
+            assert_true(n > 12);
+            answer[n] = '\0';
+            const char *status = answer + 9; /* 422: the document names a scene that is not here */
+            if (strncmp(status, "200", 3) != 0 && strncmp(status, "404", 3) != 0 &&
+                strncmp(status, "422", 3) != 0)
+                fail_msg("turn %d: %s", turn, answer);
+            close(fds[i]);
+        }
+    }
+}
+
 static void test_refused(void **state)
 {
     struct daemon_room *room = *state;
@@ -163,6 +228,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         EACH(test_as_the_job_has_it), EACH(test_curve), EACH(test_refused),
+        EACH(test_removed_and_sent_again),
         cmocka_unit_test_setup_teardown(test_skies, daemon_weather_set_up, daemon_room_tear_down)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
