@@ -25,12 +25,18 @@ int64_t orl_time_steady_ms(void)
 
 void orl_time_format(int64_t ms, char ret_text[ORL_TIME_TEXT])
 {
-    const time_t seconds = (time_t)(ms / 1000);
-    struct tm utc;
-    char text[24];
+    const int64_t first_ms = -62167219200000, last_ms = 253402300799999; /* years of four digits */
+    if (ms < first_ms)
+        ms = first_ms;
+    if (ms > last_ms)
+        ms = last_ms;
+    const int fraction = (int)((ms % 1000 + 1000) % 1000);
+    const time_t seconds = (time_t)((ms - fraction) / 1000);
+    struct tm utc = {0};
     gmtime_r(&seconds, &utc);
-    strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
-    snprintf(ret_text, ORL_TIME_TEXT, "%s.%03dZ", text, (int)(ms % 1000));
+    snprintf(ret_text, ORL_TIME_TEXT, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ",
+             (utc.tm_year + 1900) % 10000, (utc.tm_mon + 1) % 100, utc.tm_mday % 100,
+             utc.tm_hour % 100, utc.tm_min % 100, utc.tm_sec % 100, fraction);
 }
 
 /* Every digit of the pattern's 0s is one, and all else is the same; what follows is *ret_rest. */

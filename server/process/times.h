@@ -12,7 +12,8 @@ double orl_time_steady_s(void);
 int64_t orl_time_steady_ms(void);
 
 enum { ORL_TIME_TEXT = 32 };
-/* "2024-03-22T11:30:00.123Z" */
+/* "2024-03-22T11:30:00.123Z", of the years 0000 to 9999; what is beyond them is their first or last
+ * moment. */
 void orl_time_format(int64_t ms, char ret_text[ORL_TIME_TEXT]);
 /* Reads such a time, with or without its fraction, in UTC ("Z"), of 1970 to 9999. False: it is
  * none. */

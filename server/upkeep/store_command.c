@@ -20,9 +20,8 @@ static const char usage[] =
     "          damaged maps by itself\n"
     "  backup  makes the folder TO: the database as it is at one moment, with scenes, BSDFs,\n"
     "          jobs and results; not photon maps, which are made anew, nor the key of\n"
-    "          signed links. What is damaged is left out and printed, and the status is 1. To "
-    "restore: copy TO to where the\n"
-    "          data folder is to be, and start the daemon\n\n"
+    "          signed links. What is damaged is left out and printed, and the status is 1.\n"
+    "          To restore: copy TO to where the data folder is to be, and start the daemon\n\n"
     "  --data DIR  the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 
 static int complain(const char *verb, const struct orl_error *err)
