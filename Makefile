@@ -215,7 +215,7 @@ $(BUILD)/tests/unit/test_embree_memory: ALL_LDFLAGS += -rdynamic
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
 # ---- Checks --------------------------------------------------------------------------------------
-SHIMS := $(patsubst %,$(BUILD)/tests/%.so,faulty scarce recorder)
+SHIMS := $(patsubst %,$(BUILD)/tests/%.so,faulty scarce recorder shifted)
 tests: all $(TEST_BIN) $(SHIMS)
 
 # Loaded into a daemon, to make its disk or memory fail, and to record what it writes.

@@ -390,6 +390,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
         .keep_jobs = server->config.keep_jobs,
         .keep_days = server->config.keep_days,
         .held = server->disk.full,
+        .clock = &server->aging.clock,
         .changed = on_job_changed,
         .leaving = on_job_leaving,
         .idle = on_jobs_idle,
@@ -410,6 +411,7 @@ static void open_budget(struct orl_server *server)
     storage->jobs = server->jobs;
     storage->blobs = server->blobs;
     storage->log = &server->log;
+    storage->clock = &server->aging.clock;
     storage->budget = server->config.storage_bytes;
     if (storage->budget == 0)
         storage->budget = orl_storage_default(server->config.data, orl_storage_total(storage));

@@ -99,13 +99,13 @@ bool orl_access_refuse(struct orl_request *request, bool has_token)
     return false;
 }
 
-static bool refuse_scope(struct orl_request *request, enum orl_token_scope has)
+static bool refuse_scope(struct orl_request *request, enum orl_token_scope wanted, const char *what)
 {
-    const char *needs = orl_scope_name(request->route->scope);
+    const char *needs = orl_scope_name(wanted);
     char challenge[96];
     orl_reply_problem(request, 403, "insufficient-scope", "The token does not allow this",
-                      "this takes a token of scope %s; the one sent has %s", needs,
-                      orl_scope_name(has));
+                      "%s takes a token of scope %s; the one sent has %s", what, needs,
+                      orl_scope_name(request->holder.scope));
     snprintf(challenge, sizeof challenge,
              "Bearer realm=\"oriel\", error=\"insufficient_scope\", scope=\"%s\"", needs);
     orl_reply_header(request, "WWW-Authenticate", challenge);
@@ -179,7 +179,19 @@ bool orl_access_check_token(struct orl_request *request)
         return false;
     snprintf(request->token, sizeof request->token, "%s", request->holder.name);
     return request->holder.scope >= request->route->scope ||
-           refuse_scope(request, request->holder.scope);
+           refuse_scope(request, request->route->scope, "this");
+}
+
+const char *orl_access_owner(const struct orl_request *request)
+{
+    return request->context->config->needs_token ? request->holder.id : "";
+}
+
+bool orl_access_check_owner(struct orl_request *request, const char *owner)
+{
+    return !request->context->config->needs_token || request->holder.scope >= ORL_SCOPE_ADMIN ||
+           (owner[0] && strcmp(owner, request->holder.id) == 0) ||
+           refuse_scope(request, ORL_SCOPE_ADMIN, "what another token has submitted");
 }
 
 struct orl_admission orl_access_admission(struct orl_request *request)

@@ -20,6 +20,12 @@ bool orl_access_check_origin(struct orl_request *request);
  */
 bool orl_access_check_token(struct orl_request *request);
 
+/* Whose is what the request submits: the id of its token; "" where none is needed. */
+const char *orl_access_owner(const struct orl_request *request);
+/* May the request change what that owner has submitted? Any may where no token is needed, else the
+ * owner's own token and those of scope admin. False, with a 403 made. */
+bool orl_access_check_owner(struct orl_request *request, const char *owner);
+
 /* What let a request in, for whatever of it goes on when its headers are long forgotten. */
 struct orl_admission {
     char token[ORL_TOKEN_ID];       /* "": none was needed */

@@ -21,7 +21,7 @@ static bool may_go(const struct orl_jobs_job *job, int64_t now_ms)
 {
     return orl_jobs_ended(job) && !job->unsaved &&
            (!orl_job_results_kept(job) || job->row.fetched_ms > 0 ||
-            now_ms - job->row.finished_ms >= 1000 * (int64_t)ORL_SERVER_UNFETCHED_S);
+            now_ms - job->row.retained_ms >= 1000 * (int64_t)ORL_SERVER_UNFETCHED_S);
 }
 
 static void remove_old(struct orl_jobs *jobs)
@@ -30,14 +30,14 @@ static void remove_old(struct orl_jobs *jobs)
     const size_t ended = jobs->counts[ORL_JOB_SUCCEEDED] + jobs->counts[ORL_JOB_FAILED] +
                          jobs->counts[ORL_JOB_CANCELLED];
     size_t too_many = ended > jobs->env.keep_jobs ? ended - jobs->env.keep_jobs : 0;
-    const int64_t now_ms = orl_time_now_ms(), day_ms = 86400000;
+    const int64_t now_ms = orl_retention_clock_ms(jobs->env.clock), day_ms = 86400000;
     const int64_t since_ms =
         jobs->env.keep_days > 0 ? now_ms - day_ms * jobs->env.keep_days : INT64_MIN;
     struct orl_jobs_job *going[AT_ONCE];
     size_t count = 0, looked_at = 0;
     for (struct orl_jobs_job *job = jobs->oldest; job && count < AT_ONCE && looked_at < LOOK_AT;
          job = job->newer, looked_at++) {
-        if (!may_go(job, now_ms) || (too_many == 0 && job->row.finished_ms >= since_ms))
+        if (!may_go(job, now_ms) || (too_many == 0 && job->row.retained_ms >= since_ms))
             continue;
         going[count++] = job;
         too_many -= too_many > 0;

@@ -75,8 +75,10 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
     job->row.state = state;
     job->row.outcome = job->outcome;
     job->row.problem = job->problem;
-    if (state >= ORL_JOB_SUCCEEDED)
+    if (state >= ORL_JOB_SUCCEEDED) {
         job->row.finished_ms = orl_time_now_ms();
+        job->row.retained_ms = orl_retention_clock_ms(jobs->env.clock);
+    }
     const int rc = jobs->batch ? 0 : orl_job_row_update(jobs->env.db, &job->row, &err);
     orl_job_note_saved(job, rc == 0 && !jobs->batch);
     if (rc)

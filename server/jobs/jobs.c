@@ -33,6 +33,7 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     snprintf(job->row.document, sizeof job->row.document, "%s", order->document);
     snprintf(job->row.identity, sizeof job->row.identity, "%s", order->identity);
     snprintf(job->row.client, sizeof job->row.client, "%s", order->client);
+    snprintf(job->row.owner, sizeof job->row.owner, "%s", order->owner);
     job->row.kind = order->kind;
     job->row.priority = order->priority;
     job->row.result_bytes = order->result_bytes;
@@ -55,12 +56,13 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
     return 0;
 }
 
-int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *request_key,
-                    const struct orl_jobs_job **ret_job, struct orl_error *err)
+int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *owner,
+                    const char *request_key, const struct orl_jobs_job **ret_job,
+                    struct orl_error *err)
 {
     char id[ORL_JOB_ID];
     const int64_t since_ms = orl_time_now_ms() - 1000 * (int64_t)ORL_SERVER_KEY_S;
-    const int rc = orl_job_row_by_key(jobs->env.db, client, request_key, since_ms, id, err);
+    const int rc = orl_job_row_by_key(jobs->env.db, client, owner, request_key, since_ms, id, err);
     if (rc == 0)
         *ret_job = orl_jobs_lookup(jobs, id);
     return rc;
@@ -84,6 +86,7 @@ static int write_cancelled(const struct orl_jobs_job *job, struct orl_error *err
     struct orl_job_row row = job->row;
     row.state = ORL_JOB_CANCELLED;
     row.finished_ms = orl_time_now_ms();
+    row.retained_ms = orl_retention_clock_ms(job->jobs->env.clock);
     return orl_job_row_update(job->jobs->env.db, &row, err);
 }
 

@@ -32,6 +32,7 @@
 #include "runner/worker.h"
 #include "store/blobs.h"
 #include "store/jobs.h"
+#include "store/retention_clock.h"
 #include "store/settling.h"
 
 struct orl_jobs;
@@ -75,9 +76,10 @@ struct orl_jobs_env {
     struct orl_metrics *metrics;
     uint32_t threads; /* over all jobs */
     uint32_t at_once;
-    uint32_t job_timeout_s;        /* that one may run */
-    bool held;                     /* at first: orl_jobs_hold */
-    uint32_t keep_jobs, keep_days; /* of those that have ended; no days: for ever */
+    uint32_t job_timeout_s;                  /* that one may run */
+    bool held;                               /* at first: orl_jobs_hold */
+    const struct orl_retention_clock *clock; /* by which they grow old */
+    uint32_t keep_jobs, keep_days;           /* of those that have ended; no days: for ever */
     /* It is new, or its state has changed, or it has been told to stop. */
     void (*changed)(void *ctx, const struct orl_jobs_job *job);
     void (*leaving)(void *ctx, const struct orl_jobs_job *job); /* it is about to be removed */
@@ -117,11 +119,13 @@ struct orl_jobs_order {
     uint64_t result_bytes;        /* to be expected */
     uint64_t memory_bytes;        /* job_memory.h */
     const char *client;           /* client_name.h */
+    const char *owner;            /* the id of its token; "": none was needed */
     const char *request_key;      /* the client's Idempotency-Key, or NULL */
 };
-/* The job that the client's key made less than ORL_SERVER_KEY_S ago; NULL: none. */
-int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *request_key,
-                    const struct orl_jobs_job **ret_job, struct orl_error *err);
+/* The job that the key of client and owner made less than ORL_SERVER_KEY_S ago; NULL: none. */
+int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *owner,
+                    const char *request_key, const struct orl_jobs_job **ret_job,
+                    struct orl_error *err);
 /* Queues a job. *ret_job belongs to jobs. */
 int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
                     const struct orl_jobs_job **ret_job, struct orl_error *err);

@@ -11,6 +11,7 @@
 #include "checks/ask.h"
 #include "checks/checks.h"
 #include "checks/job_inputs.h"
+#include "http/access.h"
 #include "http/client_name.h"
 #include "http/reply.h"
 #include "process/limits.h"
@@ -155,7 +156,8 @@ static bool answer_by_key(struct orl_request *request)
     struct orl_error err;
     if (!*post->key)
         return false;
-    if (orl_jobs_by_key(request->server->jobs, post->client, post->key, &job, &err)) {
+    if (orl_jobs_by_key(request->server->jobs, post->client, orl_access_owner(request), post->key,
+                        &job, &err)) {
         orl_reply_error(request, &err);
         return true;
     }
@@ -270,6 +272,7 @@ static void submit(struct orl_request *request)
                                          .result_bytes = result_bytes,
                                          .memory_bytes = orl_job_memory_estimate(&post->memory),
                                          .client = post->client,
+                                         .owner = orl_access_owner(request),
                                          .request_key = *post->key ? post->key : NULL};
     if (post->rc == 0)
         post->rc = orl_jobs_submit(request->server->jobs, &order, &job, &post->err);
@@ -393,7 +396,7 @@ void orl_handle_job_cancel(struct orl_request *request)
 {
     const struct orl_jobs_job *job = orl_job_of_path(request);
     struct orl_error err;
-    if (!job)
+    if (!job || !orl_access_check_owner(request, job->row.owner))
         return;
     if (orl_jobs_cancel(request->server->jobs, job->row.id, &err) == 0) {
         reply_job(request, job->row.state == ORL_JOB_RUNNING ? 202 : 200, job);
@@ -409,10 +412,13 @@ void orl_handle_job_delete(struct orl_request *request)
     struct orl_server *server = request->server;
     struct orl_error err;
     /* By its whole id: a prefix sent again might mean another one by then. */
-    if (!orl_jobs_find(server->jobs, request->params[0])) {
+    const struct orl_jobs_job *job = orl_jobs_find(server->jobs, request->params[0]);
+    if (!job) {
         orl_reply_not_found(request, "job");
         return;
     }
+    if (!orl_access_check_owner(request, job->row.owner))
+        return;
     if (orl_jobs_remove(server->jobs, request->params[0], &err) == 0) {
         orl_reply_no_content(request);
         orl_reply_when_safe(request);

@@ -25,24 +25,26 @@ int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const c
     const int rc = orl_db_run(
         db, err, NULL,
         "INSERT INTO jobs (id, kind, scene, document, state, created_ms, "
-        "priority, client, request_key, identity, result_bytes, memory_bytes, name, tags) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-        "sssssiisssiiss", row->id, orl_task_kind_name(row->kind), row->scene, row->document,
+        "priority, client, request_key, identity, result_bytes, memory_bytes, name, tags, owner) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "sssssiisssiisss", row->id, orl_task_kind_name(row->kind), row->scene, row->document,
         orl_job_state_name(row->state), row->created_ms, (int64_t)row->priority, row->client,
         request_key, row->identity, (int64_t)row->result_bytes, (int64_t)row->memory_bytes,
-        row->name, row->tags);
+        row->name, row->tags, row->owner);
     if (rc == 0)
         *ret_seq = sqlite3_last_insert_rowid(db->handle);
     return rc;
 }
 
-int orl_job_row_by_key(struct orl_db *db, const char *client, const char *request_key,
-                       int64_t since_ms, char ret_id[ORL_JOB_ID], struct orl_error *err)
+int orl_job_row_by_key(struct orl_db *db, const char *client, const char *owner,
+                       const char *request_key, int64_t since_ms, char ret_id[ORL_JOB_ID],
+                       struct orl_error *err)
 {
-    sqlite3_stmt *stmt = orl_db_prepare(db, err,
-                                        "SELECT id FROM jobs WHERE client = ? AND request_key = ? "
-                                        "AND created_ms > ? ORDER BY seq DESC LIMIT 1",
-                                        "ssi", client, request_key, since_ms);
+    sqlite3_stmt *stmt =
+        orl_db_prepare(db, err,
+                       "SELECT id FROM jobs WHERE client = ? AND request_key = ? "
+                       "AND owner = ? AND created_ms > ? ORDER BY seq DESC LIMIT 1",
+                       "sssi", client, request_key, owner, since_ms);
     if (!stmt)
         return ORL_ERR_IO;
     const int step = sqlite3_step(stmt);
@@ -62,12 +64,13 @@ int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct 
     return orl_db_run(db, err, NULL,
                       "UPDATE jobs SET state = ?, attempts = ?, started_ms = nullif(?, 0), "
                       "finished_ms = nullif(?, 0), outcome = ?, problem = ?, result_bytes = ?, "
-                      "fetched_ms = nullif(?, 0), evicted_ms = nullif(?, 0), strikes = ? "
+                      "fetched_ms = nullif(?, 0), evicted_ms = nullif(?, 0), strikes = ?, "
+                      "retained_ms = nullif(?, 0) "
                       "WHERE seq = ?",
-                      "siiissiiiii", orl_job_state_name(row->state), (int64_t)row->attempts,
+                      "siiissiiiiii", orl_job_state_name(row->state), (int64_t)row->attempts,
                       row->started_ms, row->finished_ms, row->outcome, row->problem,
                       (int64_t)row->result_bytes, row->fetched_ms, row->evicted_ms,
-                      (int64_t)row->strikes, row->seq);
+                      (int64_t)row->strikes, row->retained_ms, row->seq);
 }
 
 int orl_job_row_drop(struct orl_db *db, int64_t seq, struct orl_error *err)
@@ -95,12 +98,14 @@ static struct orl_job_row read_row(sqlite3_stmt *stmt)
         .strikes = sqlite3_column_int(stmt, 19),
         .name = (const char *)sqlite3_column_text(stmt, 20),
         .tags = (const char *)sqlite3_column_text(stmt, 21),
+        .retained_ms = sqlite3_column_int64(stmt, 23),
     };
     snprintf(row.id, sizeof row.id, "%s", orl_db_text(stmt, 1));
     snprintf(row.scene, sizeof row.scene, "%s", orl_db_text(stmt, 2));
     snprintf(row.document, sizeof row.document, "%s", orl_db_text(stmt, 3));
     snprintf(row.identity, sizeof row.identity, "%s", orl_db_text(stmt, 14));
     snprintf(row.client, sizeof row.client, "%s", orl_db_text(stmt, 13));
+    snprintf(row.owner, sizeof row.owner, "%s", orl_db_text(stmt, 22));
     return row;
 }
 
@@ -111,7 +116,7 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
         db, err,
         "SELECT seq, id, scene, document, state, attempts, created_ms, started_ms, finished_ms, "
         "outcome, problem, kind, priority, client, identity, result_bytes, fetched_ms, evicted_ms, "
-        "memory_bytes, strikes, name, tags "
+        "memory_bytes, strikes, name, tags, owner, coalesce(retained_ms, finished_ms) "
         "FROM jobs ORDER BY seq",
         "");
     if (!stmt)

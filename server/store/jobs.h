@@ -10,7 +10,7 @@
 #include "store/folders.h"
 #include "task_json.h"
 
-enum { ORL_JOB_ID = 33, ORL_JOB_CLIENT = 80 };
+enum { ORL_JOB_ID = 33, ORL_JOB_CLIENT = 80, ORL_JOB_OWNER = 17 };
 
 enum orl_job_state {
     ORL_JOB_QUEUED,
@@ -33,8 +33,10 @@ struct orl_job_row {
     int attempts;
     int priority;
     char client[ORL_JOB_CLIENT]; /* client_name.h */
+    char owner[ORL_JOB_OWNER];   /* the id of the token that submitted it; "": there was none */
     char identity[ORL_SHA_HEX];  /* job_share.h; "" of jobs of before there were any */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
+    int64_t retained_ms;                         /* when it ended, by retention_clock.h */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
     const char *name, *tags;                     /* labels_json.h, borrowed; NULL: none */
     uint64_t result_bytes; /* of its results; while it waits or runs, of those to be expected */
@@ -49,9 +51,11 @@ struct orl_job_row {
  */
 int orl_job_row_insert(struct orl_db *db, const struct orl_job_row *row, const char *request_key,
                        int64_t *ret_seq, struct orl_error *err);
-/* The id of the client's newest job that came with the key since then; "" when there is none. */
-int orl_job_row_by_key(struct orl_db *db, const char *client, const char *request_key,
-                       int64_t since_ms, char ret_id[ORL_JOB_ID], struct orl_error *err);
+/* The id of the newest job of client and owner that came with the key since then; "" when there is
+ * none. */
+int orl_job_row_by_key(struct orl_db *db, const char *client, const char *owner,
+                       const char *request_key, int64_t since_ms, char ret_id[ORL_JOB_ID],
+                       struct orl_error *err);
 /* Writes all that changes: state, attempts, times, outcome, problem, and what is of results. */
 int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct orl_error *err);
 int orl_job_row_drop(struct orl_db *db, int64_t seq, struct orl_error *err);

@@ -58,18 +58,19 @@ static bool may_go(const struct orl_jobs_job *job, int64_t now_ms)
 {
     const int64_t spared_ms = 1000 * (int64_t)ORL_SERVER_UNFETCHED_S;
     return orl_job_results_kept(job) &&
-           (job->row.fetched_ms > 0 || now_ms - job->row.finished_ms >= spared_ms);
+           (job->row.fetched_ms > 0 || now_ms - job->row.retained_ms >= spared_ms);
 }
 
 /* Everything that may go, the longest unused first; owned. NULL: out of memory. */
-static struct candidate *list_candidates(const struct orl_jobs *jobs,
+static struct candidate *list_candidates(const struct orl_storage *storage,
                                          const struct orl_stored_map *maps, size_t n_maps,
                                          size_t *ret_count)
 {
+    const struct orl_jobs *jobs = storage->jobs;
     const size_t n_jobs =
         orl_jobs_count(jobs, ORL_JOB_SUCCEEDED) + orl_jobs_count(jobs, ORL_JOB_CANCELLED);
     struct candidate *list = calloc(n_maps + n_jobs + 1, sizeof *list);
-    const int64_t now_ms = orl_time_now_ms();
+    const int64_t now_ms = orl_retention_clock_ms(storage->clock);
     size_t count = 0;
     if (!list)
         return NULL;
@@ -159,7 +160,7 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_h
     size_t n_maps = 0, count = 0;
     if (used <= most || orl_map_cache_list(storage->maps, &maps, &n_maps, NULL))
         return used;
-    list = list_candidates(storage->jobs, maps, n_maps, &count);
+    list = list_candidates(storage, maps, n_maps, &count);
     for (size_t i = 0; list && i < count; i++)
         stays -= list[i].bytes;
     if (list && count > 0 && (how == SHRINK_AS_FAR_AS_IT_GOES || stays <= most))
@@ -177,7 +178,7 @@ static uint64_t count_staying(struct orl_storage *storage)
     size_t n_maps = 0, count = 0;
     if (orl_map_cache_list(storage->maps, &maps, &n_maps, NULL))
         return bytes;
-    struct candidate *list = list_candidates(storage->jobs, maps, n_maps, &count);
+    struct candidate *list = list_candidates(storage, maps, n_maps, &count);
     for (size_t i = 0; list && i < count; i++)
         bytes -= list[i].bytes;
     free(list);

@@ -43,6 +43,7 @@ struct orl_storage {
     struct orl_jobs *jobs;
     struct orl_blobs *blobs;
     const struct orl_log *log;
+    const struct orl_retention_clock *clock;
     uint64_t evicted[ORL_STORED_COUNT]; /* how many, since the start */
     uv_timer_t notes;                   /* writes down what was asked for, now and then */
 };

@@ -19,8 +19,8 @@ static const char usage[] =
     "  add     makes a token and prints it: the only time that it is shown\n"
     "  list    prints name, scope, id and date of each\n"
     "  remove  ends a token\n\n"
-    "  --scope SCOPE  read: look at everything; submit: also upload, submit and cancel (default);\n"
-    "                 admin: also what concerns others\n"
+    "  --scope SCOPE  read: look at everything; submit: also upload, submit, and cancel\n"
+    "                 and remove own jobs (default); admin: also what concerns others\n"
     "  --data DIR     the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 
 /* Folder and database. Only who holds the folder's lock migrates. */

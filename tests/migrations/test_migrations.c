@@ -379,6 +379,33 @@ static void test_last_use_of_scenes(void **state)
     assert_int_equal(number(f, "SELECT last_used_ms FROM scenes"), 9);
 }
 
+/* Jobs of before belong to the token of their client's name, if it is as old as they are. */
+static void test_old_jobs_have_owners(void **state)
+{
+    struct fixture *f = *state;
+    migrate_up_to(f, 14);
+#define HASH "'0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef'"
+    const char *sql =
+        "INSERT INTO tokens VALUES ('ann', '00000000000000aa', " HASH ", 'submit', 5),"
+        "('bob', '00000000000000bb', " HASH ", 'submit', 20);"
+        "INSERT INTO scenes VALUES ('" SCENE "', 1, 1, '{}', 1);"
+        "INSERT INTO jobs (id, scene, document, state, created_ms, finished_ms, client) VALUES "
+        "('a', '" SCENE "', '" SCENE "', 'succeeded', 10, 13, 'token:ann'),"
+        "('b', '" SCENE "', '" SCENE "', 'failed', 10, 14, 'token:bob'),"
+        "('c', '" SCENE "', '" SCENE "', 'queued', 10, NULL, 'name:ann')";
+    assert_int_equal(orl_db_exec(&f->db, sql, &f->err), 0);
+    assert_int_equal(orl_db_migrate_embedded(&f->db, &f->err), 0);
+    assert_int_equal(number(f, "SELECT count(*) FROM jobs WHERE id = 'a' AND owner = "
+                               "'00000000000000aa' AND retained_ms = 13"),
+                     1);
+    assert_int_equal(number(f, "SELECT count(*) FROM jobs WHERE id = 'b' AND owner = '' AND "
+                               "retained_ms = 14"),
+                     1);
+    assert_int_equal(number(f, "SELECT count(*) FROM jobs WHERE id = 'c' AND owner = '' AND "
+                               "retained_ms IS NULL"),
+                     1);
+}
+
 static int last_row(void *ctx, const struct orl_job_row *row)
 {
     struct orl_job_row *last = ctx;
@@ -397,6 +424,7 @@ static void test_job_rows_round_trip(void **state)
                               .created_ms = 11,
                               .priority = 7,
                               .client = "name:x",
+                              .owner = "0123456789abcdef",
                               .identity = "i",
                               .name = "n",
                               .tags = "[\"t\"]"},
@@ -410,15 +438,21 @@ static void test_job_rows_round_trip(void **state)
     assert_int_equal(orl_db_exec(&f->db, sql, &f->err), 0);
     assert_int_equal(orl_job_row_insert(&f->db, &row, "key", &row.seq, &f->err), 0);
     char id[ORL_JOB_ID];
-    assert_int_equal(orl_job_row_by_key(&f->db, "name:x", "key", 10, id, &f->err), 0);
+    assert_int_equal(
+        orl_job_row_by_key(&f->db, "name:x", "0123456789abcdef", "key", 10, id, &f->err), 0);
     assert_string_equal(id, "job-1");
-    assert_int_equal(orl_job_row_by_key(&f->db, "name:x", "key", 11, id, &f->err), 0);
+    assert_int_equal(
+        orl_job_row_by_key(&f->db, "name:x", "0123456789abcdef", "key", 11, id, &f->err), 0);
     assert_string_equal(id, "");
-    assert_int_equal(orl_job_row_by_key(&f->db, "name:y", "key", 10, id, &f->err), 0);
+    assert_int_equal(
+        orl_job_row_by_key(&f->db, "name:y", "0123456789abcdef", "key", 10, id, &f->err), 0);
+    assert_string_equal(id, "");
+    assert_int_equal(orl_job_row_by_key(&f->db, "name:x", "", "key", 10, id, &f->err), 0);
     assert_string_equal(id, "");
     row.state = ORL_JOB_FAILED;
     row.attempts = 2;
     row.finished_ms = 13;
+    row.retained_ms = 12;
     row.problem = "{\"a\":1}";
     row.result_bytes = 5000000000;
     row.fetched_ms = 17;
@@ -433,6 +467,8 @@ static void test_job_rows_round_trip(void **state)
     assert_string_equal(last.identity, "i");
     assert_int_equal(last.started_ms, 0);
     assert_int_equal(last.finished_ms, 13);
+    assert_int_equal(last.retained_ms, 12);
+    assert_string_equal(last.owner, "0123456789abcdef");
     assert_null(last.outcome);
     assert_true(last.result_bytes == 5000000000);
     assert_int_equal(last.fetched_ms, 17);
@@ -451,6 +487,7 @@ int main(void)
         EACH(test_copy_before),
         EACH(test_failure_is_atomic),
         EACH(test_lost_rows_are_refused),
+        EACH(test_old_jobs_have_owners),
         EACH(test_later_version_is_refused),
         EACH(test_edited_migration_is_refused),
         EACH(test_gap_is_refused),

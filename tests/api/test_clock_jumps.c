@@ -1,0 +1,121 @@
+/* A wall clock that jumps forwards, beneath a daemon that runs and between two runs: nothing that
+ * is kept for some days goes before they are over. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <signal.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "process/sanitized.h"
+#include "support/daemon.h"
+#include "support/storage.h"
+
+static const char *const a_day[] = {"--keep-days", "1", NULL};
+
+static void shift_clock(const struct daemon *daemon, long long seconds)
+{
+    char path[96];
+    snprintf(path, sizeof path, "%s/shift", daemon->root);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "%lld", seconds);
+    fclose(file);
+}
+
+static void run_sql(const struct daemon *daemon, const char *sql)
+{
+    char path[96];
+    sqlite3 *db = NULL;
+    snprintf(path, sizeof path, "%s/oriel.db", daemon->root);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(db);
+}
+
+/* Jobs are looked at once a second; the one that is old enough has gone then. */
+static void wait_until_gone(struct daemon *daemon, const char *job)
+{
+    for (long status = 200, polls = 0; status != 404; polls++) {
+        struct reply reply;
+        assert_true(polls < 40000);
+        daemon_get(daemon, job, &reply);
+        status = reply.status;
+        reply_done(&reply);
+    }
+}
+
+static void make_old(const struct daemon *daemon, const char *job)
+{
+    char sql[200];
+    snprintf(sql, sizeof sql,
+             "UPDATE jobs SET retained_ms = retained_ms - 2 * 86400000 WHERE id = '%s'",
+             strrchr(job, '/') + 1);
+    run_sql(daemon, sql);
+}
+
+/* Two jobs, of which the first is two days old by the daemon's clock. */
+static void make_jobs(struct daemon_room *f, char ret_old[80], char ret_new[80])
+{
+    storage_run_job(&f->daemon, f->scene, 1, "v", ret_old);
+    storage_run_job(&f->daemon, f->scene, 2, "v", ret_new);
+    storage_fetch(&f->daemon, ret_new, 200); /* so that it may go */
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    make_old(&f->daemon, ret_old);
+}
+
+static void test_jump_between_runs(void **state)
+{
+    struct daemon_room *f = *state;
+    char old[80], kept[80];
+    make_jobs(f, old, kept);
+    /* As it looks after a year, or a clock that has jumped by one. */
+    run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 365 * 86400000");
+    daemon_restart(&f->daemon, a_day);
+    wait_until_gone(&f->daemon, old);
+    storage_fetch(&f->daemon, kept, 200);
+}
+
+static void test_jump_while_running(void **state)
+{
+    struct daemon_room *f = *state;
+    const char *build = getenv("ORIEL_BUILD");
+    char old[80], kept[80], later[80], shim[300], path[96];
+    if (ORL_SANITIZED)
+        skip(); /* which has to be loaded first */
+    make_jobs(f, old, kept);
+    snprintf(shim, sizeof shim, "%s/tests/shifted.so", build ? build : "build");
+    snprintf(path, sizeof path, "%s/shift", f->daemon.root);
+    shift_clock(&f->daemon, 0);
+    setenv("LD_PRELOAD", shim, 1);
+    setenv("SHIFTED", path, 1);
+    daemon_restart(&f->daemon, a_day);
+    unsetenv("LD_PRELOAD");
+    wait_until_gone(&f->daemon, old);
+    shift_clock(&f->daemon, 365 * 86400);
+    /* What is made now is a year younger by the wall; a job of before goes no sooner for it. */
+    storage_run_job(&f->daemon, f->scene, 3, "v", later);
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    make_old(&f->daemon, later);
+    setenv("LD_PRELOAD", shim, 1);
+    daemon_restart(&f->daemon, a_day);
+    unsetenv("LD_PRELOAD");
+    wait_until_gone(&f->daemon, later);
+    storage_fetch(&f->daemon, kept, 200);
+}
+
+#define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        EACH(test_jump_between_runs),
+        EACH(test_jump_while_running),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
