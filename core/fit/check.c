@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "fit/rows.h"
 
 /* The first line that is no remark, without its end; of length 0: there is none. */
@@ -40,22 +41,54 @@ static size_t length_of(struct orl_fit_word word, const char *of)
     return n;
 }
 
-/* Of numbers alone: a scene's line has a word among its first three. */
+/* A number, possibly misspelt or not finite ("nan", "inf"). */
+static bool is_number(struct orl_fit_word word)
+{
+    double value;
+    const bool of_digits =
+        length_of(word, "0123456789.+-eE") == word.length && length_of(word, ".+-eE") < word.length;
+    return of_digits || orl_number_read(word.text, word.length, &value) != ORL_NUMBER_NOT_ONE;
+}
+
+/* Two numbers and a third word, which may be a mark for a missing value. The second word of a
+ * scene's primitive is its type, and no number. */
 static bool is_row(struct orl_fit_word line)
 {
-    size_t numbers = 0;
-    for (struct orl_fit_word word; (word = orl_fit_take_word(&line)).length > 0; numbers++)
-        if (length_of(word, "0123456789.+-eE") < word.length ||
-            length_of(word, ".+-eE") == word.length)
+    for (int i = 0; i < 2; i++)
+        if (!is_number(orl_fit_take_word(&line)))
             return false;
-    return numbers >= 3;
+    return orl_fit_take_word(&line).length > 0;
+}
+
+/* A header of pab-opto's text, which tells a file without rows: "#format: theta phi DSF". */
+static bool has_format(const char *text, size_t size)
+{
+    struct orl_fit_lines lines = {.at = text, .end = text + size};
+    const struct orl_fit_reading reading = {.reversed = false};
+    struct orl_fit_word line;
+    bool more = true;
+    lines.reading = &reading;
+    while (orl_fit_next_line(&lines, &line, &more, NULL) == 0 && more) {
+        if (line.length > 0 && line.text[0] != '#')
+            return false;
+        if (line.length == 0)
+            continue;
+        line.text++;
+        line.length--;
+        if (orl_fit_word_is(orl_fit_take_word(&line), "format:") &&
+            orl_fit_word_is(orl_fit_take_word(&line), "theta") &&
+            orl_fit_word_is(orl_fit_take_word(&line), "phi"))
+            return true;
+    }
+    return false;
 }
 
 bool orl_bsdf_is_measured(const char *text, size_t size)
 {
     const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     const struct orl_fit_word line = first_line(text + mark, size - mark);
-    return is_row(line) || (has(line, "theta_in") && has(line, "theta_out"));
+    return is_row(line) || (has(line, "theta_in") && has(line, "theta_out")) ||
+           has_format(text + mark, size - mark);
 }
 
 int orl_bsdf_measurements_check(const char *const *files, size_t count,

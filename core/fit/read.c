@@ -3,9 +3,21 @@
 
 #include <string.h>
 
+#include "base/number.h"
+
 static bool is_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+}
+
+/* The word at the front is a number, maybe "nan" or "inf". */
+static bool begins_number(const char *text, size_t size)
+{
+    double value;
+    size_t length = 0;
+    while (length < size && !is_blank(text[length]) && !strchr("\n,;", text[length]))
+        length++;
+    return orl_number_read(text, length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
 /* A CSV is told by a first line of words. */
@@ -19,7 +31,8 @@ static bool is_csv(const char *text, size_t size)
                 return false;
             i = (size_t)(end - text);
         } else if (c != '\n' && !is_blank(c)) {
-            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '"';
+            const bool is_word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '"';
+            return is_word && !begins_number(text + i, size - i);
         }
     }
     return false;

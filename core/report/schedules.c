@@ -101,13 +101,15 @@ static bool find_state(const struct orl_window_group *group, struct span field,
     return true;
 }
 
-/* The group's column, by a first line that names it; of one column that line may say anything. */
+/* The group's column, by a first line that names it. The heading of a single column may be any word
+ * but a number. */
 static int find_column(struct table *t, bool *ret_is_head)
 {
     struct table ahead = *t;
     struct span line, field, first = {"", 0};
     char shades[NAME_SIZE];
     unsigned char state;
+    double number;
     size_t columns = 0;
     snprintf(shades, sizeof shades, "shades of %s", t->group->name);
     if (!next_line(&ahead, &line))
@@ -121,7 +123,8 @@ static int find_column(struct table *t, bool *ret_is_head)
             return 0;
         }
     }
-    *ret_is_head = !find_state(t->group, first, &state);
+    *ret_is_head = !find_state(t->group, first, &state) &&
+                   orl_number_read(first.text, first.length, &number) == ORL_NUMBER_NOT_ONE;
     t->column = 0;
     t->line = ahead.line;
     const int code = columns == 1 ? 0

@@ -196,6 +196,12 @@ static void measurements_are_told_from_scenes(void **state)
         {"void plastic p 0 0 5 .5 .5 .5 0 0\n", false},
         {"# a sphere\n1 sphere 2 0 0 4 0 0 0 1\n", false},
         {"!genbox p b 1 1 1\n", false},
+        {"120 90 nan\n", true},
+        {"NaN -inf Infinity\n", true},
+        {"120 90 n/a\n", true},
+        {"# lab\n#format: theta phi DSF\n", true}, /* cut off behind its header */
+        {"#format: ascii\nvoid plastic p 0 0 5 .5 .5 .5 0 0\n", false},
+        {"nan plastic p 0 0 5 .5 .5 .5 0 0\n", false},
         {"10 20\n", false},
         {"# nothing\n", false},
         {"", false},
@@ -204,6 +210,30 @@ static void measurements_are_told_from_scenes(void **state)
     for (size_t i = 0; i < sizeof files / sizeof *files; i++)
         if (orl_bsdf_is_measured(files[i].text, strlen(files[i].text)) != files[i].measured)
             fail_msg("%s", files[i].text);
+}
+
+/* A first row that begins with a number that is not finite is a row of pab-opto's, and no line of a
+ * CSV's columns: the error is about the number. */
+static void first_rows_are_rows_of_numbers(void **state)
+{
+    static const char *const texts[] = {"nan 0 1\n", "-inf 90 1\n", "30 90 NaN\n"};
+    static const char head[] = "#incident_angle 30 180\n#format: theta phi DSF\n";
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct orl_fit_data data = {0};
+        const struct orl_fit_reading reading = {.reversed = false};
+        struct orl_error err = {0};
+        char text[128];
+        snprintf(text, sizeof text, "%s%s", head, texts[i]);
+        assert_int_equal(orl_fit_read("m.txt", 0, text, strlen(text), &reading, &data, &err),
+                         ORL_ERR_RANGE);
+        assert_int_equal(err.line, 3);
+        assert_non_null(strstr(err.message, "not finite"));
+        orl_fit_data_done(&data);
+        orl_fit_read("m.txt", 0, texts[i], strlen(texts[i]), &reading, &data, &err);
+        assert_null(strstr(err.message, "column"));
+        orl_fit_data_done(&data);
+    }
 }
 
 int main(void)
@@ -215,6 +245,7 @@ int main(void)
         cmocka_unit_test(what_is_wrong_is_told_with_its_line),
         cmocka_unit_test(azimuths_tell_the_symmetry),
         cmocka_unit_test(measurements_are_told_from_scenes),
+        cmocka_unit_test(first_rows_are_rows_of_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -61,6 +61,9 @@ static void test_what_is_wrong(void **state)
     } cases[] = {
         {"", "empty", ORL_ERR_SYNTAX, 0},
         {"# nothing\n", "empty", ORL_ERR_SYNTAX, 0},
+        {"nan\n0\n", "no state 'nan'", ORL_ERR_RANGE, 1}, /* a row, and no heading */
+        {"inf\n0\n", "no state 'inf'", ORL_ERR_RANGE, 1},
+        {"7\n0\n", "no state '7'", ORL_ERR_RANGE, 1},
         {"0\n2\n", "no state '2'", ORL_ERR_RANGE, 2},
         {"0\nshut\n", "no state 'shut'", ORL_ERR_RANGE, 2},
         {"0\n-1\n", "no state '-1'", ORL_ERR_RANGE, 2},

@@ -91,9 +91,16 @@ static int check_time(struct reading *r, const double values[MOST_FIELDS])
     return ORL_ERR_RANGE;
 }
 
-static bool begins_number(char c)
+/* The first field is a number, maybe "nan" or "inf", or a misspelt one. */
+static bool begins_number(const char *text, size_t size)
 {
-    return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' || c == ' ' || c == '\t';
+    const char c = text[0];
+    double value;
+    size_t length = 0;
+    while (length < size && !strchr(", \t\r;", text[length]))
+        length++;
+    return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' || c == ' ' || c == '\t' ||
+           orl_number_read(text, length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
 static int read_line(struct reading *r, const char *text, size_t size)
@@ -102,7 +109,7 @@ static int read_line(struct reading *r, const char *text, size_t size)
     const int n = split(text, size, values);
     if (n == 0 || (size > 0 && text[0] == '#'))
         return 0;
-    if (n < 0 && r->count == 0 && !r->has_words && !begins_number(text[0])) {
+    if (n < 0 && r->count == 0 && !r->has_words && !begins_number(text, size)) {
         r->has_words = true;
         return 0;
     }
