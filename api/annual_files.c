@@ -64,12 +64,13 @@ static int write_tables(struct writing *w)
     char path[PATH_SIZE];
     int rc = name_file(w, path, "sensors.csv");
     if (rc == 0)
-        rc = orl_annual_sensors_csv(path, w->told->report, w->told->job->request.sensors, w->err);
+        rc = orl_annual_sensors_csv(path, w->told->report, w->told->job->request.sensors,
+                                    w->told->run->cancel, w->err);
     if (rc == 0)
         rc = name_file(w, path, "hours.csv");
     if (rc == 0)
         rc = orl_annual_hours_csv(path, &w->told->job->request, w->told->report, w->told->result,
-                                  w->err);
+                                  w->told->run->cancel, w->err);
     if (rc == 0 && w->told->report->views) {
         rc = name_file(w, path, "view_out.csv");
         if (rc == 0)
@@ -96,12 +97,14 @@ static int write_matrices(struct writing *w)
         rc = name_file(w, path, "%s.ill", name);
         if (rc == 0)
             rc = orl_matrix_write(path, orl_annual_row(result, result->total, grid->first),
-                                  grid->count, result->n_columns, false, w->err);
+                                  grid->count, result->n_columns, false, w->told->run->cancel,
+                                  w->err);
         if (rc == 0)
             rc = name_file(w, path, "%s.direct.ill", name);
         if (rc == 0)
             rc = orl_matrix_write(path, orl_annual_row(result, result->direct, grid->first),
-                                  grid->count, result->n_columns, false, w->err);
+                                  grid->count, result->n_columns, false, w->told->run->cancel,
+                                  w->err);
     }
     return rc;
 }
@@ -117,7 +120,7 @@ static int write_coefficients(struct writing *w)
         if (rc == 0)
             rc = orl_coefficients_write(
                 path, w->told->result->coefficients + grid->first * ORL_ANNUAL_PATCHES, grid->count,
-                ORL_ANNUAL_PATCHES, w->err);
+                ORL_ANNUAL_PATCHES, w->told->run->cancel, w->err);
     }
     return rc;
 }
@@ -141,16 +144,16 @@ static int write_window(struct writing *w, const struct orl_phase_window *window
         rc = name_file(w, path, "%s.%s.mtx", name, own[i].ending);
         if (rc == 0)
             rc = orl_coefficients_write(path, own[i].values, ORL_PHASES_CELLS, own[i].columns,
-                                        w->err);
+                                        w->told->run->cancel, w->err);
     }
     for (size_t k = 0; k < 2 * w->told->report->n_grids && rc == 0; k++) {
         const struct orl_annual_grid *grid = &w->told->report->grids[k / 2];
         orl_annual_file_name(grid->name, grid_name, sizeof grid_name);
         rc = name_file(w, path, "%s.%s.%s.mtx", grid_name, name, of_grids[k % 2].ending);
         if (rc == 0)
-            rc = orl_coefficients_write(path,
-                                        of_grids[k % 2].values + grid->first * ORL_PHASES_CELLS,
-                                        grid->count, ORL_PHASES_CELLS, w->err);
+            rc = orl_coefficients_write(
+                path, of_grids[k % 2].values + grid->first * ORL_PHASES_CELLS, grid->count,
+                ORL_PHASES_CELLS, w->told->run->cancel, w->err);
     }
     return rc;
 }
@@ -168,7 +171,7 @@ static int write_phases(struct writing *w)
         rc = name_file(w, path, "%s.cds.mtx", name);
         if (rc == 0)
             rc = orl_coefficients_write(path, phases->suns + grid->first * ORL_PHASES_SUNS,
-                                        grid->count, ORL_PHASES_SUNS, w->err);
+                                        grid->count, ORL_PHASES_SUNS, w->told->run->cancel, w->err);
     }
     return rc;
 }
@@ -272,7 +275,8 @@ static int write_honeybee(struct writing *w)
     char path[PATH_SIZE];
     if (snprintf(path, sizeof path, "%s/" HONEYBEE, w->told->run->output_folder) >= PATH_SIZE)
         return orl_error_set(w->err, ORL_ERR_LIMIT, "the path is too long");
-    return orl_honeybee_write(path, w->told->report, w->told->result, note_honeybee, w, w->err);
+    return orl_honeybee_write(path, w->told->report, w->told->result, note_honeybee, w,
+                              w->told->run->cancel, w->err);
 }
 
 /* Roughly, for progress. */

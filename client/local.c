@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <oriel/files.h>
 #include <oriel/skies.h>
@@ -23,12 +24,29 @@
 #include "study_json.h"
 #include "study_table.h"
 
-/* The one variable outside a function: a signal handler has no other way to say anything. */
+/* Variables outside functions: a signal handler has no other way to say anything, or to know. */
 static atomic_bool interrupted;
+
+/* What does not poll for that in time is ended: files are whole or absent all the same. A run that
+ * waits for parts elsewhere has them cancelled first, and takes its time. */
+enum { STOP_S = 5 };
+static atomic_bool has_parts;
+
+static void on_stop_limit(int number)
+{
+    static const char text[] = "\noriel: ended, for it did not stop in 5 s\n";
+
+    (void)number;
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        _exit(ORL_EXIT_FAILED);
+    _exit(ORL_EXIT_FAILED);
+}
 
 static void on_interrupt(int number)
 {
     atomic_store(&interrupted, true);
+    if (!atomic_load(&has_parts))
+        alarm(STOP_S);
     signal(number, SIG_DFL); /* a second Ctrl-C ends the program at once */
 }
 
@@ -39,6 +57,8 @@ static void catch_interrupts(void)
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = on_stop_limit;
+    sigaction(SIGALRM, &action, NULL);
 }
 
 /* The processors this process may use: fewer than there are, under taskset or in a container. */
@@ -185,6 +205,11 @@ static void local_stop(struct local *local, int code)
     if (code < 0 && local->warnings)
         fputs(local->warnings, stderr);
     free(local->warnings);
+}
+
+void orl_local_has_parts(void)
+{
+    atomic_store(&has_parts, true);
 }
 
 const atomic_bool *orl_local_interrupted(void)

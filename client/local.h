@@ -49,8 +49,12 @@ struct orl_local_share {
     const struct orl_map_store *store;
 };
 
-/* What Ctrl-C and SIGTERM set. */
+/*
+ * What Ctrl-C and SIGTERM set. A run that does not end in 5 s after that is ended, unless it has
+ * parts in other processes, which are cancelled first.
+ */
 const atomic_bool *orl_local_interrupted(void);
+void orl_local_has_parts(void);
 
 /* Renders, with progress on stderr; images go to output, maps and loaded BSDFs to output/maps.
  * share: NULL: with nobody; here and below. */

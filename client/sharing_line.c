@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "local.h"
 #include "parts/files.h"
 #include "progress.h"
 #include "task_bundle.h"
@@ -96,6 +97,7 @@ int orl_shared_job_open(struct orl_shared_job *job, const struct orl_sharing_lin
     struct orl_upload bundle = {0};
     int rc;
 
+    orl_local_has_parts();
     *job = (struct orl_shared_job){.n_words = 0};
     rc = orl_own_program(job->program, err);
     if (rc == 0)

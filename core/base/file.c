@@ -1,6 +1,7 @@
 #include "base/file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdbool.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,6 +21,7 @@ int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *
     const int length = snprintf(file->path, sizeof file->path, "%s", path);
     if (length < 0 || (size_t)length >= sizeof file->path)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path '%s' is too long", path);
+    file->cancel = NULL;
     snprintf(file->part, sizeof file->part, "%s%s", file->path, is_replaced(path) ? ".part" : "");
     file->stream = strcmp(file->part, file->path) != 0 ? orl_stream_regular(file->part, 'w')
                                                        : orl_stream_to_device(file->path);
@@ -29,10 +31,39 @@ int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *
     return 0;
 }
 
+bool orl_out_goes_on(const struct orl_out_file *file)
+{
+    return !orl_is_cancelled(file->cancel);
+}
+
+void orl_out_floats(const struct orl_out_file *file, const float *values, size_t n)
+{
+    enum { BLOCK = 1 << 20 };
+    for (size_t at = 0; at < n && orl_out_goes_on(file); at += BLOCK)
+        fwrite(values + at, sizeof *values, n - at < BLOCK ? n - at : BLOCK, file->stream);
+}
+
+/* A large file is synced step by step, so that a cancel does not wait for all of it. */
+static void sync_in_steps(const struct orl_out_file *file)
+{
+    enum { STEP = 32 << 20 };
+    const int fd = fileno(file->stream);
+    const unsigned whole =
+        SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER;
+    const off_t size = lseek(fd, 0, SEEK_END);
+    for (off_t at = 0; file->cancel && at + STEP < size && orl_out_goes_on(file); at += STEP)
+        if (sync_file_range(fd, at, STEP, whole) != 0)
+            return; /* the sync that follows says why */
+}
+
 int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)
 {
     const bool replaces = strcmp(file->part, file->path) != 0;
     int why = 0;
+    if (code == 0 && replaces && fflush(file->stream) == 0)
+        sync_in_steps(file);
+    if (code == 0 && !orl_out_goes_on(file))
+        code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while writing a file");
     if (code == 0 && (fflush(file->stream) != 0 || ferror(file->stream) ||
                       (replaces && fsync(fileno(file->stream)) != 0)))
         why = errno ? errno : EIO;

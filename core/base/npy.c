@@ -34,29 +34,30 @@ static void write_npy_header(FILE *stream, size_t rows, size_t columns)
     fputc('\n', stream);
 }
 
-static void write_little(FILE *stream, const float *values, size_t n)
+static void write_little(const struct orl_out_file *file, const float *values, size_t n)
 {
 #if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    fwrite(values, sizeof *values, n, stream);
+    orl_out_floats(file, values, n);
 #else
     for (size_t i = 0; i < n; i++) {
         unsigned char bytes[4], turned[4];
         memcpy(bytes, &values[i], 4);
         for (int k = 0; k < 4; k++)
             turned[k] = bytes[3 - k];
-        fwrite(turned, 1, 4, stream);
+        fwrite(turned, 1, 4, file->stream);
     }
 #endif
 }
 
 int orl_npy_write(const char *path, const float *values, size_t rows, size_t columns,
-                  struct orl_error *err)
+                  const atomic_bool *cancel, struct orl_error *err)
 {
     struct orl_out_file file = {.stream = NULL};
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
+    file.cancel = cancel;
     write_npy_header(file.stream, rows, columns);
-    write_little(file.stream, values, columns > 0 ? rows * columns : rows);
+    write_little(&file, values, columns > 0 ? rows * columns : rows);
     return orl_out_close(&file, 0, err);
 }

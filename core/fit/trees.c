@@ -338,7 +338,7 @@ static void write_part(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel
         for (int t = 0; t < 2; t++)
             if (orl_gonio_part_of[front][t] == part)
                 orl_gonio_forest_write(&parts->of[front][t].forest, parts->of[front][t].root, false,
-                                       out);
+                                       parts->of[front][t].env->cancel, out);
 }
 
 int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
@@ -378,6 +378,8 @@ int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
     const struct orl_bsdf_labels labels = {.write_part = write_part, .ctx = &parts};
     if (code == 0)
         code = orl_fit_write_xml(&document, &labels, request, fitted, err);
+    if (code == 0 && orl_is_cancelled(env->cancel))
+        code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
     for (int i = 0; i < 4; i++)
         orl_gonio_forest_done(&parts.of[i / 2][i % 2].forest);
     orl_fit_screen_done(&screen);

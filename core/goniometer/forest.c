@@ -249,14 +249,16 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
 
 /* Depth is at most seven. */
 void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
-                            bool errors, FILE *out)
+                            bool errors, const atomic_bool *cancel, FILE *out)
 {
+    if (root.branch && orl_is_cancelled(cancel))
+        return;
     fputs("{ ", out);
     if (root.branch) {
         const struct orl_gonio_branch *branch = &forest->branches[root.branch - 1];
         fputs("\n", out);
         for (unsigned i = 0; i < 1U << forest->rank; i++)
-            orl_gonio_forest_write(forest, branch->child[i], errors, out);
+            orl_gonio_forest_write(forest, branch->child[i], errors, cancel, out);
     } else {
         orl_write_value(out, errors ? (float)orl_gonio_error(&root) : root.value);
     }

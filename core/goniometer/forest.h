@@ -20,6 +20,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include <oriel/crew.h>
+
 enum { ORL_GONIO_FAN_MOST = 16 };
 
 /* A leaf, or a branch. */
@@ -118,9 +120,9 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
                            unsigned mirror, uint32_t *ret_shift);
 struct orl_gonio_node orl_gonio_shifted(struct orl_gonio_node node, uint32_t shift);
 
-/* As the braces of a file: luminances, or their errors. */
+/* As the braces of a file: luminances, or their errors. Incomplete when cancelled. */
 void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
-                            bool errors, FILE *out);
+                            bool errors, const atomic_bool *cancel, FILE *out);
 
 /* The largest leaf. */
 double orl_gonio_forest_peak(const struct orl_gonio_forest *forest, struct orl_gonio_node root);

@@ -104,8 +104,10 @@ static bool is_one(const struct orl_gonio_forest *forest, const struct orl_gonio
 
 static void write(const struct orl_gonio_forest *forest, const struct orl_gonio_node *node,
                   const struct orl_gonio_hue *hue, unsigned level, enum orl_bsdf_channel channel,
-                  FILE *out)
+                  const atomic_bool *cancel, FILE *out)
 {
+    if (node->branch && orl_is_cancelled(cancel))
+        return;
     fputs("{ ", out);
     if (is_one(forest, node, level)) {
         double u, v;
@@ -117,13 +119,14 @@ static void write(const struct orl_gonio_forest *forest, const struct orl_gonio_
         const struct orl_gonio_cells children = children_of(forest, node->branch);
         fputs("\n", out);
         for (unsigned i = 0; i < 1U << forest->rank; i++)
-            write(forest, &children.nodes[i], &children.hues[i], level + 1, channel, out);
+            write(forest, &children.nodes[i], &children.hues[i], level + 1, channel, cancel, out);
     }
     fputs(" }\n", out);
 }
 
 void orl_gonio_hues_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
-                          struct orl_gonio_hue hue, enum orl_bsdf_channel channel, FILE *out)
+                          struct orl_gonio_hue hue, enum orl_bsdf_channel channel,
+                          const atomic_bool *cancel, FILE *out)
 {
-    write(forest, &root, &hue, 0, channel, out);
+    write(forest, &root, &hue, 0, channel, cancel, out);
 }

@@ -32,6 +32,7 @@ struct orl_gonio_blend orl_gonio_blend_of(const struct orl_gonio_cull *cull,
 
 /* The braces of u' or v'; of cells in the dark it is that of grey. */
 void orl_gonio_hues_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
-                          struct orl_gonio_hue hue, enum orl_bsdf_channel channel, FILE *out);
+                          struct orl_gonio_hue hue, enum orl_bsdf_channel channel,
+                          const atomic_bool *cancel, FILE *out);
 
 #endif

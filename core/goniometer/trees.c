@@ -136,10 +136,10 @@ static void write_part(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel
     size_t side = 0, k = 0;
     find_part(part, &side, &k);
     if (channel == ORL_CHANNEL_VISIBLE)
-        orl_gonio_forest_write(&t->forests[side], t->roots[side][k], false, out);
+        orl_gonio_forest_write(&t->forests[side], t->roots[side][k], false, t->cancel, out);
     else
         orl_gonio_hues_write(&t->forests[side], t->roots[side][k], t->root_hues[side][k], channel,
-                             out);
+                             t->cancel, out);
 }
 
 /* They are of luminance alone. */
@@ -150,7 +150,7 @@ static void write_errors(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_chann
     size_t side = 0, k = 0;
     (void)channel;
     find_part(part, &side, &k);
-    orl_gonio_forest_write(&t->forests[side], t->roots[side][k], true, out);
+    orl_gonio_forest_write(&t->forests[side], t->roots[side][k], true, t->cancel, out);
 }
 
 /* The BSDF, or its errors. */
@@ -163,8 +163,10 @@ static int write_out(struct orl_gonio_trees *t, bool errors, struct orl_bsdf_mad
         document.parts[part].present = true;
         given[0] = given[1] = t->request->color && !errors;
     }
-    return errors ? orl_gonio_write_errors(&document, write_errors, t, t->sample, t->request, made)
-                  : orl_gonio_write(&document, write_part, t, t->sample, t->request, made);
+    const int code =
+        errors ? orl_gonio_write_errors(&document, write_errors, t, t->sample, t->request, made)
+               : orl_gonio_write(&document, write_part, t, t->sample, t->request, made);
+    return code == 0 && orl_is_cancelled(t->cancel) ? ORL_ERR_CANCELLED : code;
 }
 
 static void done(struct orl_gonio_trees *t)

@@ -21,6 +21,7 @@ struct writing {
     const struct orl_annual_result *result;
     int (*named)(void *ctx, const char *name, struct orl_error *err);
     void *ctx;
+    const atomic_bool *cancel;
     struct orl_error *err;
 };
 
@@ -166,7 +167,7 @@ static int write_series(const struct writing *w)
             code = name_file(w, path, "%s/%s.npy", folder, file);
             if (code == 0)
                 code = orl_npy_write(path, orl_annual_row(result, array, grid->first), grid->count,
-                                     result->n_columns, w->err);
+                                     result->n_columns, w->cancel, w->err);
         }
     }
     return code;
@@ -199,7 +200,8 @@ static int write_metric(const struct writing *w, size_t kind, const struct orl_a
         code = orl_out_open(&file, path, w->err);
     if (code < 0)
         return code;
-    for (size_t i = grid->first; i < grid->first + grid->count; i++) {
+    file.cancel = w->cancel;
+    for (size_t i = grid->first; i < grid->first + grid->count && orl_out_goes_on(&file); i++) {
         const struct orl_annual_light light = {
             .total_lx = orl_annual_row(w->result, w->result->total, i),
             .direct_lx = orl_annual_row(w->result, w->result->direct, i)};
@@ -267,9 +269,9 @@ static void put_summary(FILE *stream, const struct writing *w)
 int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
                        const struct orl_annual_result *result,
                        int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
-                       struct orl_error *err)
+                       const atomic_bool *cancel, struct orl_error *err)
 {
-    const struct writing w = {folder, report, result, named, ctx, err};
+    const struct writing w = {folder, report, result, named, ctx, cancel, err};
     int code = make_folder(&w, "");
     if (code == 0)
         code = write_with(&w, "grids_info.json", put_grids_info);

@@ -57,16 +57,18 @@ static void write_sensor_heads(FILE *stream, const struct orl_annual_report *rep
 }
 
 int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,
-                           const struct orl_sensor *sensors, struct orl_error *err)
+                           const struct orl_sensor *sensors, const atomic_bool *cancel,
+                           struct orl_error *err)
 {
     struct orl_out_file file = {.stream = NULL};
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
+    file.cancel = cancel;
     write_sensor_heads(file.stream, report);
     for (size_t g = 0; g < report->n_grids; g++) {
         const struct orl_annual_grid *grid = &report->grids[g];
-        for (size_t i = grid->first; i < grid->first + grid->count; i++) {
+        for (size_t i = grid->first; i < grid->first + grid->count && orl_out_goes_on(&file); i++) {
             const struct orl_vec3 p = sensors[i].position, d = sensors[i].direction;
             put_field(file.stream, grid->name);
             fprintf(file.stream, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p.x, p.y, p.z, d.x, d.y, d.z);
@@ -119,13 +121,15 @@ static void put_states(FILE *stream, const struct orl_annual_request *request,
 
 int orl_annual_hours_csv(const char *path, const struct orl_annual_request *request,
                          const struct orl_annual_report *report,
-                         const struct orl_annual_result *result, struct orl_error *err)
+                         const struct orl_annual_result *result, const atomic_bool *cancel,
+                         struct orl_error *err)
 {
     struct orl_out_file file = {.stream = NULL};
     const int code = orl_out_open(&file, path, err);
     uint32_t step = 0;
     if (code < 0)
         return code;
+    file.cancel = cancel;
     fputs("month,day,hour,occupied,sun_altitude_deg,direct_normal_lx,diffuse_lx,global_lx",
           file.stream);
     for (size_t g = 0; g < report->n_grids; g++) {
@@ -134,7 +138,7 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
     }
     put_groups(file.stream, request);
     fputc('\n', file.stream);
-    for (size_t i = 0; i < result->n_steps; i++) {
+    for (size_t i = 0; i < result->n_steps && orl_out_goes_on(&file); i++) {
         const struct orl_annual_step *s = &result->steps[i];
         step = orl_annual_step_of(&report->year, s);
         fprintf(file.stream, "%d,%d,%.6g,%d,%.4f", s->month, s->day, s->hour, report->marks[step],

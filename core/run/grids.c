@@ -210,27 +210,28 @@ static int name_file(const struct orl_run_state *state, const char *grid, const 
     return 0;
 }
 
-static int write_res(const struct orl_result *result, const struct orl_grid_result *grid,
+static int write_res(const struct orl_run_state *state, const struct orl_grid_result *grid,
                      const char *path, struct orl_error *err)
 {
     struct orl_out_file file = {.stream = NULL};
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
-    for (size_t i = 0; i < grid->count; i++)
-        fprintf(file.stream, "%.6g\n", result->illuminance_lx[grid->first + i]);
+    file.cancel = state->env->cancel;
+    for (size_t i = 0; i < grid->count && orl_out_goes_on(&file); i++)
+        fprintf(file.stream, "%.6g\n", state->result->illuminance_lx[grid->first + i]);
     return orl_out_close(&file, 0, err);
 }
 
-static int write_npy(const struct orl_result *result, const struct orl_grid_result *grid,
+static int write_npy(const struct orl_run_state *state, const struct orl_grid_result *grid,
                      const char *path, struct orl_error *err)
 {
     float *values = malloc((grid->count + 1) * sizeof *values);
     if (!values)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < grid->count; i++)
-        values[i] = (float)result->illuminance_lx[grid->first + i];
-    const int code = orl_npy_write(path, values, grid->count, 0, err);
+        values[i] = (float)state->result->illuminance_lx[grid->first + i];
+    const int code = orl_npy_write(path, values, grid->count, 0, state->env->cancel, err);
     free(values);
     return code;
 }
@@ -269,11 +270,11 @@ int orl_run_write_grids(struct orl_run_state *state, struct orl_error *err)
         struct orl_grid_result *grid = &result->grids[i];
         code = name_file(state, grid->name, ".res", &grid->res, path, err);
         if (code == 0)
-            code = write_res(result, grid, path, err);
+            code = write_res(state, grid, path, err);
         if (code == 0)
             code = name_file(state, grid->name, ".npy", &grid->npy, path, err);
         if (code == 0)
-            code = write_npy(result, grid, path, err);
+            code = write_npy(state, grid, path, err);
     }
     if (code == 0 && result->n_grids > 0)
         code = name_file(state, "grids_info", ".json", &result->grids_info, path, err);

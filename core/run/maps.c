@@ -44,7 +44,7 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
         state->held[kind] = true;
         if (!work->hit)
             return 0;
-        code = orl_photon_map_open(work->path, true, &state->maps[kind], err);
+        code = orl_photon_map_read(work->path, state->env->cancel, &state->maps[kind], err);
         if (code == 0) {
             const struct orl_map_header *h = orl_photon_map_header(state->maps[kind]);
             snprintf(work->info.kind, sizeof work->info.kind, "%s", name);
@@ -85,14 +85,16 @@ static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, str
                                        info, err);
         if (code < 0 || !found)
             return code;
-        code = orl_photon_map_open(path, true, &work->earlier, NULL);
+        code = orl_photon_map_read(path, state->env->cancel, &work->earlier, NULL);
         if (code == 0 && orl_photon_map_header(work->earlier)->count > 0)
             return 0;
-        if (code < 0)
+        if (code < 0 && code != ORL_ERR_CANCELLED)
             orl_run_warn(state, "a smaller %s photon map is damaged and cannot be topped up", name);
         orl_photon_map_free(work->earlier);
         work->earlier = NULL;
         store->release(store->ctx, name, info->key);
+        if (code == ORL_ERR_CANCELLED)
+            return orl_error_set(err, code, "cancelled while reading a photon map");
         below = info->target;
     }
     return 0;

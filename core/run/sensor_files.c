@@ -32,9 +32,10 @@ static int write_csv(const struct orl_run_state *state, const char *path, struct
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
+    file.cancel = state->env->cancel;
     fputs("x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,bias_estimate_lx,low_95_lx,high_95_lx\n",
           file.stream);
-    for (size_t i = 0; i < r->n_sensors; i++) {
+    for (size_t i = 0; i < r->n_sensors && orl_out_goes_on(&file); i++) {
         const struct orl_vec3 p = state->sensors[i].position, d = state->sensors[i].direction;
         fprintf(file.stream, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6g,%.4g,%.4g,%.6g,%.6g\n", p.x, p.y,
                 p.z, d.x, d.y, d.z, r->illuminance_lx[i], r->standard_error_lx[i],
@@ -50,7 +51,8 @@ static int write_res(const struct orl_run_state *state, const char *path, struct
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
-    for (size_t i = 0; i < state->result->n_sensors; i++)
+    file.cancel = state->env->cancel;
+    for (size_t i = 0; i < state->result->n_sensors && orl_out_goes_on(&file); i++)
         fprintf(file.stream, "%.6g\n", state->result->illuminance_lx[i]);
     return orl_out_close(&file, 0, err);
 }

@@ -1,10 +1,14 @@
 #include "runner/job_output.h"
 
 #include <dirent.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include <oriel/crew.h>
+#include <oriel/sha256.h>
 
 #include "chart/study_chart.h"
 #include "decode.h"
@@ -65,6 +69,31 @@ void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL
     snprintf(ret_path, ORL_PATH_MAX, "%.*s/%.400s", ORL_PATH_MAX - 512, folder, name);
 }
 
+static _Thread_local const atomic_bool *heeded;
+
+void orl_job_output_heed(const atomic_bool *cancel)
+{
+    heeded = cancel;
+}
+
+/* A gigabyte takes some seconds. */
+static int find_digest(const struct orl_file *file, char ret_sha[ORL_SHA_HEX],
+                       struct orl_error *err)
+{
+    enum { STEP = 16 << 20 };
+    unsigned char digest[ORL_SHA_HEX / 2];
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    for (size_t at = 0; at < file->size; at += STEP) {
+        if (orl_is_cancelled(heeded))
+            return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while listing results");
+        orl_sha256_add(&hash, file->data + at, file->size - at < STEP ? file->size - at : STEP);
+    }
+    orl_sha256_finish(&hash, digest);
+    sodium_bin2hex(ret_sha, ORL_SHA_HEX, digest, sizeof digest);
+    return 0;
+}
+
 int orl_job_output_list(const char *name, const char *folder, json_t *list, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
@@ -77,8 +106,10 @@ int orl_job_output_list(const char *name, const char *folder, json_t *list, stru
     if (rc)
         return rc;
     const json_int_t bytes = (json_int_t)file.size;
-    orl_sha256_hex(file.data, file.size, sha);
+    rc = find_digest(&file, sha, err);
     orl_unmap_file(&file);
+    if (rc)
+        return rc;
     if (json_array_append_new(
             list, json_pack("{s:s, s:I, s:s}", "name", name, "bytes", bytes, "sha256", sha)))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

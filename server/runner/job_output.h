@@ -4,6 +4,8 @@
 #ifndef ORL_SERVER_RUNNER_JOB_OUTPUT_H
 #define ORL_SERVER_RUNNER_JOB_OUTPUT_H
 
+#include <stdatomic.h>
+
 #include <oriel/run.h>
 #include <oriel/study.h>
 
@@ -20,6 +22,10 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
 /* Gives the job the bundle's main files. */
 int orl_job_set_scene(struct orl_task *task, const struct orl_bundle *bundle,
                       struct orl_error *err);
+
+/* From now on orl_job_output_list, on this thread, heeds *cancel (ORL_ERR_CANCELLED); NULL:
+ * nothing. */
+void orl_job_output_heed(const atomic_bool *cancel);
 
 /* Where a file of the results is. */
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX]);

@@ -135,7 +135,9 @@ int orl_worker_lead(struct orl_worker *worker, struct orl_error *err)
 {
     const char *output = worker->output;
     orl_checkpoint_folder(worker->spec.folders, worker->spec.job_id, worker->output);
+    orl_job_output_heed(&worker->cancel);
     int rc = run_document(worker, err);
+    orl_job_output_heed(NULL);
     if (rc == 0)
         rc = publish(worker, err);
     else if (rc == ORL_ERR_CANCELLED)

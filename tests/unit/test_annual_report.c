@@ -268,7 +268,7 @@ static void test_arrays(void **state)
     const float values[6] = {0, 1.5F, -2, 3e5F, 1e-3F, 7};
     size_t size;
     (void)state;
-    assert_int_equal(orl_npy_write(scratch_path("a.npy"), values, 2, 3, NULL), 0);
+    assert_int_equal(orl_npy_write(scratch_path("a.npy"), values, 2, 3, NULL, NULL), 0);
     char *bytes = read_file("a.npy", &size);
     const size_t header = 10 + (unsigned char)bytes[8] + 256 * (size_t)(unsigned char)bytes[9];
     assert_memory_equal(bytes, "\x93NUMPY\x01", 8);
@@ -281,23 +281,24 @@ static void test_arrays(void **state)
     assert_int_equal(size, header + sizeof values);
     assert_memory_equal(bytes + header, values, sizeof values);
     free(bytes);
-    assert_int_equal(orl_matrix_write(scratch_path("a.ill"), values, 2, 3, true, NULL), 0);
+    assert_int_equal(orl_matrix_write(scratch_path("a.ill"), values, 2, 3, true, NULL, NULL), 0);
     bytes = read_file("a.ill", &size);
     assert_string_equal(bytes, "#?RADIANCE\nNROWS=2\nNCOLS=3\nNCOMP=1\nFORMAT=ascii\n\n"
                                "0\t1.5\t-2\n300000\t0.001\t7\n");
     free(bytes);
-    assert_int_equal(orl_matrix_write(scratch_path("a.mtx"), values, 2, 3, false, NULL), 0);
+    assert_int_equal(orl_matrix_write(scratch_path("a.mtx"), values, 2, 3, false, NULL, NULL), 0);
     bytes = read_file("a.mtx", &size);
     assert_non_null(strstr(bytes, "FORMAT=float\n\n"));
     assert_memory_equal(bytes + size - sizeof values, values, sizeof values);
     free(bytes);
-    assert_int_equal(orl_coefficients_write(scratch_path("a.dc.mtx"), values, 2, 3, NULL), 0);
+    assert_int_equal(orl_coefficients_write(scratch_path("a.dc.mtx"), values, 2, 3, NULL, NULL), 0);
     bytes = read_file("a.dc.mtx", &size);
     assert_non_null(strstr(bytes, "NROWS=2\nNCOLS=3\nNCOMP=3\n"));
     for (int i = 0; i < 3; i++)
         assert_memory_equal(bytes + size - 12 + 4 * i, &values[5], sizeof *values);
     free(bytes);
-    assert_int_equal(orl_npy_write(scratch_path("none/a.npy"), values, 2, 3, NULL), ORL_ERR_IO);
+    assert_int_equal(orl_npy_write(scratch_path("none/a.npy"), values, 2, 3, NULL, NULL),
+                     ORL_ERR_IO);
 }
 
 static size_t count_lines(const char *text)
@@ -344,8 +345,8 @@ static void test_honeybees_folder(void **state)
     ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
     for (int again = 0; again < 2; again++)
-        assert_int_equal(orl_honeybee_write(scratch_path("hb"), &report, &result, NULL, NULL, NULL),
-                         0);
+        assert_int_equal(
+            orl_honeybee_write(scratch_path("hb"), &report, &result, NULL, NULL, NULL, NULL), 0);
     assert_holds("hb/grids_info.json", "{\"count\": 2, \"name\": \"North / \\\"old\\\"\", "
                                        "\"identifier\": \"North____old_\"");
     assert_holds("hb/grid_states.json", "\"south\": {\"__static_apertures__\": [\"default\"]}");
@@ -379,9 +380,10 @@ static void test_tables(void **state)
     result.steps[12].missing = true;
     ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
-    assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL), 0);
-    assert_int_equal(orl_annual_hours_csv(scratch_path("h.csv"), &request, &report, &result, NULL),
+    assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL, NULL),
                      0);
+    assert_int_equal(
+        orl_annual_hours_csv(scratch_path("h.csv"), &request, &report, &result, NULL, NULL), 0);
     assert_holds("s.csv", "grid,x,y,z,dx,dy,dz,\"DA300 (%)\",low_95,high_95,");
     assert_holds("s.csv", "\n\"North / \"\"old\"\"\",1,2,0.75,0,0,1,0,0,0,");
     char *text = read_file("s.csv", &size);

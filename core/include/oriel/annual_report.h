@@ -271,15 +271,16 @@ void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_te
 /* ---- Files ----------------------------------------------------------------------------------- */
 
 /*
- * All are whole or absent; folders are made. Returns 0, ORL_ERR_IO, ORL_ERR_FULL, ORL_ERR_LIMIT.
+ * All are whole or absent; folders are made. Returns 0, ORL_ERR_IO, ORL_ERR_FULL, ORL_ERR_LIMIT;
+ * and, where cancel (NULL: never) is set meanwhile, ORL_ERR_CANCELLED.
  *
  * Radiance's matrix of one component: "#?RADIANCE", NROWS, NCOLS, NCOMP, FORMAT=ascii or float (of
  * this machine's order of bytes, which BigEndian tells), a blank line, and row after row. */
 int orl_matrix_write(const char *path, const float *values, size_t rows, size_t columns, bool ascii,
-                     struct orl_error *err);
+                     const atomic_bool *cancel, struct orl_error *err);
 /* The same of three equal components, FORMAT=float: what dctimestep takes. */
 int orl_coefficients_write(const char *path, const float *values, size_t rows, size_t columns,
-                           struct orl_error *err);
+                           const atomic_bool *cancel, struct orl_error *err);
 
 /*
  * Honeybee's results folder (honeybee-radiance-postprocess 0.4 reads it): grids_info.json,
@@ -292,17 +293,19 @@ int orl_coefficients_write(const char *path, const float *values, size_t rows, s
 int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
                        const struct orl_annual_result *result,
                        int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
-                       struct orl_error *err);
+                       const atomic_bool *cancel, struct orl_error *err);
 
 /* A line a sensor: grid, position, direction, every metric with its interval. */
 int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,
-                           const struct orl_sensor *sensors, struct orl_error *err);
+                           const struct orl_sensor *sensors, const atomic_bool *cancel,
+                           struct orl_error *err);
 /* A line a step: month, day, hour, whether it counts, global and direct light outside, mean
  * illuminance of every grid; where there are shades, the state of every group ("shades of NAME").
  */
 int orl_annual_hours_csv(const char *path, const struct orl_annual_request *request,
                          const struct orl_annual_report *report,
-                         const struct orl_annual_result *result, struct orl_error *err);
+                         const struct orl_annual_result *result, const atomic_bool *cancel,
+                         struct orl_error *err);
 
 /* A line a point, then a line a sensor, of those that views out are told of. */
 int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wishes,

@@ -9,10 +9,11 @@
 
 #include <stddef.h>
 
+#include <oriel/crew.h>
 #include <oriel/error.h>
 
-/* columns 0: an array of one dimension, of so many rows. */
+/* cancel: polled while writing; or NULL. columns 0: an array of one dimension, of so many rows. */
 int orl_npy_write(const char *path, const float *values, size_t rows, size_t columns,
-                  struct orl_error *err);
+                  const atomic_bool *cancel, struct orl_error *err);
 
 #endif

@@ -61,14 +61,14 @@ static bool header_matches(const struct orl_map_header *h)
 enum { VERIFY_STEP = 16 << 20, KEPT_WHOLE = 256 << 20 };
 
 /* Pages of a large map are let go once they are read: what a search wants comes back by itself. */
-static bool body_matches(const struct orl_photon_map *map)
+static bool body_matches(const struct orl_photon_map *map, const atomic_bool *cancel)
 {
     unsigned char result[ORL_CHECKSUM_BYTES];
     struct orl_checksum sum;
     char *file = map->file;
     size_t at = sizeof *map->header;
     orl_checksum_init(&sum);
-    while (at < map->size) {
+    while (at < map->size && !orl_is_cancelled(cancel)) {
         const size_t end = map->size - at < VERIFY_STEP ? map->size : at + VERIFY_STEP;
         orl_checksum_add(&sum, file + at, end - at);
         if (map->size > KEPT_WHOLE)
@@ -172,8 +172,8 @@ static int map_file(const char *path, struct orl_photon_map *map, struct orl_err
     return code;
 }
 
-int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **ret_map,
-                        struct orl_error *err)
+static int open_map(const char *path, bool verify, const atomic_bool *cancel,
+                    struct orl_photon_map **ret_map, struct orl_error *err)
 {
     struct orl_photon_map *map = calloc(1, sizeof *map);
     if (!map)
@@ -181,8 +181,11 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
     int code = map_file(path, map, err);
     if (code == 0 && map->header)
         code = check_header(map->header, map->size, path, err);
-    if (code == 0 && verify && map->header && !body_matches(map))
-        code = orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' fails its checksum", path);
+    if (code == 0 && verify && map->header && !body_matches(map, cancel))
+        code =
+            orl_is_cancelled(cancel)
+                ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading a photon map")
+                : orl_error_set(err, ORL_ERR_CORRUPT, "photon map '%s' fails its checksum", path);
     if (code == 0 && map->header)
         code = check_values(map->header, path, err);
     if (code == 0 && map->header) {
@@ -194,6 +197,18 @@ int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **r
     else
         *ret_map = map;
     return code;
+}
+
+int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **ret_map,
+                        struct orl_error *err)
+{
+    return open_map(path, verify, NULL, ret_map, err);
+}
+
+int orl_photon_map_read(const char *path, const atomic_bool *cancel,
+                        struct orl_photon_map **ret_map, struct orl_error *err)
+{
+    return open_map(path, true, cancel, ret_map, err);
 }
 
 int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,

@@ -124,6 +124,9 @@ int orl_photon_map_make(const struct orl_photon *photons, size_t count,
  * two million photons that are in memory) and keeps little of a large one there.
  * ORL_ERR_IO, _CORRUPT, _VERSION, _NOMEM.
  */
+/* Opens and verifies; cancel is polled meanwhile: ORL_ERR_CANCELLED. */
+int orl_photon_map_read(const char *path, const atomic_bool *cancel,
+                        struct orl_photon_map **ret_map, struct orl_error *err);
 int orl_photon_map_open(const char *path, bool verify, struct orl_photon_map **ret_map,
                         struct orl_error *err);
 void orl_photon_map_free(struct orl_photon_map *map); /* NULL is allowed */

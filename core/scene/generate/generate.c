@@ -34,6 +34,10 @@ void orl_text_add(struct orl_text *text, const char *format, ...)
 {
     enum { USUAL = 512 };
     va_list args;
+    if (text->size >= text->next_poll) {
+        text->failed |= orl_is_cancelled(text->cancel);
+        text->next_poll = text->size + ORL_TEXT_POLL;
+    }
     if (text->failed || !make_room(text, USUAL)) {
         text->failed = true;
         return;

@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include <oriel/crew.h>
 #include <oriel/error.h>
 
 #include "scene/description.h"
@@ -22,10 +23,13 @@
 struct orl_text {
     char *data;
     size_t size, room;
-    bool failed;        /* out of memory: data is short */
-    bool object;        /* an OBJ file's, instead of a scene's */
-    char warnings[512]; /* sentences joined by "; ", or "" */
+    bool failed;               /* out of memory, or cancelled: data is short */
+    bool object;               /* an OBJ file's, instead of a scene's */
+    char warnings[512];        /* sentences joined by "; ", or "" */
+    const atomic_bool *cancel; /* polled each ORL_TEXT_POLL bytes; or NULL */
+    size_t next_poll;
 };
+enum { ORL_TEXT_POLL = 64 << 10 };
 
 void orl_text_done(struct orl_text *text);
 void orl_text_add(struct orl_text *text, const char *format, ...)

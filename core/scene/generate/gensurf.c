@@ -124,7 +124,7 @@ static int add_rows(struct orl_gensurf *surface, struct orl_gensurf_vertex *rows
         orl_text_add(text, "usemtl %s\no %s\n", surface->material, surface->name);
         write_row(surface, rows[1], text);
     }
-    for (int i = 0; i < surface->m && code == 0; i++) {
+    for (int i = 0; i < surface->m && code == 0 && !text->failed; i++) {
         step(rows);
         code = fill_row(surface, i + 2, rows[2], err);
         if (code < 0)

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <oriel/crew.h>
+
 #include "scene/geometry/concentric.h"
 #include "scene/geometry/coplanar.h"
 #include "scene/geometry/cutting.h"
@@ -105,6 +107,10 @@ static int tell_opposed(struct settling *t, const struct orl_pairs *opposed)
     struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
     int code = 0;
     for (size_t i = 0, looked = 0; i < opposed->n && code == 0; i++) {
+        if (orl_is_cancelled(t->d->cancel)) {
+            code = ORL_ERR_CANCELLED;
+            break;
+        }
         const struct orl_surface *a = &t->d->surfaces[opposed->items[i].a];
         const struct orl_surface *b = &t->d->surfaces[opposed->items[i].b];
         if (are_alike(t->d, a, b) && is_two_sided(&t->d->materials[a->material]))
@@ -146,6 +152,10 @@ static int tell_open(struct settling *t, const struct orl_pairs *open)
     struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
     int code = 0;
     for (size_t i = 0; i < open->n && code == 0; i++) {
+        if (orl_is_cancelled(t->d->cancel)) {
+            code = ORL_ERR_CANCELLED;
+            break;
+        }
         struct orl_vec3 corners[2][2 * RING_CORNERS + 2];
         const struct orl_surface *a = &t->d->surfaces[open->items[i].a];
         const struct orl_surface *b = &t->d->surfaces[open->items[i].b];
@@ -227,6 +237,8 @@ static int check_pane(const struct settling *t, const struct orl_surface *pane,
 static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
 {
     for (size_t i = 0; i < t->pairs.n; i++) {
+        if (orl_is_cancelled(t->d->cancel))
+            return ORL_ERR_CANCELLED;
         const struct orl_pair p = t->pairs.items[i];
         int order;
         const enum lot lot = lot_of(t->d, &t->d->surfaces[p.a], &t->d->surfaces[p.b], &order);

@@ -262,6 +262,8 @@ static int write_text(struct run *run, const struct generator *generator, const 
     const struct orl_generator_files files = {run, read_arguments};
     if (text->data)
         return 0;
+    const struct orl_bsdf_loader *loader = run->parser->sources.loader;
+    text->cancel = loader ? loader->cancel : NULL;
     const int code = generator->run ? generator->run(words, count, text, err)
                      : generator->run_with
                          ? generator->run_with(words, count, &files, text, err)
@@ -269,7 +271,9 @@ static int write_text(struct run *run, const struct generator *generator, const 
     if (code < 0)
         return code;
     if (text->failed)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_parser_heed_cancel(run->parser, err) < 0
+                   ? ORL_ERR_CANCELLED
+                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (text->warnings[0])
         orl_parser_warn(run->parser, "%s:%d: %s", run->scope->file, run->line, text->warnings);
     return 0;
