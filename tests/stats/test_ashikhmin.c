@@ -65,7 +65,7 @@ static void test_energy(void **state)
                                                 ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 500 + i);
             const double all = t.glossy.g + t.diffuse.g;
             assert_true(t.most <= 2);
-            assert_true(all <= 1 + 4 * sqrt(t.squares / SUBJECT_DRAWS) && all > 0.6);
+            assert_true(all <= 1 + 4 * sqrt(t.squares / subject_draws()) && all > 0.6);
         }
         subject_done(&s);
     }

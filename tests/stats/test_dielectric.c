@@ -90,7 +90,7 @@ static void test_draws(void **state)
         const struct orl_vec3 from = subject_direction(&s, angles[i], 10);
         const double r = mirrored(&s, from), t = 1 - r;
         const double squeeze = angles[i] < 90 ? 1 / 2.25 : 2.25;
-        const double noise = 4 * sqrt(r * t / SUBJECT_DRAWS) + 1e-9;
+        const double noise = 4 * sqrt(r * t / subject_draws()) + 1e-9;
         const struct tally l =
             subject_draw(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, (uint64_t)i);
         const struct tally e = subject_draw(&s, from, ORL_TRANSPORT_EYE, ORL_LOBE_ALL, (uint64_t)i);
@@ -121,11 +121,11 @@ static void test_slab_is_glass(void **state)
         const double theta = angles[k] * ORL_DEG_TO_RAD;
         const struct orl_vec3 from = orl_v3(sin(theta), 0, cos(theta));
         struct orl_rgb through = orl_gray(0), back = orl_gray(0);
-        for (int i = 0; i < SUBJECT_DRAWS; i++) {
+        for (int i = 0; i < subject_draws(); i++) {
             struct orl_random random =
                 orl_random_stream(40 + (uint64_t)k, ORL_PURPOSE_BENCH, (uint64_t)i);
             struct orl_vec3 way = orl_neg(from);
-            struct orl_rgb flux = orl_gray(1.0 / SUBJECT_DRAWS), clarity = orl_gray(1);
+            struct orl_rgb flux = orl_gray(1.0 / subject_draws()), clarity = orl_gray(1);
             /* The upper face's normal is up, the lower's down: both look out of the slab. */
             bool upper = true, inside = false;
             for (;;) {
@@ -156,7 +156,7 @@ static void test_slab_is_glass(void **state)
         for (int c = 0; c < 3; c++) {
             const double t_should = t * t * d[c] / (1 - r * r * d[c] * d[c]);
             const double r_should = r + r * t * t * d[c] * d[c] / (1 - r * r * d[c] * d[c]);
-            const double noise = 4 * sqrt(0.25 / SUBJECT_DRAWS);
+            const double noise = 4 * sqrt(0.25 / subject_draws());
             assert_true(fabs(t_is[c] - t_should) < noise);
             assert_true(fabs(r_is[c] - r_should) < noise);
         }

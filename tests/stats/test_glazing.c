@@ -49,7 +49,7 @@ static void test_draws(void **state)
             subject_check_pdf(&s, from, transport, ORL_LOBE_ALL, 1e-3, (uint64_t)(90 + 2 * i + t));
             const struct tally tally =
                 subject_draw(&s, from, transport, ORL_LOBE_ALL, (uint64_t)(200 + i));
-            const double noise = 4 * sqrt(1.0 / SUBJECT_DRAWS);
+            const double noise = 4 * sqrt(1.0 / subject_draws());
             const struct orl_rgb straight = orl_material_straight(s.material, &s.hit, eye);
             const struct orl_rgb mirrored = orl_material_mirrored(s.material, &s.hit, from);
             assert_true(fabs(tally.straight.r - straight.r) < noise);
@@ -75,7 +75,7 @@ static void test_ways(void **state)
     assert_true(fabs(orl_material_mirrored(s.material, &s.hit, back).r - .2) < 1e-9);
     const struct tally light =
         subject_draw(&s, front, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, 300);
-    assert_true(fabs(light.straight.r - .6 * ahead) < 4 * sqrt(1.0 / SUBJECT_DRAWS));
+    assert_true(fabs(light.straight.r - .6 * ahead) < 4 * sqrt(1.0 / subject_draws()));
     subject_done(&s);
 }
 

@@ -97,7 +97,7 @@ static void test_energy(void **state)
                     subject_draw(&s, subject_direction(&s, steep[i], 50 * (double)i),
                                  ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 500 + i);
                 assert_true(t.most <= 2);
-                assert_true(t.glossy.g <= 1 + 4 * sqrt(t.squares / SUBJECT_DRAWS));
+                assert_true(t.glossy.g <= 1 + 4 * sqrt(t.squares / subject_draws()));
                 assert_true(t.glossy.g > 0.3);
                 /* Hardly anything is lost where it is narrow. */
                 assert_true(r > 1 || steep[i] > 61 || t.glossy.g > 0.97);
@@ -114,7 +114,7 @@ static void test_shares(void **state)
     struct subject rough = subject_of("void trans m 0 0 7 .8 .6 .4 .1 .05 .7 .3\n", NULL, NULL);
     const struct orl_vec3 from = subject_direction(&s, 30, 0);
     const struct tally t = subject_draw(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 600);
-    const double noise = 4 * sqrt(1.0 / SUBJECT_DRAWS);
+    const double noise = 4 * sqrt(1.0 / subject_draws());
     (void)state;
     assert_true(fabs(orl_material_diffuse(s.material, &anywhere).r - .8 * .9 * .3) < 1e-12);
     assert_true(fabs(orl_material_straight(s.material, &s.hit, from).g - .6 * .9 * .7 * .3) <

@@ -76,7 +76,7 @@ static void test_shares(void **state)
     const struct orl_rgb straight = orl_material_straight(glass.material, &glass.hit, from);
     const struct orl_rgb mirrored = orl_material_mirrored(glass.material, &glass.hit, from);
     const struct tally t = subject_draw(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, 600);
-    const double noise = 4 * sqrt(1.0 / SUBJECT_DRAWS);
+    const double noise = 4 * sqrt(1.0 / subject_draws());
     (void)state;
     assert_true(fabs(orl_material_straight(s.material, &s.hit, from).b - .7 * straight.b) < 1e-12);
     assert_true(fabs(orl_material_mirrored(s.material, &s.hit, from).r - .7 * mirrored.r) < 1e-12);

@@ -19,8 +19,6 @@
 
 static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
 
-enum { DRAWS = SUBJECT_DRAWS };
-
 /* ---- Glass ------------------------------------------------------------------------------------
  */
 
@@ -82,7 +80,7 @@ static void test_glass_to_grazing(void **state)
 /* A choice of probability p and weight a/p has standard error a sqrt((1-p)/p/n); 4 of them. */
 static void assert_share(double mean, double share, double p)
 {
-    assert_true(fabs(mean - share) <= 4 * share * sqrt((1 - p) / p / DRAWS) + 1e-12);
+    assert_true(fabs(mean - share) <= 4 * share * sqrt((1 - p) / p / subject_draws()) + 1e-12);
 }
 
 static void test_glass_draws(void **state)
@@ -146,16 +144,16 @@ static void test_cosine_law(void **state)
     for (int side = 0; side < 2; side++) {
         const struct orl_vec3 from = subject_direction(&s, side ? 150 : 30, 0);
         double sum = 0;
-        for (int i = 0; i < DRAWS; i++) {
+        for (int i = 0; i < subject_draws(); i++) {
             struct orl_random random = orl_random_stream(4, ORL_PURPOSE_BENCH, (uint64_t)i);
             const struct orl_scatter d = orl_scatter_sample(
                 s.material, &s.hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, &random);
             const double c = orl_dot(d.direction, s.hit.normal) * (side ? -1 : 1);
             assert_int_equal(d.event, ORL_EVENT_DIFFUSE);
             assert_true(c >= 0);
-            sum += c / DRAWS;
+            sum += c / subject_draws();
         }
-        assert_true(fabs(sum - 2.0 / 3) < 4 * sqrt(1.0 / 18 / DRAWS));
+        assert_true(fabs(sum - 2.0 / 3) < 4 * sqrt(1.0 / 18 / subject_draws()));
     }
     subject_done(&s);
 }
@@ -210,7 +208,7 @@ static void test_ward_weights(void **state)
 {
     struct subject s = subject_of("void metal m 0 0 5 .9 .9 .9 1 .2\n", NULL, NULL);
     (void)state;
-    for (int i = 0; i < DRAWS; i++) {
+    for (int i = 0; i < subject_draws(); i++) {
         struct orl_random random = orl_random_stream(6, ORL_PURPOSE_BENCH, (uint64_t)i);
         const struct orl_vec3 from = subject_direction(&s, 90 * orl_random_uniform(&random), 0);
         const struct orl_scatter d =
