@@ -9,8 +9,9 @@
 
 #include "bsdf/shirley.h"
 
-/* Cells a side of the square of directions out; cells that a cone's radius may span. */
-enum { SIDE = 192, CELLS = SIDE * SIDE, REACH = 4 };
+/* Cells a side of the square of directions out; cells that a cone's radius may span, and the cells
+ * of the square that has this radius. */
+enum { SIDE = 192, CELLS = SIDE * SIDE, REACH = 4, SPAN = 2 * REACH + 1, NEAR = SPAN * SPAN };
 static const double cone_deg = 1;
 
 /* Luma; of what is coloured red, green and blue, too. */
@@ -22,8 +23,16 @@ struct told {
     double albedo[CHANNELS], cone[CHANNELS], moved;
 };
 
+/* Directions out on the front, and for each of them which cells around it are in its cone, by bits
+ * in the order of rows. On the back z is negative, and angles are the same. */
+struct cells {
+    struct orl_vec3 towards[CELLS];
+    uint64_t near[CELLS][(NEAR + 63) / 64];
+};
+
 struct work {
     const struct orl_bsdf *a, *b;
+    const struct cells *cells;
     int channels;
     struct told of[2][ORL_BSDF_COMPARED][2]; /* [front][from][transmitted] */
     atomic_int code;
@@ -57,61 +66,86 @@ static struct orl_bsdf_place place_from(struct orl_vec3 d)
                                    phi < 0 ? phi + 360 : phi};
 }
 
-static struct orl_vec3 cell_direction(int x, int y, bool front)
+static struct orl_vec3 cell_direction(int x, int y)
 {
-    struct orl_vec3 d = orl_square_to_hemisphere(
+    return orl_square_to_hemisphere(
         (struct orl_square){2 * (x + 0.5) / SIDE - 1, 2 * (y + 0.5) / SIDE - 1});
+}
+
+static struct cells *cells_new(void)
+{
+    const double least = cos(cone_deg * ORL_DEG_TO_RAD);
+    struct cells *cells = calloc(1, sizeof *cells);
+    if (!cells)
+        return NULL;
+    for (int k = 0; k < CELLS; k++)
+        cells->towards[k] = cell_direction(k % SIDE, k / SIDE);
+    for (int k = 0; k < CELLS; k++)
+        for (int at = 0; at < NEAR; at++) {
+            const int i = k % SIDE + at % SPAN - REACH, j = k / SIDE + at / SPAN - REACH;
+            if (i >= 0 && j >= 0 && i < SIDE && j < SIDE &&
+                orl_dot(cells->towards[k], cells->towards[j * SIDE + i]) >= least)
+                cells->near[k][at / 64] |= (uint64_t)1 << at % 64;
+        }
+    return cells;
+}
+
+/* The sum over a cone about a cell, of what differs by cells. */
+static double in_cone(const float *off, const struct cells *cells, int k)
+{
+    double sum = 0;
+    for (int word = 0; word < (NEAR + 63) / 64; word++)
+        for (uint64_t left = cells->near[k][word]; left; left &= left - 1) {
+            const int at = 64 * word + __builtin_ctzll(left);
+            sum += (double)off[k + (at / SPAN - REACH) * SIDE + at % SPAN - REACH];
+        }
+    return sum;
+}
+
+static struct orl_vec3 cell_towards(const struct cells *cells, int k, bool front)
+{
+    struct orl_vec3 d = cells->towards[k];
     if (!front)
         d.z = -d.z;
     return d;
 }
 
-/* The sum over a cone about a cell, of what differs by cells. */
-static double in_cone(const float *off, const struct orl_vec3 *towards, int x, int y)
-{
-    const double least = cos(cone_deg * ORL_DEG_TO_RAD);
-    double sum = 0;
-    for (int j = y - REACH; j <= y + REACH; j++)
-        for (int i = x - REACH; i <= x + REACH; i++)
-            if (i >= 0 && j >= 0 && i < SIDE && j < SIDE && off[j * SIDE + i] != 0 &&
-                orl_dot(towards[y * SIDE + x], towards[j * SIDE + i]) >= least)
-                sum += (double)off[j * SIDE + i];
-    return sum;
-}
-
 /* The cone with the largest difference, and what is in other places. */
-static void find(const float *off, const struct orl_vec3 *towards, int channel, struct told *told)
+static void find(const float *off, const struct cells *cells, bool front, int channel,
+                 struct told *told)
 {
     for (int k = 0; k < CELLS; k++) {
         if (off[k] == 0)
             continue;
-        const double cone = in_cone(off, towards, k % SIDE, k / SIDE);
+        const double cone = in_cone(off, cells, k);
         if (channel == 0)
             told->moved += 0.5 * fabs((double)off[k]);
         if (fabs(cone) > fabs(told->cone[channel])) {
             told->cone[channel] = cone;
-            told->cone_to[channel] = place_from(towards[k]);
+            told->cone_to[channel] = place_from(cell_towards(cells, k, front));
         }
     }
 }
 
 /* Of light that comes from in, by a channel; what values differ by is for every cell out of a side.
  */
-static void compare_side(const struct work *w, struct orl_vec3 in, bool transmitted,
-                         const struct orl_vec3 *towards, float *off, struct told *told)
+static void compare_side(const struct work *w, struct orl_vec3 in, bool transmitted, float *off,
+                         struct told *told)
 {
+    const bool front_out = (in.z > 0) != transmitted;
     const enum orl_bsdf_side side = transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT;
     const struct orl_rgb a = orl_bsdf_albedo(w->a, in, side), b = orl_bsdf_albedo(w->b, in, side);
     for (int k = 0; k < CELLS; k++) {
-        const struct orl_rgb value_a = orl_bsdf_eval(w->a, in, towards[k]);
-        const struct orl_rgb value_b = orl_bsdf_eval(w->b, in, towards[k]);
+        const struct orl_vec3 out = cell_towards(w->cells, k, front_out);
+        const struct orl_rgb value_a = orl_bsdf_eval(w->a, in, out);
+        const struct orl_rgb value_b = orl_bsdf_eval(w->b, in, out);
         for (int c = 0; c < w->channels; c++)
             off[c * CELLS + k] =
                 (float)((of_channel(value_b, c) - of_channel(value_a, c)) * ORL_PI / CELLS);
     }
     for (int c = 0; c < w->channels; c++) {
         told->albedo[c] = of_channel(b, c) - of_channel(a, c);
-        find(off + (ptrdiff_t)c * CELLS, towards, c, told);
+        find(off + (ptrdiff_t)c * CELLS, w->cells, front_out, c, told);
     }
 }
 
@@ -123,18 +157,14 @@ static void compare_from(void *arg, size_t index, uint32_t member)
     const struct orl_bsdf_place from = place_of((int)i);
     const struct orl_vec3 in = direction_of(from, front);
     float *off = malloc((size_t)w->channels * CELLS * sizeof *off);
-    struct orl_vec3 *towards = malloc(CELLS * sizeof *towards);
     (void)member;
-    if (!off || !towards)
+    if (!off)
         atomic_store(&w->code, ORL_ERR_NOMEM);
-    for (int t = 0; t < 2 && off && towards; t++) {
-        for (int k = 0; k < CELLS; k++)
-            towards[k] = cell_direction(k % SIDE, k / SIDE, front != (t == 1));
+    for (int t = 0; t < 2 && off; t++) {
         w->of[front][i][t].from = from;
-        compare_side(w, in, t, towards, off, &w->of[front][i][t]);
+        compare_side(w, in, t, off, &w->of[front][i][t]);
     }
     free(off);
-    free(towards);
 }
 
 /* Raises what is there, and says where it is. */
@@ -184,8 +214,13 @@ int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct 
                      struct orl_error *err)
 {
     struct work *work = calloc(1, sizeof *work);
-    if (!work)
+    struct cells *cells = cells_new();
+    if (!work || !cells) {
+        free(work);
+        free(cells);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    work->cells = cells;
     struct orl_bsdf_info infos[2];
     orl_bsdf_describe(a, &infos[0]);
     orl_bsdf_describe(b, &infos[1]);
@@ -201,6 +236,7 @@ int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct 
         ret_comparison->colored[i] = infos[i].colored;
     for (int part = 0; part < 4 && code == 0; part++)
         sum_up(work, part / 2, part % 2, &ret_comparison->of[part / 2][part % 2]);
+    free(cells);
     free(work);
     return code < 0
                ? orl_error_set(err, code, code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
