@@ -26,9 +26,13 @@
 #include <oriel/bsdf_fit.h>
 
 #include "bsdf/shirley.h"
+#include "support/extent.h"
 #include "support/scatterers.h"
 
-enum { SIDE = 64, SCANS = 24 };
+enum { SCANS = 24 };
+
+/* Cells a side of the tree at hand: 64, and 32 in the short form of rank 4. */
+static int side = 64;
 
 /* ---- Fitting --------------------------------------------------------------------------------- */
 
@@ -112,7 +116,7 @@ struct seen {
 static struct orl_vec3 in_cell(int x, int y, double u, double v)
 {
     return orl_square_to_hemisphere(
-        (struct orl_square){2 * (x + u) / SIDE - 1, 2 * (y + v) / SIDE - 1});
+        (struct orl_square){2 * (x + u) / side - 1, 2 * (y + v) / side - 1});
 }
 
 /* Over a cell; close to a peak of a third of a degree by many places. */
@@ -133,7 +137,7 @@ static double mean_of(enum scatterer which, struct orl_vec3 in, int x, int y)
 /* Light of the tree's ring of incidence that is r from the middle of the disk. */
 static struct orl_vec3 in_ring(int ring, double part)
 {
-    const double inner = 2.0 * ring / SIDE, outer = 2.0 * (ring + 1) / SIDE;
+    const double inner = 2.0 * ring / side, outer = 2.0 * (ring + 1) / side;
     const double r2 = inner * inner * (1 - part) + outer * outer * part;
     return orl_v3(-sqrt(r2), 0, sqrt(1 - r2));
 }
@@ -154,14 +158,14 @@ static struct seen look(enum scatterer which, int ring, const struct orl_bsdf *b
     struct orl_vec3 peaks[2];
     struct seen seen = {0};
     const int n_peaks = scatterer_peaks(which, in, peaks);
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        const int x = i % SIDE, y = i / SIDE;
+    for (int i = 0; i < side * side; i++) {
+        const int x = i % side, y = i / side;
         struct orl_vec3 out = in_cell(x, y, 0.5, 0.5);
         const struct orl_vec3 up = out;
         if (scatterers[which].transmits)
             out.z = -out.z;
         const double light =
-            ORL_PI / (SIDE * SIDE) *
+            ORL_PI / (side * side) *
             (bsdf ? orl_luma(orl_bsdf_eval(bsdf, in, out)) : mean_in_ring(which, ring, x, y));
         seen.total += light;
         for (int k = 0; k < n_peaks; k++) {
@@ -251,9 +255,10 @@ static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitt
 static void check(enum scatterer which)
 {
     static const int rings[] = {6, 12, 18, 20, 25, 29, 30};
+    side = 64;
     struct bench bench = {0};
     measure_row(&bench, which);
-    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, SIDE, 2);
+    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, (uint32_t)side, 2);
     struct orl_bsdf *bsdf = load(&fitted);
     assert_int_equal(fitted.symmetry, ORL_BSDF_FIT_ISOTROPIC);
     check_scans(which, &fitted);
@@ -300,12 +305,12 @@ static void crossing(void **state)
 static double rms_of(enum scatterer which, const struct orl_bsdf *bsdf)
 {
     double squares = 0, all = 0;
-    for (int i = 0; i < SIDE * SIDE / 16; i++) {
-        const int x = SIDE / 2 + 2 * (i % (SIDE / 4)), y = SIDE / 2 + 1 + 2 * (i / (SIDE / 4));
+    for (int i = 0; i < side * side / 16; i++) {
+        const int x = side / 2 + 2 * (i % (side / 4)), y = side / 2 + 1 + 2 * (i / (side / 4));
         const struct orl_vec3 in = in_cell(x, y, 0.5, 0.5);
-        for (int k = 0; k < SIDE * SIDE && in.z > cos(80 * ORL_DEG_TO_RAD); k++) {
-            const struct orl_vec3 out = in_cell(k % SIDE, k / SIDE, 0.5, 0.5);
-            const double value = mean_of(which, in, k % SIDE, k / SIDE);
+        for (int k = 0; k < side * side && in.z > cos(80 * ORL_DEG_TO_RAD); k++) {
+            const struct orl_vec3 out = in_cell(k % side, k / side, 0.5, 0.5);
+            const double value = mean_of(which, in, k % side, k / side);
             const double off = orl_luma(orl_bsdf_eval(bsdf, in, out)) - value;
             squares += off * off;
             all += value * value;
@@ -318,11 +323,12 @@ static void anisotropic(void **state)
 {
     struct bench bench = {0};
     (void)state;
+    side = (int)extent(32, 64);
     measure_rows(&bench, SCATTERER_ANISOTROPIC, 0, 0, 40000);
     for (int i = 0; i < 12; i++)
         measure_rows(&bench, SCATTERER_ANISOTROPIC, 20 + 20 * (double)(i / 3), 45.0 * (i % 3),
                      40000);
-    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_4, SIDE, 2);
+    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_4, (uint32_t)side, 2);
     struct orl_bsdf *bsdf = load(&fitted);
     const double rms = rms_of(SCATTERER_ANISOTROPIC, bsdf);
     print_message("# anisotropic, rank 4: rms %.1f %%\n", 100 * rms);
