@@ -12,7 +12,8 @@
 
 #include "scene/material/scatter.h"
 
-/* The number of draws of each check: 50 000, or 200 000 in the long suite. Bounds follow from it. */
+/* The number of draws of each check: 50 000, or 200 000 in the long suite. Bounds follow from it.
+ */
 int subject_draws(void);
 
 /* A material met from its front, in a tilted frame: nothing may depend on axes. */
