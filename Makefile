@@ -286,7 +286,8 @@ torture: deps-check
 		python3 tests/torture/every.py $(BUILD) || failed=1; \
 		python3 tests/torture/powercuts.py $(BUILD) --cuts 200 || failed=1; \
 		python3 tests/torture/malformed.py $(BUILD) --count 10000 || failed=1; \
-		python3 tests/torture/cancel.py $(BUILD) || failed=1; exit $$failed
+		python3 tests/torture/cancel.py $(BUILD) || failed=1; \
+		python3 tests/torture/cancel_kinds.py $(BUILD) || failed=1; exit $$failed
 
 # Long forms: the office in its own size, Slurm's controller away for half a minute.
 SLURM_BIN := $(filter $(BUILD)/tests/api/test_slurm%,$(TEST_BIN))

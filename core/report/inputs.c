@@ -43,7 +43,7 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
         struct orl_sensor *read = NULL;
         size_t n = grid->count;
         if (names[g])
-            code = orl_sensors_load(files, names[g], &read, &n, err);
+            code = orl_sensors_load(files, names[g], NULL, &read, &n, err);
         const size_t first = count;
         if (code == 0)
             code =

@@ -110,12 +110,12 @@ static int make_room(struct gathering *all, size_t *room, size_t count, struct o
 }
 
 static int take_grid(const struct orl_job *job, const struct orl_files *files,
-                     struct orl_grid_request *grid, struct gathering *all, size_t *room,
-                     struct orl_error *err)
+                     const atomic_bool *cancel, struct orl_grid_request *grid,
+                     struct gathering *all, size_t *room, struct orl_error *err)
 {
     struct orl_sensor *read = NULL;
     size_t count = grid->count;
-    int code = grid->file ? orl_sensors_load(files, grid->file, &read, &count, err) : 0;
+    int code = grid->file ? orl_sensors_load(files, grid->file, cancel, &read, &count, err) : 0;
     if (code == 0)
         code = make_room(all, room, count, err);
     const size_t first = all->count;
@@ -127,8 +127,8 @@ static int take_grid(const struct orl_job *job, const struct orl_files *files,
 }
 
 int orl_grids_read(const struct orl_job *job, const struct orl_files *files,
-                   struct orl_grid_request **ret_grids, struct orl_sensor **ret_sensors,
-                   size_t *ret_count, struct orl_error *err)
+                   const atomic_bool *cancel, struct orl_grid_request **ret_grids,
+                   struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
 {
     struct orl_grid_request *grids = malloc(job->n_grids * sizeof *grids);
     struct gathering all = {NULL, 0};
@@ -138,7 +138,7 @@ int orl_grids_read(const struct orl_job *job, const struct orl_files *files,
         orl_error_set(err, code, "out of memory");
     for (size_t i = 0; i < job->n_grids && code == 0; i++) {
         grids[i] = job->grids[i];
-        code = take_grid(job, files, &grids[i], &all, &room, err);
+        code = take_grid(job, files, cancel, &grids[i], &all, &room, err);
     }
     if (code < 0) {
         free(grids);
@@ -156,8 +156,8 @@ int orl_run_load_grids(struct orl_run_state *state, struct orl_error *err)
     const struct orl_job *job = state->job;
     struct orl_result *result = state->result;
     struct orl_grid_request *grids = NULL;
-    int code =
-        orl_grids_read(job, state->env->files, &grids, &state->sensors, &state->n_sensors, err);
+    int code = orl_grids_read(job, state->env->files, state->env->cancel, &grids, &state->sensors,
+                              &state->n_sensors, err);
     if (code < 0)
         return code;
     state->sensors_owned = true;

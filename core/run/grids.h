@@ -15,8 +15,8 @@ int orl_grids_validate(const struct orl_job *job, struct orl_error *err);
 /* The job's sensors with those of its grids' files, which *ret_grids no longer names; names in it
  * are the job's. Both arrays are the caller's. */
 int orl_grids_read(const struct orl_job *job, const struct orl_files *files,
-                   struct orl_grid_request **ret_grids, struct orl_sensor **ret_sensors,
-                   size_t *ret_count, struct orl_error *err);
+                   const atomic_bool *cancel, struct orl_grid_request **ret_grids,
+                   struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
 
 /* The sensors of all grids into the state, and into the result where each has its own. */
 int orl_run_load_grids(struct orl_run_state *state, struct orl_error *err);

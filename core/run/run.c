@@ -20,8 +20,8 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
         return orl_run_load_grids(state, err);
     if (!job->sensors_file)
         return 0;
-    const int code = orl_sensors_load(state->env->files, job->sensors_file, &state->sensors,
-                                      &state->n_sensors, err);
+    const int code = orl_sensors_load(state->env->files, job->sensors_file, state->env->cancel,
+                                      &state->sensors, &state->n_sensors, err);
     state->sensors_owned = code == 0;
     return code;
 }

@@ -52,17 +52,19 @@ static int next_line(const char *text, size_t size, size_t *at, double ret_value
 }
 
 /* Every sensor of the file goes to take, which may fail for want of memory. */
-static int read_sensors(const char *name, const char *text, size_t size,
+static int read_sensors(const char *name, const char *text, size_t size, const atomic_bool *cancel,
                         int (*take)(void *ctx, const double v[6]), void *ctx, size_t *ret_count,
                         struct orl_error *err)
 {
+    enum { POLL_LINES = 4096 };
     size_t count = 0;
     int line = 0, code = 0;
     for (size_t at = 0; at < size && code == 0;) {
         double v[6] = {0};
         const int n = next_line(text, size, &at, v);
-        line++;
-        if (n == 0)
+        if (line++ % POLL_LINES == 0 && orl_is_cancelled(cancel))
+            code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading sensors");
+        if (n == 0 || code < 0)
             continue;
         code = judge(n, v, err);
         if (code == 0 && count >= ORL_LIMIT_SENSORS)
@@ -85,7 +87,7 @@ static int read_sensors(const char *name, const char *text, size_t size,
 int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,
                       struct orl_error *err)
 {
-    return read_sensors(name, text, size, NULL, NULL, ret_count, err);
+    return read_sensors(name, text, size, NULL, NULL, NULL, ret_count, err);
 }
 
 struct sensors {
@@ -108,11 +110,11 @@ static int add_sensor(void *ctx, const double v[6])
     return 0;
 }
 
-int orl_sensors_parse(const char *name, const char *text, size_t size,
-                      struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
+static int parse(const char *name, const char *text, size_t size, const atomic_bool *cancel,
+                 struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
 {
     struct sensors all = {NULL, 0};
-    const int code = read_sensors(name, text, size, add_sensor, &all, ret_count, err);
+    const int code = read_sensors(name, text, size, cancel, add_sensor, &all, ret_count, err);
     if (code < 0)
         free(all.list);
     else
@@ -120,14 +122,20 @@ int orl_sensors_parse(const char *name, const char *text, size_t size,
     return code;
 }
 
-int orl_sensors_load(const struct orl_files *files, const char *name,
+int orl_sensors_parse(const char *name, const char *text, size_t size,
+                      struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
+{
+    return parse(name, text, size, NULL, ret_sensors, ret_count, err);
+}
+
+int orl_sensors_load(const struct orl_files *files, const char *name, const atomic_bool *cancel,
                      struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
 {
     struct orl_file file;
     int code = files->open(files->ctx, name, &file, err);
     if (code < 0)
         return code;
-    code = orl_sensors_parse(name, file.data, file.size, ret_sensors, ret_count, err);
+    code = parse(name, file.data, file.size, cancel, ret_sensors, ret_count, err);
     files->close(files->ctx, &file);
     return code;
 }

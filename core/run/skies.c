@@ -68,14 +68,14 @@ static int read_sensors(struct passage *p, struct orl_error *err)
 {
     struct orl_job *job = &p->job;
     if (job->n_grids > 0) {
-        const int read = orl_grids_read(&p->job, p->env->files, &job->grids, &job->sensors,
-                                        &job->n_sensors, err);
+        const int read = orl_grids_read(&p->job, p->env->files, p->env->cancel, &job->grids,
+                                        &job->sensors, &job->n_sensors, err);
         return read < 0 ? read : orl_job_validate(job, err);
     }
     if (!job->sensors_file)
         return 0;
-    const int code =
-        orl_sensors_load(p->env->files, job->sensors_file, &job->sensors, &job->n_sensors, err);
+    const int code = orl_sensors_load(p->env->files, job->sensors_file, p->env->cancel,
+                                      &job->sensors, &job->n_sensors, err);
     if (code < 0)
         return code;
     job->sensors_file = NULL;

@@ -143,9 +143,9 @@ static int count_sensors(struct work *work, struct orl_error *err)
     const struct orl_job *job = &work->request->job;
     struct orl_sensor *sensors = NULL;
     size_t n = job->n_sensors;
-    const int code = job->sensors_file
-                         ? orl_sensors_load(work->env->files, job->sensors_file, &sensors, &n, err)
-                         : 0;
+    const int code = job->sensors_file ? orl_sensors_load(work->env->files, job->sensors_file,
+                                                          work->env->cancel, &sensors, &n, err)
+                                       : 0;
     free(sensors);
     work->runs_env.sensors = (double)n;
     return code;

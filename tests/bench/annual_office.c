@@ -90,7 +90,7 @@ void annual_open(struct annual_bench *bench)
         .ctx = bench, .open = open_file, .close = close_file, .passed = orl_files_let_go};
     bench->weather.data = path ? read_year(path, &size) : make_year(&size);
     bench->weather.size = size;
-    if (orl_sensors_load(&bench->files, office_sensors, &bench->sensors, &n, &err) < 0 ||
+    if (orl_sensors_load(&bench->files, office_sensors, NULL, &bench->sensors, &n, &err) < 0 ||
         n != OFFICE_SENSORS)
         bench_fail("the office's sensors", &err);
 }

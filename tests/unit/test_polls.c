@@ -1,0 +1,231 @@
+/*
+ * Work whose length depends on the input is polled for cancellation: the polls between its begin
+ * and its end grow with it, and a cancel at any of them ends it early and leaves no file. Counts,
+ * so the machine's speed does not matter.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <oriel/annual_report.h>
+#include <oriel/npy.h>
+
+#include "goniometer/forest.h"
+#include "photon/map/map.h"
+#include "run/stages.h"
+#include "scene/generate/solids.h"
+#include "support/scratch.h"
+
+static int polls;
+static int cancel_at; /* the poll from which on the answer is yes; negative: never */
+static const atomic_bool flag;
+
+/* The core's polls come here: this stands in the place of core/base/cancel.c. */
+bool orl_is_cancelled(const atomic_bool *cancel)
+{
+    return cancel && polls++ >= cancel_at && cancel_at >= 0;
+}
+
+static void begin(int at)
+{
+    polls = 0;
+    cancel_at = at;
+}
+
+/* ---- Files of results ------------------------------------------------------------------------ */
+
+enum { ROWS = 2000, COLUMNS = 3000, LONG = ROWS * COLUMNS };
+static float *values;
+
+static int write_npy(struct orl_error *err)
+{
+    return orl_npy_write(scratch_path("file"), values, ROWS, COLUMNS, &flag, err);
+}
+
+static int write_float(struct orl_error *err)
+{
+    return orl_matrix_write(scratch_path("file"), values, ROWS, COLUMNS, false, &flag, err);
+}
+
+/* Numbers as text take longer: fewer of them. */
+static int write_ascii(struct orl_error *err)
+{
+    return orl_matrix_write(scratch_path("file"), values, ROWS / 10, COLUMNS / 10, true, &flag,
+                            err);
+}
+
+static int write_coefficients(struct orl_error *err)
+{
+    return orl_coefficients_write(scratch_path("file"), values, ROWS, COLUMNS, &flag, err);
+}
+
+static int write_sensors(struct orl_error *err)
+{
+    enum { SENSORS = 1000 };
+    static struct orl_sensor sensors[SENSORS];
+    struct orl_annual_grid grid = {.name = "g", .count = SENSORS};
+    const struct orl_annual_report report = {.grids = &grid, .n_grids = 1, .n_sensors = SENSORS};
+    return orl_annual_sensors_csv(scratch_path("file"), &report, sensors, &flag, err);
+}
+
+static const struct {
+    const char *name;
+    int (*write)(struct orl_error *err);
+    int least; /* polls */
+} files[] = {{"NPY", write_npy, 5},
+             {"matrix", write_float, 5},
+             {"text matrix", write_ascii, ROWS / 10},
+             {"coefficients", write_coefficients, LONG / 4096},
+             {"sensors", write_sensors, 1000}};
+
+static void test_files(void **state)
+{
+    struct orl_error err;
+    (void)state;
+    values = calloc(LONG, sizeof *values);
+    assert_non_null(values);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        begin(-1);
+        assert_int_equal(files[i].write(&err), 0);
+        print_message("# %s: %d polls\n", files[i].name, polls);
+        assert_true(polls >= files[i].least);
+        assert_int_equal(unlink(scratch_path("file")), 0);
+        const int at[] = {0, polls / 2, polls - 1};
+        for (int k = 0; k < 3; k++) {
+            begin(at[k]);
+            assert_int_equal(files[i].write(&err), ORL_ERR_CANCELLED);
+            assert_int_equal(access(scratch_path("file"), F_OK), -1);
+            assert_int_equal(access(scratch_path("file.part"), F_OK), -1);
+            /* It ended soon: whoever goes on polls on. */
+            assert_true(polls <= at[k] + 3);
+        }
+    }
+    free(values);
+}
+
+/* ---- A BSDF's tree as text ------------------------------------------------------------------- */
+
+static void test_trees(void **state)
+{
+    enum { FAN = ORL_GONIO_FAN_MOST, BRANCHES = 1 + FAN };
+    struct orl_gonio_branch branches[BRANCHES] = {{{{0}}}};
+    const struct orl_gonio_forest forest = {.rank = 4, .branches = branches, .count = BRANCHES};
+    const struct orl_gonio_node root = {.branch = 1};
+    size_t sizes[2];
+    (void)state;
+    for (uint32_t i = 0; i < FAN; i++)
+        branches[0].child[i].branch = 2 + i;
+    for (int k = 0; k < 2; k++) {
+        char *text = NULL;
+        FILE *out = open_memstream(&text, &sizes[k]);
+        begin(k == 0 ? -1 : BRANCHES / 2);
+        orl_gonio_forest_write(&forest, root, false, &flag, out);
+        assert_int_equal(fclose(out), 0);
+        free(text);
+        assert_int_equal(polls, BRANCHES);
+    }
+    assert_true(sizes[1] < sizes[0] * 2 / 3);
+}
+
+/* ---- What is read ---------------------------------------------------------------------------- */
+
+static int load_sensors(struct orl_files *provider, size_t *ret_count, struct orl_error *err)
+{
+    struct orl_sensor *sensors = NULL;
+    const int code = orl_sensors_load(provider, "s.pts", &flag, &sensors, ret_count, err);
+    free(sensors);
+    return code;
+}
+
+static void test_sensors(void **state)
+{
+    enum { SENSORS = 40000 };
+    char *text = NULL;
+    size_t size = 0, count = 0;
+    FILE *out = open_memstream(&text, &size);
+    struct orl_error err;
+    (void)state;
+    for (int i = 0; i < SENSORS; i++)
+        fputs("0 0 0 0 0 1\n", out);
+    assert_int_equal(fclose(out), 0);
+    const char *const names[] = {"s.pts"};
+    const struct orl_file contents[] = {{text, size, NULL}};
+    struct orl_memory_files memory = {names, contents, 1};
+    struct orl_files provider = orl_files_from_memory(&memory);
+    begin(-1);
+    assert_int_equal(load_sensors(&provider, &count, &err), 0);
+    assert_int_equal(count, SENSORS);
+    assert_true(polls >= SENSORS / 5000);
+    begin(polls / 2);
+    assert_int_equal(load_sensors(&provider, &count, &err), ORL_ERR_CANCELLED);
+    free(text);
+}
+
+static int read_none(void *ctx, const char *name, char **ret_text, struct orl_error *err)
+{
+    (void)ctx, (void)ret_text;
+    return orl_error_set(err, ORL_ERR_NOT_FOUND, "'%s' is not there", name);
+}
+
+/* A generator's text. */
+static void test_generators(void **state)
+{
+    const char *const words[] = {"gensurf", "w", "s", "s*10", "t*10", "s*t", "80", "80"};
+    const struct orl_generator_files none = {NULL, read_none};
+    size_t whole = 0;
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        struct orl_text text = {.cancel = &flag};
+        struct orl_error err;
+        begin(k == 0 ? -1 : 1);
+        assert_int_equal(orl_gensurf(words, 8, &none, &text, &err), 0);
+        assert_int_equal(text.failed, k);
+        if (k == 0) {
+            whole = text.size;
+            print_message("# gensurf: %zu bytes, %d polls\n", whole, polls);
+            assert_true((size_t)polls >= whole / (2 * ORL_TEXT_POLL) && polls > 4);
+        } else {
+            assert_true(text.size < whole / 2);
+        }
+        orl_text_done(&text);
+    }
+}
+
+/* The checksum of a photon map. */
+static void test_maps(void **state)
+{
+    const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
+    struct orl_photon photon = {.flux = {1, 1, 1}};
+    struct orl_crew *crew = orl_crew_new(1);
+    struct orl_photon_map *map = NULL;
+    struct orl_error err;
+    (void)state;
+    begin(-1);
+    assert_int_equal(orl_photon_map_write(scratch_path("map"), &photon, 1, &build, crew, &err), 0);
+    assert_int_equal(orl_photon_map_read(scratch_path("map"), &flag, &map, &err), 0);
+    orl_photon_map_free(map);
+    begin(0);
+    assert_int_equal(orl_photon_map_read(scratch_path("map"), &flag, &map, &err),
+                     ORL_ERR_CANCELLED);
+    orl_crew_free(crew);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_files, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test(test_trees),
+        cmocka_unit_test(test_sensors),
+        cmocka_unit_test(test_generators),
+        cmocka_unit_test_setup_teardown(test_maps, scratch_set_up, scratch_tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
