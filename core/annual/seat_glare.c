@@ -9,7 +9,8 @@
 #include "metrics/position.h"
 #include "metrics/sources.h"
 
-enum { TILE = ORL_HOURS_TILE, MOST_IMAGES = 8 };
+/* Columns of a tile are rated in strips: a strip's picture of each column is in memory. */
+enum { TILE = ORL_HOURS_TILE, STRIP = 16, STRIPS = TILE / STRIP, MOST_IMAGES = 8 };
 
 /* As glare pictures have it. */
 static const struct orl_source_rule rule = {
@@ -19,7 +20,8 @@ struct rating {
     const struct orl_seat_view *view;
     const struct orl_seat_light *light;
     const struct orl_seat_hours *ret;
-    float **room; /* by member: luminances of a tile, and of one hour */
+    const struct orl_crew *crew;
+    float **room; /* by member: luminances of a strip, and of one hour */
     atomic_bool failed;
 };
 
@@ -31,11 +33,12 @@ static void add_light(float *pixel, const float *light, float weight, uint32_t n
         pixel[j] += weight * light[j];
 }
 
-static void paint(const struct rating *r, size_t tile, uint32_t n, float (*pixels)[TILE])
+static void paint(const struct rating *r, size_t strip, uint32_t n, float (*pixels)[STRIP])
 {
     const struct orl_hours *hours = &r->light->year->hours;
-    const float *sky = hours->fine + tile * ORL_BINS * TILE;
-    const float *places = r->light->places + tile * TILE;
+    const size_t tile = strip / STRIPS;
+    const float *sky = hours->fine + tile * ORL_BINS * TILE + strip % STRIPS * STRIP;
+    const float *places = r->light->places + strip * STRIP;
     memset(pixels, 0, ORL_SEAT_PIXELS * sizeof *pixels);
     for (uint32_t i = 0; i < ORL_SEAT_PIXELS; i++)
         for (uint32_t k = r->view->first[i]; k < r->view->first[i + 1]; k++) {
@@ -73,9 +76,10 @@ static struct orl_rgb answer_of(const struct orl_seat_spot *spot, struct orl_vec
 }
 
 /* The sun on what is seen. */
-static void shine(const struct rating *r, size_t column, uint32_t j, float (*pixels)[TILE])
+static void shine(const struct rating *r, size_t column, uint32_t j, float (*pixels)[STRIP])
 {
     static const double faintest_cd_m2 = 1;
+    enum { SPOTS_A_POLL = 256 };
     const struct orl_year *y = r->light->year;
     const struct orl_column_sun *of = &y->hours.sun_of_column[column];
     if (!(of->normal_lx > 0))
@@ -83,6 +87,8 @@ static void shine(const struct rating *r, size_t column, uint32_t j, float (*pix
     const struct orl_hour_sun *sun = &y->hours.suns.at[of->sun];
     const struct orl_frame frame = orl_frame_about(sun->towards);
     for (size_t i = 0; i < r->view->n_spots; i++) {
+        if (i % SPOTS_A_POLL == 0 && orl_crew_cancelled(r->crew))
+            return;
         const struct orl_seat_spot *spot = &r->view->spots[i];
         const struct orl_place *place = &spot->place;
         if (!(orl_dot(sun->towards, place->normal) > -0.01) ||
@@ -197,21 +203,20 @@ static int rate_hour(const struct rating *r, size_t column, const float *picture
     return grown ? 0 : ORL_ERR_NOMEM;
 }
 
-static void rate_tile(void *arg, size_t tile, uint32_t member)
+static void rate_strip(void *arg, size_t strip, uint32_t member)
 {
     struct rating *r = arg;
     const struct orl_hours *hours = &r->light->year->hours;
-    const size_t first = tile * TILE, left = hours->n_columns - first;
-    const uint32_t n = left < TILE ? (uint32_t)left : TILE;
-    float(*pixels)[TILE] = (float(*)[TILE])(void *)r->room[member];
-    float *picture = r->room[member] + (size_t)ORL_SEAT_PIXELS * TILE;
-    uint32_t wanted = 0;
-    for (uint32_t j = 0; j < n; j++)
-        wanted += r->light->wanted[first + j];
+    const size_t first = strip * STRIP;
+    float(*pixels)[STRIP] = (float(*)[STRIP])(void *)r->room[member];
+    float *picture = r->room[member] + (size_t)ORL_SEAT_PIXELS * STRIP;
+    uint32_t n = 0, wanted = 0;
+    for (; n < STRIP && first + n < hours->n_columns; n++)
+        wanted += r->light->wanted[first + n];
     if (wanted == 0 || atomic_load(&r->failed))
         return;
-    paint(r, tile, n, pixels);
-    for (uint32_t j = 0; j < n; j++) {
+    paint(r, strip, n, pixels);
+    for (uint32_t j = 0; j < n && !orl_crew_cancelled(r->crew); j++) {
         if (!r->light->wanted[first + j])
             continue;
         shine(r, first + j, j, pixels);
@@ -227,13 +232,14 @@ int orl_seat_glare_find(const struct orl_seat_view *view, const struct orl_seat_
 {
     struct orl_crew *crew = light->year->env->run->crew;
     const uint32_t members = orl_crew_size(crew);
-    struct rating r = {.view = view, .light = light, .ret = ret};
+    struct rating r = {.view = view, .light = light, .ret = ret, .crew = crew};
     bool room = (r.room = calloc(members, sizeof *r.room)) != NULL;
     for (uint32_t i = 0; room && i < members; i++) {
-        r.room[i] = malloc((size_t)ORL_SEAT_PIXELS * (TILE + 1) * sizeof **r.room);
+        r.room[i] = malloc((size_t)ORL_SEAT_PIXELS * (STRIP + 1) * sizeof **r.room);
         room = r.room[i] != NULL;
     }
-    int code = room ? orl_crew_try(crew, light->year->hours.n_tiles, rate_tile, &r) : ORL_ERR_NOMEM;
+    int code = room ? orl_crew_try(crew, light->year->hours.n_tiles * STRIPS, rate_strip, &r)
+                    : ORL_ERR_NOMEM;
     if (code == 0 && atomic_load(&r.failed))
         code = ORL_ERR_NOMEM;
     for (uint32_t i = 0; r.room && i < members; i++)

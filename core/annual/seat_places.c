@@ -15,21 +15,32 @@ int orl_seat_places_init(struct orl_seat_places *places, struct orl_vec3 eye)
 
 void orl_seat_places_done(struct orl_seat_places *places)
 {
-    free(places->found);
-    free(places->slots);
+    orl_seat_places_trim(places);
     free(places->kept);
+    free(places->sensors);
 }
 
 /* ---- Finding --------------------------------------------------------------------------------- */
 
-static uint64_t name_of(const struct orl_seat_places *places, const struct orl_hit *hit)
+/* The axis that a direction is nearest to, and its sign: 0 to 5. */
+static uint64_t side_of(struct orl_vec3 d)
+{
+    const double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
+    return x >= y && x >= z ? d.x < 0 : y >= z ? 2 + (d.y < 0) : 4 + (d.z < 0);
+}
+
+/* While there is room, each side of each surface has a name of its own in a cell; surfaces met
+ * later share one by the axis that they face. */
+static uint64_t name_of(const struct orl_seat_places *places, const struct orl_hit *hit,
+                        bool shared)
 {
     const struct orl_vec3 d = orl_normalize(orl_sub(hit->point, places->eye));
     const double turn = atan2(d.y, d.x) / (2 * ORL_PI) + 0.5, height = asin(fmax(-1, fmin(d.z, 1)));
     const uint64_t column = (uint64_t)(turn * COLUMNS) % COLUMNS;
     const uint64_t row = (uint64_t)fmin((height / ORL_PI + 0.5) * ROWS, ROWS - 1);
-    return ((uint64_t)hit->facet * 2 + hit->front) * ((uint64_t)COLUMNS * ROWS) + column * ROWS +
-           row;
+    const uint64_t surface = shared ? (1ULL << 40) + side_of(orl_hit_facing(hit))
+                                    : (uint64_t)hit->facet * 2 + hit->front;
+    return surface * ((uint64_t)COLUMNS * ROWS) + column * ROWS + row;
 }
 
 static size_t slot_of(const struct orl_seat_places *places, uint64_t name)
@@ -63,8 +74,12 @@ static int grow(struct orl_seat_places *places)
 int orl_seat_places_add(struct orl_seat_places *places, const struct orl_hit *hit, double worth,
                         struct orl_random *random, uint32_t *ret_found)
 {
-    const uint64_t name = name_of(places, hit);
+    uint64_t name = name_of(places, hit, false);
     size_t slot = slot_of(places, name);
+    if (places->slots[slot] == 0 && places->n_found >= ORL_SEAT_MOST_FOUND) {
+        name = name_of(places, hit, true);
+        slot = slot_of(places, name);
+    }
     if (places->slots[slot] == 0) {
         if (2 * (places->n_found + 1) > places->n_slots) {
             if (grow(places) < 0)
@@ -123,7 +138,19 @@ static uint32_t most_like(const struct orl_seat_places *places, const struct orl
     return best;
 }
 
-int orl_seat_places_settle(struct orl_seat_places *places)
+static int list_sensors(struct orl_seat_places *places)
+{
+    places->sensors = malloc((places->n_kept + 1) * sizeof *places->sensors);
+    if (!places->sensors)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < places->n_kept; i++) {
+        const struct orl_seat_found *found = &places->found[places->kept[i]];
+        places->sensors[i] = (struct orl_seat_place){found->point, found->facing};
+    }
+    return 0;
+}
+
+int orl_seat_places_choose(struct orl_seat_places *places, const struct orl_crew *crew)
 {
     const size_t n = places->n_found;
     struct ranked *ranked = malloc((n + 1) * sizeof *ranked);
@@ -138,9 +165,21 @@ int orl_seat_places_settle(struct orl_seat_places *places)
     qsort(ranked, n, sizeof *ranked, by_worth);
     for (size_t i = 0; i < places->n_kept; i++)
         places->kept[i] = ranked[i].found;
-    for (size_t i = 0; i < n; i++)
+    int code = 0;
+    for (size_t i = 0; i < n && code == 0; i++) {
         places->found[ranked[i].found].kept =
             i < places->n_kept ? (uint32_t)i : most_like(places, &places->found[ranked[i].found]);
+        code = i % 1024 == 0 && orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : 0;
+    }
     free(ranked);
-    return 0;
+    return code == 0 ? list_sensors(places) : code;
+}
+
+void orl_seat_places_trim(struct orl_seat_places *places)
+{
+    free(places->found);
+    free(places->slots);
+    places->found = NULL;
+    places->slots = NULL;
+    places->n_found = places->n_slots = 0;
 }

@@ -2,241 +2,113 @@
 
 #include <stdlib.h>
 
-#include "light/path.h"
+#include "annual/seat_rays.h"
 #include "scene/geometry/stand.h"
 
 /* Rays of a pixel: two by two, evenly; where lobes scatter them, more. */
-enum { SIDE = 2, LOBE_SIDE = 6, MOST_STEPS = 12 };
-static const double dimmest = 0.002, dimmest_mirror = 0.02;
-
-/* A pixel's terms while it is looked at. */
-struct looking {
-    struct orl_seat_view *view;
-    const struct orl_annual_scene *scene;
-    struct orl_random random;
-    uint32_t pixel;
-    double share;                  /* of the pixel, a ray's */
-    bool first;                    /* of its rays: spots are its */
-    bool lobes;                    /* some ray was scattered */
-    size_t n_terms;                /* the pixel's, behind the view's others */
-    size_t terms_room, spots_room; /* of the view's arrays */
-    int code;
-};
-
-struct step {
-    struct orl_path path;
-    bool outside, scattered;
-    int depth;
-};
-
-/* ---- What a ray finds ------------------------------------------------------------------------ */
-
-static void add_term(struct looking *l, uint32_t which, double weight)
-{
-    struct orl_seat_view *view = l->view;
-    const size_t first = view->first[l->pixel];
-    for (size_t i = 0; i < l->n_terms; i++)
-        if (view->terms[first + i].which == which) {
-            view->terms[first + i].weight += (float)weight;
-            return;
-        }
-    if (first + l->n_terms == l->terms_room) {
-        const size_t room = 2 * l->terms_room + ORL_SEAT_PIXELS;
-        struct orl_seat_term *grown = realloc(view->terms, room * sizeof *grown);
-        if (!grown) {
-            l->code = ORL_ERR_NOMEM;
-            return;
-        }
-        view->terms = grown;
-        l->terms_room = room;
-    }
-    view->terms[first + l->n_terms++] = (struct orl_seat_term){which, (float)weight};
-}
-
-static void add_sky(struct looking *l, const struct step *s)
-{
-    const struct orl_vec3 towards = orl_turn_to_sky(l->scene->north, s->path.direction);
-    add_term(l, orl_bins_find(l->scene->bins, towards), l->share * orl_luma(s->path.weight));
-}
-
-static void add_spot(struct looking *l, const struct orl_seat_spot *spot)
-{
-    struct orl_seat_view *view = l->view;
-    if (view->n_spots == l->spots_room) {
-        const size_t room = 2 * l->spots_room + ORL_SEAT_PIXELS;
-        struct orl_seat_spot *grown = realloc(view->spots, room * sizeof *grown);
-        if (!grown) {
-            l->code = ORL_ERR_NOMEM;
-            return;
-        }
-        view->spots = grown;
-        l->spots_room = room;
-    }
-    view->spots[view->n_spots++] = *spot;
-}
-
-static void add_diffuse(struct looking *l, const struct step *s, const struct orl_hit *hit,
-                        struct orl_rgb albedo)
-{
-    const struct orl_geometry *geometry = l->scene->world->geometry;
-    const struct orl_rgb weight = orl_rgb_scale(orl_rgb_mul(s->path.weight, albedo), 1 / ORL_PI);
-    const double luma = l->share * orl_luma(weight);
-    const struct orl_vec3 facing = orl_hit_facing(hit);
-    uint32_t found = 0;
-    if (orl_seat_places_add(&l->view->places, hit,
-                            luma * (double)l->view->field.solid_angle[l->pixel], &l->random,
-                            &found) < 0) {
-        l->code = ORL_ERR_NOMEM;
-        return;
-    }
-    add_term(l, ORL_BINS + 2 * found + s->scattered, luma);
-    if (!l->first || s->scattered)
-        return;
-    const struct orl_seat_spot spot = {.place = {.point = orl_hit_leave(geometry, hit, facing),
-                                                 .normal = facing,
-                                                 .outside = s->outside},
-                                       .hit = *hit,
-                                       .weight = weight,
-                                       .pixel = l->pixel};
-    add_spot(l, &spot);
-}
-
-/* Both sides of what transmits. */
-static void add_lobe_spots(struct looking *l, const struct step *s, const struct orl_hit *hit,
-                           const struct orl_material *m)
-{
-    const struct orl_world *world = l->scene->world;
-    const struct orl_vec3 seen = orl_hit_facing(hit);
-    const int sides = orl_material_transmits_lobes(m) ? 2 : 1;
-    for (int side = 0; side < sides; side++) {
-        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
-        const struct orl_seat_spot spot = {
-            .place = {.point = orl_hit_leave(world->geometry, hit, normal),
-                      .normal = normal,
-                      .outside = orl_world_outside_after(world, hit, side == 1, s->outside)},
-            .hit = *hit,
-            .eye = orl_path_back(&s->path),
-            .material = m,
-            .weight = s->path.weight,
-            .pixel = l->pixel};
-        add_spot(l, &spot);
-    }
-}
-
-/* ---- Where it goes --------------------------------------------------------------------------- */
-
-static void follow(struct looking *l, const struct step *s);
-
-static void go_on(struct looking *l, const struct step *s, const struct orl_hit *hit,
-                  struct orl_scatter scatter)
-{
-    struct step next = *s;
-    next.path.weight = orl_rgb_mul(s->path.weight, scatter.weight);
-    if (!(orl_rgb_max(next.path.weight) > dimmest) || s->depth == MOST_STEPS)
-        return;
-    next.depth++;
-    next.outside = orl_world_outside_after(l->scene->world, hit, scatter.transmitted, s->outside);
-    next.scattered =
-        s->scattered || scatter.event == ORL_EVENT_GLOSSY || scatter.event == ORL_EVENT_DIFFUSE;
-    orl_path_leave(&next.path, l->scene->world, hit, &scatter);
-    follow(l, &next);
-}
-
-static void mirror(struct looking *l, const struct step *s, const struct orl_hit *hit,
-                   const struct orl_material *m)
-{
-    const struct orl_rgb share = orl_material_mirrored(m, hit, orl_path_back(&s->path));
-    const struct orl_vec3 d = s->path.direction, n = orl_hit_facing(hit);
-    if (!(orl_rgb_max(share) > dimmest_mirror))
-        return;
-    go_on(l, s, hit,
-          (struct orl_scatter){.event = ORL_EVENT_MIRROR,
-                               .direction = orl_normalize(orl_madd(d, n, -2 * orl_dot(d, n))),
-                               .weight = share});
-}
-
-/* What is specular goes its way whole; of lobes one direction is drawn. */
-static void follow(struct looking *l, const struct step *s)
-{
-    const struct orl_world *world = l->scene->world;
-    struct orl_hit hit;
-    if (!orl_path_meet(world, &s->path, &hit)) {
-        add_sky(l, s);
-        return;
-    }
-    const struct orl_material *m = orl_world_material(world, &hit);
-    const struct orl_rgb albedo = orl_material_diffuse(m, &hit);
-    if (orl_rgb_max(albedo) > 0)
-        add_diffuse(l, s, &hit, albedo);
-    if (orl_material_is_matt(m))
-        return;
-    const struct orl_rgb straight = orl_material_straight(m, &hit, orl_path_back(&s->path));
-    if (orl_rgb_max(straight) > 0)
-        go_on(l, s, &hit,
-              (struct orl_scatter){.event = ORL_EVENT_STRAIGHT,
-                                   .transmitted = true,
-                                   .direction = s->path.direction,
-                                   .weight = straight});
-    mirror(l, s, &hit, m);
-    if (!orl_material_has_lobes(m))
-        return;
-    l->lobes = true;
-    if (l->first && !s->scattered)
-        add_lobe_spots(l, s, &hit, m);
-    const struct orl_scatter drawn =
-        orl_scatter_sample(m, &hit, orl_path_back(&s->path), ORL_TRANSPORT_EYE,
-                           (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), &l->random);
-    if (drawn.event == ORL_EVENT_GLOSSY || drawn.event == ORL_EVENT_DIFFUSE)
-        go_on(l, s, &hit, drawn);
-}
+enum { SIDE = 2, LOBE_SIDE = 6 };
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-static void look_at(struct looking *l, uint32_t side)
+static int trace_pixel(struct orl_seat_rays *rays, uint32_t side)
 {
-    const struct orl_field *field = &l->view->field;
-    const uint32_t column = l->pixel % ORL_SEAT_SIDE, row = l->pixel / ORL_SEAT_SIDE;
-    const uint32_t first = (uint32_t)(orl_random_uniform(&l->random) * side * side);
-    l->n_terms = 0;
-    l->share = 1.0 / (side * side);
-    for (uint32_t i = 0; i < side * side; i++) {
-        const double u = orl_random_uniform(&l->random), v = orl_random_uniform(&l->random);
+    const struct orl_field *field = &rays->view->field;
+    const uint32_t column = rays->pixel % ORL_SEAT_SIDE, row = rays->pixel / ORL_SEAT_SIDE;
+    const uint32_t first = (uint32_t)(orl_random_uniform(&rays->random) * side * side);
+    int code = 0;
+    orl_seat_terms_clear(&rays->terms);
+    rays->share = 1.0 / (side * side);
+    rays->most_paths = side == SIDE ? ORL_SEAT_RAY_PATHS : ORL_SEAT_LOBE_PATHS;
+    for (uint32_t i = 0; i < side * side && code == 0; i++) {
+        const double u = orl_random_uniform(&rays->random), v = orl_random_uniform(&rays->random);
         const uint32_t across = i % side, down = i / side;
         const struct orl_vec3 to =
             orl_field_towards(field, column + (across + u) / side, row + (down + v) / side);
-        const struct step s = {.path =
-                                   orl_path_from(l->view->eye.point, orl_to_world(&field->eye, to)),
-                               .outside = l->view->eye.outside};
-        l->first = i == first;
-        follow(l, &s);
-    }
-}
-
-static int look_all(struct looking *l, uint64_t seed)
-{
-    struct orl_seat_view *view = l->view;
-    int code = 0;
-    for (uint32_t i = 0; i < ORL_SEAT_PIXELS && code == 0; i++) {
-        const size_t spots = view->n_spots;
-        l->pixel = i;
-        l->n_terms = 0;
-        l->lobes = false;
-        l->random = orl_random_stream(seed, ORL_PURPOSE_ANNUAL, ~(uint64_t)i);
-        if (view->field.solid_angle[i] > 0) {
-            look_at(l, SIDE);
-            if (l->lobes) {
-                view->n_spots = spots;
-                look_at(l, LOBE_SIDE);
-            }
-        }
-        view->first[i + 1] = view->first[i] + (uint32_t)l->n_terms;
-        code = l->code;
+        rays->spots = i == first;
+        code = orl_seat_rays_follow(rays, orl_to_world(&field->eye, to));
     }
     return code;
 }
 
-/* Terms of places are of those that are kept. */
-static void settle_terms(struct orl_seat_view *view)
+/* Leaves at most that many of the spots behind the first ones, with the weights of all. */
+static int thin_spots(struct orl_seat_rays *rays, size_t first)
+{
+    struct orl_seat_view *view = rays->view;
+    const size_t n = view->n_spots - first;
+    if (n <= ORL_SEAT_PIXEL_SPOTS)
+        return 0;
+    double *weights = malloc(2 * n * sizeof *weights);
+    if (!weights)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < n; i++)
+        weights[i] = orl_rgb_max(view->spots[first + i].weight);
+    const int code = orl_seat_choose(weights, n, ORL_SEAT_PIXEL_SPOTS, &rays->random, weights + n);
+    view->n_spots = code == 0 ? first : view->n_spots;
+    for (size_t i = 0; i < n && code == 0; i++) {
+        struct orl_seat_spot spot = view->spots[first + i];
+        if (!(weights[n + i] > 0))
+            continue;
+        spot.weight = orl_rgb_scale(spot.weight, weights[n + i]);
+        view->spots[view->n_spots++] = spot;
+    }
+    free(weights);
+    return code;
+}
+
+/* Appends the pixel's terms to the view's. */
+static int keep_terms(struct orl_seat_rays *rays, size_t *terms_room)
+{
+    struct orl_seat_view *view = rays->view;
+    const size_t first = view->first[rays->pixel];
+    int code = orl_seat_terms_thin(&rays->terms, ORL_SEAT_PIXEL_TERMS, &rays->random);
+    if (code == 0 && first + rays->terms.count > *terms_room) {
+        const size_t room = *terms_room + *terms_room / 2 + ORL_SEAT_PIXELS;
+        struct orl_seat_term *grown = realloc(view->terms, room * sizeof *grown);
+        if (!grown)
+            return ORL_ERR_NOMEM;
+        view->terms = grown;
+        *terms_room = room;
+    }
+    for (size_t i = 0; i < rays->terms.count && code == 0; i++)
+        view->terms[first + i] = rays->terms.at[i];
+    view->first[rays->pixel + 1] = (uint32_t)(first + rays->terms.count);
+    return code;
+}
+
+static int fill_pixel(struct orl_seat_rays *rays)
+{
+    struct orl_seat_view *view = rays->view;
+    const size_t spots = view->n_spots;
+    rays->lobes = false;
+    orl_seat_terms_clear(&rays->terms);
+    if (!(view->field.solid_angle[rays->pixel] > 0))
+        return 0;
+    int code = trace_pixel(rays, SIDE);
+    if (code == 0 && rays->lobes) {
+        view->n_spots = spots;
+        code = trace_pixel(rays, LOBE_SIDE);
+    }
+    return code == 0 ? thin_spots(rays, spots) : code;
+}
+
+static int fill_pixels(struct orl_seat_rays *rays, uint64_t seed, const struct orl_crew *crew)
+{
+    size_t terms_room = 0;
+    int code = 0;
+    for (uint32_t i = 0; i < ORL_SEAT_PIXELS && code == 0; i++) {
+        if (orl_crew_cancelled(crew))
+            return ORL_ERR_CANCELLED;
+        rays->pixel = i;
+        rays->random = orl_random_stream(seed, ORL_PURPOSE_ANNUAL, ~(uint64_t)i);
+        code = fill_pixel(rays);
+        if (code == 0)
+            code = keep_terms(rays, &terms_room);
+    }
+    return code;
+}
+
+/* Names the places of terms by those that are kept. */
+static void rename_terms(struct orl_seat_view *view)
 {
     for (size_t i = 0; i < view->first[ORL_SEAT_PIXELS]; i++) {
         struct orl_seat_term *term = &view->terms[i];
@@ -276,24 +148,38 @@ static int start(struct orl_seat_view *view, const struct orl_world *world,
     return code < 0 ? orl_error_set(err, code, "out of memory for what a seat sees") : 0;
 }
 
+/* Gives back the room that growing arrays have left over. */
+static void trim(struct orl_seat_view *view)
+{
+    const size_t n_terms = view->first[ORL_SEAT_PIXELS];
+    struct orl_seat_term *terms = realloc(view->terms, (n_terms + 1) * sizeof *terms);
+    struct orl_seat_spot *spots = realloc(view->spots, (view->n_spots + 1) * sizeof *spots);
+    view->terms = terms ? terms : view->terms;
+    view->spots = spots ? spots : view->spots;
+}
+
 int orl_seat_view_init(struct orl_seat_view *view, const struct orl_annual_scene *scene,
-                       const struct orl_seat *seat, uint64_t name, struct orl_error *err)
+                       const struct orl_seat *seat, uint64_t name, const struct orl_crew *crew,
+                       struct orl_error *err)
 {
     *view = (struct orl_seat_view){.n_spots = 0};
+    struct orl_seat_rays rays = {.view = view, .scene = scene};
     int code = start(view, scene->world, seat, err);
-    struct looking *l = calloc(1, sizeof *l);
-    if (code == 0 && l) {
-        *l = (struct looking){.view = view, .scene = scene};
-        code = look_all(l, name);
-        if (code == 0)
-            code = orl_seat_places_settle(&view->places);
+    if (code < 0)
+        return code;
+    code = fill_pixels(&rays, name, crew);
+    view->n_steps = rays.steps;
+    orl_seat_terms_done(&rays.terms);
+    if (code == 0)
+        code = orl_seat_places_choose(&view->places, crew);
+    if (code == 0) {
+        rename_terms(view);
+        orl_seat_places_trim(&view->places);
+        trim(view);
     }
-    if (code == 0 && l)
-        settle_terms(view);
-    else if (err->code == 0)
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for what a seat sees");
-    free(l);
-    return code;
+    return code == ORL_ERR_CANCELLED ? orl_error_set(err, code, "cancelled")
+           : code < 0                ? orl_error_set(err, code, "out of memory for a seat's view")
+                                     : 0;
 }
 
 void orl_seat_view_done(struct orl_seat_view *view)

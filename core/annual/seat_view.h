@@ -2,8 +2,8 @@
  * What a seat sees, looked at once for all hours of a year: a fisheye picture whose pixels are sums
  * of the sky's bins, of the light on places of surfaces, and of spots that the sun may light.
  *
- * A pixel's rays go on through panes, mirrors and lobes until nothing is left of them; at each
- * diffuse surface on the way its place adds. Places stand for what lies about them on the same
+ * A pixel's rays go on through panes, mirrors and lobes (seat_rays.h); at each diffuse surface on
+ * the way its place adds. Places stand for what lies about them on the same
  * surface, as far as the seat sees it (seat_places.h): sensors of the year say how much light falls
  * on them. A pixel's spot is where its first ray comes to: sunlight there is looked for hour by
  * hour, and so the place's own straight sunlight is left out for such rays.
@@ -17,15 +17,13 @@
 
 #include "annual/scene.h"
 #include "annual/seat_places.h"
+#include "annual/seat_terms.h"
 #include "metrics/field.h"
 
 enum { ORL_SEAT_SIDE = 160, ORL_SEAT_PIXELS = ORL_SEAT_SIDE * ORL_SEAT_SIDE };
 
-/* Something that a pixel is made of, in luma: which, and how much of it. */
-struct orl_seat_term {
-    uint32_t which;
-    float weight;
-};
+/* Terms and spots of a pixel, at most; and views in memory together. */
+enum { ORL_SEAT_PIXEL_TERMS = 64, ORL_SEAT_PIXEL_SPOTS = 8, ORL_SEATS_AT_ONCE = 4 };
 
 /* Where the sun may fall on what a pixel sees first but for panes. */
 struct orl_seat_spot {
@@ -47,12 +45,14 @@ struct orl_seat_view {
     struct orl_seat_spot *spots;
     size_t n_spots;
     struct orl_seat_places places;
+    uint64_t n_steps; /* ray segments that it took */
 };
 
-/* Returns 0 or ORL_ERR_NOMEM; orl_seat_view_done in either case. name: of the seat, for its rays.
- */
+/* name: of the seat, for its random numbers. crew: asked before each pixel if the job is cancelled.
+ * Returns 0, ORL_ERR_NOMEM, _CANCELLED or _RANGE; orl_seat_view_done in any case. */
 int orl_seat_view_init(struct orl_seat_view *view, const struct orl_annual_scene *scene,
-                       const struct orl_seat *seat, uint64_t name, struct orl_error *err);
+                       const struct orl_seat *seat, uint64_t name, const struct orl_crew *crew,
+                       struct orl_error *err);
 void orl_seat_view_done(struct orl_seat_view *view);
 
 #endif

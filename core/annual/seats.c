@@ -1,4 +1,10 @@
-/* Glare over a year: seats looked from, their sensors run as a year, and each rated. */
+/*
+ * Glare over a year: what seats see, their sensors run as a year, and each seat rated.
+ *
+ * Views are large, and there are many seats: at most ORL_SEATS_AT_ONCE views are in memory. When
+ * there are more seats, views are made twice, once for the sensors and again for the rating; both
+ * times they are the same, as their random numbers are named by the seat.
+ */
 #include <oriel/annual_glare.h>
 
 #include <stdlib.h>
@@ -10,48 +16,82 @@
 
 /* ---- Seats as a year's sensors --------------------------------------------------------------- */
 
-/* All of it, while its year runs. */
+/* Glare of all seats while a year of their sensors runs. */
 struct seating {
     const struct orl_seats_wish *wish;
-    const struct orl_annual_result *result; /* of the year that they are of */
-    unsigned char *wanted; /* by column: what is left to be rated, and those of one run */
+    const struct orl_annual_result *result; /* of the year that the seats belong to */
+    unsigned char *wanted; /* by column: those still to be rated, and those of this run */
     unsigned char *now;
     struct orl_annual_request request; /* with the sensors of the seats; owned: those */
-    struct orl_seat_view *views;
-    struct orl_seat_hours *hours;
+    struct orl_seat_view *views;       /* of a group of seats */
+    struct orl_error *errors;          /* likewise */
+    size_t group, n_group;             /* the first seat of the group, and their number */
+    size_t *n_places;                  /* by seat */
+    struct orl_seat_hours *hours;      /* likewise */
     struct orl_year *year;
     size_t seat, place; /* whose row comes next: of the seat its eye's, then its places' */
     float *eye, *eye_direct, *eye_error, *places; /* rows of a seat */
-    atomic_bool failed;                           /* for want of memory */
 };
 
-static void look_from(void *arg, size_t index, uint32_t member)
+static void view_seat(void *arg, size_t index, uint32_t member)
 {
     struct seating *s = arg;
-    struct orl_error err = {0};
+    const size_t seat = s->group + index;
     (void)member;
-    if (orl_seat_view_init(&s->views[index], &s->year->scene, &s->wish->seats[index],
-                           s->request.seed + index, &err) < 0)
-        atomic_store(&s->failed, true);
+    orl_seat_view_init(&s->views[index], &s->year->scene, &s->wish->seats[seat],
+                       s->request.seed + seat, s->year->env->run->crew, &s->errors[index]);
 }
 
-static int list_sensors(struct seating *s)
+static void leave_group(struct seating *s)
+{
+    for (size_t i = 0; i < s->n_group; i++) {
+        orl_seat_view_done(&s->views[i]);
+        s->views[i] = (struct orl_seat_view){.n_spots = 0};
+    }
+    s->n_group = 0;
+}
+
+/* Makes the views of the seats from that one on. */
+static int view_group(struct seating *s, size_t first, struct orl_error *err)
+{
+    const size_t left = s->wish->n_seats - first;
+    struct orl_crew *crew = s->year->env->run->crew;
+    leave_group(s);
+    memset(s->errors, 0, ORL_SEATS_AT_ONCE * sizeof *s->errors);
+    s->group = first;
+    s->n_group = left < ORL_SEATS_AT_ONCE ? left : ORL_SEATS_AT_ONCE;
+    const int code = orl_crew_try(crew, s->n_group, view_seat, s);
+    if (code < 0)
+        return orl_year_failed(s->year, code, err);
+    for (size_t i = 0; i < s->n_group; i++)
+        if (s->errors[i].code < 0) {
+            *err = s->errors[i];
+            return err->code;
+        }
+    return 0;
+}
+
+/* Appends the sensors of the group: of each seat its eye and its places. */
+static int add_sensors(struct seating *s)
 {
     const struct orl_vec3 center = s->year->world->geometry->center;
-    size_t n = 0;
-    for (size_t i = 0; i < s->wish->n_seats; i++)
+    size_t n = s->request.n_sensors;
+    for (size_t i = 0; i < s->n_group; i++)
         n += 1 + s->views[i].places.n_kept;
-    struct orl_sensor *sensors = s->request.sensors = calloc(n + 1, sizeof *sensors);
+    struct orl_sensor *sensors = realloc(s->request.sensors, n * sizeof *sensors);
     if (!sensors)
         return ORL_ERR_NOMEM;
+    s->request.sensors = sensors;
+    sensors += s->request.n_sensors;
     s->request.n_sensors = n;
-    for (size_t i = 0; i < s->wish->n_seats; i++) {
+    for (size_t i = 0; i < s->n_group; i++) {
         const struct orl_seat_places *p = &s->views[i].places;
-        *sensors++ = (struct orl_sensor){s->wish->seats[i].at, s->wish->seats[i].towards};
-        for (size_t k = 0; k < p->n_kept; k++) {
-            const struct orl_seat_found *found = &p->found[p->kept[k]];
-            *sensors++ = (struct orl_sensor){orl_add(found->point, center), found->facing};
-        }
+        const struct orl_seat *seat = &s->wish->seats[s->group + i];
+        s->n_places[s->group + i] = p->n_kept;
+        *sensors++ = (struct orl_sensor){seat->at, seat->towards};
+        for (size_t k = 0; k < p->n_kept; k++)
+            *sensors++ =
+                (struct orl_sensor){orl_add(p->sensors[k].point, center), p->sensors[k].facing};
     }
     return 0;
 }
@@ -65,7 +105,9 @@ static int make_rows(struct seating *s)
     s->places = calloc(n * ORL_SEAT_MOST_PLACES * 2, sizeof *s->places);
     s->wanted = malloc(n);
     s->now = malloc(n);
-    s->views = calloc(s->wish->n_seats + 1, sizeof *s->views);
+    s->views = calloc(ORL_SEATS_AT_ONCE, sizeof *s->views);
+    s->errors = calloc(ORL_SEATS_AT_ONCE, sizeof *s->errors);
+    s->n_places = calloc(s->wish->n_seats + 1, sizeof *s->n_places);
     s->hours = calloc(s->wish->n_seats + 1, sizeof *s->hours);
     for (size_t i = 0; s->hours && i < s->wish->n_seats; i++) {
         struct orl_seat_hours *h = &s->hours[i];
@@ -79,7 +121,7 @@ static int make_rows(struct seating *s)
             h->dgp[c] = h->low[c] = h->high[c] = h->eye_lx[c] = NAN;
     }
     return s->eye && s->eye_direct && s->eye_error && s->places && s->wanted && s->now &&
-                   s->views && s->hours
+                   s->views && s->errors && s->n_places && s->hours
                ? 0
                : ORL_ERR_NOMEM;
 }
@@ -94,29 +136,31 @@ static int seat_all(void *ctx, struct orl_year *y, struct orl_error *err)
         return code;
     if (y->hours.n_columns != s->result->n_columns)
         return orl_error_set(err, ORL_ERR_INVALID, "the weather file has changed under way");
-    code = orl_crew_try(y->env->run->crew, s->wish->n_seats, look_from, s);
-    if (code == 0 && atomic_load(&s->failed))
-        code = ORL_ERR_NOMEM;
-    if (code == 0)
-        code = list_sensors(s);
+    for (size_t i = 0; i < s->wish->n_seats && code == 0; i += ORL_SEATS_AT_ONCE) {
+        code = view_group(s, i, err);
+        if (code == 0 && add_sensors(s) < 0)
+            code = orl_year_no_memory(err);
+    }
     y->request = &s->request;
     y->result->n_sensors = s->request.n_sensors;
-    return code < 0 ? orl_year_failed(y, code, err) : 0;
+    return code;
 }
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 static int rate(struct seating *s, struct orl_error *err)
 {
+    const size_t in_group = s->seat % ORL_SEATS_AT_ONCE;
+    int code = s->group + in_group == s->seat ? 0 : view_group(s, s->seat, err);
+    if (code < 0)
+        return code;
     const struct orl_seat_light light = {.year = s->year,
                                          .wanted = s->now,
                                          .eye = s->eye,
                                          .eye_direct = s->eye_direct,
                                          .eye_error = s->eye_error,
                                          .places = s->places};
-    const int code = orl_seat_glare_find(&s->views[s->seat], &light, &s->hours[s->seat]);
-    orl_seat_view_done(&s->views[s->seat]);
-    s->views[s->seat] = (struct orl_seat_view){.n_spots = 0};
+    code = orl_seat_glare_find(&s->views[in_group], &light, &s->hours[s->seat]);
     s->seat++;
     s->place = 0;
     return code < 0 ? orl_year_failed(s->year, code, err) : 0;
@@ -140,7 +184,7 @@ static int take_row(void *ctx, size_t sensor, const float *total, const float *d
             all[c] = total[c];
         }
     }
-    return s->place++ == s->views[s->seat].places.n_kept ? rate(s, err) : 0;
+    return s->place++ == s->n_places[s->seat] ? rate(s, err) : 0;
 }
 
 /* ---- Runs ------------------------------------------------------------------------------------ */
@@ -192,6 +236,7 @@ static int run_states(struct seating *s, const struct orl_annual_request *reques
     s->seat = 0;
     if (code == 0)
         code = orl_year_run(&s->request, &env, &how, &result, err);
+    leave_group(s);
     free(s->request.sensors);
     orl_annual_done(&result);
     orl_annual_variant_done(&variant);
@@ -227,9 +272,9 @@ static int run_all(struct seating *s, const struct orl_annual_request *request,
 
 static void seating_done(struct seating *s)
 {
-    for (size_t i = 0; s->views && i < s->wish->n_seats; i++)
-        orl_seat_view_done(&s->views[i]);
     free(s->views);
+    free(s->errors);
+    free(s->n_places);
     free(s->wanted);
     free(s->now);
     free(s->eye);
