@@ -67,13 +67,21 @@ async function overtake(page, crowd) {
   await page.getByRole('status').getByText('Live').waitFor();
   await page.getByRole('link', { name: 'Jobs' }).click();
   while (!held.length) await page.waitForTimeout(10);
-  const events = await crowd.events();
+  await page.evaluate(() => {
+    const dispatch = EventTarget.prototype.dispatchEvent;
+    globalThis.told = [];
+    EventTarget.prototype.dispatchEvent = function (event) {
+      const result = dispatch.call(this, event);
+      if (event.detail?.name) globalThis.told.push(event.detail.name);
+      return result;
+    };
+  });
   const id = await crowd.submit(words('came meanwhile'));
   for (const job of jobs.slice(1)) await crowd.ask('POST', `/v1/jobs/${job.id}/cancel`);
   await crowd.ask('DELETE', `/v1/jobs/${jobs[2].id}`);
-  while (!events.told.has('holds the queue') || !events.told.has('came meanwhile')) await page.waitForTimeout(30);
-  events.close();
-  await page.waitForTimeout(300); // the page has heard of them, too
+  // Events keep their order: the page has heard all of these when it hears the next of the job that runs.
+  await page.evaluate(() => { globalThis.told = []; });
+  await page.waitForFunction(() => globalThis.told.includes('holds the queue'));
   release();
   await page.getByText(/^The newest 100/).waitFor();
   const rows = await page.locator('tbody tr').evaluateAll((all) => all.map((one) => [one.querySelector('a').getAttribute('href').split('/').pop(), one.dataset.state]));

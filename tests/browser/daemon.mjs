@@ -24,12 +24,27 @@ export const words = (text) => ({ name: text, sensors: SENSORS, technique: 'back
 export const LONG = { accuracy: { deadline_s: 3600 }, sensors: SENSORS };
 export const VIEW = { name: 'north', view: '-vtv -vp 1.5 .5 1.5 -vd 0 1 0', width: 64, height: 48 };
 
+// Below the range that connections and listeners on port 0 are given ports from (32768 and up): a daemon
+// that is killed finds its port free when it starts again.
 async function freePort() {
-  const server = createServer();
-  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
-  const { port } = server.address();
-  await new Promise((resolve) => server.close(resolve));
-  return port;
+  for (;;) {
+    const server = createServer(), port = 20000 + Math.floor(12000 * Math.random());
+    const free = await new Promise((resolve) => server.once('error', () => resolve(false)).listen(port, '127.0.0.1', () => resolve(true)));
+    if (!free) continue;
+    await new Promise((resolve) => server.close(resolve));
+    return port;
+  }
+}
+
+// Waits until what is read is as it should be, and fails with the last reading: pages draw later than
+// they receive, and how much later depends on what else the machine does.
+export async function until(read, holds, what = 'reading') {
+  for (const end = performance.now() + 90000; ;) {
+    const value = await read();
+    if (await holds(value)) return value;
+    if (performance.now() > end) throw new Error(`the ${what} is still ${JSON.stringify(value)}`);
+    await sleep(30);
+  }
 }
 
 export class Daemon {
@@ -46,7 +61,7 @@ export class Daemon {
     this.process = spawn(`${this.build}/orield`, arguments_, { stdio: ['ignore', 'ignore', 'inherit'] });
     this.end = null;
     this.ended = new Promise((resolve) => this.process.once('exit', (code, signal) => resolve(this.end = signal || `exit status ${code}`)));
-    for (let tries = 0; tries < 300; tries++) {
+    for (const end = performance.now() + 120000; performance.now() < end && !this.end;) {
       if (await fetch(`${this.url}/healthz`).then((answer) => answer.ok, () => false)) return this;
       await sleep(50);
     }
@@ -77,22 +92,6 @@ export class Daemon {
 
   async bytes(path) {
     return new Uint8Array(await (await fetch(this.url + path)).arrayBuffer());
-  }
-
-  // What jobs are told of from now on, as names.
-  async events() {
-    const abort = new AbortController();
-    const answer = await fetch(`${this.url}/v1/events`, { signal: abort.signal });
-    const told = new Set();
-    (async () => {
-      let text = '';
-      for await (const piece of answer.body.pipeThrough(new TextDecoderStream())) {
-        const lines = (text += piece).split('\n');
-        text = lines.pop();
-        for (const line of lines) if (line.startsWith('data: ')) told.add(JSON.parse(line.slice(6)).name);
-      }
-    })().catch(() => {});
-    return { told, close: () => abort.abort() };
   }
 
   async upload() {
