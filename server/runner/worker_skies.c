@@ -128,6 +128,8 @@ int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job
     if (rc == 0)
         rc = orl_job_output_list_sequence(p.results, worker->output, worker->files, err);
     const bool cancelled = rc == ORL_ERR_CANCELLED && !atomic_load(&worker->stopped);
+    if (cancelled)
+        orl_job_output_heed(NULL); /* the skies that are done stay: their list is short */
     if (rc == 0 || (cancelled && worker->skies_done > 0)) {
         const int written = orl_skies_output_write(p.results, rc == 0 ? "succeeded" : "cancelled",
                                                    job->n_skies, worker->output, worker->files,
