@@ -59,7 +59,7 @@ static pid_t find_check(const struct daemon *daemon)
 static pid_t await_check(const struct daemon *daemon, bool there, double seconds)
 {
     pid_t found = find_check(daemon);
-    for (int i = 0; (found != 0) != there && i < (int)(seconds * 50); i++) {
+    for (int i = 0; (found != 0) != there && i < (int)(seconds * 250); i++) {
         nanosleep(&(struct timespec){0, 20000000}, NULL);
         found = find_check(daemon);
     }
@@ -69,7 +69,7 @@ static pid_t await_check(const struct daemon *daemon, bool there, double seconds
 
 static void expect_gone(pid_t pid)
 {
-    for (int i = 0; kill(pid, 0) == 0 && i < 100; i++)
+    for (int i = 0; kill(pid, 0) == 0 && i < 3000; i++)
         nanosleep(&(struct timespec){0, 20000000}, NULL);
     assert_int_equal(kill(pid, 0), -1);
 }
@@ -79,7 +79,7 @@ static pid_t hold_check(const struct daemon *daemon)
 {
     const pid_t found = await_check(daemon, true, 20);
     kill(found, SIGSTOP);
-    for (int i = 0; find_check(daemon) == found && i < 100; i++)
+    for (int i = 0; find_check(daemon) == found && i < 3000; i++)
         nanosleep(&(struct timespec){0, 10000000}, NULL);
     return found;
 }
@@ -277,7 +277,7 @@ static void test_large_checks_leave_room(void **state)
     daemon_start(&daemon, little);
     make_bomb(&bomb, 2, 50000);
     const pid_t client = upload_beside(&daemon, &bomb, 413);
-    for (int i = 0; granted <= first && i < 1000; i++) {
+    for (int i = 0; granted <= first && i < 6000; i++) {
         struct reply reply;
         daemon_get(&daemon, "/metrics", &reply);
         const char *line = strstr(reply.body, "\noriel_memory_checks_bytes ");

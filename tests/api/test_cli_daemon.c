@@ -48,7 +48,7 @@ static void wait_until_listening(struct fixture *f)
     const struct timespec moment = {0, 20000000};
     char *text = malloc(CLI_OUTPUT_MAX);
 
-    for (int tries = 0; tries < 1000; tries++) {
+    for (int tries = 0; tries < 6000; tries++) {
         cli_peek(&f->daemon, text);
         if (sscanf(text, "listening on %100s", f->url) == 1 && strchr(text, '\n'))
             break;

@@ -48,7 +48,7 @@ static void get_below(struct daemon_room *f, const char *job, const char *what,
 /* Until a round is done, and its results are there. */
 static void wait_for_round(struct daemon_room *f, const char *job)
 {
-    for (int polls = 0; polls < 3000; polls++) {
+    for (int polls = 0; polls < 15000; polls++) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool there = reply_at(&reply, "links.result") != NULL;
@@ -65,7 +65,7 @@ static void wait_for_round(struct daemon_room *f, const char *job)
             return;
         nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
-    fail_msg("no round in a minute");
+    fail_msg("no round in five minutes");
 }
 
 static void cancel(struct daemon_room *f, const char *job)

@@ -227,7 +227,7 @@ static void *wait_for_build(void *arg)
  * often as before. */
 static void test_clock_put_back(void **state)
 {
-    enum { MOMENT_US = 20000, MOMENTS = 250 };
+    enum { MOMENT_US = 20000, MOMENTS = 3000 };
     static struct waiter waiter; /* outlives the test, should it fail */
     char path[4096];
     struct orl_map_info info;

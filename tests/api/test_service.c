@@ -99,7 +99,7 @@ static void reload(const struct daemon *daemon, const char *until)
 {
     const struct timespec moment = {0, 20000000};
     assert_int_equal(kill(daemon->pid, SIGHUP), 0);
-    for (int i = 0; i < 500 && !is_logged(daemon, until); i++)
+    for (int i = 0; i < 3000 && !is_logged(daemon, until); i++)
         nanosleep(&moment, NULL);
     assert_true(is_logged(daemon, until));
 }
@@ -208,7 +208,7 @@ static void test_retention(void **state)
         assert_int_equal(reply.status, 200);
         reply_done(&reply);
     }
-    for (int i = 0; i < 200 && count_jobs(&daemon) > KEPT; i++)
+    for (int i = 0; i < 3000 && count_jobs(&daemon) > KEPT; i++)
         nanosleep(&moment, NULL);
     assert_int_equal(count_jobs(&daemon), KEPT);
     daemon_get(&daemon, paths[1], &reply);

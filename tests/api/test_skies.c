@@ -89,7 +89,7 @@ static void expect_same(struct daemon_room *f, const char *one, const char *file
 /* Until so many skies are done. Does it run on? */
 static bool wait_for_skies(struct daemon_room *f, const char *job, double count)
 {
-    for (int polls = 0; polls < 3000; polls++) {
+    for (int polls = 0; polls < 15000; polls++) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool there = reply_number(&reply, "skies.done") >= count;
@@ -100,7 +100,7 @@ static bool wait_for_skies(struct daemon_room *f, const char *job, double count)
             return runs;
         nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
-    fail_msg("no sky in a minute");
+    fail_msg("no sky in five minutes");
     return false;
 }
 
@@ -221,7 +221,7 @@ static void test_other_programs_leave_nothing(void **state)
     struct daemon_room *f = *state;
     char job[80], path[256];
     submit(f, "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "]" VIEW("400"), job);
-    for (int i = 0; i < 3000 && written(f, "partial", job, "+0322-0930.+sensors.done") == 0; i++)
+    for (int i = 0; i < 15000 && written(f, "partial", job, "+0322-0930.+sensors.done") == 0; i++)
         nanosleep(&(struct timespec){0, 20000000}, NULL);
     const int64_t sensors = written(f, "partial", job, "0322-0930.+sensors");
     assert_true(sensors > 0);
@@ -232,7 +232,7 @@ static void test_other_programs_leave_nothing(void **state)
             overwrite(path);
         daemon_restart(&f->daemon, NULL);
         daemon_wait_running(&f->daemon, job, 1);
-        for (int k = 0; k < 3000 && written(f, "partial", job, "0322-0930.+sensors") == 0; k++)
+        for (int k = 0; k < 15000 && written(f, "partial", job, "0322-0930.+sensors") == 0; k++)
             nanosleep(&(struct timespec){0, 20000000}, NULL);
         assert_true((written(f, "partial", job, "0322-0930.+sensors") == sensors) == (i == 0));
     }
@@ -284,7 +284,7 @@ static void test_cancelled_between_skies(void **state)
 static double skies_until_end(struct daemon_room *f, const char *job)
 {
     double done = 0;
-    for (int polls = 0; polls < 6000; polls++) {
+    for (int polls = 0; polls < 15000; polls++) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool runs = strcmp(reply_text(&reply, "state"), "running") == 0 ||
@@ -297,7 +297,7 @@ static double skies_until_end(struct daemon_room *f, const char *job)
             return done;
         nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
-    fail_msg("no end in two minutes");
+    fail_msg("no end in five minutes");
     return 0;
 }
 

@@ -79,7 +79,7 @@ static void print_polls(struct daemon *daemon, const char *what)
 /* The slow outlast the idle time-out by a byte now and then, but not the daemon's patience. */
 static void test_slow_clients(void **state)
 {
-    enum { ROUNDS = 80 };
+    enum { ROUNDS = 400 };
     const struct timespec moment = {0, 250000000};
     struct daemon daemon;
     const char *const extra[] = {"--idle-timeout", "2", NULL};
@@ -148,7 +148,7 @@ static double longest_post(struct daemon *daemon)
  * loop turns on, and the connections are cut off although they are not silent. */
 static void test_endless_chunk_lines(void **state)
 {
-    enum { LINES = 4, PATIENCE_S = 20 };
+    enum { LINES = 4, PATIENCE_S = 100 };
     static const size_t lengths[LINES] = {32600, 33000, 100000, 100000};
     static const char head[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
                                "Transfer-Encoding: chunked\r\n\r\n1;";
@@ -160,14 +160,15 @@ static void test_endless_chunk_lines(void **state)
     (void)state;
     memset(line, 'x', sizeof line);
     daemon_start(&daemon, patient);
+    const double quiet_s = longest_post(&daemon);
     for (int i = 0; i < LINES; i++) {
         fds[i] = daemon_dial(&daemon);
         say(fds[i], head);
         (void)!send(fds[i], line, lengths[i], MSG_NOSIGNAL | MSG_DONTWAIT);
     }
     const double longest_s = longest_post(&daemon);
-    if (longest_s > 2)
-        fail_msg("a POST took %.1f s", longest_s);
+    if (longest_s > 2 + 10 * quiet_s)
+        fail_msg("a POST took %.1f s, %.1f s without them", longest_s, quiet_s);
     for (int round = 0; round < PATIENCE_S * 10 && open > 0; round++) {
         nanosleep(&moment, NULL);
         open = 0;
@@ -205,7 +206,7 @@ static void test_endless_chunk_lines_go_at_once(void **state)
         soonest = round < soonest ? round : soonest;
         close(fd);
     }
-    if (soonest > 60)
+    if (soonest > 190) /* three sweeps take at least two seconds */
         fail_msg("the soonest was cut off after %d ms", 10 * soonest);
     daemon_remove(&daemon);
 }
@@ -235,6 +236,7 @@ static void test_floods_leave_turns_to_others(void **state)
     struct daemon daemon;
     (void)state;
     daemon_start(&daemon, NULL);
+    const double quiet_s = longest_post(&daemon);
     const pid_t pid = fork();
     assert_true(pid >= 0);
     if (pid == 0) {
@@ -245,8 +247,8 @@ static void test_floods_leave_turns_to_others(void **state)
     const double longest_s = longest_post(&daemon);
     kill(pid, SIGKILL);
     waitpid(pid, NULL, 0);
-    if (longest_s > 2)
-        fail_msg("a POST took %.1f s", longest_s);
+    if (longest_s > 2 + 10 * quiet_s) /* a flood that has all turns lets none through */
+        fail_msg("a POST took %.1f s, %.1f s without a flood", longest_s, quiet_s);
     daemon_remove(&daemon);
 }
 
@@ -289,9 +291,14 @@ static void test_one_address_has_its_share(void **state)
         assert_false(is_closed(fds[i]));
         close(fds[i]);
     }
-    /* Those closed make room; when, is the daemon's affair. */
-    const struct timespec moment = {0, 200000000};
-    nanosleep(&moment, NULL);
+    /* Those closed make room as soon as the daemon has noticed. */
+    bool has_room = false;
+    for (int i = 0; i < 300 && !has_room; i++) {
+        const int next = daemon_dial(&daemon);
+        has_room = poll(&(struct pollfd){.fd = next, .events = POLLIN}, 1, 200) == 0;
+        close(next);
+    }
+    assert_true(has_room);
     daemon_get(&daemon, "/healthz", &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);

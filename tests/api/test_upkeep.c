@@ -146,7 +146,7 @@ static void test_daemon_scrubs(void **state)
     damage(f, blob);
     damage(f, "maps/*.opm");
     daemon_restart(&f->daemon, quick_scrub);
-    for (int i = 0; i < 400 && maps > 0; i++) {
+    for (int i = 0; i < 2400 && maps > 0; i++) {
         daemon_get(&f->daemon, "/v1/maps", &reply);
         maps = json_array_size(reply_at(&reply, "maps"));
         reply_done(&reply);

@@ -371,7 +371,7 @@ static void test_malformed_multipart(void **state)
 
 static bool tmp_is_empty_soon(struct daemon *daemon)
 {
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 1200; i++) {
         if (daemon_count_files(daemon, "tmp") == 0)
             return true;
         usleep(50000);

@@ -40,7 +40,7 @@ static void submit(struct daemon_room *f, const char *technique, const char *vie
 /* Until so many files are there to fetch. Does it run on? */
 static bool wait_for_files(struct daemon_room *f, const char *job, size_t count)
 {
-    for (int polls = 0; polls < 3000; polls++) {
+    for (int polls = 0; polls < 15000; polls++) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool there = json_array_size(reply_at(&reply, "links.files")) >= count;
@@ -51,7 +51,7 @@ static bool wait_for_files(struct daemon_room *f, const char *job, size_t count)
             return runs;
         nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
-    fail_msg("no view in a minute");
+    fail_msg("no view in five minutes");
     return false;
 }
 
