@@ -30,21 +30,22 @@ static bool is_xml(const char *name)
     return length > 4 && strcasecmp(name + length - 4, ".xml") == 0;
 }
 
-static int read_transmission(const struct summing *s, const char *name, const struct orl_file *file,
-                             struct orl_rgb_matrix *ret_matrix)
+static int read_transmission(const struct orl_run_env *run, const char *name,
+                             const struct orl_file *file, struct orl_rgb_matrix *ret_matrix,
+                             struct orl_error *err)
 {
     const struct orl_bsdf_xml xml = {.name = name,
                                      .data = file->data,
                                      .size = file->size,
-                                     .cancel = s->run->cancel,
-                                     .crew = s->run->crew};
+                                     .cancel = run->cancel,
+                                     .crew = run->crew};
     struct orl_rgb_matrix matrix = {.rows = 0};
     struct orl_bsdf *bsdf = NULL;
-    int code = orl_bsdf_load(&xml, &bsdf, s->err);
+    int code = orl_bsdf_load(&xml, &bsdf, err);
     if (code == 0) {
-        code = orl_bsdf_transmission(bsdf, &matrix.rows, &matrix.columns, &matrix.values, s->err);
+        code = orl_bsdf_transmission(bsdf, &matrix.rows, &matrix.columns, &matrix.values, err);
         if (code < 0)
-            orl_error_at(s->err, name, 0, "BSDF");
+            orl_error_at(err, name, 0, "BSDF");
     }
     orl_bsdf_unref(bsdf);
     if (code == 0)
@@ -52,20 +53,89 @@ static int read_transmission(const struct summing *s, const char *name, const st
     return code;
 }
 
-static int read_matrix(const struct summing *s, const char *name, bool transmission,
-                       struct orl_rgb_matrix *ret_matrix)
+static int read_file(const struct orl_run_env *run, const char *name, bool transmission,
+                     struct orl_rgb_matrix *ret_matrix, struct orl_error *err)
 {
-    const struct orl_files *files = s->run->files;
+    const struct orl_files *files = run->files;
     struct orl_file file;
-    if (orl_is_cancelled(s->run->cancel))
-        return orl_year_cancelled(s->err);
-    int code = files->open(files->ctx, name, &file, s->err);
+    int code = files->open(files->ctx, name, &file, err);
     if (code < 0)
         return code;
     code = transmission && is_xml(name)
-               ? read_transmission(s, name, &file, ret_matrix)
-               : orl_rgb_matrix_read(name, file.data, file.size, ret_matrix, s->err);
+               ? read_transmission(run, name, &file, ret_matrix, err)
+               : orl_rgb_matrix_read(name, file.data, file.size, ret_matrix, err);
     files->close(files->ctx, &file);
+    return code;
+}
+
+static int read_matrix(const struct summing *s, const char *name, bool transmission,
+                       struct orl_rgb_matrix *ret_matrix)
+{
+    if (orl_is_cancelled(s->run->cancel))
+        return orl_year_cancelled(s->err);
+    return read_file(s->run, name, transmission, ret_matrix, s->err);
+}
+
+/* ---- Sizes ----------------------------------------------------------------------------------- */
+
+/* Of a file that is read and let go; sizes of 0 for no file. */
+static int measure_file(const struct orl_run_env *run, const char *name, bool transmission,
+                        struct orl_rgb_matrix *ret_size, struct orl_error *err)
+{
+    *ret_size = (struct orl_rgb_matrix){.rows = 0};
+    const int code = name ? read_file(run, name, transmission, ret_size, err) : 0;
+    free(ret_size->values);
+    ret_size->values = NULL;
+    return code;
+}
+
+static uint64_t count_values(const struct orl_rgb_matrix *size)
+{
+    return (uint64_t)size->rows * size->columns;
+}
+
+/* Values of a term's files and of its products; sky: that of the term before, which is read once
+ * for both. */
+static int measure_term(const struct orl_run_env *run, const struct orl_matrix_term *term,
+                        const char **sky_name, struct orl_rgb_matrix *sky, uint64_t *ret_values,
+                        struct orl_error *err)
+{
+    const char *const names[] = {term->coefficients, term->view, term->transmission,
+                                 term->daylight};
+    enum { COEFFICIENTS, VIEW, TRANSMISSION, DAYLIGHT, FILES };
+    struct orl_rgb_matrix sizes[FILES];
+    uint64_t values = 0;
+    int code = 0;
+    for (int i = 0; i < FILES && code == 0; i++) {
+        code = measure_file(run, names[i], i == TRANSMISSION, &sizes[i], err);
+        values += code == 0 ? count_values(&sizes[i]) : 0;
+    }
+    if (code == 0 && (!*sky_name || strcmp(*sky_name, term->sky) != 0)) {
+        code = measure_file(run, term->sky, false, sky, err);
+        *sky_name = term->sky;
+    }
+    if (code == 0)
+        *ret_values =
+            values + count_values(sky) +
+            (uint64_t)sizes[VIEW].rows * (sizes[TRANSMISSION].columns + sizes[DAYLIGHT].columns);
+    return code;
+}
+
+int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
+                             const struct orl_files *files, uint64_t *ret_bytes,
+                             struct orl_error *err)
+{
+    const struct orl_run_env run = {.files = files};
+    struct orl_rgb_matrix sky = {.rows = 0};
+    const char *sky_name = NULL;
+    uint64_t most = 0, values = 0;
+    int code = 0;
+    for (size_t i = 0; i < count && code == 0; i++) {
+        code = measure_term(&run, &terms[i], &sky_name, &sky, &values, err);
+        most = code == 0 && values > most ? values : most;
+    }
+    if (code == 0)
+        *ret_bytes = most * 3 * sizeof(float);
     return code;
 }
 

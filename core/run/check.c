@@ -9,6 +9,7 @@
 #include "light/scene.h"
 #include "light/weather.h"
 #include "render/heat_map/section.h"
+#include "run/scene.h"
 #include "scene/geometry/placed.h"
 #include "scene/parse/parse.h"
 
@@ -69,18 +70,58 @@ int orl_prepare_thread(struct orl_error *err)
     return orl_geometry_prepare_thread(err);
 }
 
-/* *ret_scene is the caller's, or NULL. */
-static int read_scene(const char *const *main_files, size_t n_files, const struct orl_files *files,
-                      const atomic_bool *cancel, struct orl_scene **ret_scene,
-                      struct orl_error *err)
+/* *ret_scene is the caller's, or NULL. swaps: materials that shades give windows; or NULL. */
+static int read_swapped(const char *const *main_files, size_t n_files,
+                        const struct orl_files *files, const struct orl_swaps *swaps,
+                        const atomic_bool *cancel, struct orl_scene **ret_scene,
+                        struct orl_error *err)
 {
     struct orl_bsdf_loader loader = {.load = load_bsdf, .cancel = cancel};
     loader.ctx = &loader;
     struct orl_description description = {0};
+    struct orl_sources sources;
     *ret_scene = NULL;
-    const int code = orl_scene_parse_with(main_files, n_files, files, &loader, &description, err);
+    orl_sources_init(&sources, files, &loader, orl_arena_new());
+    int code =
+        orl_scene_parse_begun(main_files, n_files, &sources, swaps != NULL, &description, err);
     description.cancel = cancel;
+    if (code == 0 && swaps) {
+        code = orl_swaps_apply(swaps, n_files, &description, err);
+        if (code < 0)
+            orl_description_done(&description);
+    }
     return code ? code : orl_scene_new(&description, ret_scene, err);
+}
+
+static int read_scene(const char *const *main_files, size_t n_files, const struct orl_files *files,
+                      const atomic_bool *cancel, struct orl_scene **ret_scene,
+                      struct orl_error *err)
+{
+    return read_swapped(main_files, n_files, files, NULL, cancel, ret_scene, err);
+}
+
+int orl_run_measure_swapped(const char *const *main_files, size_t n_files,
+                            const struct orl_files *files, const struct orl_swaps *swaps,
+                            struct orl_scene_summary *ret_summary, struct orl_error *err)
+{
+    struct orl_scene_summary summary = {0};
+    struct orl_scene *scene = NULL;
+    const int code = read_swapped(main_files, n_files, files, swaps, NULL, &scene, err);
+    if (code == 0)
+        summarise(scene, &summary);
+    orl_scene_release(scene);
+    if (code == 0)
+        *ret_summary = summary;
+    return code;
+}
+
+int orl_views_check(const struct orl_job *job, const struct orl_files *files, struct orl_error *err)
+{
+    struct orl_view_request *views;
+    const int code = orl_run_views(job, files, &views, err);
+    if (views != job->views)
+        orl_run_views_done(job, views);
+    return code;
 }
 
 int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,

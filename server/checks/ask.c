@@ -95,20 +95,29 @@ int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brie
 }
 
 int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
-                   struct orl_job_inputs_found *ret_found, struct orl_error *err)
+                   const char *document, struct orl_job_inputs_found *ret_found,
+                   struct orl_error *err)
 {
     json_t *result = NULL;
-    json_int_t sensors = -1, rows = -1;
-    int rc = ask(asking,
-                 json_pack("{s:s, s:o, s:O}", "kind", "inputs", "files",
-                           orl_opened_to_json(&inputs->files), "uses", inputs->uses),
-                 &result, err);
-    if (rc == 0)
-        json_unpack(result, "[I, I]", &sensors, &rows);
-    if (rc == 0 && (sensors < 0 || rows < 0))
+    struct orl_job_inputs_found found = {0};
+    uint64_t *const places[] = {&found.sensors, &found.year_rows, &found.surfaces, &found.triangles,
+                                &found.matrix_bytes};
+    enum { PLACES = sizeof places / sizeof *places };
+    int rc =
+        ask(asking,
+            json_pack("{s:s, s:o, s:O*, s:s*}", "kind", "inputs", "files",
+                      orl_opened_to_json(&inputs->files), "uses", inputs->uses, "path", document),
+            &result, err);
+    bool good = rc == 0 && json_array_size(result) == PLACES;
+    for (size_t i = 0; i < PLACES && good; i++) {
+        const json_int_t value = json_integer_value(json_array_get(result, i));
+        good = value >= 0;
+        *places[i] = good ? (uint64_t)value : 0;
+    }
+    if (rc == 0 && !good)
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     if (rc == 0)
-        *ret_found = (struct orl_job_inputs_found){(uint64_t)sensors, (uint64_t)rows};
+        *ret_found = found;
     json_decref(result);
     return rc;
 }

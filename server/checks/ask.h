@@ -36,7 +36,8 @@ int orl_ask_plan(struct orl_asking *asking, const struct orl_bundle *scene, cons
                  char **ret_plans, struct orl_error *err);
 /* The files that a job names. */
 int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *inputs,
-                   struct orl_job_inputs_found *ret_found, struct orl_error *err);
+                   const char *document, struct orl_job_inputs_found *ret_found,
+                   struct orl_error *err);
 
 /* As orl_unzip (unzip.h). choice: of a project; NULL: all files are resources. */
 int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_folders *folders,

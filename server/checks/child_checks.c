@@ -15,6 +15,7 @@
 
 #include "bsdf_fit_json.h"
 #include "bsdf_json.h"
+#include "checks/child_document.h"
 #include "checks/child_looks.h"
 #include "checks/child_plan.h"
 #include "checks/confine.h"
@@ -339,7 +340,13 @@ static int check_inputs(struct check *check, json_t **ret_result, struct orl_err
     int rc = 0;
     for (size_t i = 0; i < json_array_size(uses) && rc == 0; i++)
         rc = read_use(&check->files, json_array_get(uses, i), &use, err);
-    *ret_result = rc ? NULL : json_pack("[I, I]", (json_int_t)use.sensors, (json_int_t)use.rows);
+    struct orl_job_inputs_found found = {.sensors = use.sensors, .year_rows = use.rows};
+    if (rc == 0 && check->files.single.data)
+        rc = orl_child_document(&check->files, &found, err);
+    *ret_result = rc ? NULL
+                     : json_pack("[I, I, I, I, I]", (json_int_t)found.sensors,
+                                 (json_int_t)found.year_rows, (json_int_t)found.surfaces,
+                                 (json_int_t)found.triangles, (json_int_t)found.matrix_bytes);
     return rc;
 }
 

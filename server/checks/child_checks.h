@@ -13,8 +13,8 @@
  *     files     "path", of {"files": [...], "bsdfs": {...}} -> the same, then {"resources": [...],
  *               "bsdfs": {...}}; of a Honeybee model -> its files, then {"model": true}
  *     roles     "files", "choice": {"states", "sky"} -> places of main ones among these, else 0
- *     inputs    "files", "uses": [[name, role, entry or null], ...] (job_inputs.h) -> [sensors of
- *               all files of them, rows of a year's weather]
+ *     inputs    "files", "uses": [[name, role, entry or null], ...], "path" of the document or none
+ *               -> what was found, in the order of struct orl_job_inputs_found (job_inputs.h)
  *     plan      "path", "files" -> child_plan.h
  *     outline   "files", "height"; polar: "path", "front", "theta_deg", "phi_deg" -> child_looks.h
  */

@@ -69,6 +69,7 @@ int orl_job_brief_read(const struct orl_file *document, struct orl_job_brief *re
     if (orl_kinds[task.kind].hour_bytes)
         brief.hour_bytes = orl_kinds[task.kind].hour_bytes(&task);
     orl_kinds[task.kind].needs(&task, &brief.needs);
+    brief.whole = orl_kinds[task.kind].whole && orl_kinds[task.kind].whole(&task);
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);
     rc = orl_task_files(&task, add_file, &brief, err);
     orl_task_done(&task);
@@ -97,13 +98,15 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
         }
     }
     return json_pack(
-        "{s:i, s:i, s:s*, s:s*, s:s, s:s, s:I, s:I, s:I, s:[I, I, I, I, I], s:o}", "kind",
-        (int)brief->kind, "priority", brief->priority, "name", brief->labels.name, "tags",
+        "{s:i, s:i, s:s*, s:s*, s:s, s:s, s:I, s:I, s:I, s:b, s:[I, I, I, I, I, I, I, I], s:o}",
+        "kind", (int)brief->kind, "priority", brief->priority, "name", brief->labels.name, "tags",
         brief->labels.tags, "scene", brief->scene, "identity", brief->identity, "result_bytes",
         (json_int_t)brief->result_bytes, "sensor_bytes", (json_int_t)brief->sensor_bytes,
-        "hour_bytes", (json_int_t)brief->hour_bytes, "needs", (json_int_t)needs->sensors,
-        (json_int_t)needs->photons, (json_int_t)needs->pixels, (json_int_t)needs->hour_bytes,
-        (json_int_t)needs->bsdf_made_bytes, "files", files);
+        "hour_bytes", (json_int_t)brief->hour_bytes, "whole", (int)brief->whole, "needs",
+        (json_int_t)needs->sensors, (json_int_t)needs->photons, (json_int_t)needs->pixels,
+        (json_int_t)needs->hour_bytes, (json_int_t)needs->bsdf_made_bytes,
+        (json_int_t)needs->mask_pixels, (json_int_t)needs->array_bytes, (json_int_t)needs->windows,
+        "files", files);
 }
 
 static int take_files(struct orl_job_brief *brief, const json_t *files, struct orl_error *err)
@@ -125,8 +128,9 @@ static int take_files(struct orl_job_brief *brief, const json_t *files, struct o
 
 static bool take_needs(struct orl_job_memory *needs, const json_t *numbers)
 {
-    uint64_t *const places[] = {&needs->sensors, &needs->photons, &needs->pixels,
-                                &needs->hour_bytes, &needs->bsdf_made_bytes};
+    uint64_t *const places[] = {&needs->sensors,     &needs->photons,         &needs->pixels,
+                                &needs->hour_bytes,  &needs->bsdf_made_bytes, &needs->mask_pixels,
+                                &needs->array_bytes, &needs->windows};
     enum { PLACES = sizeof places / sizeof *places };
     bool good = json_array_size(numbers) == PLACES;
     for (size_t i = 0; i < PLACES && good; i++) {
@@ -154,13 +158,13 @@ int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
     struct orl_job_brief brief = {0};
     const char *scene = NULL, *identity = NULL, *name = NULL, *tags = NULL;
     const json_t *files = NULL, *needs = NULL;
-    int kind = 0;
+    int kind = 0, whole = 0;
     json_int_t result_bytes = 0, sensor_bytes = 0, hour_bytes = 0;
     int rc = json_unpack(
-        (json_t *)(uintptr_t)json, "{s:i, s:i, s?s, s?s, s:s, s:s, s:I, s:I, s:I, s:o, s:o}",
+        (json_t *)(uintptr_t)json, "{s:i, s:i, s?s, s?s, s:s, s:s, s:I, s:I, s:I, s:b, s:o, s:o}",
         "kind", &kind, "priority", &brief.priority, "name", &name, "tags", &tags, "scene", &scene,
         "identity", &identity, "result_bytes", &result_bytes, "sensor_bytes", &sensor_bytes,
-        "hour_bytes", &hour_bytes, "needs", &needs, "files", &files);
+        "hour_bytes", &hour_bytes, "whole", &whole, "needs", &needs, "files", &files);
     if (rc || kind < 0 || kind >= ORL_TASK_KIND_COUNT || !orl_is_sha256(scene) ||
         (*identity && !orl_is_sha256(identity)) || brief.priority < 0 ||
         brief.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 ||
@@ -173,6 +177,7 @@ int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
     brief.result_bytes = (uint64_t)result_bytes;
     brief.sensor_bytes = (uint64_t)sensor_bytes;
     brief.hour_bytes = (uint64_t)hour_bytes;
+    brief.whole = whole != 0;
     rc = take_files(&brief, files, err);
     if (rc)
         orl_job_brief_done(&brief);

@@ -29,7 +29,9 @@ struct orl_job_brief {
     uint64_t sensor_bytes, hour_bytes; /* ... and as much for each of a file, and each hour of a
                                           year's with light */
     struct orl_job_memory needs;       /* by the document alone */
-    struct orl_named_file *files;      /* owned */
+    bool whole; /* its files are checked with the document and all of the scene's: shades, matrices
+                   of others, masks (child_document.h) */
+    struct orl_named_file *files; /* owned */
     size_t n_files, room;
 };
 

@@ -40,29 +40,44 @@ static int note_use(const struct orl_named_file *named, const char *name,
                : 0;
 }
 
+static int add_input(struct orl_bundle *files, const struct orl_bundle_file *file, bool resource,
+                     struct orl_error *err)
+{
+    return orl_bundle_add(files, file->name, resource, file->path, file->bytes, file->sha, false,
+                          err);
+}
+
+/* All of the scene's, in their order. */
+static int add_scene(const struct orl_bundle *scene, struct orl_job_inputs *inputs,
+                     struct orl_error *err)
+{
+    int rc = 0;
+    inputs->whole = true;
+    for (size_t i = 0; i < scene->count && rc == 0; i++)
+        rc = add_input(&inputs->files, &scene->files[i], scene->files[i].resource, err);
+    return rc;
+}
+
 int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bundle *scene,
                         struct orl_job_inputs *inputs, struct orl_error *err)
 {
     bool weather[ORL_LIMIT_SCENE_FILES] = {false}; /* all skies of a year name the same one */
     struct orl_bundle *files = &inputs->files;
-    for (size_t i = 0; i < brief->n_files; i++) {
+    int rc = brief->whole ? add_scene(scene, inputs, err) : 0;
+    for (size_t i = 0; i < brief->n_files && rc == 0; i++) {
         const struct orl_named_file *named = &brief->files[i];
         if (named->role == ORL_FILE_MASK || named->role == ORL_FILE_SCENE ||
             named->role == ORL_FILE_MATRIX || named->role == ORL_FILE_SCHEDULE)
-            continue; /* they are read when the job runs */
+            continue; /* they are read with the document */
         const struct orl_bundle_file *file = orl_bundle_find(scene, named->name);
         size_t at = 0;
         while (at < files->count && strcmp(files->files[at].name, file->name) != 0)
             at++;
-        int rc = at < files->count ? 0
-                                   : orl_bundle_add(files, file->name, true, file->path,
-                                                    file->bytes, file->sha, false, err);
+        rc = at < files->count ? 0 : add_input(files, file, true, err);
         const bool again = rc == 0 && named->role == ORL_FILE_WEATHER && weather[at];
         if (rc == 0 && !again)
             rc = note_use(named, file->name, inputs, err);
-        if (rc)
-            return rc;
         weather[at] = weather[at] || named->role == ORL_FILE_WEATHER;
     }
-    return 0;
+    return rc;
 }

@@ -84,7 +84,13 @@ static void check_document(struct orl_request *request)
 static void check_inputs(struct orl_request *request)
 {
     struct job_post *post = request->state;
-    post->rc = orl_ask_inputs(&post->check.asking, &post->inputs, &post->found, &post->err);
+    const char *document = NULL;
+    post->rc = post->inputs.whole
+                   ? orl_body_file(&request->body, &request->server->folders, &document, &post->err)
+                   : 0;
+    if (post->rc == 0)
+        post->rc =
+            orl_ask_inputs(&post->check.asking, &post->inputs, document, &post->found, &post->err);
 }
 
 static void keep_document(struct orl_request *request)
@@ -176,6 +182,11 @@ static uint64_t number_at(const json_t *object, const char *name)
     return (uint64_t)json_integer_value(json_object_get(object, name));
 }
 
+static uint64_t larger(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
 /* Of a row of measurements with its mirror images, while they are fitted. */
 enum { MEASURED_ROW = 400 };
 
@@ -193,8 +204,9 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     if (found && !summary)
         return orl_error_set(&post->err, ORL_ERR_NOMEM, "out of memory");
     post->memory = post->brief.needs;
-    post->memory.surfaces = number_at(summary, "surfaces");
-    post->memory.triangles = number_at(summary, "triangles");
+    post->memory.surfaces = larger(number_at(summary, "surfaces"), post->found.surfaces);
+    post->memory.triangles = larger(number_at(summary, "triangles"), post->found.triangles);
+    post->memory.matrix_bytes = post->found.matrix_bytes;
     post->memory.file_sensors = post->found.sensors;
     post->memory.year_rows = post->found.year_rows;
     const struct orl_contents contents = {
@@ -259,7 +271,8 @@ static void submit(struct orl_request *request)
         post->rc = check_references(request->server, post);
     /* Sensors of a file are counted by now, and hours of a year. */
     const uint64_t read_bytes = post->brief.sensor_bytes * post->found.sensors +
-                                post->brief.hour_bytes * orl_job_memory_hours(&post->memory);
+                                post->brief.hour_bytes * orl_job_memory_hours(&post->memory) +
+                                ORL_MATRIX_CHANNELS * orl_job_memory_windows(&post->memory);
     const uint64_t result_bytes = post->brief.result_bytes + read_bytes;
     if (post->rc == 0 && read_bytes > 0 && orl_reply_if_full(request, result_bytes))
         return;

@@ -2,7 +2,9 @@
 
 #include <stdio.h>
 
-enum { PARTS = 9 };
+#include <oriel/annual_phases.h>
+
+enum { PARTS = 13 };
 
 struct part {
     const char *name; /* of many */
@@ -14,10 +16,19 @@ uint64_t orl_job_memory_hours(const struct orl_job_memory *needs)
     return needs->year_rows * 6 / 10 * (needs->sensors + needs->file_sensors);
 }
 
+uint64_t orl_job_memory_windows(const struct orl_job_memory *needs)
+{
+    const uint64_t cells = ORL_PHASES_CELLS, patches = ORL_ANNUAL_PATCHES;
+    const uint64_t windows = needs->windows < needs->surfaces ? needs->windows : needs->surfaces;
+    const uint64_t sensors = needs->sensors + needs->file_sensors;
+    return windows * sizeof(float) * (cells * cells + 2 * cells * patches + 2 * cells * sensors);
+}
+
 static void list_parts(const struct orl_job_memory *needs, struct part ret_parts[PARTS])
 {
     enum { SURFACE = 400, TRIANGLE = 300, BSDF = 8, PHOTON = 60, SENSOR = 1300, PIXEL = 64 };
-    enum { FILE_SENSOR = 900, ROW = 16 << 10 };
+    enum { FILE_SENSOR = 900, ROW = 16 << 10, MASK_PIXEL = 24 };
+    const uint64_t arrays = needs->array_bytes * (needs->sensors + needs->file_sensors);
     const uint64_t hours = orl_job_memory_hours(needs);
     ret_parts[0] = (struct part){"surfaces", needs->surfaces, SURFACE * needs->surfaces};
     ret_parts[1] = (struct part){"triangles", needs->triangles, TRIANGLE * needs->triangles};
@@ -29,6 +40,13 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
     ret_parts[6] = (struct part){"rows of weather", needs->year_rows, ROW * needs->year_rows};
     ret_parts[7] = (struct part){"hours of sensors", hours, needs->hour_bytes * hours};
     ret_parts[8] = (struct part){"bytes of values", needs->bsdf_made_bytes, needs->bsdf_made_bytes};
+    ret_parts[9] =
+        (struct part){"pixels of masks", needs->mask_pixels, MASK_PIXEL * needs->mask_pixels};
+    ret_parts[10] = (struct part){"bytes of sensors' matrices", arrays, arrays};
+    ret_parts[11] =
+        (struct part){"windows with matrices", needs->windows, orl_job_memory_windows(needs)};
+    ret_parts[12] =
+        (struct part){"bytes of given matrices", needs->matrix_bytes, needs->matrix_bytes};
 }
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs)

@@ -25,7 +25,17 @@ struct orl_job_memory {
     uint64_t year_rows;       /* of the weather of a year; 0: it is none */
     uint64_t hour_bytes;      /* ... that each of its sensors takes for an hour with light */
     uint64_t bsdf_made_bytes; /* of a panel's BSDF that is made: all of it at once, at most */
+    uint64_t mask_pixels;     /* of the largest mask of glare */
+    uint64_t array_bytes;     /* of a sensor, of matrices that are results */
+    uint64_t windows;         /* at most, that have matrices of phases; 0: they are not asked for */
+    uint64_t matrix_bytes;    /* of others' matrices, with their products */
 };
+
+/* Files of matrices have so many floats for each value in memory. */
+enum { ORL_MATRIX_CHANNELS = 3 };
+
+/* In memory, of windows' matrices of phases: no more windows than surfaces. */
+uint64_t orl_job_memory_windows(const struct orl_job_memory *needs);
 
 /* Hours with light of all sensors of a year together, at most. */
 uint64_t orl_job_memory_hours(const struct orl_job_memory *needs);

@@ -1,5 +1,7 @@
 #include "runner/kinds.h"
 
+#include <oriel/annual_phases.h>
+
 #include "process/limits.h"
 
 /* Measurements are no scene. */
@@ -77,7 +79,18 @@ static void render_needs(const struct orl_task *task, struct orl_job_memory *ret
     for (size_t i = 0; i < job->n_views; i++) {
         const uint64_t pixels = (uint64_t)job->views[i].width * job->views[i].height;
         ret_needs->pixels = pixels > ret_needs->pixels ? pixels : ret_needs->pixels;
+        if (job->views[i].glare.mask[0] && pixels > ret_needs->mask_pixels)
+            ret_needs->mask_pixels = pixels;
     }
+}
+
+static bool has_masks(const struct orl_task *task)
+{
+    const struct orl_job *job = orl_task_job(task);
+    for (size_t i = 0; i < job->n_views; i++)
+        if (job->views[i].glare.mask[0])
+            return true;
+    return false;
 }
 
 /* ---- Studies --------------------------------------------------------------------------------- */
@@ -161,9 +174,18 @@ static uint64_t annual_hour_bytes(const struct orl_task *task)
     return KEPT_HOUR * annual_runs(&task->of.annual.request) + series * SERIES_HOUR;
 }
 
+/* Matrices of floats that are kept until the job ends, without windows' own; of a sensor. */
+static uint64_t annual_array_bytes(const struct orl_annual_formats *formats)
+{
+    const uint64_t values = (formats->coefficients ? (uint64_t)ORL_ANNUAL_PATCHES : 0) +
+                            (formats->phases ? (uint64_t)ORL_PHASES_SUNS : 0);
+    return values * sizeof(float);
+}
+
 static uint64_t annual_sensor_bytes(const struct orl_task *task)
 {
-    return (MAP_SENSOR + FIGURE) * (uint64_t)task->of.annual.wishes.n_metrics;
+    return (MAP_SENSOR + FIGURE) * (uint64_t)task->of.annual.wishes.n_metrics +
+           ORL_MATRIX_CHANNELS * annual_array_bytes(&task->of.annual.formats);
 }
 
 static uint64_t annual_result_bytes(const struct orl_task *task)
@@ -182,6 +204,15 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
      * state of shades beside the open one, in each round. */
     const uint64_t rounds = job->wishes.until ? 2 : 1, states = job->request.n_groups > 0 ? 2 : 1;
     ret_needs->hour_bytes = KEPT_HOUR * (rounds + states - 1);
+    ret_needs->hour_bytes += job->request.n_terms > 0 ? sizeof(double) : 0; /* sums of products */
+    ret_needs->array_bytes = annual_array_bytes(&job->formats);
+    ret_needs->windows = job->formats.phases ? ORL_PHASES_MOST_WINDOWS : 0;
+}
+
+static bool annual_whole(const struct orl_task *task)
+{
+    const struct orl_annual_request *request = &task->of.annual.request;
+    return request->n_groups > 0 || request->n_terms > 0;
 }
 
 /* ---- BSDFs of panels ------------------------------------------------------------------------- */
@@ -275,17 +306,20 @@ const struct orl_kind orl_kinds[ORL_TASK_KIND_COUNT] = {
     [ORL_TASK_RENDER] = {.result_bytes = render_result_bytes,
                          .sensor_bytes = render_sensor_bytes,
                          .needs = render_needs,
+                         .whole = has_masks,
                          .suits = any_scene_suits},
     [ORL_TASK_STUDY] = {.admit = admit_study,
                         .result_bytes = study_result_bytes,
                         .sensor_bytes = study_sensor_bytes,
                         .needs = study_needs,
+                        .whole = has_masks,
                         .suits = any_scene_suits},
     [ORL_TASK_ANNUAL] = {.admit = admit_annual,
                          .result_bytes = annual_result_bytes,
                          .sensor_bytes = annual_sensor_bytes,
                          .hour_bytes = annual_hour_bytes,
                          .needs = annual_needs,
+                         .whole = annual_whole,
                          .suits = annual_suits},
     [ORL_TASK_BSDF_MAKE] = {.result_bytes = bsdf_result_bytes,
                             .sensor_bytes = bsdf_sensor_bytes,

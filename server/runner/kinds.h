@@ -28,6 +28,8 @@ struct orl_kind {
     uint64_t (*hour_bytes)(const struct orl_task *task);
     /* What it asks for, which memory goes by; nothing is set yet. */
     void (*needs)(const struct orl_task *task, struct orl_job_memory *ret_needs);
+    /* Some of its files are checked together with the document and the scene. NULL: none. */
+    bool (*whole)(const struct orl_task *task);
     /* Whether what was uploaded suits it. */
     int (*suits)(const struct orl_contents *contents, struct orl_error *err);
 };

@@ -18,6 +18,10 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/error.h>
+#include <oriel/files.h>
 
 enum { ORL_MATRICES_MOST_TERMS = 256 };
 
@@ -30,5 +34,11 @@ struct orl_matrix_term {
     bool subtract;
 };
 void orl_matrix_term_done(struct orl_matrix_term *term); /* NULL and zeros are fine */
+
+/* Reads the matrices of all terms, one file at a time, and tells how many bytes the term with the
+ * most takes in memory, with its products and sky. Errors are those of reading them. */
+int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
+                             const struct orl_files *files, uint64_t *ret_bytes,
+                             struct orl_error *err);
 
 #endif

@@ -105,4 +105,16 @@ struct orl_annual_request;
  * ORL_ERR_INVALID, _LIMIT, _RANGE. */
 int orl_shades_validate(const struct orl_annual_request *request, struct orl_error *err);
 
+struct orl_files;
+struct orl_scene_size {
+    uint64_t surfaces, triangles; /* what is kept once for several places is counted once */
+};
+/*
+ * Reads the scene with every state of every group, as the year would, and bounds what the largest
+ * combination of states holds. Errors are those of reading a scene, and of windows and materials
+ * that it does not have. It takes as many readings as the group with the most has states.
+ */
+int orl_shades_measure(const struct orl_annual_request *request, const struct orl_files *files,
+                       struct orl_scene_size *ret_largest, struct orl_error *err);
+
 #endif

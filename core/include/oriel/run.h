@@ -443,5 +443,8 @@ int orl_scene_guess_main(const char *const *names, size_t count, const struct or
 int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,
                       struct orl_error *err);
 int orl_weather_check(const char *name, const char *text, size_t size, struct orl_error *err);
+/* Reads what the job's views name, lines of views and masks of glare, as the job would. */
+int orl_views_check(const struct orl_job *job, const struct orl_files *files,
+                    struct orl_error *err);
 
 #endif
