@@ -134,12 +134,12 @@ void orl_crew_heed(struct orl_crew *crew, const atomic_bool *cancel)
 
 bool orl_crew_cancelled(const struct orl_crew *crew)
 {
-    return orl_is_cancelled(crew->heeded);
+    return crew && orl_is_cancelled(crew->heeded);
 }
 
 int orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)
 {
-    run_loop(crew, count, body, arg, crew->heeded);
+    run_loop(crew, count, body, arg, crew ? crew->heeded : NULL);
     return orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : 0;
 }
 

@@ -6,7 +6,10 @@
 #include "run/stages.h"
 #include "scene/geometry/stand.h"
 
-enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048, VIEW_PROBES = 64 };
+enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048 };
+
+/* So many times the geometry's resolution away from a surface an eye is clear of it. */
+static const double clear_of_surfaces = 10;
 
 /* Shares from which on a warning is due. */
 static const double many_leaks = 1e-6, grave_leaks = 1e-3, much_flux = 1e-4, many_paths = 1e-3,
@@ -96,30 +99,35 @@ bool orl_run_is_dark(struct orl_run_state *state)
     return dark;
 }
 
-/* Whether some surface is so close that it is chance which of its sides the eye is on. */
-static bool lies_on_surface(const struct orl_geometry *g, struct orl_vec3 point)
+static void judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view)
 {
-    for (int i = 0; i < VIEW_PROBES; i++) {
-        const double z = 1 - (2 * i + 1.0) / VIEW_PROBES, s = sqrt(1 - z * z);
-        const double phi = 2.399963229728653 * i; /* the golden angle */
-        if (orl_geometry_occluded(g, point, orl_v3(s * cos(phi), s * sin(phi), z),
-                                  g->radius * 0x1p-18))
-            return true;
-    }
-    return false;
-}
-
-void orl_run_judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view)
-{
+    const struct orl_world *world = state->world;
     const struct orl_outlook outlook = {moved(state, view->point), {0, 0, 0}};
+    struct orl_touch touch;
     if (view->type == 'l' || view->backs_unseen)
         return;
-    if (lies_on_surface(state->world->geometry, outlook.point))
-        orl_run_warn(state, "view '%s': the eye lies on a surface: which side it sees is chance",
-                     name);
-    else if (!orl_light_reaches(state->world, &outlook, 1, VIEW_PATHS, state->env->crew))
-        orl_run_warn(
+    if (orl_touches_surface(world->geometry, outlook.point, &touch)) {
+        const struct orl_surface_label label = orl_scene_label_of(world->scene, touch.facet);
+        orl_run_warn_once(state,
+                          "view '%s': the eye lies on a surface, '%.100s' (%.100s:%d), %.2g m from "
+                          "it: which side it sees is chance; move the eye at least %.1g m away "
+                          "from the surface",
+                          name, label.name, label.file, label.line, touch.distance,
+                          clear_of_surfaces * orl_geometry_resolution(world->geometry));
+    } else if (!orl_light_reaches(world, &outlook, 1, VIEW_PATHS, state->env->crew)) {
+        orl_run_warn_once(
             state, "view '%s': no light reaches the eye: it may be inside a solid or a wall", name);
+    }
+}
+
+void orl_run_judge_views(struct orl_run_state *state)
+{
+    const struct orl_job *job = state->job;
+    for (size_t i = 0; i < job->n_views && !orl_crew_cancelled(state->env->crew); i++) {
+        struct orl_view view;
+        if (orl_view_parse(job->views[i].view, &view, NULL) == 0)
+            judge_view(state, job->views[i].name, &view);
+    }
 }
 
 /* ---- The verdict ----------------------------------------------------------------------------- */

@@ -96,8 +96,10 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     for (int i = 0; i < ORL_EFFECT_COUNT && code == 0; i++)
         if (plan->effects[i].wish == ORL_WISH_SKIP)
             judge_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);
-    if (code == 0)
+    if (code == 0) {
         judge_light(state);
+        orl_run_judge_views(state);
+    }
     orl_run_guess_costs(state);
     if (code == 0 && plan->foresight.made)
         orl_run_foresee(state);

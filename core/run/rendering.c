@@ -117,8 +117,6 @@ int orl_open_view(struct orl_run_state *state, size_t index, struct orl_view *re
     if (state->result->n_views <= index)
         state->result->n_views = index + 1;
     int code = orl_view_parse(request->view, ret_view, err);
-    if (code == 0)
-        orl_run_judge_view(state, request->name, ret_view);
     return code == 0 ? orl_film_init(ret_film, request->width, request->height, err) : code;
 }
 

@@ -121,8 +121,8 @@ void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *sc
  * so in a warning. */
 bool orl_run_is_dark(struct orl_run_state *state);
 
-/* Warns of an eye inside a solid, in a wall or on a surface. */
-void orl_run_judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view);
+/* In the plan stage: warns of eyes inside a solid, in a wall or on a surface. */
+void orl_run_judge_views(struct orl_run_state *state);
 
 /* At the end: warns of sensors and views without light among others; without any it is an error,
  * ORL_ERR_UNLIT, unless the job expects that, or it is night. */

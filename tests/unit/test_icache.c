@@ -1,4 +1,5 @@
-/* Irradiance records: whom they serve, how gradients carry them, how neighbours hold them back. */
+/* Irradiance records: whom they serve, how gradients carry them, how neighbours hold them back, and
+ * what that takes when all stand in one place. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,7 +7,10 @@
 
 #include <cmocka.h>
 
-#include "render/gather/icache.h"
+#include <stdlib.h>
+
+#include "render/gather/icache_visit.h"
+#include "render/gather/record.h"
 #include "support/scene_text.h"
 
 /* On the plane z = 0, seen from above. */
@@ -95,7 +99,7 @@ static void test_hold_back(void **state)
     struct orl_icache cache;
     (void)state;
     fill(&cache, records, 4);
-    assert_int_equal(orl_icache_hold_back(&cache), 0);
+    assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     assert_true(fabs(cache.records[0].radius - 0.7) < 1e-12);
     assert_true(fabs(cache.records[1].radius - 0.2) < 1e-12);
     assert_true(fabs(cache.records[2].radius - 4) < 1e-12);
@@ -127,8 +131,8 @@ static void test_order(void **state)
     fill(&one, records, COUNT);
     fill(&other, reversed, COUNT);
     for (int round = 0; round < 2; round++) {
-        assert_int_equal(orl_icache_hold_back(&one), 0);
-        assert_int_equal(orl_icache_hold_back(&other), 0);
+        assert_int_equal(orl_icache_hold_back(&one, NULL), 0);
+        assert_int_equal(orl_icache_hold_back(&other, NULL), 0);
     }
     int held = 0;
     for (int i = 0; i < COUNT; i++) {
@@ -139,6 +143,175 @@ static void test_order(void **state)
     orl_icache_done(&one);
     orl_icache_done(&other);
 }
+
+/* ---- Many records in one place --------------------------------------------------------------- */
+
+enum { MANY = 100000 };
+
+/* In a cube of that side, with radii between two bounds. */
+static struct orl_record *crowd(double side, double least, double most)
+{
+    struct orl_record *records = malloc(MANY * sizeof *records);
+    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_BENCH, 0);
+    assert_non_null(records);
+    for (int i = 0; i < MANY; i++) {
+        const double x = side * orl_random_uniform(&random), y = side * orl_random_uniform(&random);
+        records[i] = record_at(x, y, 0, 1);
+        records[i].radius = least + (most - least) * orl_random_uniform(&random);
+        records[i].least = 0;
+    }
+    return records;
+}
+
+static size_t visits_about(const struct orl_icache *cache, const struct orl_place *place)
+{
+    struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
+    size_t visits = 0;
+    while (orl_icache_visit_next(&v) != ORL_ICACHE_NOTHING)
+        visits++;
+    return visits;
+}
+
+/* What neighbour clamping looks at for each of the first so many records. */
+static double looks_of(struct orl_record *records, size_t count)
+{
+    struct orl_icache cache;
+    fill(&cache, records, count);
+    assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
+    const double looks = (double)cache.looked / (double)count;
+    if (count == MANY)
+        memcpy(records, cache.records, count * sizeof *records);
+    orl_icache_done(&cache);
+    return looks;
+}
+
+/*
+ * For four times as many records n log n allows each log 100000 / log 25000 = 1.14 times as many
+ * looks; every pair would be 4 times as many.
+ */
+static const double most_growth = 1.5;
+
+/* Every record of radius 0, as an eye in the plane of a wall makes them: they serve no place. */
+static void test_radius_zero(void **state)
+{
+    struct orl_record *records = crowd(0, 0, 0);
+    struct orl_icache cache;
+    (void)state;
+    fill(&cache, records, MANY);
+    assert_int_equal(visits_about(&cache, &records[0].place), 0);
+    assert_false(orl_icache_serves(&cache, &records[0].place));
+    assert_false(orl_icache_reaches(&cache, &records[0].place));
+    orl_icache_done(&cache);
+    assert_true(looks_of(records, MANY) == 1); /* at the root of the tree */
+    free(records);
+}
+
+/* All within the reach of each other: one radius, which holds none back, and all kinds. */
+static void test_crowds(void **state)
+{
+    static const double radii[][2] = {{0.01, 0.01}, {0.01, 0.02}, {0.01, 100}};
+    (void)state;
+    for (size_t i = 0; i < sizeof radii / sizeof *radii; i++) {
+        struct orl_record *records = crowd(1e-3, radii[i][0], radii[i][1]);
+        const double fewer = looks_of(records, MANY / 4), looks = looks_of(records, MANY);
+        print_message("# radii of %g to %g: %.1f looks a record, of a quarter of them %.1f\n",
+                      radii[i][0], radii[i][1], looks, fewer);
+        assert_true(looks <= most_growth * fewer && looks < 0.01 * MANY);
+        for (int k = 0; k < MANY; k++)
+            assert_true(records[k].radius >= radii[i][0] && records[k].radius < 0.02);
+        free(records);
+    }
+}
+
+/* Against every pair, for records all over a room with normals of three walls. */
+static void test_against_pairs(void **state)
+{
+    enum { COUNT = 600 };
+    struct orl_record records[COUNT];
+    struct orl_icache cache;
+    struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 0);
+    int held = 0;
+    (void)state;
+    for (int i = 0; i < COUNT; i++) {
+        const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
+        const struct orl_vec3 points[3] = {{u, v, 0}, {u, 0, v}, {0, u, v}};
+        const struct orl_vec3 normals[3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
+        const double radius = orl_random_uniform(&random);
+        records[i] = record_at(0, 0, 2 * radius * radius, 1);
+        records[i].place.point = points[i % 3];
+        records[i].place.normal = normals[i % 3];
+    }
+    fill(&cache, records, COUNT);
+    assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
+    for (int i = 0; i < COUNT; i++) {
+        double radius = records[i].radius;
+        for (int k = 0; k < COUNT; k++)
+            if (k != i && orl_record_serves(&records[i], &records[k].place))
+                radius =
+                    fmin(radius,
+                         orl_record_served(&records[k]) +
+                             orl_length(orl_sub(records[i].place.point, records[k].place.point)));
+        assert_true(cache.records[i].radius == radius);
+        held += radius < records[i].radius;
+    }
+    assert_true(held > COUNT / 4);
+    orl_icache_done(&cache);
+}
+
+/* Far from the origin and as small as numbers get: no cell's number overflows. */
+static void test_tiny_and_far(void **state)
+{
+    struct orl_record records[2] = {record_at(1e12, -1e12, 1e-300, 1), record_at(3, 4, 1e-9, 1)};
+    struct orl_icache cache;
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        records[i].least = 0;
+    fill(&cache, records, 2);
+    for (int i = 0; i < 2; i++)
+        assert_true(orl_icache_serves(&cache, &records[i].place));
+    assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
+    orl_icache_done(&cache);
+}
+
+/* Records to be made: of those in one place one is left, of those a pixel apart all. */
+static void test_thinning(void **state)
+{
+    const struct orl_grain grain = {.angle = 1e-3};
+    const double pixel = 2 * grain.angle, least = orl_record_least(&grain, 2);
+    struct orl_record *records = crowd(0.01 * pixel, 0, 0);
+    size_t count = MANY;
+    (void)state;
+    for (size_t i = 0; i < MANY; i++)
+        records[i].least = least;
+    records[MANY / 2].place.normal = orl_v3(0, 0, -1);
+    assert_int_equal(orl_records_thin(records, &count), 0);
+    assert_in_range(count, 2, 8 + 1); /* cells have corners */
+    count = 100 * 100;
+    for (size_t i = 0; i < count; i++) {
+        records[i] = record_at((double)(i % 100) * pixel, (double)i / 100 * pixel, 1, (double)i);
+        records[i].least = least;
+    }
+    assert_int_equal(orl_records_thin(records, &count), 0);
+    assert_int_equal(count, 100 * 100);
+    for (size_t i = 0; i < count; i++)
+        assert_true(records[i].irradiance.r == (double)i);
+    free(records);
+}
+
+/* An eye on a surface: what lies nearer to it than geometry can tell has a radius, too. */
+static void test_least_radius(void **state)
+{
+    const struct orl_grain eye = {.angle = 1e-3, .nearest = 1e-4};
+    const struct orl_grain clipped = {.angle = 1e-3, .start = 2, .nearest = 1e-4};
+    const struct orl_grain usual = {.angle = 1e-3};
+    (void)state;
+    assert_true(orl_record_least(&eye, 0) == orl_record_least(&usual, 1e-4));
+    assert_true(orl_record_least(&eye, 3) == orl_record_least(&usual, 3));
+    assert_true(orl_record_least(&clipped, 0) == orl_record_least(&usual, 2));
+    assert_true(orl_record_least(&clipped, 1) == orl_record_least(&usual, 3));
+}
+
+/* ---- Between a record and a place ------------------------------------------------------------ */
 
 /* What a record has seen near it ends its reach: a board between it and a place, on end at x = 0.
  */
@@ -171,7 +344,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reach_and_gradient), cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_hold_back), cmocka_unit_test(test_order),
+        cmocka_unit_test(test_hold_back),          cmocka_unit_test(test_order),
+        cmocka_unit_test(test_radius_zero),        cmocka_unit_test(test_crowds),
+        cmocka_unit_test(test_against_pairs),      cmocka_unit_test(test_tiny_and_far),
+        cmocka_unit_test(test_thinning),           cmocka_unit_test(test_least_radius),
         cmocka_unit_test(test_board_between)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -45,7 +45,7 @@ void orl_crew_heed(struct orl_crew *crew, const atomic_bool *cancel);
 bool orl_crew_cancelled(const struct orl_crew *crew);
 /*
  * The same as orl_crew_for until what the crew heeds is set: then iterations are left out, and it
- * returns ORL_ERR_CANCELLED; else 0.
+ * returns ORL_ERR_CANCELLED; else 0. Without a crew (NULL) nothing is heeded.
  */
 int orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
 

@@ -33,7 +33,7 @@ int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, s
     return 0;
 }
 
-static double radius_served(const struct orl_record *record)
+double orl_record_served(const struct orl_record *record)
 {
     return fmax(record->radius, record->least);
 }
@@ -50,11 +50,31 @@ static double reach_of(const struct orl_record *record)
     return ORL_ICACHE_ACCURACY * radius_read(record);
 }
 
-static int level_of(const struct orl_record *record)
+static int exponent_of(double value)
 {
     int exponent;
-    frexp(2 * reach_of(record), &exponent);
+    frexp(value, &exponent);
     return exponent;
+}
+
+/* Coordinates of cells have at most about so many bits: smaller cells would hold no more than one
+ * place, and their numbers would overflow. */
+enum { CELL_BITS = 40 };
+
+static int level_of(const struct orl_icache *cache, const struct orl_record *record)
+{
+    const int level = exponent_of(2 * reach_of(record));
+    return level > cache->least_level ? level : cache->least_level;
+}
+
+static void find_least_level(struct orl_icache *cache)
+{
+    double largest = 0;
+    for (size_t i = 0; i < cache->count; i++) {
+        const struct orl_vec3 p = cache->records[i].place.point;
+        largest = fmax(largest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+    }
+    cache->least_level = largest > 0 ? exponent_of(largest) - CELL_BITS : INT_MIN;
 }
 
 /* The cells that a record's reach touches (at most eight), of its level. */
@@ -63,9 +83,9 @@ struct cells {
     int64_t low[3], high[3];
 };
 
-static struct cells cells_of(const struct orl_record *record)
+static struct cells cells_of(const struct orl_icache *cache, const struct orl_record *record)
 {
-    struct cells cells = {.level = level_of(record)};
+    struct cells cells = {.level = level_of(cache, record)};
     const double cell = ldexp(1, cells.level), reach = reach_of(record);
     const double at[3] = {record->place.point.x, record->place.point.y, record->place.point.z};
     for (int k = 0; k < 3; k++) {
@@ -85,10 +105,13 @@ static struct orl_icache_entry entry_of(const struct orl_record *record, uint32_
                                      .record = index};
 }
 
-/* A record into each of its cells; or, with entries not there yet, counts them by bucket. */
+/* A record into each of its cells; or, with entries not there yet, counts them by bucket. One that
+ * reaches no place at all, not even its own, is left out. */
 static void insert(struct orl_icache *cache, uint32_t index, bool count)
 {
-    const struct cells cells = cells_of(&cache->records[index]);
+    if (!(reach_of(&cache->records[index]) > 0))
+        return;
+    const struct cells cells = cells_of(cache, &cache->records[index]);
     struct orl_icache_entry entry = entry_of(&cache->records[index], index);
     for (int64_t z = cells.low[2]; z <= cells.high[2]; z++)
         for (int64_t y = cells.low[1]; y <= cells.high[1]; y++)
@@ -122,6 +145,7 @@ int orl_icache_index(struct orl_icache *cache)
         return ORL_ERR_NOMEM;
     cache->heads = heads;
     memset(heads, 0, (cache->n_heads + 1) * sizeof *heads);
+    find_least_level(cache);
     cache->lowest_level = 10000;
     cache->highest_level = -10000;
     for (size_t i = 0; i < cache->count; i++)
@@ -176,9 +200,9 @@ static double error_of(const struct orl_record *record, const struct orl_place *
     return error < ORL_ICACHE_ACCURACY ? error : INFINITY;
 }
 
-static bool serves(const struct orl_record *record, const struct orl_place *place)
+bool orl_record_serves(const struct orl_record *record, const struct orl_place *place)
 {
-    return error_of(record, place, radius_served(record), 1) < INFINITY;
+    return error_of(record, place, orl_record_served(record), 1) < INFINITY;
 }
 
 /* The weight with which a record is read at a place; 0 when it is not. */
@@ -204,38 +228,13 @@ static bool is_open(const struct orl_icache *cache, const struct orl_record *rec
     return !orl_geometry_occluded(cache->geometry, from, orl_scale(way, 1 / length), length);
 }
 
-int orl_icache_hold_back(struct orl_icache *cache)
-{
-    double *radii = calloc(cache->count + 1, sizeof *radii);
-    if (!radii)
-        return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < cache->count; i++)
-        radii[i] = cache->records[i].radius;
-    /* All at once, from the radii as they were: no order matters. */
-    for (size_t i = 0; i < cache->count; i++) {
-        const struct orl_record *near = &cache->records[i];
-        struct orl_icache_visit v = orl_icache_visit_begin(cache, &near->place);
-        for (uint32_t k = orl_icache_visit_next(&v); k != ORL_ICACHE_NOTHING;
-             k = orl_icache_visit_next(&v)) {
-            const struct orl_record *far = &cache->records[k];
-            if (k != i && serves(far, &near->place)) {
-                const double apart = orl_length(orl_sub(far->place.point, near->place.point));
-                radii[k] = fmin(radii[k], radius_served(near) + apart);
-            }
-        }
-    }
-    for (size_t i = 0; i < cache->count; i++)
-        cache->records[i].radius = radii[i];
-    free(radii);
-    return orl_icache_index(cache);
-}
-
 bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place)
 {
     struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
     for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
          i = orl_icache_visit_next(&v))
-        if (serves(&cache->records[i], place) && is_open(cache, &cache->records[i], place))
+        if (orl_record_serves(&cache->records[i], place) &&
+            is_open(cache, &cache->records[i], place))
             return true;
     return false;
 }

@@ -46,6 +46,8 @@ struct orl_icache {
     uint32_t *heads; /* hash table: first entry of a bucket, and an end */
     size_t n_heads;  /* a power of two */
     int lowest_level, highest_level;
+    int least_level; /* no cell is smaller */
+    size_t looked;   /* parts of the tree and records that orl_icache_hold_back has looked at */
 };
 
 void orl_icache_init(struct orl_icache *cache, uint32_t channels);
@@ -58,9 +60,11 @@ int orl_icache_index(struct orl_icache *cache);
 /*
  * Holds records back where a neighbour within their reach has seen something near: no radius is
  * larger than a neighbour's and the distance to it (Krivanek and Gautron 2009, neighbour clamping).
- * Places that are then no longer served want records of their own. Indexes anew.
+ * Places that are then no longer served want records of their own. Indexes anew. Takes time
+ * n log n for n records of about one radius, however close they stand. Returns 0, ORL_ERR_NOMEM or
+ * what orl_crew_try does, and then changes no radius.
  */
-int orl_icache_hold_back(struct orl_icache *cache);
+int orl_icache_hold_back(struct orl_icache *cache, struct orl_crew *crew);
 
 /* Whether a place needs no record of its own. */
 bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place);

@@ -282,9 +282,10 @@ int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry
         memcpy(fitted, cache->records, cache->count * sizeof *fitted);
         f.records = cache->records;
         f.fitted = fitted;
-        orl_crew_for(crew, cache->count, fit_record, &f);
-        memcpy(cache->records, fitted, cache->count * sizeof *fitted);
+        code = orl_crew_try(crew, cache->count, fit_record, &f);
     }
+    if (code == 0)
+        memcpy(cache->records, fitted, cache->count * sizeof *fitted);
     free(fitted);
     orl_icache_done(&wide);
     return code;

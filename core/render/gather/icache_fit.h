@@ -21,7 +21,8 @@
 
 /*
  * All records at once, from what they were: no order matters, nor the crew. Where they are read
- * stays the same, and so does the index. Returns 0 or ORL_ERR_NOMEM.
+ * stays the same, and so does the index. Returns 0, ORL_ERR_NOMEM or
+ * what orl_crew_try does.
  */
 int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry,
                    struct orl_crew *crew);

@@ -9,6 +9,10 @@
 
 #include "render/gather/icache.h"
 
+/* The radius that it serves by, and whether it serves a place if nothing stands in between. */
+double orl_record_served(const struct orl_record *record);
+bool orl_record_serves(const struct orl_record *record, const struct orl_place *place);
+
 #define ORL_ICACHE_NOTHING UINT32_MAX
 
 /* Half a cache line: most visits end here, without a look at the record. */
@@ -43,8 +47,8 @@ static inline struct orl_icache_visit orl_icache_visit_begin(const struct orl_ic
         .place = place,
         .at = {(float)place->point.x, (float)place->point.y, (float)place->point.z},
         .level = INT_MAX - 1};
-    if (cache->count == 0)
-        return v;
+    if (cache->lowest_level > cache->highest_level || cache->count == 0)
+        return v; /* no record reaches any place */
     const double inverse = ldexp(1, -cache->lowest_level);
     v.cell[0] = (int64_t)floor(place->point.x * inverse);
     v.cell[1] = (int64_t)floor(place->point.y * inverse);

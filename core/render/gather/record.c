@@ -1,5 +1,9 @@
 #include "render/gather/record.h"
 
+#include <stdlib.h>
+
+#include "base/random.h"
+
 /* Columns of a hemisphere: some three for each row. A multiple of four, so that a wall at right
  * angles with the place's own ends where columns do, in rooms that lie along the axes. */
 static uint32_t columns_of(uint32_t rows)
@@ -15,7 +19,9 @@ static const double nearest_reach = 0.5;
 
 double orl_record_least(const struct orl_grain *grain, double distance)
 {
-    return (grain->width + distance * grain->angle) * least_reach_pixels / ORL_ICACHE_ACCURACY;
+    const double width =
+        grain->width + fmax(grain->start + distance, grain->nearest) * grain->angle;
+    return width * least_reach_pixels / ORL_ICACHE_ACCURACY;
 }
 
 /* Where light would have changed by as much as there is: no record should reach that far. */
@@ -54,4 +60,56 @@ struct orl_record orl_record_make(const struct orl_gather *gather, const struct 
             orl_scale(h.by_translation[c], slope > steepest ? steepest / slope : 1);
     }
     return record;
+}
+
+/* Of two records in one cell of place and normal one is enough: the cell's width, as a share of the
+ * least reach, and that of normals. */
+static const double cell_width = 0.25, cell_of_normals = 0.125;
+
+static uint64_t cell_number(double at, double width)
+{
+    return (uint64_t)(int64_t)fmax(fmin(floor(at / width), 0x1p62), -0x1p62);
+}
+
+/* Names the cell of place and normal that a record lies in; never 0. */
+static uint64_t cell_of(const struct orl_record *record)
+{
+    const struct orl_place *place = &record->place;
+    int level;
+    frexp(cell_width * ORL_ICACHE_ACCURACY * record->least, &level);
+    const double width = ldexp(1, level - 1);
+    const double parts[6][2] = {{place->point.x, width},
+                                {place->point.y, width},
+                                {place->point.z, width},
+                                {place->normal.x, cell_of_normals},
+                                {place->normal.y, cell_of_normals},
+                                {place->normal.z, cell_of_normals}};
+    uint64_t key =
+        orl_mix64((uint64_t)level << 2 | (uint64_t)place->outside << 1 | (uint64_t)place->proxied);
+    for (int i = 0; i < 6; i++)
+        key = orl_mix64(key ^ cell_number(parts[i][0], parts[i][1]));
+    return key | 1;
+}
+
+int orl_records_thin(struct orl_record *records, size_t *count)
+{
+    size_t buckets = 1, kept = 0;
+    while (buckets < 2 * *count)
+        buckets *= 2;
+    uint64_t *cells = calloc(buckets, sizeof *cells); /* a hash table; 0: nothing there */
+    if (!cells)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < *count; i++) {
+        const uint64_t cell = cell_of(&records[i]);
+        size_t at = (size_t)(cell >> 1) & (buckets - 1);
+        while (cells[at] && cells[at] != cell)
+            at = (at + 1) & (buckets - 1);
+        if (cells[at])
+            continue;
+        cells[at] = cell;
+        records[kept++] = records[i];
+    }
+    free(cells);
+    *count = kept;
+    return 0;
 }

@@ -10,9 +10,11 @@
 /* What a pixel measures: an angle, in radians, or in parallel views a width. */
 struct orl_grain {
     double angle, width; /* one of them is 0 */
+    double start;        /* how far from the eye rays start: -vo */
+    double nearest;      /* smaller distances from the eye are rounding errors of the geometry */
 };
 
-/* The least radius that pixels allow at that distance from the eye. */
+/* The least radius that pixels allow at that distance from a ray's start. */
 double orl_record_least(const struct orl_grain *grain, double distance);
 
 /* Rays of a hemisphere: so many rows, and about three columns for each. known: records made
@@ -20,5 +22,14 @@ double orl_record_least(const struct orl_grain *grain, double distance);
 struct orl_record orl_record_make(const struct orl_gather *gather, const struct orl_place *place,
                                   double least, uint32_t rows, const struct orl_icache *known,
                                   struct orl_random *random, struct orl_search *search);
+
+/*
+ * Thins out records that are still to be made: of those closer together than a quarter of their
+ * least reach, with about the same normal, it keeps the first. Other places of the view are at
+ * least a pixel apart, which is more. So the number of records of one place is bounded where the
+ * pixels of a view show less than records measure: an eye in the plane of a wall, a telescope.
+ * Keeps the order. Returns 0 or ORL_ERR_NOMEM.
+ */
+int orl_records_thin(struct orl_record *records, size_t *count);
 
 #endif

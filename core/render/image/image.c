@@ -225,7 +225,7 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
     }
 }
 
-/* All rows' places in one array, in order; the rows are emptied. */
+/* All rows' places in one array, in order and thinned out; the rows are emptied. */
 static int join_rows(struct painter *p, size_t rows)
 {
     size_t total = 0;
@@ -243,7 +243,7 @@ static int join_rows(struct painter *p, size_t rows)
             wanted[p->n_wanted++] = p->rows[i].places[k];
         free(p->rows[i].places);
     }
-    return wanted && !short_of_memory ? 0 : ORL_ERR_NOMEM;
+    return wanted && !short_of_memory ? orl_records_thin(p->wanted, &p->n_wanted) : ORL_ERR_NOMEM;
 }
 
 /* Through the lattice's points, or of them those that have met lobes. */
@@ -279,7 +279,7 @@ static int compute_wanted(struct painter *p)
         code = orl_icache_index(&p->cache);
     /* After the last round there is nobody left to serve what is no longer reached. */
     for (int i = 0; i < HOLDS && code == 0 && p->step > finest_step(p); i++)
-        code = orl_icache_hold_back(&p->cache);
+        code = orl_icache_hold_back(&p->cache, p->painting->env->crew);
     return code;
 }
 
@@ -401,9 +401,12 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
     struct orl_small_lights discs;
     painter.shader.pane_samples = pane_samples_of(&painter);
     painter.outside = orl_world_is_outside(gather->world, eye);
-    painter.grain = view->type == 'l'
-                        ? (struct orl_grain){.width = view->horizontal / painting->film->width}
-                        : (struct orl_grain){.angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side};
+    painter.grain =
+        view->type == 'l'
+            ? (struct orl_grain){.width = view->horizontal / painting->film->width}
+            : (struct orl_grain){.angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side,
+                                 .start = view->fore,
+                                 .nearest = orl_geometry_resolution(gather->world->geometry)};
     orl_icache_init(&painter.cache, gather->world->omit.channels);
     painter.cache.geometry = gather->world->geometry;
     int code = orl_discs_init(&discs, gather->world, painting);

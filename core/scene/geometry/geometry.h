@@ -228,6 +228,12 @@ static inline double orl_facet_offset(const struct orl_geometry *geometry, size_
                                      : orl_facet_offset_elsewhere(geometry, facet);
 }
 
+/* Distances up to this are rounding errors: no facet's offset is more than a quarter of it. */
+static inline double orl_geometry_resolution(const struct orl_geometry *geometry)
+{
+    return geometry->radius * 0x1p-18;
+}
+
 /* To be done before anything asks for it. */
 void orl_facet_set_material(struct orl_geometry *geometry, size_t facet, uint32_t material);
 

@@ -1,6 +1,6 @@
 #include "scene/geometry/stand.h"
 
-enum { MOST_SURFACES = 8 };
+enum { MOST_SURFACES = 8, TOUCH_RAYS = 64 };
 
 /*
  * So far below a surface a sensor is still on it: rtrace -I starts rays as far ahead, and what
@@ -23,7 +23,7 @@ struct orl_vec3 orl_stand(const struct orl_geometry *g, struct orl_vec3 point,
                           struct orl_vec3 normal)
 {
     /* No facet's offset is more than 2^-20 of the radius: what lies further says nothing. */
-    const double sunk = sunk_in(g), span = fmax(g->radius * 0x1p-18, 2 * sunk);
+    const double sunk = sunk_in(g), span = fmax(orl_geometry_resolution(g), 2 * sunk);
     struct orl_vec3 from = orl_madd(point, normal, span);
     double lift = rounding(g, point);
     for (int i = 0; i < MOST_SURFACES; i++) {
@@ -39,4 +39,23 @@ struct orl_vec3 orl_stand(const struct orl_geometry *g, struct orl_vec3 point,
         from = orl_hit_leave(g, &hit, orl_neg(normal));
     }
     return orl_madd(point, normal, lift);
+}
+
+bool orl_touches_surface(const struct orl_geometry *g, struct orl_vec3 point,
+                         struct orl_touch *ret_touch)
+{
+    const double golden_angle = 2.399963229728653;
+    bool touches = false;
+    for (int i = 0; i < TOUCH_RAYS; i++) {
+        const double z = 1 - (2 * i + 1.0) / TOUCH_RAYS, s = sqrt(1 - z * z);
+        const struct orl_vec3 way = orl_v3(s * cos(golden_angle * i), s * sin(golden_angle * i), z);
+        struct orl_hit hit;
+        if (!orl_geometry_intersect(g, point, way, orl_geometry_resolution(g), &hit))
+            continue;
+        const double height = fabs(orl_dot(orl_sub(hit.point, point), hit.normal));
+        if (!touches || height < ret_touch->distance)
+            *ret_touch = (struct orl_touch){hit.facet, height};
+        touches = true;
+    }
+    return touches;
 }

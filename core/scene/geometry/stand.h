@@ -13,4 +13,14 @@
 struct orl_vec3 orl_stand(const struct orl_geometry *geometry, struct orl_vec3 point,
                           struct orl_vec3 normal);
 
+/* The nearest surface on which a point lies, as far as can be told: the geometry's resolution. */
+struct orl_touch {
+    uint32_t facet;
+    double distance;
+};
+
+/* Returns false when the point is clear of all surfaces. */
+bool orl_touches_surface(const struct orl_geometry *geometry, struct orl_vec3 point,
+                         struct orl_touch *ret_touch);
+
 #endif
