@@ -53,11 +53,12 @@ static bool follows_link(const struct orl_request *request)
            orl_negotiate_weight(accept, "text/html") > 0;
 }
 
-bool orl_access_check_origin(struct orl_request *request)
+/* Host is what the target says in absolute form, and the header elsewhere. */
+static const char *check_guard(struct orl_request *request, const char *host)
 {
     const struct orl_config *config = request->context->config;
     const struct orl_guarded guarded = {
-        .host = orl_request_header(request, MHD_HTTP_HEADER_HOST),
+        .host = host,
         .origin = orl_request_header(request, MHD_HTTP_HEADER_ORIGIN),
         .fetch_site = orl_request_header(request, "Sec-Fetch-Site"),
         .forwarded = is_forwarded(request),
@@ -68,7 +69,25 @@ bool orl_access_check_origin(struct orl_request *request)
         .allowed = config->origins,
         .n_allowed = config->n_origins,
     };
-    const char *refusal = orl_guard_check(&guarded, &request->cross_origin);
+    return orl_guard_check(&guarded, &request->cross_origin);
+}
+
+/* In absolute form the scheme has to be the daemon's, and the Host header, which no client has a
+ * reason to let differ, must not be another machine's either. */
+static const char *check_target(struct orl_request *request, const char *host)
+{
+    if (!is_own_scheme(request, request->target.https))
+        return "its target has another scheme than it came by";
+    if (!request->context->config->needs_token && host && !orl_guard_is_local(host))
+        return "the Host header is not a name of this machine";
+    return check_guard(request, request->target.authority);
+}
+
+bool orl_access_check_origin(struct orl_request *request)
+{
+    const char *host = orl_request_header(request, MHD_HTTP_HEADER_HOST);
+    const char *refusal =
+        request->target.authority[0] ? check_target(request, host) : check_guard(request, host);
     if (refusal)
         orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", refusal);
     return !refusal;

@@ -56,7 +56,7 @@ const char *orl_guard_check(const struct orl_guarded *request, bool *ret_allowed
     static const char other_site[] = "it comes from a web page of another site";
     *ret_allowed = false;
     if (!request->tokens && request->host && !orl_guard_is_local(request->host))
-        return "the Host header is not a name of this machine";
+        return "its Host is not a name of this machine";
     if (!request->tokens && request->forwarded)
         return "it was forwarded by a proxy, behind which orield takes --tokens always";
     if (request->origin && !is_own(request)) {

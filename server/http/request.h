@@ -23,6 +23,7 @@
 
 #include "http/body.h"
 #include "http/clients.h"
+#include "http/target.h"
 #include "store/jobs.h"
 #include "store/settling.h"
 #include "store/tokens.h"
@@ -48,6 +49,7 @@ struct orl_request {
     char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
     struct orl_token_row holder;            /* of that token, where tokens are needed */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
+    struct orl_target target;  /* its authority, where it has one; its path is above */
     struct orl_client *client; /* clients.h; NULL: refused before */
     struct orl_hold hold;      /* what of it lies on the disk, under way */
     struct orl_body body;

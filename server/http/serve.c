@@ -45,13 +45,14 @@ static void receive(struct orl_request *request, uint64_t bytes)
 
 /* Finds the route and refuses at once what can be refused by the headers. */
 static void open_request(struct orl_request *request, const char *url, const char *method,
-                         const char *version)
+                         const char *version, const char *target_fault)
 {
     char allow[64], types[160];
     const struct orl_route *route = NULL;
     const char *fault = orl_framing_check(request->connection, method, version);
     if (!fault && MHD_VERSION < 0x01000000 && version != request->version_at)
         fault = "its target has a NUL";
+    fault = fault ? fault : target_fault;
     if (fault) {
         orl_reply_problem(request, 400, "syntax", "The request is not valid HTTP", "%s", fault);
         request->unframed = true;
@@ -144,9 +145,10 @@ static void note_headers(struct orl_request *request, const char *url, const cha
     request->context->begun = NULL;
     request->started_s = orl_time_steady_s();
     snprintf(request->method, sizeof request->method, "%s", method);
-    snprintf(request->path, sizeof request->path, "%s", url);
+    const char *path = url, *fault = orl_target_split(url, &request->target, &path);
+    snprintf(request->path, sizeof request->path, "%s", path);
     orl_connection_headers(request->connection);
-    open_request(request, url, method, version);
+    open_request(request, path, method, version, fault);
 }
 
 /* Files it kept go before its answer: who has that finds no trace of a refused upload. */

@@ -189,6 +189,48 @@ static void test_good(void **state)
                          cases[i].status);
 }
 
+/* Targets in absolute form are their paths, for the daemon's own scheme and names alone. */
+static void test_absolute_form(void **state)
+{
+#define END "Connection: close\r\n\r\n"
+    static const struct {
+        const char *request;
+        int status;
+    } cases[] = {
+        {"GET http://127.0.0.1:8423/healthz HTTP/1.1\r\n" HOST END, 200},
+        {"GET HTTP://LocalHost/healthz?a=b HTTP/1.1\r\n" HOST END, 200},
+        {"GET http://[::1]:1/v1/jobs HTTP/1.1\r\n" HOST END, 200},
+        {"GET http://localhost HTTP/1.1\r\n" HOST END, 200},
+        {"GET http://localhost?x HTTP/1.1\r\n" HOST END, 200},
+        {"GET http://localhost/v1/none HTTP/1.1\r\n" HOST END, 404},
+        {"GET http://localhost/healthz HTTP/1.0\r\n\r\n", 200},
+        {"POST http://localhost/healthz HTTP/1.1\r\n" HOST "Content-Length: 0\r\n" END, 405},
+        /* another machine's, by either of the two names */
+        {"GET http://rebound.example/healthz HTTP/1.1\r\n" HOST END, 403},
+        {"GET http://localhost/healthz HTTP/1.1\r\nHost: rebound.example\r\n" END, 403},
+        {"GET https://localhost/healthz HTTP/1.1\r\n" HOST END, 403},
+        /* its own page by the authority, and that of another site */
+        {"GET http://localhost:9/healthz HTTP/1.1\r\n" HOST "Origin: http://localhost:9\r\n" END,
+         200},
+        {"GET http://localhost:9/healthz HTTP/1.1\r\n" HOST "Origin: http://localhost\r\n" END,
+         403},
+        {"GET http://localhost/healthz HTTP/1.1\r\n" END, 400}, /* without Host */
+        {"GET http:///healthz HTTP/1.1\r\n" HOST END, 400},
+        {"GET http://me@localhost/healthz HTTP/1.1\r\n" HOST END, 400},
+        {"GET ftp://localhost/healthz HTTP/1.1\r\n" HOST END, 404},
+        {"GET localhost/healthz HTTP/1.1\r\n" HOST END, 404},
+    };
+    char answer[8192], request[600] = "GET http://";
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const int status = ask(*state, cases[i].request, false, answer, sizeof answer);
+        if (status != cases[i].status)
+            fail_msg("%s: %d in place of %d", cases[i].request, status, cases[i].status);
+    }
+    memset(request + 11, 'a', 300);
+    strcpy(request + 311, "/healthz HTTP/1.1\r\n" HOST END);
+    assert_int_equal(ask(*state, request, false, answer, sizeof answer), 400);
+}
+
 static void test_no_request(void **state)
 {
     static const struct {
@@ -235,10 +277,10 @@ static int setup(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_framing),        cmocka_unit_test(test_headers),
-        cmocka_unit_test(test_targets),        cmocka_unit_test(test_good),
-        cmocka_unit_test(test_no_request),     cmocka_unit_test(test_broken_off),
-        cmocka_unit_test(test_hidden_queries),
+        cmocka_unit_test(test_framing),       cmocka_unit_test(test_headers),
+        cmocka_unit_test(test_targets),       cmocka_unit_test(test_good),
+        cmocka_unit_test(test_absolute_form), cmocka_unit_test(test_no_request),
+        cmocka_unit_test(test_broken_off),    cmocka_unit_test(test_hidden_queries),
     };
     return cmocka_run_group_tests(tests, setup, daemon_tear_down);
 }

@@ -61,6 +61,18 @@ static void name_host(struct fixture *f)
     snprintf(f->own, sizeof f->own, "%sOrigin: %s\r\n", f->host, f->daemon.url);
 }
 
+/* Runs SQL on the database, beside the daemon or without. */
+static void change(struct fixture *f, const char *sql)
+{
+    char path[100];
+    sqlite3 *db = NULL;
+    snprintf(path, sizeof path, "%s/oriel.db", f->daemon.root);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    sqlite3_busy_timeout(db, 10000);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
 static int setup(void **state)
 {
     static struct fixture f;
@@ -74,6 +86,7 @@ static int setup(void **state)
     make_token(&f.daemon, "desk", "submit", f.submit);
     make_token(&f.daemon, "board", "read", f.read);
     assert_int_equal(daemon_end(&f.daemon, SIGTERM), 0);
+    change(&f, "UPDATE jobs SET owner = (SELECT id FROM tokens WHERE name = 'desk')");
     daemon_restart(&f.daemon, with_tokens);
     name_host(&f);
     *state = &f;
@@ -252,17 +265,6 @@ static void restart(struct fixture *f, const char *const *extra)
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     daemon_restart(&f->daemon, extra);
     name_host(f);
-}
-
-static void change(struct fixture *f, const char *sql)
-{
-    char path[100];
-    sqlite3 *db = NULL;
-    snprintf(path, sizeof path, "%s/oriel.db", f->daemon.root);
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    sqlite3_busy_timeout(db, 10000);
-    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
 }
 
 static void test_sessions_end(void **state)

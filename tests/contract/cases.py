@@ -537,6 +537,11 @@ def sessions(daemon):
                        own, want=201).id
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": ROOM}]}, browser, want=403)
     path = "/v1/jobs/" + daemon.ask("POST", "/v1/jobs", sensors_of(scene), own, want=202).id
+    admin = {"Authorization": "Bearer " + daemon.token["admin"]}
+    others = "/v1/jobs/" + daemon.ask("POST", "/v1/jobs", sensors_of(scene, seed=5), admin,
+                                      want=202).id
+    daemon.ask("POST", others + "/cancel", headers=bearer, want=403)
+    daemon.ask("DELETE", others, headers=bearer, want=403)
     daemon.header = bearer
     daemon.wait(path)
     daemon.header = {}
