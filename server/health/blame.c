@@ -87,7 +87,14 @@ void orl_blame_open(const char *root, bool log_json, struct orl_past *ret_past)
     page = data;
     *ret_past = *page;
     ret_past->job[sizeof ret_past->job - 1] = '\0';
+    ret_past->boot[sizeof ret_past->boot - 1] = '\0';
     memset(page, 0, sizeof *page);
+    orl_machine_boot(page->boot);
+    page->oom_kills = orl_machine_oom_kills();
+    const bool known = ret_past->boot[0] && page->boot[0];
+    ret_past->rebooted = known && strcmp(ret_past->boot, page->boot) != 0;
+    ret_past->not_oom = known && !ret_past->rebooted && page->oom_kills != UINT64_MAX &&
+                        page->oom_kills == ret_past->oom_kills;
 }
 
 void orl_blame_close(void)
@@ -104,6 +111,7 @@ void orl_blame_note(const struct orl_memory *memory, uint32_t checks)
     page->resident = orl_memory_resident();
     page->capacity = memory->capacity;
     page->checks = checks;
+    page->oom_kills = orl_machine_oom_kills();
 }
 
 void orl_blame_begin(const char *job)
@@ -125,8 +133,10 @@ void orl_blame_excuse(void)
 
 /*
  * Where a signal names a job it is that one. Where nobody said, one of several may be anyone, and
- * each runs alone from then on; one that ran alone has to take it, unless the kernel had others to
- * choose from, checks, and the daemon had not grown.
+ * each runs alone from then on. One that ran alone has to take it, unless the machine was
+ * restarted; or the kernel had others to choose from, checks, and the daemon had not grown; or the
+ * kernel has killed none, and the daemon was not about to use up its memory, when others may
+ * (earlyoom).
  */
 bool orl_blame_is(const struct orl_past *past, bool is_named, bool alone)
 {
@@ -134,5 +144,9 @@ bool orl_blame_is(const struct orl_past *past, bool is_named, bool alone)
         return false;
     if (past->signum != 0 && past->job[0])
         return is_named;
-    return alone && (past->checks == 0 || past->resident > past->capacity / 2);
+    if (!alone || past->rebooted)
+        return false;
+    if (past->not_oom)
+        return past->resident > past->capacity / 10 * 9;
+    return past->checks == 0 || past->resident > past->capacity / 2;
 }

@@ -6,7 +6,8 @@
  * ends up when there is no memory in a place that cannot say so) leave the job there whose thread
  * it was, and two lines in the log: whose, and where in the program. What cannot be caught
  * (SIGKILL, as from a kernel without memory) leaves what was stored last: how much memory was
- * resident, and how many checks were under way.
+ * resident, how many checks were under way, and how many processes the kernel had killed for want
+ * of memory, so that a restart of the machine, or a kill by somebody else, is no job's fault.
  *
  * Threads: begin and end on any; the rest on the loop's. One daemon a process.
  */
@@ -17,6 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "health/machine.h"
 #include "health/memory.h"
 #include "store/jobs.h"
 
@@ -26,6 +28,9 @@ struct orl_past {
     uint32_t checks;      /* of uploads, under way */
     char job[ORL_JOB_ID]; /* whose thread it was; "": none's */
     uint64_t resident, capacity;
+    char boot[ORL_BOOT_ID]; /* machine.h; "": not known */
+    uint64_t oom_kills;     /* of the machine, when that was noted last */
+    bool rebooted, not_oom; /* since then: another boot; the kernel has killed none for memory */
 };
 
 /* The signum of a daemon that was told to stop, and was ended since it did not. */

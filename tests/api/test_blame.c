@@ -75,6 +75,16 @@ static void test_rules(void **state)
     assert_false(orl_blame_is(&silent, false, false));
     assert_false(orl_blame_is(&checking, false, true));
     assert_true(orl_blame_is(&grown, false, true));
+    const struct orl_past rebooted = {.resident = 99, .capacity = 100, .rebooted = true};
+    const struct orl_past killed = {.resident = 90, .capacity = 100, .not_oom = true};
+    const struct orl_past used_up = {.resident = 91, .capacity = 100, .not_oom = true};
+    const struct orl_past named = {
+        .signum = SIGBUS, .job = "0123", .not_oom = true, .rebooted = true};
+    assert_false(orl_blame_is(&rebooted, false, true));
+    assert_false(orl_blame_is(&killed, false, true));
+    assert_true(orl_blame_is(&used_up, false, true));
+    assert_false(orl_blame_is(&used_up, false, false));
+    assert_true(orl_blame_is(&named, true, false));
 }
 
 /* A fault in a job's thread: that job is named, by the log too, and it fails at the third. The job

@@ -12,6 +12,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "health/blame.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 20000, MANY_PHOTONS = 100000000, SOME_PHOTONS = 2000000 };
@@ -62,6 +63,33 @@ static void test_killed_in_the_middle(void **state)
     reply_done(&reply);
 }
 
+/* Changes what the daemon has noted for the next one: as if so many more processes had been killed
+ * for memory since. */
+static void forget_oom_kills(const struct daemon *daemon, uint64_t kills)
+{
+    struct orl_past past;
+    char path[96];
+    snprintf(path, sizeof path, "%s/oriel.running", daemon->root);
+    FILE *page = fopen(path, "r+");
+    assert_non_null(page);
+    assert_int_equal(fread(&past, sizeof past, 1, page), 1);
+    assert_true(past.oom_kills != UINT64_MAX);
+    past.oom_kills -= kills;
+    rewind(page);
+    assert_int_equal(fwrite(&past, sizeof past, 1, page), 1);
+    fclose(page);
+}
+
+static void kill_thrice(struct daemon_room *f, const char *job, uint64_t oom_kills)
+{
+    for (int i = 0; i < 3; i++) {
+        daemon_wait_running(&f->daemon, job, -1);
+        daemon_end(&f->daemon, SIGKILL);
+        forget_oom_kills(&f->daemon, oom_kills);
+        daemon_restart(&f->daemon, NULL);
+    }
+}
+
 /* A job that (it seems) kills the daemon is not tried for ever; the queue goes on. */
 static void test_third_kill_fails_the_job(void **state)
 {
@@ -70,17 +98,27 @@ static void test_third_kill_fails_the_job(void **state)
     struct reply reply;
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 3, NULL, killer);
     daemon_submit(&f->daemon, f->scene, PHOTONS, 3, NULL, next);
-    for (int i = 0; i < 3; i++) {
-        daemon_wait_running(&f->daemon, killer, -1);
-        daemon_end(&f->daemon, SIGKILL);
-        daemon_restart(&f->daemon, NULL);
-    }
+    kill_thrice(f, killer, 1);
     expect_state(&f->daemon, killer, "failed", 3);
     daemon_get(&f->daemon, killer, &reply);
     assert_non_null(strstr(reply_text(&reply, "error.detail"), "3 times"));
     assert_true(strlen(reply_text(&reply, "error.hint")) > 0);
     reply_done(&reply);
     expect_state(&f->daemon, next, "succeeded", 1);
+}
+
+/* A daemon that somebody else kills, with memory to spare, has no job to blame for it. */
+static void test_kills_from_outside_fail_no_job(void **state)
+{
+    struct daemon_room *f = *state;
+    char job[80];
+    struct reply reply;
+    daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 3, NULL, job);
+    kill_thrice(f, job, 0);
+    daemon_wait_running(&f->daemon, job, -1);
+    daemon_cancel(&f->daemon, job, &reply);
+    reply_done(&reply);
+    expect_state(&f->daemon, job, "cancelled", 4);
 }
 
 /* SIGTERM: the job is queued again, and that does not count as an attempt. */
@@ -159,6 +197,7 @@ static void test_bystanders_go_on(void **state)
         assert_string_equal(reply_text(&reply, "state"), i == 0 ? "running" : "queued");
         reply_done(&reply);
         daemon_end(&f->daemon, SIGKILL);
+        forget_oom_kills(&f->daemon, 1);
         daemon_restart(&f->daemon, two);
     }
     expect_state(&f->daemon, killer, "failed", 4);
@@ -296,6 +335,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_killed_in_the_middle),
         cmocka_unit_test(test_third_kill_fails_the_job),
+        cmocka_unit_test(test_kills_from_outside_fail_no_job),
         cmocka_unit_test(test_orderly_stop_requeues),
         cmocka_unit_test(test_bystanders_go_on),
         cmocka_unit_test(test_drain),
