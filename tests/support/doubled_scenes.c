@@ -54,6 +54,30 @@ LINES(write_unsupported, GREY, "void plasfunc t%zu 0 0 0\nt%zu metal m%zu 0 0 5 
 LINES(write_includes, GREY, "!xform -t %zu %zu %zu part.rad\n")
 LINES(write_pipes, GREY, "!genbox m b%zu 1 2 3 | xform -t %zu %zu 0 | xform -s 2\n")
 
+/* Many in one place. */
+LINES(write_equal_triangles, GREY, "m polygon t%zu 0 0 9 0 0 0 1 0 0 0 1 0\n# %zu%zu\n")
+LINES(write_equal_panes, "void glass g 0 0 3 .9 .9 .9\n",
+      "g polygon t%zu 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n# %zu%zu\n")
+LINES(write_equal_lamps, "void light l 0 0 3 9 9 9\n",
+      "l polygon t%zu 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n# %zu%zu\n")
+LINES(write_equal_spheres, GREY, "m sphere s%zu 0 0 4 0 0 0 1\n# %zu%zu\n")
+LINES(write_equal_cylinders, GREY, "m cylinder c%zu 0 0 7 0 0 0 0 0 1 .1\n# %zu%zu\n")
+LINES(write_equal_rings, GREY, "m ring r%zu 0 0 8 0 0 0 0 0 1 0 .1\n# %zu%zu\n")
+/* Side by side in one plane: all overlap along the sum of the axes. */
+static void write_long_triangles(FILE *f, size_t n)
+{
+    fputs(GREY, f);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "m polygon t%zu 0 0 9 %zu 0 0 %zu.5 0 0 %zu 10000 0\n", i, i, i, i);
+}
+/* A ground under tiles: one that loses to all others. */
+static void write_tiled_ground(FILE *f, size_t n)
+{
+    fprintf(f, GREY "m polygon ground 0 0 12 -1 -1 0 %zu -1 0 %zu 2 0 -1 2 0\n", n + 1, n + 1);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "m polygon t%zu 0 0 12 %zu 0 0 %zu.9 0 0 %zu.9 1 0 %zu 1 0\n", i, i, i, i, i);
+}
+
 static void write_daylit(FILE *f, size_t n)
 {
     for (size_t i = 0; i < n; i++)
@@ -448,6 +472,14 @@ const struct doubled doubled_scenes[] = {
     WORLD(tiles, 200),
     WORLD(tiles_lapping, 100),
     WORLD(walls, 200),
+    WORLD(equal_triangles, 500),
+    WORLD(equal_panes, 500),
+    WORLD(equal_lamps, 500),
+    WORLD(equal_spheres, 500),
+    WORLD(equal_cylinders, 500),
+    WORLD(equal_rings, 500),
+    WORLD(long_triangles, 500),
+    WORLD(tiled_ground, 200),
     /* As many pairs as there are, up to the bound on work of scene/geometry/coincident.c. */
     {"stack, checked", DOUBLED_WORLD, 25, write_stack, 4.2},
 };

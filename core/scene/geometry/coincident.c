@@ -5,9 +5,11 @@
 
 #include <oriel/crew.h>
 
+#include "scene/geometry/coincidence_rule.h"
 #include "scene/geometry/concentric.h"
 #include "scene/geometry/coplanar.h"
 #include "scene/geometry/cutting.h"
+#include "scene/geometry/duplicates.h"
 
 /* Pairs that face opposite ways are looked at closely for words alone: of so many, and no longer.
  */
@@ -22,70 +24,6 @@ struct settling {
     struct orl_cutting cutting;
     bool *cut; /* by material: by antimatter */
 };
-
-/* ---- The rule -------------------------------------------------------------------------------- */
-
-static int class_of(const struct orl_material *m)
-{
-    switch (m->kind) {
-    case ORL_MATERIAL_TRANS:
-    case ORL_MATERIAL_GLASS:
-    case ORL_MATERIAL_GLAZING:
-    case ORL_MATERIAL_DIELECTRIC:
-    case ORL_MATERIAL_PRISM:
-        return 1;
-    case ORL_MATERIAL_LOBED:
-        return m->transmitted > 0 ? 1 : 2;
-    case ORL_MATERIAL_MIXTURE:
-        return class_of(&m->mixed[0]) < 2 || class_of(&m->mixed[1]) < 2 ? 1 : 2;
-    case ORL_MATERIAL_BSDF:
-        return m->peak ? 1 : 2;
-    default:
-        return 2;
-    }
-}
-
-/* Positive: a wins, from both sides; negative: b does; 0: each from its front. */
-static int compare(const struct orl_description *d, const struct orl_surface *a,
-                   const struct orl_surface *b)
-{
-    const int class_a = class_of(&d->materials[a->material]);
-    const int class_b = class_of(&d->materials[b->material]);
-    if (class_a != class_b)
-        return class_a - class_b;
-    if (orl_dot(a->normal, b->normal) < 0)
-        return 0;
-    if (a->modifier_order != b->modifier_order)
-        return a->modifier_order > b->modifier_order ? 1 : -1;
-    return a > b ? 1 : -1;
-}
-
-/* Whether both sides of it are the same to light. */
-static bool is_two_sided(const struct orl_material *m)
-{
-    if (m->kind == ORL_MATERIAL_MIXTURE)
-        return is_two_sided(&m->mixed[0]) && is_two_sided(&m->mixed[1]);
-    return m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL ||
-           m->kind == ORL_MATERIAL_TRANS || m->kind == ORL_MATERIAL_GLASS ||
-           m->kind == ORL_MATERIAL_ASHIKHMIN || m->kind == ORL_MATERIAL_LOBED;
-}
-
-static bool are_alike(const struct orl_description *d, const struct orl_surface *a,
-                      const struct orl_surface *b)
-{
-    return orl_materials_alike(&d->materials[a->material], &d->materials[b->material]);
-}
-
-static bool is_proxy(const struct orl_description *d, const struct orl_surface *s)
-{
-    return d->materials[s->material].thickness != 0;
-}
-
-/* Where antimatter begins nothing need be. */
-static bool is_hole(const struct orl_description *d, const struct orl_surface *s)
-{
-    return d->materials[s->material].kind == ORL_MATERIAL_ANTIMATTER;
-}
 
 /* ---- Polygons -------------------------------------------------------------------------------- */
 
@@ -113,7 +51,8 @@ static int tell_opposed(struct settling *t, const struct orl_pairs *opposed)
         }
         const struct orl_surface *a = &t->d->surfaces[opposed->items[i].a];
         const struct orl_surface *b = &t->d->surfaces[opposed->items[i].b];
-        if (are_alike(t->d, a, b) && is_two_sided(&t->d->materials[a->material]))
+        if (orl_surfaces_alike(t->d, a, b) &&
+            orl_material_is_two_sided(&t->d->materials[a->material]))
             continue;
         if (looked++ == MOST_OPPOSED || looking.overlap.work > most_work_of_words)
             break;
@@ -160,7 +99,8 @@ static int tell_open(struct settling *t, const struct orl_pairs *open)
         const struct orl_surface *a = &t->d->surfaces[open->items[i].a];
         const struct orl_surface *b = &t->d->surfaces[open->items[i].b];
         const bool flat = a->kind == ORL_SURFACE_POLYGON || a->kind == ORL_SURFACE_RING;
-        const bool alike = are_alike(t->d, a, b) && is_two_sided(&t->d->materials[a->material]);
+        const bool alike = orl_surfaces_alike(t->d, a, b) &&
+                           orl_material_is_two_sided(&t->d->materials[a->material]);
         if (flat) {
             const struct orl_outline first = outline_within(a, corners[0]),
                                      second = outline_within(b, corners[1]);
@@ -187,15 +127,15 @@ enum lot { LOSSES, OPPOSED, OPEN, NOTHING };
 static enum lot lot_of(const struct orl_description *d, const struct orl_surface *a,
                        const struct orl_surface *b, int *ret_order)
 {
-    const int proxies = is_proxy(d, a) + is_proxy(d, b);
+    const int proxies = orl_surface_is_proxy(d, a) + orl_surface_is_proxy(d, b);
     *ret_order = 1;
-    if (is_hole(d, a) || is_hole(d, b))
+    if (orl_surface_is_hole(d, a) || orl_surface_is_hole(d, b))
         return NOTHING;
     if (proxies == 1 || (proxies == 2 && orl_dot(a->normal, b->normal) < 0))
         return NOTHING;
     if (proxies == 2 || a->kind != ORL_SURFACE_POLYGON || b->kind != ORL_SURFACE_POLYGON)
         return OPEN;
-    *ret_order = compare(d, a, b);
+    *ret_order = orl_coincidence_compare(d, a, b);
     return *ret_order == 0 ? OPPOSED : LOSSES;
 }
 
@@ -216,7 +156,7 @@ static int check_pane(const struct settling *t, const struct orl_surface *pane,
                       const struct orl_surface *wall, struct orl_error *err)
 {
     const struct orl_description *const d = t->d;
-    if (class_of(&d->materials[pane->material]) != 1 || !t->cut[wall->material])
+    if (orl_coincidence_class(&d->materials[pane->material]) != 1 || !t->cut[wall->material])
         return 0;
     struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
     const struct orl_outline first = orl_outline_of(pane), second = orl_outline_of(wall);
@@ -282,13 +222,16 @@ static int compact(struct orl_description *d)
 
 static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
 {
-    uint64_t *looks = &t->cutting.looks;
-    int code = orl_coplanar_find(t->d, &t->place, &t->pairs, looks);
+    struct orl_looks *looks = &t->cutting.looks;
+    int code = orl_duplicates_drop(t->d, t->cut, &t->words);
+    orl_cutting_bound(&t->cutting);
+    if (code == 0)
+        code = orl_coplanar_find(t->d, &t->place, &t->pairs, looks);
     if (code == 0)
         code = sort_out(t, lots, err);
     if (code == 0)
         code = orl_concentric_find(t->d, &t->place, &lots[OPEN], looks);
-    t->cutting.cut_short = *looks > ORL_MOST_LOOKS;
+    t->cutting.cut_short = looks->n > looks->most;
     t->cutting.tolerance = t->place.tolerance;
     if (code == 0)
         code = keep_opposed(t->d, &lots[OPPOSED]);

@@ -13,8 +13,9 @@
  *
  * "One place" is within 1e-6 of the files' unit, Radiance's, or what rays can tell apart, 2^-21 of
  * the scene's size. Round surfaces and rings, and BSDFs that stand for geometry and look the same
- * way, are left as they are: rays meet either, and a warning says so. Work is bounded; what is left
- * when it is used up is said.
+ * way, are left as they are: rays meet either, and a warning says so. Exact duplicates are dropped
+ * first (duplicates.h), in n log n. Work on pairs is bounded in proportion to the scene's corners;
+ * what is left when it is used up is said.
  */
 #ifndef ORL_SCENE_GEOMETRY_COINCIDENT_H
 #define ORL_SCENE_GEOMETRY_COINCIDENT_H

@@ -42,6 +42,8 @@ void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_descri
 {
     char names[2][200];
     const uint64_t before = words->told[kind]++;
+    if (before >= most_named[kind] && (kind != ORL_COINCIDENCE_OPPOSED || before > 0))
+        return;
     name(first, names[0]);
     name(second, names[1]);
     if (kind == ORL_COINCIDENCE_OPPOSED && before == 0)

@@ -132,7 +132,7 @@ static struct round *list(const struct orl_description *d, const struct orl_same
 
 int orl_concentric_find(const struct orl_description *description,
                         const struct orl_same_place *place, struct orl_pairs *pairs,
-                        uint64_t *looks)
+                        struct orl_looks *looks)
 {
     const double seam = place->tolerance, apart = 4 * seam;
     size_t n;
@@ -143,9 +143,9 @@ int orl_concentric_find(const struct orl_description *description,
     for (size_t i = 0; i < n && code == 0 && !orl_is_cancelled(description->cancel); i++) {
         const struct orl_surface *s = &description->surfaces[rounds[i].surface];
         for (size_t j = i + 1; j < n && code == 0 && rounds[j].family == rounds[i].family &&
-                               rounds[j].key - rounds[i].key <= apart && *looks < ORL_MOST_LOOKS;
+                               rounds[j].key - rounds[i].key <= apart && looks->n <= looks->most;
              j++) {
-            ++*looks;
+            looks->n++;
             if (meet(s, &description->surfaces[rounds[j].surface], rounds[i].family, seam) &&
                 !orl_pairs_add(pairs, rounds[i].surface, rounds[j].surface))
                 code = ORL_ERR_NOMEM;

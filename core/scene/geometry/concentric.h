@@ -10,6 +10,6 @@
 /* Adds the pairs, and counts looks, as orl_coplanar_find does. Returns 0 or ORL_ERR_NOMEM. */
 int orl_concentric_find(const struct orl_description *description,
                         const struct orl_same_place *place, struct orl_pairs *pairs,
-                        uint64_t *looks);
+                        struct orl_looks *looks);
 
 #endif

@@ -20,7 +20,8 @@ struct search {
     struct flat *flats;
     size_t n_flats;
     struct orl_pairs *pairs;
-    uint64_t *looks;
+    struct orl_looks *looks;
+    struct orl_box_tree tree;
 };
 
 static bool is_flat(const struct orl_surface *s)
@@ -72,17 +73,10 @@ struct orl_box orl_box_of_flat(const struct orl_surface *surface)
     return box;
 }
 
-static bool boxes_meet(const struct orl_box *a, const struct orl_box *b, double pad)
-{
-    return a->low.x <= b->high.x + pad && b->low.x <= a->high.x + pad &&
-           a->low.y <= b->high.y + pad && b->low.y <= a->high.y + pad &&
-           a->low.z <= b->high.z + pad && b->low.z <= a->high.z + pad;
-}
-
 bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double tolerance)
 {
     const double pad = tolerance;
-    if (!boxes_meet(a, b, pad))
+    if (!orl_boxes_meet(a, b, pad))
         return false;
     const struct orl_vec3 common = {fmin(a->high.x, b->high.x) - fmax(a->low.x, b->low.x),
                                     fmin(a->high.y, b->high.y) - fmax(a->low.y, b->low.y),
@@ -172,28 +166,50 @@ static bool look(struct search *t, const struct flat *a, const struct flat *b)
     const double tolerance = t->place.tolerance;
     const struct orl_surface *s = &t->d->surfaces[a->surface];
     const struct orl_surface *other = &t->d->surfaces[b->surface];
-    if (!boxes_meet(&a->box, &b->box, tolerance) ||
+    if (!orl_boxes_meet(&a->box, &b->box, tolerance) ||
         fabs(orl_dot(s->normal, other->normal)) < 1 - 1e-6 ||
         (!lies_in(t, s, other) && !lies_in(t, other, s)))
         return true;
     if (s->kind == ORL_SURFACE_POLYGON && other->kind == ORL_SURFACE_POLYGON) {
         const struct orl_outline first = outline_of(s), second = outline_of(other);
-        *t->looks += 4 * ((uint64_t)first.n + second.n);
+        t->looks->n += 4 * ((uint64_t)first.n + second.n);
         if (orl_outlines_apart(&first, &second, tolerance))
             return true;
     }
     return orl_pairs_add(t->pairs, a->surface, b->surface);
 }
 
-/* All pairs of one plane, which lie in a row. */
+/* The same pairs in the same order, of many. */
+static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
+{
+    struct orl_box_tree *const tree = &t->tree;
+    const double tolerance = t->place.tolerance;
+    if (!orl_box_tree_build(tree, &flats[0].box, sizeof *flats, n))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        if (!orl_box_tree_find(tree, &flats[i].box, (int64_t)i, tolerance, &t->looks->n))
+            return false;
+        for (size_t k = 0; k < tree->n_found; k++) {
+            if (t->looks->n > t->looks->most || (k % 1024 == 0 && orl_is_cancelled(t->d->cancel)))
+                return true;
+            if (!look(t, &flats[i], &flats[tree->found[k]]))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* All pairs of one plane, which lie in a row; of a few, by a sweep. */
 static bool look_within(struct search *t, struct flat *flats, size_t n)
 {
+    enum { FEW = 16 };
     qsort(flats, n, sizeof *flats, compare_starts);
+    if (n > FEW)
+        return look_by_tree(t, flats, n);
     for (size_t i = 0; i < n; i++) {
         const double end = end_of(&flats[i]) + 3 * t->place.tolerance;
         for (size_t j = i + 1; j < n && start_of(&flats[j]) <= end; j++) {
-            if (++*t->looks > ORL_MOST_LOOKS)
-                return true;
+            t->looks->n++;
             if (!look(t, &flats[i], &flats[j]))
                 return false;
         }
@@ -211,18 +227,19 @@ static bool find_pairs(struct search *t)
             ;
         if (next - first > 1 && !look_within(t, t->flats + first, next - first))
             return false;
-        if (*t->looks > ORL_MOST_LOOKS || orl_is_cancelled(t->d->cancel))
+        if (t->looks->n > t->looks->most || orl_is_cancelled(t->d->cancel))
             break;
     }
     return true;
 }
 
 int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
-                      struct orl_pairs *pairs, uint64_t *looks)
+                      struct orl_pairs *pairs, struct orl_looks *looks)
 {
     struct search t = {.d = description, .pairs = pairs, .looks = looks};
     const int code = list_flats(&t) && find_pairs(&t) ? 0 : ORL_ERR_NOMEM;
     *ret_place = t.place;
+    orl_box_tree_done(&t.tree);
     free(t.flats);
     return code;
 }

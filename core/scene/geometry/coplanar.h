@@ -6,6 +6,7 @@
 #define ORL_SCENE_GEOMETRY_COPLANAR_H
 
 #include "scene/description.h"
+#include "scene/geometry/box_tree.h"
 #include "scene/geometry/pairs.h"
 
 /* What "in one place" means for a scene, and where it is. */
@@ -14,11 +15,9 @@ struct orl_same_place {
     double reach, tolerance;
 };
 
-/* Pairs of boxes compared, or what takes as long: some seconds. */
-#define ORL_MOST_LOOKS UINT64_C(400000000)
-
-struct orl_box {
-    struct orl_vec3 low, high;
+/* Pairs of boxes compared, or what takes as long. */
+struct orl_looks {
+    uint64_t n, most;
 };
 
 /* Of a polygon or ring. */
@@ -28,11 +27,11 @@ struct orl_box orl_box_of_flat(const struct orl_surface *surface);
 bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double tolerance);
 
 /*
- * Adds the pairs, and counts looks; stops at ORL_MOST_LOOKS of them, or when cancelled. Of a pair
- * of polygons an edge's line may still part the two where they have many corners. Returns 0 or
- * ORL_ERR_NOMEM.
+ * Adds the pairs, and counts looks; stops when there are more than the most, or when cancelled. Of
+ * a pair of polygons an edge's line may still part the two where they have many corners. Returns 0
+ * or ORL_ERR_NOMEM.
  */
 int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
-                      struct orl_pairs *pairs, uint64_t *looks);
+                      struct orl_pairs *pairs, struct orl_looks *looks);
 
 #endif

@@ -8,8 +8,21 @@
 
 #include "base/arena.h"
 
-/* Of arrangements: some seconds. */
-static const uint64_t most_work = 400000000;
+/* Bounds: so much for any scene, and so much more for each corner; at most some seconds. */
+static const uint64_t least_looks = 4000000, looks_a_corner = 250, most_looks = 400000000;
+static const uint64_t least_work = 20000000, work_a_corner = 2500, most_work = 400000000;
+
+void orl_cutting_bound(struct orl_cutting *cutting)
+{
+    const struct orl_description *const d = cutting->d;
+    uint64_t corners = 0;
+    for (size_t i = 0; i < d->n_surfaces; i++)
+        corners += d->surfaces[i].kind == ORL_SURFACE_POLYGON ? d->surfaces[i].n_vertices : 4;
+    const uint64_t looks = least_looks + looks_a_corner * corners;
+    const uint64_t work = least_work + work_a_corner * corners;
+    cutting->looks.most = looks < most_looks ? looks : most_looks;
+    cutting->most_work = work < most_work ? work : most_work;
+}
 
 struct orl_outline orl_outline_of(const struct orl_surface *polygon)
 {
@@ -77,7 +90,7 @@ int orl_cutting_look(struct orl_cutting *cutting, const struct orl_outline *a,
     cutting->overlap.shared = false;
     const int code = orl_outline_subtract(&cutting->overlap, a, b, &layer, 1, cutting->tolerance);
     cutting->cut_short =
-        cutting->cut_short || cutting->overlap.work > most_work || code == ORL_ERR_LIMIT;
+        cutting->cut_short || cutting->overlap.work > cutting->most_work || code == ORL_ERR_LIMIT;
     if (code < 0)
         cutting->overlap.shared = false;
     return code == ORL_ERR_NOMEM ? code : 0;
@@ -114,31 +127,53 @@ static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct o
     return 0;
 }
 
-/* A layer for each of some winners, such that of one layer none overlap: the number of them that
- * got one. Those come first. */
-static size_t lay(struct orl_cutting *t, struct orl_outline *others, struct orl_box *boxes,
-                  size_t n, uint32_t *ret_layers)
+/* A winner's outline, with its box and its layer. */
+struct layered {
+    struct orl_box box;
+    struct orl_outline outline;
+    uint32_t layer; /* ORL_OVERLAP_LAYERS: none yet */
+};
+
+/* The layers of winners before the i-th whose boxes overlap its own, as bits. */
+static int find_taken(struct orl_cutting *t, const struct layered *winners, size_t i,
+                      uint32_t *ret_taken)
+{
+    *ret_taken = 0;
+    if (!orl_box_tree_find(&t->tree, &winners[i].box, -1, t->tolerance, &t->looks.n))
+        return ORL_ERR_NOMEM;
+    for (size_t k = 0; k < t->tree.n_found && t->tree.found[k] < i; k++) {
+        const struct layered *const other = &winners[t->tree.found[k]];
+        if (other->layer < ORL_OVERLAP_LAYERS &&
+            orl_boxes_overlap(&winners[i].box, &other->box, t->tolerance))
+            *ret_taken |= (uint32_t)1 << other->layer;
+    }
+    return 0;
+}
+
+/* Gives layers to winners such that of one layer none overlap, and puts those that got one first:
+ * their number. */
+static int assign_layers(struct orl_cutting *t, struct layered *winners, size_t n, size_t *ret_laid)
 {
     size_t laid = 0;
+    if (!orl_box_tree_build(&t->tree, &winners[0].box, sizeof *winners, n))
+        return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++) {
-        uint32_t taken = 0, layer = 0;
-        for (size_t k = 0; k < laid; k++)
-            if (orl_boxes_overlap(&boxes[i], &boxes[k], t->tolerance))
-                taken |= (uint32_t)1 << ret_layers[k];
-        t->looks += laid;
+        uint32_t taken, layer = 0;
+        const int code = find_taken(t, winners, i, &taken);
+        if (code < 0)
+            return code;
         while (layer < ORL_OVERLAP_LAYERS && (taken >> layer & 1))
             layer++;
-        if (layer == ORL_OVERLAP_LAYERS)
-            continue;
-        const struct orl_outline outline = others[i];
-        const struct orl_box box = boxes[i];
-        others[i] = others[laid];
-        boxes[i] = boxes[laid];
-        others[laid] = outline;
-        boxes[laid] = box;
-        ret_layers[laid++] = layer;
+        winners[i].layer = layer;
     }
-    return laid;
+    for (size_t i = 0; i < n; i++)
+        if (winners[i].layer < ORL_OVERLAP_LAYERS) {
+            const struct layered one = winners[i];
+            winners[i] = winners[laid];
+            winners[laid++] = one;
+        }
+    *ret_laid = laid;
+    return 0;
 }
 
 /* The outline that is left becomes the surface's own. */
@@ -155,34 +190,48 @@ static int take_outline(struct orl_cutting *t, struct orl_surface *left)
     return 0;
 }
 
+/* What is left of the loser without those winners that got layers; their number. */
+static int subtract(struct orl_cutting *t, struct layered *winners, size_t n,
+                    struct orl_surface *left, size_t *ret_laid)
+{
+    const struct orl_outline outline = orl_outline_of(left);
+    struct orl_outline *const others = malloc((n + 1) * sizeof *others);
+    uint32_t *const layers = malloc((n + 1) * sizeof *layers);
+    int code = others && layers ? assign_layers(t, winners, n, ret_laid) : ORL_ERR_NOMEM;
+    for (size_t i = 0; code == 0 && i < *ret_laid; i++) {
+        others[i] = winners[i].outline;
+        layers[i] = winners[i].layer;
+    }
+    if (code == 0)
+        code = orl_outline_subtract(&t->overlap, &outline, others, layers, *ret_laid, t->tolerance);
+    t->cut_short = t->cut_short || t->overlap.work > t->most_work || t->looks.n > t->looks.most;
+    if (code == 0)
+        code = take_outline(t, left);
+    free(others);
+    free(layers);
+    return code;
+}
+
 /* The loser without all its winners, of which the outlines are the original ones. */
 static int cut(struct orl_cutting *t, struct orl_pair *losses, size_t n, struct orl_surface *left)
 {
-    struct orl_outline *others = malloc((n + 1) * sizeof *others);
-    struct orl_box *boxes = malloc((n + 1) * sizeof *boxes);
-    uint32_t *layers = malloc((n + 1) * sizeof *layers);
-    int code = others && boxes && layers ? sift(t, left, losses, &n) : ORL_ERR_NOMEM;
+    struct layered *const winners = malloc((n + 1) * sizeof *winners);
+    int code = winners ? sift(t, left, losses, &n) : ORL_ERR_NOMEM;
     for (size_t i = 0; i < n && code == 0; i++) {
-        others[i] = orl_outline_of(&t->d->surfaces[losses[i].b]);
-        boxes[i] = orl_box_of_flat(&t->d->surfaces[losses[i].b]);
+        const struct orl_surface *const winner = &t->d->surfaces[losses[i].b];
+        winners[i] =
+            (struct layered){orl_box_of_flat(winner), orl_outline_of(winner), ORL_OVERLAP_LAYERS};
     }
     for (size_t first = 0; first < n && code == 0 && left->n_vertices > 0 && !t->cut_short;) {
-        const struct orl_outline outline = orl_outline_of(left);
-        const size_t laid = lay(t, others + first, boxes + first, n - first, layers);
-        code =
-            orl_outline_subtract(&t->overlap, &outline, others + first, layers, laid, t->tolerance);
-        t->cut_short = t->overlap.work > most_work || t->looks > ORL_MOST_LOOKS;
-        if (code == 0)
-            code = take_outline(t, left);
+        size_t laid = 0;
+        code = subtract(t, winners + first, n - first, left, &laid);
         if (code == ORL_ERR_LIMIT) {
             t->cut_short = true;
             code = 0;
         }
         first += laid;
     }
-    free(others);
-    free(boxes);
-    free(layers);
+    free(winners);
     return code;
 }
 
@@ -212,4 +261,5 @@ int orl_cutting_run(struct orl_cutting *cutting, struct orl_pairs *losses)
 void orl_cutting_done(struct orl_cutting *cutting)
 {
     orl_overlap_done(&cutting->overlap);
+    orl_box_tree_done(&cutting->tree);
 }

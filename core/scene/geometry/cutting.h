@@ -9,15 +9,20 @@
 #include "scene/geometry/coplanar.h"
 #include "scene/geometry/overlap.h"
 
-/* Zeroed but for the first four it is ready. */
+/* Zeroed but for the first three it is ready for orl_cutting_bound. */
 struct orl_cutting {
     struct orl_description *d;
     struct orl_coincidence_words *words;
     double tolerance;
-    uint64_t looks; /* so far, of ORL_MOST_LOOKS */
+    struct orl_looks looks;
+    uint64_t most_work; /* of the overlap; 0: none */
     struct orl_overlap overlap;
+    struct orl_box_tree tree;
     bool cut_short; /* the work was bounded: something stayed as it was */
 };
+
+/* Bounds looks and work in proportion to the description's corners. */
+void orl_cutting_bound(struct orl_cutting *cutting);
 
 struct orl_outline orl_outline_of(const struct orl_surface *polygon);
 /* Whether materials are the same to light, whatever they are called. */
