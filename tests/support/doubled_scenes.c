@@ -480,7 +480,6 @@ const struct doubled doubled_scenes[] = {
     WORLD(equal_rings, 500),
     WORLD(long_triangles, 500),
     WORLD(tiled_ground, 200),
-    /* As many pairs as there are, up to the bound on work of scene/geometry/coincident.c. */
-    {"stack, checked", DOUBLED_WORLD, 25, write_stack, 4.2},
+    WORLD(stack, 25),
 };
 const size_t doubled_n_scenes = sizeof doubled_scenes / sizeof *doubled_scenes;
