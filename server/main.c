@@ -15,6 +15,7 @@
 #include "checks/keeper.h"
 #include "http/tokens.h"
 #include "process/config.h"
+#include "process/hangup.h"
 #include "process/limits.h"
 #include "resources/routes.h"
 #include "server.h"
@@ -88,6 +89,7 @@ int main(int argc, char **argv)
     raise_file_limit();
     give_memory_back();
     signal(SIGPIPE, SIG_IGN); /* a client that hangs up is an error of write, not of ours */
+    orl_hangup_ignore();
     signal(SIGXFSZ, SIG_IGN); /* so is a file that grows beyond ulimit -f */
     if (orl_server_run(&config, &orl_routes, announce, &err))
         return complain(&err, 1);

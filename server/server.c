@@ -7,6 +7,7 @@
 #include "health/notify.h"
 #include "health/stop_limit.h"
 #include "jobs/job_bounds.h"
+#include "process/hangup.h"
 #include "process/limits.h"
 #include "process/pool.h"
 #include "process/times.h"
@@ -38,7 +39,7 @@ static void stop_if_quiet(struct orl_server *server)
     uv_close((uv_handle_t *)&server->drain, NULL);
     uv_close((uv_handle_t *)&server->saving, NULL);
     uv_close((uv_handle_t *)&server->log_lines, NULL);
-    uv_close((uv_handle_t *)&server->reload, NULL);
+    orl_hangup_stop();
     for (int i = 0; i < 2; i++)
         if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
             uv_close((uv_handle_t *)&server->signals[i], NULL);
@@ -138,11 +139,10 @@ static void on_signal(uv_signal_t *handle, int signum)
 }
 
 /* SIGHUP. Tokens are looked up with every request: there is nothing to read anew. */
-static void on_reload(uv_signal_t *handle, int signum)
+static void on_reload(uv_async_t *handle)
 {
     struct orl_server *server = handle->data;
     struct orl_error err;
-    (void)signum;
     if (orl_http_reload(server->http, &err))
         orl_log_event(&server->log, ORL_LOG_ERROR, "reload-failed", "s", "why", err.message);
     else
@@ -354,9 +354,7 @@ static void watch_signals(struct orl_server *server)
     uv_timer_init(&server->loop, &server->saving);
     server->saving.data = server;
     uv_timer_start(&server->saving, on_saving, SAVING_MS, SAVING_MS);
-    uv_signal_init(&server->loop, &server->reload);
-    server->reload.data = server;
-    uv_signal_start(&server->reload, on_reload, SIGHUP);
+    orl_hangup_heed(&server->loop, on_reload, server);
     static const int numbers[2] = {SIGTERM, SIGINT};
     for (int i = 0; i < 2; i++) {
         uv_signal_init(&server->loop, &server->signals[i]);

@@ -43,7 +43,7 @@ struct orl_server {
     struct orl_log log;
     uv_loop_t loop;
     uv_async_t kept_changed;
-    uv_signal_t signals[2], reload;
+    uv_signal_t signals[2];
     uv_timer_t drain, saving;
     uv_prepare_t log_lines;    /* written out before the loop sleeps */
     char program[ORL_SHA_HEX]; /* program.h */

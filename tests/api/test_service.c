@@ -8,7 +8,9 @@
 #include <cmocka.h>
 #include <gnutls/gnutls.h>
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -226,11 +228,46 @@ static void test_retention(void **state)
     daemon_remove(&daemon);
 }
 
+static atomic_bool storm_over;
+
+static void *send_hangups(void *pid)
+{
+    while (!atomic_load(&storm_over))
+        kill(*(const pid_t *)pid, SIGHUP);
+    return NULL;
+}
+
+/* The daemon starts beside it, answers, and ends in order by SIGTERM. */
+static void test_hangups_at_every_moment(void **state)
+{
+    struct daemon daemon;
+    struct reply reply;
+    (void)state;
+    daemon_start(&daemon, NULL);
+    for (int i = 0; i < 5; i++) {
+        pthread_t thread;
+        pid_t pid = daemon.pid;
+        atomic_store(&storm_over, false);
+        assert_int_equal(pthread_create(&thread, NULL, send_hangups, &pid), 0);
+        daemon_get(&daemon, "/healthz", &reply);
+        const long status = reply.status;
+        reply_done(&reply);
+        const int ended = daemon_end(&daemon, SIGTERM);
+        atomic_store(&storm_over, true);
+        pthread_join(thread, NULL);
+        assert_int_equal(status, 200);
+        assert_int_equal(ended, 0);
+        daemon_restart(&daemon, NULL);
+    }
+    daemon_remove(&daemon);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_notify),
         cmocka_unit_test(test_reload),
+        cmocka_unit_test(test_hangups_at_every_moment),
         cmocka_unit_test(test_job_timeout),
         cmocka_unit_test(test_retention),
     };

@@ -8,6 +8,7 @@ import json
 import os
 import random
 import select
+import signal
 import socket
 import time
 import zipfile
@@ -211,6 +212,112 @@ def other_bombs(port, token):
     _bombing(port, token, slice(6, None))
 
 
+# ---- Jobs -----------------------------------------------------------------------------------
+
+def _is_ended(text):
+    return any(b'"%s"' % state in text for state in (b"succeeded", b"failed", b"cancelled"))
+
+
+def _wait_by_events(port, token, path):
+    """Until the job's events say that it has ended, or they end themselves."""
+    auth = "Authorization: %s\r\n" % token["Authorization"]
+    stream = socket.create_connection(("127.0.0.1", port), timeout=60)
+    stream.sendall((_HEAD % ("GET", path + "/events", auth)).encode())
+    text = b""
+    while not _is_ended(text):
+        more = stream.recv(1 << 16)
+        if not more:
+            break
+        text = (text + more)[-(1 << 16):]
+    stream.close()
+
+
+def early_fetches(port, token):
+    """Results and files, asked for the moment that events say a job has ended; hung up at random."""
+    auth = "Authorization: %s\r\n" % token["Authorization"]
+    scene = upload(port, token, ROOM)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    fetches = [socket.create_connection(("127.0.0.1", port), timeout=60) for _ in range(8)]
+    for seed in range(1 << 30):
+        path = submit(port, token, scene, seed=seed, connection=connection, samples=8)
+        if not path:
+            time.sleep(0.2)
+            continue
+        _wait_by_events(port, token, path)
+        which = seed % len(fetches)
+        for name in ("/result", "/files/result.json", "/files/none.hdr"):
+            if not _send(fetches[which], (_HEAD % ("GET", path + name, auth)).encode()) or \
+                    random.random() < 0.3:
+                fetches[which].close()
+                fetches[which] = socket.create_connection(("127.0.0.1", port), timeout=60)
+            elif random.random() < 0.5:
+                fetches[which].recv(1 << 16)
+
+
+_WEATHER = "place x\nlatitude 47\nlongitude -8\ntime_zone -15\nsite_elevation 0\n" \
+    "weather_data_file_units 1\n3 21 11.5 800 100\n"
+
+
+def _year_scene(connection, token, files):
+    """The id of a scene whose first file alone is a main one."""
+    document = {"files": [dict({"name": name, "text": text}, resource=i > 0)
+                          for i, (name, text) in enumerate(files)]}
+    status, body = _ask(connection, "POST", "/v1/scenes", json.dumps(document).encode(),
+                        dict(token, **{"Content-Type": "application/json"}))
+    return json.loads(body)["id"] if status in (200, 201) else None
+
+
+def _post_year(connection, token, document):
+    """The path of the job, or None where it is refused."""
+    status, body = _ask(connection, "POST", "/v1/jobs", json.dumps(document).encode(),
+                        dict(token, **{"Content-Type": "application/json"}))
+    return "/v1/jobs/" + json.loads(body)["id"] if status == 202 else None
+
+
+def state_file_bombs(port, token):
+    """Years whose states of shades are small files that make a million surfaces."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=300)
+    bomb = "!xform -n a -a 1000 -t .003 0 0 -i 1 -a 1000 -t 0 .003 0 slat.rad\n"
+    scene = _year_scene(connection, token, [
+        ("room.rad", ROOM.split("void glow")[0] + ROOM.split("180\n")[1]), ("place.wea", _WEATHER),
+        ("one.rad", bomb), ("two.rad", "!xform -t 0 0 1 one.rad\n"),
+        ("slat.rad", "grey sphere s 0 0 4 .1 .1 .1 .001\n")])
+    while scene:
+        _post_year(connection, token, {
+            "kind": "annual", "scene": scene, "weather": "place.wea",
+            "sensors": [[1, 1, 1, 0, 0, 1]], "shades": [{"name": "south", "states": [
+                {"name": "open"}, {"name": "half", "files": ["one.rad"]},
+                {"name": "shut", "files": ["one.rad", "two.rad"]}]}]})
+
+
+def glare_seats(port, token):
+    """A seat between sixty half-mirrors, for which light has many ways; cancelled after a while."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    panes = "".join("half polygon pane%d 0 0 12 -50 %d -50 50 %d -50 50 %d 50 -50 %d 50\n" %
+                    ((i,) + (i + 1,) * 4) for i in range(60))
+    text = "void trans half 0 0 7 1 1 1 .5 0 1 1\n" + panes
+    scene = _year_scene(connection, token, [("panes.rad", text), ("place.wea", _WEATHER)])
+    while scene:
+        path = _post_year(connection, token, {
+            "kind": "annual", "scene": scene, "weather": "place.wea",
+            "sensors": [[0, 0, 0, 0, 0, 1]], "glare": {"seats": [
+                {"at": [0, 0, 0], "towards": [0, 1, 0]}]}})
+        time.sleep(random.uniform(0.2, 3))
+        if path:
+            _ask(connection, "POST", path + "/cancel", None, token)
+
+
+def hangup_storms(_port, _token):
+    """SIGHUP, by which the daemon reads its certificate anew, many times a second."""
+    daemon = int(os.environ["SIEGE_DAEMON"])
+    while True:
+        try:
+            os.kill(daemon, signal.SIGHUP)
+        except ProcessLookupError:
+            pass
+        time.sleep(0.002)
+
+
 # ---- Shared ----------------------------------------------------------------------------------
 
 ROOM = """void plastic grey 0 0 5 .5 .5 .5 0 0
@@ -241,10 +348,10 @@ def upload(port, token, text):
         time.sleep(0.5)
 
 
-def submit(port, token, scene, seed, connection=None):
+def submit(port, token, scene, seed, connection=None, samples=2000):
     """The job's path, or None where it is refused."""
     connection = connection or http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-    document = {"scene": scene, "seed": seed, "technique": "backward", "gather_samples": 2000,
+    document = {"scene": scene, "seed": seed, "technique": "backward", "gather_samples": samples,
                 "sensors": [[1, 1, 1, 0, 0, 1]] * 20}
     status, body = _ask(connection, "POST", "/v1/jobs", json.dumps(document).encode(),
                         dict(token, **{"Content-Type": "application/json"}))
@@ -252,7 +359,7 @@ def submit(port, token, scene, seed, connection=None):
 
 
 ATTACKS = (malformed, slow_clients, healthz_flood, streams, listings, twins, endless_uploads,
-           known_bombs, other_bombs)
+           known_bombs, other_bombs, early_fetches, state_file_bombs, hangup_storms, glare_seats)
 
 
 def run(attack, port, token):

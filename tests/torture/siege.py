@@ -163,6 +163,7 @@ class Siege:
     def attack(self, which):
         """Processes that do."""
         begun = []
+        os.environ["SIEGE_DAEMON"] = str(self.daemon.process.pid)
         for one in which:
             process = multiprocessing.Process(target=attacks.run, daemon=True, args=(
                 one, self.daemon.port, self.tokens[one.__name__]))
