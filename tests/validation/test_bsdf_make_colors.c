@@ -18,6 +18,7 @@
 #include <oriel/bsdf_convert.h>
 
 #include "fixtures/bsdf_ask.h"
+#include "support/extent.h"
 #include "support/panels.h"
 #include "support/scene_text.h"
 
@@ -315,6 +316,10 @@ static void conversions_keep_colour_or_say_so(void **state)
         assert_true(c.colored[0] && c.colored[1]);
         for (int part = 0; part < 4; part++)
             assert_true(fabs(c.of[part / 2][part % 2].color.albedo_worst) < 1e-4);
+        if (bases[i] == ORL_BSDF_TENSOR_TREE_3 && !extent_is_long()) {
+            orl_bsdf_unref(after);
+            continue; /* the long suite goes all ways back */
+        }
         struct orl_bsdf *again = converted(after, ORL_BSDF_TENSOR_TREE_4, true);
         const struct orl_bsdf_comparison d = compared(tree, again);
         for (int part = 0; part < 4; part++)

@@ -142,7 +142,7 @@ static void test_flux_with_reflection(void **state)
         const struct cie_hole *hole = &holes[i & 1];
         const double rho = reflectances[i >> 1 & 1];
         const double seen = hole->face == CIE_CEILING ? ORL_PI : ORL_PI / 2;
-        if (!stability_full() && (i & 1) == (i >> 1 & 1))
+        if (!stability_full() && i != 1 && i != 6) /* each opening, reflectance and pane once */
             continue;
         snprintf(text, sizeof text,
                  SKY "void plastic w 0 0 5 %g %g %g 0 0\nvoid glass p 0 0 4 1 1 1 1\n", rho, rho,
