@@ -18,6 +18,7 @@
 #include <oriel/annual_report.h>
 #include <oriel/npy.h>
 
+#include "base/sort.h"
 #include "goniometer/forest.h"
 #include "photon/map/map.h"
 #include "run/stages.h"
@@ -199,6 +200,46 @@ static void test_generators(void **state)
     }
 }
 
+/* ---- Sorting --------------------------------------------------------------------------------- */
+
+struct item {
+    uint32_t key, place;
+};
+
+static int compare_keys(const void *a, const void *b)
+{
+    const uint32_t one = ((const struct item *)a)->key, other = ((const struct item *)b)->key;
+    return (one > other) - (one < other);
+}
+
+/* In order, equal items in the order they had, for any number of blocks. */
+static void test_sorting(void **state)
+{
+    static const size_t counts[] = {0, 1, 1000, 16384, 16385, 40000, 100000, 131072};
+    (void)state;
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+        const size_t n = counts[c];
+        struct item *items = malloc((n + 1) * sizeof *items);
+        assert_non_null(items);
+        for (int k = 0; k < 2; k++) {
+            uint32_t random = 1;
+            for (uint32_t i = 0; i < n; i++) {
+                random = random * 1664525U + 1013904223U;
+                items[i] = (struct item){random >> 18, i};
+            }
+            begin(k == 0 ? -1 : polls / 2);
+            assert_int_equal(orl_sort(items, n, sizeof *items, compare_keys, &flag),
+                             k == 0 ? 0 : ORL_ERR_CANCELLED);
+            for (size_t i = 1; i < n && k == 0; i++)
+                assert_true(
+                    items[i - 1].key < items[i].key ||
+                    (items[i - 1].key == items[i].key && items[i - 1].place < items[i].place));
+            assert_true(polls >= (int)(n / 16384));
+        }
+        free(items);
+    }
+}
+
 /* The checksum of a photon map. */
 static void test_maps(void **state)
 {
@@ -225,6 +266,7 @@ int main(void)
         cmocka_unit_test(test_trees),
         cmocka_unit_test(test_sensors),
         cmocka_unit_test(test_generators),
+        cmocka_unit_test(test_sorting),
         cmocka_unit_test_setup_teardown(test_maps, scratch_set_up, scratch_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,6 +5,7 @@
 
 #include <oriel/crew.h>
 
+#include "base/sort.h"
 #include "scene/geometry/overlap.h"
 
 /* A polygon or ring in its plane. */
@@ -220,7 +221,9 @@ static bool look_within(struct search *t, struct flat *flats, size_t n)
 static bool find_pairs(struct search *t)
 {
     const double apart = 4 * t->place.tolerance;
-    qsort(t->flats, t->n_flats, sizeof *t->flats, compare_keys);
+    const int code = orl_sort(t->flats, t->n_flats, sizeof *t->flats, compare_keys, t->d->cancel);
+    if (code < 0)
+        return code == ORL_ERR_CANCELLED; /* the caller polls, too */
     for (size_t first = 0, next; first < t->n_flats; first = next) {
         for (next = first + 1;
              next < t->n_flats && t->flats[next].key - t->flats[next - 1].key <= apart; next++)
@@ -237,7 +240,9 @@ int orl_coplanar_find(const struct orl_description *description, struct orl_same
                       struct orl_pairs *pairs, struct orl_looks *looks)
 {
     struct search t = {.d = description, .pairs = pairs, .looks = looks};
-    const int code = list_flats(&t) && find_pairs(&t) ? 0 : ORL_ERR_NOMEM;
+    int code = list_flats(&t) && find_pairs(&t) ? 0 : ORL_ERR_NOMEM;
+    if (code == 0 && orl_is_cancelled(description->cancel))
+        code = ORL_ERR_CANCELLED;
     *ret_place = t.place;
     orl_box_tree_done(&t.tree);
     free(t.flats);
