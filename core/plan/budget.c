@@ -62,6 +62,28 @@ static uint64_t bound(const struct orl_job *job, const struct orl_worth *worth,
     return to_two_digits(fmax(fmax(most, (double)enough), fewest_photons));
 }
 
+/* Odds of a share; finite, for a pilot knows no share to better than a thousandth. */
+static double odds(double share)
+{
+    return share / fmax(1 - share, 1e-3);
+}
+
+/*
+ * The caustic photons of the Neyman allocation. Where caustics land, the variance of their light is
+ * its square over the photons on an area, and so is that of the rest. The sum of both is least, for
+ * a number of rays, when each kind has rays as the root of its variance for one photon times its
+ * rays for one photon. Contrast and share together tell both light and area.
+ */
+static double best_by_rays(const struct orl_worth *worth, double base)
+{
+    if (!(worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0))
+        return INFINITY;
+    const double rest = worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
+    const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
+    const double times = sqrt(odds(worth->share) * odds(worth->contrast) * each / rest);
+    return (rays_of_none + times) * base * rest / each;
+}
+
 static uint64_t caustic_photons(const struct orl_worth *worth, const struct orl_plan *plan)
 {
     const double base = global_photons(plan);
@@ -72,6 +94,7 @@ static uint64_t caustic_photons(const struct orl_worth *worth, const struct orl_
         const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
         photons = fmax(photons, fmin(rays_not_felt * rays / each, base));
         photons = fmin(photons, bound_by_rays(worth, base, weight));
+        photons = fmin(photons, best_by_rays(worth, base));
         photons = fmax(photons, fmin(fewest_photons, base));
     }
     return to_two_digits(photons);

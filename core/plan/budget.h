@@ -6,9 +6,11 @@
  * they are as many as the global ones; below that fewer, in proportion, since noise and blur of
  * what is faint are faint; but never so few that a kernel holds none. And their rays are bounded by
  * those of the global photons: by half of these where caustics are worth nothing, thirty times as
- * many where they are worth all, and between by the square of their worth. By such rays, or
- * more where caustics outshine what else is there, what a job asks for is bounded too, unless it
- * wants exactly that, whatever it takes.
+ * many where they are worth all, and between by the square of their worth. Nor have they more rays
+ * than half of the global ones and those by which the light where they land errs least (Neyman
+ * 1934, Journal of the Royal Statistical Society 97, 558): more would do more for the picture as
+ * global photons. By the first bound, or more where caustics outshine what else is there, what a
+ * job asks for is bounded too, unless it wants exactly that, whatever it takes.
  */
 #ifndef ORL_PLAN_BUDGET_H
 #define ORL_PLAN_BUDGET_H

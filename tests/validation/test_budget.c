@@ -115,6 +115,34 @@ static void test_a_spot_is_kept(void **state)
     orl_result_done(&more);
 }
 
+/*
+ * A lamp whose light falls past a prism on black walls, and through it and beside it on the floor:
+ * a caustic photon takes 48 emissions, and what lands is worth as many as of the rest. Those of the
+ * plan take rays in proportion to what they may improve.
+ */
+static void test_a_prism_is_bounded(void **state)
+{
+    static const char scene[] =
+        "void plastic wall 0 0 5 .5 .5 .5 0 0\nvoid plastic black 0 0 5 0 0 0 0 0\n"
+        "!genbox black room 4 4 3 -i\n"
+        "wall polygon w 0 0 12 0 0 .001 4 0 .001 4 4 .001 0 4 .001\n"
+        "void dielectric glass 0 0 5 1 1 1 1.5 0\n"
+        "!genprism glass prism 3 0 0 .2 0 .1 .17 -l 0 0 .5 | xform -t 1.5 2 1\n"
+        "void spotlight lamp 0 0 7 1000 1000 1000 100 -1 0 -.5\n"
+        "lamp ring bulb 0 0 8 2.4 2.1 1.8 -1 0 -.5 0 .03\n";
+    (void)state;
+    struct orl_result r = run(scene, NULL, ORL_PHOTONS_BY_PLAN, 2);
+    const struct orl_map_info *global = map_of(&r, "global"), *caustic = map_of(&r, "caustic");
+    print_message("%llu caustic photons of %llu emissions; global %llu of %llu; %s\n",
+                  (unsigned long long)caustic->stored, (unsigned long long)caustic->emitted,
+                  (unsigned long long)global->stored, (unsigned long long)global->emitted,
+                  r.plan.foresight.why);
+    assert_true(caustic->stored >= 20000); /* a map's worth */
+    assert_true(caustic->emitted <= 4 * global->emitted);
+    expect_foreseen(&r);
+    orl_result_done(&r);
+}
+
 static void test_scattering_panes_get_all(void **state)
 {
     char xml[2048];
@@ -185,8 +213,8 @@ static void test_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_gleam_gets_few), cmocka_unit_test(test_a_spot_is_kept),
-        cmocka_unit_test(test_scattering_panes_get_all), cmocka_unit_test(test_askers_are_bounded),
-        cmocka_unit_test(test_numbers)};
+        cmocka_unit_test(test_a_gleam_gets_few),   cmocka_unit_test(test_a_spot_is_kept),
+        cmocka_unit_test(test_a_prism_is_bounded), cmocka_unit_test(test_scattering_panes_get_all),
+        cmocka_unit_test(test_askers_are_bounded), cmocka_unit_test(test_numbers)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
