@@ -15,8 +15,8 @@ static int decode_seat(const json_t *value, const char *path, void *into, struct
     struct orl_seat *seat = into;
     const struct orl_json_member members[] = {
         {"name", .text = &seat->name, .longest = NAME_MAX_BYTES},
-        {"at", .decode = orl_vec3_from_json, .into = &seat->at, .required = true},
-        {"towards", .decode = orl_vec3_from_json, .into = &seat->towards, .required = true},
+        {"at", .decode = orl_point_from_json, .into = &seat->at, .required = true},
+        {"towards", .decode = orl_direction_from_json, .into = &seat->towards, .required = true},
         {0}};
     return orl_json_members(value, path, members, err);
 }

@@ -2,11 +2,14 @@
 
 #include <stdio.h>
 
+#include <oriel/coordinates.h>
+
 #include "members.h"
 
 enum { NAME_MAX_BYTES = 63 };
 
-int orl_vec3_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
+static int read_vector(const json_t *value, const char *path, struct orl_vec3 *ret,
+                       struct orl_error *err)
 {
     double numbers[3];
     if (!json_is_array(value) || json_array_size(value) != 3)
@@ -16,8 +19,39 @@ int orl_vec3_from_json(const json_t *value, const char *path, void *into, struct
         if (rc)
             return rc;
     }
-    *(struct orl_vec3 *)into = orl_v3(numbers[0], numbers[1], numbers[2]);
+    *ret = orl_v3(numbers[0], numbers[1], numbers[2]);
     return 0;
+}
+
+/* The error of a check is one of the member at path. */
+static int checked(int code, const char *path, struct orl_error *err)
+{
+    if (code < 0)
+        orl_error_at(err, NULL, 0, path);
+    return code;
+}
+
+int orl_point_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    struct orl_vec3 point = {0, 0, 0};
+    int rc = read_vector(value, path, &point, err);
+    if (rc == 0)
+        rc = checked(orl_check_point(point, path, err), path, err);
+    if (rc == 0)
+        *(struct orl_vec3 *)into = point;
+    return rc;
+}
+
+int orl_direction_from_json(const json_t *value, const char *path, void *into,
+                            struct orl_error *err)
+{
+    struct orl_vec3 direction = {0, 0, 0};
+    int rc = read_vector(value, path, &direction, err);
+    if (rc == 0)
+        rc = checked(orl_check_direction(direction, path, err), path, err);
+    if (rc == 0)
+        *(struct orl_vec3 *)into = direction;
+    return rc;
 }
 
 int orl_place_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
@@ -25,7 +59,7 @@ int orl_place_from_json(const json_t *value, const char *path, void *into, struc
     struct orl_named_place *place = into;
     const struct orl_json_member members[] = {
         {"name", .text = &place->name, .longest = NAME_MAX_BYTES},
-        {"at", .decode = orl_vec3_from_json, .into = &place->at, .required = true},
+        {"at", .decode = orl_point_from_json, .into = &place->at, .required = true},
         {0}};
     return orl_json_members(value, path, members, err);
 }

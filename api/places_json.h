@@ -10,8 +10,11 @@
 
 #include <oriel/place.h>
 
-/* A decoder of members.h: an array of three numbers; into: a struct orl_vec3. */
-int orl_vec3_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
+/* Decoders of members.h: an array of three numbers, checked by oriel/coordinates.h; into: a struct
+ * orl_vec3. */
+int orl_point_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
+int orl_direction_from_json(const json_t *value, const char *path, void *into,
+                            struct orl_error *err);
 /* A decoder of members.h's lists; into: a struct orl_named_place. */
 int orl_place_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
 

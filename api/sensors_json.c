@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 
+#include <oriel/coordinates.h>
 #include <oriel/limits.h>
 
 #include "members.h"
@@ -21,10 +22,16 @@ static int decode_sensor(const json_t *row, const char *path, void *into, struct
         snprintf(at, sizeof at, "%.120s[%zu]", path, k);
         rc = orl_json_real(json_array_get(row, k), at, &v[k], err);
     }
-    if (rc == 0 && v[3] == 0 && v[4] == 0 && v[5] == 0)
-        rc = orl_json_fail(err, ORL_ERR_RANGE, path, "the direction is zero");
+    const struct orl_sensor read = {orl_v3(v[0], v[1], v[2]), orl_v3(v[3], v[4], v[5])};
+    if (rc)
+        return rc;
+    rc = orl_check_point(read.position, path, err);
     if (rc == 0)
-        *sensor = (struct orl_sensor){orl_v3(v[0], v[1], v[2]), orl_v3(v[3], v[4], v[5])};
+        rc = orl_check_direction(read.direction, path, err);
+    if (rc == 0)
+        *sensor = read;
+    else
+        orl_error_at(err, NULL, 0, path);
     return rc;
 }
 

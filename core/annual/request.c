@@ -2,8 +2,10 @@
 #include <oriel/annual.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/coordinates.h>
 #include <oriel/limits.h>
 
 #include "annual/matrix_terms.h"
@@ -36,12 +38,6 @@ void orl_annual_request_done(struct orl_annual_request *request)
     *request = (struct orl_annual_request){0};
 }
 
-static bool is_place(struct orl_vec3 v)
-{
-    const double most = ORL_LIMIT_DISTANCE;
-    return fabs(v.x) <= most && fabs(v.y) <= most && fabs(v.z) <= most;
-}
-
 static int check_sensors(const struct orl_annual_request *request, struct orl_error *err)
 {
     if (request->n_sensors > ORL_LIMIT_SENSORS)
@@ -49,9 +45,13 @@ static int check_sensors(const struct orl_annual_request *request, struct orl_er
                              request->n_sensors, ORL_LIMIT_SENSORS);
     for (size_t i = 0; i < request->n_sensors; i++) {
         const struct orl_sensor *s = &request->sensors[i];
-        if (!is_place(s->position) || !is_place(s->direction) || !(orl_length(s->direction) > 0))
-            return orl_error_set(err, ORL_ERR_RANGE,
-                                 "sensor %zu has no finite place, or no direction", i + 1);
+        char what[32];
+        snprintf(what, sizeof what, "sensor %zu", i + 1);
+        int code = orl_check_point(s->position, what, err);
+        if (code == 0)
+            code = orl_check_direction(s->direction, what, err);
+        if (code < 0)
+            return code;
     }
     return 0;
 }

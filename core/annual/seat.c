@@ -1,7 +1,10 @@
 /* Seats as they are asked for, and what is told of them: checks, and who frees what. */
 #include <oriel/annual_glare.h>
 
+#include <stdio.h>
 #include <stdlib.h>
+
+#include <oriel/coordinates.h>
 
 void orl_seats_wish_done(struct orl_seats_wish *wish)
 {
@@ -24,11 +27,6 @@ void orl_seat_hours_free(struct orl_seat_hours *hours, size_t n)
 
 /* ---- What can be told beforehand ------------------------------------------------------------- */
 
-static bool is_finite(struct orl_vec3 v)
-{
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
-
 int orl_seats_validate(const struct orl_seats_wish *wish, const struct orl_annual_request *request,
                        struct orl_error *err)
 {
@@ -40,13 +38,14 @@ int orl_seats_validate(const struct orl_seats_wish *wish, const struct orl_annua
                              "glare needs a scene to look at: a year by matrices has none of it");
     for (size_t i = 0; i < wish->n_seats; i++) {
         const struct orl_seat *seat = &wish->seats[i];
-        const double length = orl_length(seat->towards);
-        if (!is_finite(seat->at) || !is_finite(seat->towards) || !(length > 0))
-            return orl_error_set(err, ORL_ERR_RANGE,
-                                 "the seat '%s' has no finite place, or no "
-                                 "direction",
-                                 seat->name);
-        if (!(fabs(seat->towards.z) <= steepest * length))
+        char what[96];
+        snprintf(what, sizeof what, "the seat '%.64s'", seat->name);
+        int code = orl_check_point(seat->at, what, err);
+        if (code == 0)
+            code = orl_check_direction(seat->towards, what, err);
+        if (code < 0)
+            return code;
+        if (!(fabs(seat->towards.z) <= steepest * orl_length(seat->towards)))
             return orl_error_set(err, ORL_ERR_RANGE,
                                  "'%s' looks straight up or down: which way is up in its view is "
                                  "not known",

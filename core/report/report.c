@@ -243,6 +243,10 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
     if (code == 0)
         code = orl_seats_validate(&wishes->glare, request, err);
     if (code == 0)
+        code = orl_places_check(wishes->exposure.points, wishes->exposure.n_points, err);
+    if (code == 0)
+        code = orl_places_check(wishes->view_out.points, wishes->view_out.n_points, err);
+    if (code == 0)
         code = make_grids(&m);
     if (code == 0)
         code = orl_report_check_grids(&m);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/coordinates.h>
 #include <oriel/limits.h>
 
 #include "light/daylight.h"
@@ -330,12 +331,13 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_INVALID, "photons.global must be at least 1");
     for (size_t i = 0; i < job->n_sensors; i++) {
         const struct orl_sensor *s = &job->sensors[i];
-        if (!isfinite(s->position.x + s->position.y + s->position.z) ||
-            !isnormal(orl_dot(s->direction, s->direction)))
-            return orl_error_set(err, ORL_ERR_RANGE,
-                                 "sensor %zu needs a finite position and a non-zero direction", i);
-        if (!(orl_length(s->position) < ORL_LIMIT_DISTANCE))
-            return orl_error_set(err, ORL_ERR_RANGE, "sensor %zu is too far away", i);
+        char what[32];
+        snprintf(what, sizeof what, "sensor %zu", i);
+        int code = orl_check_point(s->position, what, err);
+        if (code == 0)
+            code = orl_check_direction(s->direction, what, err);
+        if (code < 0)
+            return code;
     }
     for (size_t i = 0; i < job->n_views; i++) {
         const int code = validate_view(job, i, err);

@@ -1,6 +1,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/coordinates.h>
 #include <oriel/limits.h>
 
 #include "run/stages.h"
@@ -30,12 +31,8 @@ static int judge(int n, const double v[6], struct orl_error *err)
 {
     if (n != 6)
         return orl_error_set(err, ORL_ERR_SYNTAX, "a sensor is six finite numbers: x y z dx dy dz");
-    if (!isnormal(v[3] * v[3] + v[4] * v[4] + v[5] * v[5]))
-        return orl_error_set(err, ORL_ERR_RANGE,
-                             "the sensor's direction has no length, or far too much");
-    if (!(orl_length(orl_v3(v[0], v[1], v[2])) < ORL_LIMIT_DISTANCE))
-        return orl_error_set(err, ORL_ERR_RANGE, "the sensor is too far away");
-    return 0;
+    const int code = orl_check_point(orl_v3(v[0], v[1], v[2]), "sensor", err);
+    return code < 0 ? code : orl_check_direction(orl_v3(v[3], v[4], v[5]), "sensor", err);
 }
 
 /* The next line from *at on, and its numbers; returns how many, 0 where there are none, or -1. */

@@ -26,7 +26,12 @@ static const struct {
     {YEAR_ROOM_SEEDED YEAR_ROOM_GRIDS "\"sample\":64", "sample", "", 0, 422},
     {YEAR_ROOM_SEEDED "\"grids\":[{\"sensors\":[]}]", "grids[0].sensors", "", 0, 422},
     {YEAR_ROOM_SEEDED "\"sensors\":[]", "sensors", "", 0, 422},
-    {YEAR_ROOM_SEEDED "\"sensors\":[[0,0,1e300,0,0,1]]", "", "", 0, 422},
+    {YEAR_ROOM_SEEDED "\"sensors\":[[0,0,1e300,0,0,1]]", "sensors[0]", "", 0, 422},
+    {YEAR_ROOM_SEEDED YEAR_ROOM_GRIDS
+     "\"glare\":{\"seats\":[{\"at\":[1,1,1],\"towards\":[1e300,0,0]}]}",
+     "glare.seats[0].towards", "", 0, 422},
+    {YEAR_ROOM_SEEDED YEAR_ROOM_GRIDS "\"exposure\":{\"points\":[{\"at\":[1e300,0,0]}]}",
+     "exposure.points[0].at", "", 0, 422},
     {YEAR_ROOM_SEEDED "\"grids\":[{\"sensors\":{\"file\":\"none.pts\"}}]", "grids[0].sensors.file",
      "", 0, 422},
     {YEAR_ROOM_SEEDED "\"sensors\":{\"file\":\"none.pts\"}", "sensors.file", "", 0, 422},

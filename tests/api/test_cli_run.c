@@ -160,7 +160,7 @@ static void test_mistakes_are_named_and_recorded(void **state)
         {"sensors.txt", "1 2 3 0 0 1\n\n1e20 2 3 0 0 1\n", "sensors.txt:3: ", "out-of-range"},
         {"job.json",
          "{\"scene\": {\"files\": [\"room.rad\"]}, \"sensors\": [[0, -1e300, 0, 0, 0, 1]]}",
-         "sensor 0 is too far", "out-of-range"},
+         "sensors[0]: a position needs finite coordinates of at most 1e+12", "out-of-range"},
     };
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

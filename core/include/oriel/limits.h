@@ -28,7 +28,7 @@
 #define ORL_LIMIT_BSDF_VALUES (64UL << 20) /* leaf values in one BSDF file */
 #define ORL_LIMIT_WEATHER_ROWS 527040UL    /* rows of a weather file: a leap year's minutes */
 #define ORL_LIMIT_SENSORS 4000000UL        /* sensors in one job */
-#define ORL_LIMIT_DISTANCE 1e12            /* of a sensor from the origin: rays are floats */
+#define ORL_LIMIT_DISTANCE 1e12            /* any coordinate that is given: rays are floats */
 #define ORL_LIMIT_VIEWS 1024U              /* views in one job */
 #define ORL_LIMIT_SKIES 1024U              /* skies of one job */
 #define ORL_LIMIT_SEQUENCE 400U            /* of these skies, when their pictures are a sequence */

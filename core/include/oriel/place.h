@@ -13,6 +13,9 @@ struct orl_named_place {
     struct orl_vec3 at;
 };
 
+/* Each place is one that orl_check_point admits. ORL_ERR_RANGE, with the name. */
+int orl_places_check(const struct orl_named_place *places, size_t n, struct orl_error *err);
+
 static inline void orl_named_places_free(struct orl_named_place *places, size_t n)
 {
     for (size_t i = 0; places && i < n; i++)

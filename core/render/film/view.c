@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/coordinates.h>
 #include <oriel/limits.h>
 
 /* One word of the options, NUL-terminated in word; returns where the next begins, NULL at the end.
@@ -66,7 +67,7 @@ static int check_sizes(const struct orl_view *view, struct orl_error *err)
                           : view->type == 'l' ? 1e9
                                               : 360.0 * closed;
     const double highest = view->type == 'c' ? 180.0 : widest;
-    const double narrowest = 1e-9, farthest = 1e12, most_shift = 1e6;
+    const double narrowest = 1e-9, most_shift = 1e6;
     const double h = view->horizontal, v = view->vertical;
     if (!(h > narrowest && h < widest && v > narrowest && v < highest))
         return orl_error_set(err, ORL_ERR_RANGE,
@@ -75,8 +76,8 @@ static int check_sizes(const struct orl_view *view, struct orl_error *err)
     if (fabs(view->shift) > most_shift || fabs(view->lift) > most_shift)
         return orl_error_set(err, ORL_ERR_RANGE, "view shift -vs %g or lift -vl %g is too large",
                              view->shift, view->lift);
-    if (!(orl_length(view->point) < farthest) || !(view->fore < farthest))
-        return orl_error_set(err, ORL_ERR_RANGE, "the view point -vp or clipping -vo is too far");
+    if (!(view->fore <= ORL_LIMIT_DISTANCE))
+        return orl_error_set(err, ORL_ERR_RANGE, "the view clipping -vo is too far");
     return 0;
 }
 
@@ -85,17 +86,19 @@ static int set_up(struct orl_view *view, struct orl_error *err)
 {
     double h = view->horizontal, v = view->vertical;
     struct orl_vec3 right, above;
-    /* Squares that overflow or fade out would leave no unit vector. */
-    if (!isnormal(orl_dot(view->direction, view->direction)))
-        return orl_error_set(err, ORL_ERR_RANGE, "the view direction -vd has no usable length");
-    if (!isnormal(orl_dot(view->up, view->up)))
-        return orl_error_set(err, ORL_ERR_RANGE, "the up vector -vu has no usable length");
+    int code = orl_check_point(view->point, "view point -vp", err);
+    if (code == 0)
+        code = orl_check_direction(view->direction, "view direction -vd", err);
+    if (code == 0)
+        code = orl_check_direction(view->up, "up vector -vu", err);
+    if (code < 0)
+        return code;
     view->direction = orl_normalize(view->direction);
     right = orl_cross(view->direction, orl_normalize(view->up));
     if (!(orl_length(right) > 1e-9))
         return orl_error_set(err, ORL_ERR_RANGE,
                              "the view direction -vd and the up vector -vu are parallel");
-    const int code = check_sizes(view, err);
+    code = check_sizes(view, err);
     if (code < 0)
         return code;
     if (view->fore < 0 || (view->aft > 0 && view->aft <= view->fore))
