@@ -184,7 +184,7 @@ static uint64_t annual_array_bytes(const struct orl_annual_formats *formats)
 
 static uint64_t annual_sensor_bytes(const struct orl_task *task)
 {
-    return (MAP_SENSOR + FIGURE) * (uint64_t)task->of.annual.wishes.n_metrics +
+    return SENSOR + (MAP_SENSOR + FIGURE) * (uint64_t)task->of.annual.wishes.n_metrics +
            ORL_MATRIX_CHANNELS * annual_array_bytes(&task->of.annual.formats);
 }
 
