@@ -55,7 +55,7 @@ static int close_others(struct orl_year *y, struct orl_error *err)
 
 static int make_world(struct orl_year *y, struct orl_error *err)
 {
-    int code = orl_world_new(y->lights, &y->world, err);
+    int code = orl_world_new(y->lights, y->env->run->crew, &y->world, err);
     if (code == 0)
         code = orl_annual_admit(y->world, err);
     if (code < 0 || !y->world)

@@ -114,7 +114,7 @@ int orl_ports_close(struct orl_world *world, uint32_t part, int32_t **ret_port_o
     world->port_of_facet = port_of;
     *ret_port_of_facet = port_of;
     orl_images_done(&world->images);
-    const int code = orl_images_build(&world->images, world);
+    const int code = orl_images_build(&world->images, world, NULL);
     orl_world_settle(world);
     return code;
 }

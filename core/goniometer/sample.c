@@ -65,7 +65,7 @@ int orl_gonio_sample_load(const struct orl_bsdf_make_request *request,
     if (code == 0)
         code = orl_lights_new(scene, NULL, &lights, err);
     if (code == 0)
-        code = orl_world_new(lights, &sample.world, err);
+        code = orl_world_new(lights, env->crew, &sample.world, err);
     if (code == 0)
         code = find_cell(request, &sample, err);
     orl_lights_release(lights);

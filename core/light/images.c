@@ -232,7 +232,7 @@ static void light_mirror(struct pilot *pilot, uint32_t facet, uint32_t rays)
     }
 }
 
-static void light_mirrors(struct pilot *pilot)
+static int light_mirrors(struct pilot *pilot, const struct orl_crew *crew)
 {
     const struct orl_geometry *g = pilot->world->geometry;
     size_t mirrors = 0;
@@ -240,9 +240,14 @@ static void light_mirrors(struct pilot *pilot)
         mirrors += pilot->images->class_of[i] >= 0;
     const size_t each = mirrors > 0 ? PILOT_RAYS / mirrors : 0;
     const uint32_t rays = (uint32_t)(each > 1024 ? 1024 : each < 4 ? 4 : each);
-    for (size_t i = 0; i < g->n_facets; i++)
-        if (pilot->images->class_of[i] >= 0)
-            light_mirror(pilot, (uint32_t)i, rays);
+    for (size_t i = 0; i < g->n_facets; i++) {
+        if (pilot->images->class_of[i] < 0)
+            continue;
+        if (orl_crew_cancelled(crew))
+            return ORL_ERR_CANCELLED;
+        light_mirror(pilot, (uint32_t)i, rays);
+    }
+    return 0;
 }
 
 /* The brightest candidates become nodes that are shown. */
@@ -313,7 +318,8 @@ static int find_columns(struct orl_images *images, const struct orl_world *world
     return 0;
 }
 
-int orl_images_build(struct orl_images *images, const struct orl_world *world)
+int orl_images_build(struct orl_images *images, const struct orl_world *world,
+                     const struct orl_crew *crew)
 {
     struct pilot *pilot = calloc(1, sizeof *pilot);
     *images = (struct orl_images){.nodes = calloc(ORL_MOST_IMAGES, sizeof *images->nodes)};
@@ -328,7 +334,7 @@ int orl_images_build(struct orl_images *images, const struct orl_world *world)
                 images->nodes[node].shown = true;
         }
         *pilot = (struct pilot){.world = world, .images = images, .sun = (uint32_t)s};
-        light_mirrors(pilot);
+        code = light_mirrors(pilot, crew);
         take_brightest(images, pilot);
     }
     free(pilot);

@@ -109,7 +109,7 @@ bool orl_light_reaches(const struct orl_world *world, const struct orl_outlook *
 {
     struct quest quest = {.world = world, .outlooks = outlooks, .count = count, .paths = paths};
     atomic_init(&quest.found, false);
-    if (count > 0)
-        orl_crew_for(crew, (paths + CHUNK - 1) / CHUNK, try_chunk, &quest);
-    return atomic_load(&quest.found);
+    const int code =
+        count > 0 ? orl_crew_try(crew, (paths + CHUNK - 1) / CHUNK, try_chunk, &quest) : 0;
+    return code < 0 || atomic_load(&quest.found);
 }

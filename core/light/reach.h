@@ -17,7 +17,8 @@ struct orl_outlook {
     struct orl_vec3 point, normal;
 };
 
-/* True as soon as one of the paths, dealt to the outlooks in turn, has found light. */
+/* True as soon as one of the paths, dealt to the outlooks in turn, has found light; also when the
+ * crew is cancelled, for then it is not known. */
 bool orl_light_reaches(const struct orl_world *world, const struct orl_outlook *outlooks,
                        size_t count, size_t paths, struct orl_crew *crew);
 

@@ -35,7 +35,8 @@ static bool copy_parts(struct orl_world *world)
            (world->seen || !scene->seen);
 }
 
-int orl_world_new(struct orl_lights *lights, struct orl_world **ret_world, struct orl_error *err)
+int orl_world_new(struct orl_lights *lights, const struct orl_crew *crew,
+                  struct orl_world **ret_world, struct orl_error *err)
 {
     struct orl_world *world = calloc(1, sizeof *world);
     int code = ORL_ERR_NOMEM;
@@ -51,12 +52,14 @@ int orl_world_new(struct orl_lights *lights, struct orl_world **ret_world, struc
     world->omit = (struct orl_omissions){.most_reflections = ORL_ALL_REFLECTIONS, .channels = 3};
     if (!copy_parts(world))
         goto done;
-    code = world->port_of_facet ? orl_images_build(&world->images, world) : 0;
+    code = world->port_of_facet ? orl_images_build(&world->images, world, crew) : 0;
     orl_world_settle(world);
 done:
     if (code < 0) {
         orl_world_free(world);
-        return orl_error_set(err, code, "out of memory for the scene");
+        return orl_error_set(err, code, "%s",
+                             code == ORL_ERR_CANCELLED ? "cancelled while preparing the lights"
+                                                       : "out of memory for the scene");
     }
     *ret_world = world;
     return 0;

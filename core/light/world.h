@@ -59,10 +59,12 @@ struct orl_world {
 };
 
 /*
- * All of the scene and its lights; both are held. Returns 0 or ORL_ERR_NOMEM. Whoever made it may
- * take things out of it (plan/plan.h) before it is used, and then has to settle it.
+ * All of the scene and its lights; both are held. crew: whose cancellation is heeded, or NULL.
+ * Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. Whoever made it may take things out of it
+ * (plan/plan.h) before it is used, and then has to settle it.
  */
-int orl_world_new(struct orl_lights *lights, struct orl_world **ret_world, struct orl_error *err);
+int orl_world_new(struct orl_lights *lights, const struct orl_crew *crew,
+                  struct orl_world **ret_world, struct orl_error *err);
 void orl_world_free(struct orl_world *world);
 
 /* Of its suns only those; NULL: none. */

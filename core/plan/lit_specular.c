@@ -63,7 +63,7 @@ static bool counts(const struct look *look, uint32_t facet, bool front, struct o
 static bool is_lit(const struct look *look, uint32_t facet, bool front, enum orl_lit_kind kind)
 {
     const struct orl_geometry *g = look->world->geometry;
-    for (uint32_t i = 0; i < look->samples; i++) {
+    for (uint32_t i = 0; i < look->samples && !orl_crew_cancelled(look->crew); i++) {
         struct orl_random random = orl_random_stream(facet, ORL_PURPOSE_PILOT, i);
         struct orl_direct_query query = {.through_ports = true};
         struct orl_vec3 point, normal;
@@ -97,7 +97,8 @@ static void look_at_placed(struct look *look, const struct orl_kept_walk *walk,
 {
     const struct orl_geometry *const g = look->world->geometry;
     const uint32_t within = walk->facet - g->placed[walk->part->first_place].first_facet;
-    for (size_t i = walk->part->first_place; i < g->n_placed; i++)
+    for (size_t i = walk->part->first_place; i < g->n_placed && !orl_crew_cancelled(look->crew);
+         i++)
         if (g->placed[i].prototype == walk->part)
             look_at(look, g->placed[i].first_facet + within, kind);
 }
@@ -142,7 +143,8 @@ static void count_facets(struct look *look)
     const struct orl_world *world = look->world;
     const struct orl_geometry *part = NULL;
     size_t places = 0;
-    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
+    struct orl_kept_walk walk = orl_kept_walk(world->geometry);
+    while (!orl_crew_cancelled(look->crew) && orl_kept_next(&walk)) {
         struct orl_facet room;
         const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet, &room);
         const struct orl_material *m = &world->materials[f->material];
@@ -244,7 +246,7 @@ static void look_from_windows(struct look *look)
     const size_t share = MOST_RAYS / pairs;
     const uint32_t samples = (uint32_t)(share < WINDOW_SAMPLES ? share + 1 : WINDOW_SAMPLES);
     for (size_t p = 0; p < world->n_ports && !orl_crew_cancelled(look->crew); p++) {
-        for (size_t s = 0; s < world->n_suns; s++)
+        for (size_t s = 0; s < world->n_suns && !orl_crew_cancelled(look->crew); s++)
             for (uint32_t i = 0; i < samples; i++)
                 follow_sun_in(look, &world->ports[p], &world->suns[s], i);
         look_for_images(look, &world->ports[p]);

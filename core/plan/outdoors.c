@@ -81,10 +81,12 @@ static bool is_clear(const struct orl_world *world, const struct orl_port *port)
     return true;
 }
 
-/* At a port. */
+/* At a port: a facet is one, or one for each four of its triangles. */
 static size_t count_looks(const struct orl_geometry *g)
 {
-    size_t n = g->n_facets + g->n_placed * (g->n_prototypes + 1);
+    const size_t of_triangles = orl_geometry_triangles_end(g) / 4;
+    size_t n = of_triangles > g->n_facets ? of_triangles : g->n_facets;
+    n += g->n_placed * (g->n_prototypes + 1);
     for (size_t i = 0; i < g->n_prototypes; i++)
         n += g->prototypes[i]->n_facets;
     return n;

@@ -10,7 +10,7 @@ int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lig
     struct orl_world *world;
     struct orl_survey survey;
     struct orl_lit lit;
-    int code = orl_world_new(lights, &world, err);
+    int code = orl_world_new(lights, request->crew, &world, err);
     if (code < 0)
         return code;
     memset(ret_plan, 0, sizeof *ret_plan);

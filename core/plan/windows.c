@@ -178,7 +178,7 @@ static void decide_suns(struct orl_survey *survey, struct orl_plan *plan)
     const size_t all = world->n_suns;
     bool *keep = calloc(all + 1, sizeof *keep);
     size_t kept = all;
-    for (size_t i = 0; keep && i < all; i++) {
+    for (size_t i = 0; keep && i < all && !orl_crew_cancelled(survey->request->crew); i++) {
         keep[i] = forced || (decision->wish == ORL_WISH_AUTO && can_reach(survey, &world->suns[i]));
         kept -= !keep[i];
     }

@@ -200,7 +200,9 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
         orl_aim_done(&work.aim);
         orl_air_free(work.air);
         orl_gather_done(&work.gather);
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the final gather");
+        return orl_error_set(err, code, "%s for the final gather",
+                             code == ORL_ERR_CANCELLED ? "cancelled while preparing maps"
+                                                       : "out of memory");
     }
     work.gather.cancel = state->env->cancel;
     code = orl_run_render(state, &renderer, err);

@@ -172,7 +172,7 @@ static bool check_world(struct orl_description *d)
     if (code == 0)
         code = orl_lights_new(scene, NULL, &lights, &err);
     if (code == 0)
-        code = orl_world_new(lights, &world, &err);
+        code = orl_world_new(lights, NULL, &world, &err);
     orl_lights_release(lights);
     if (code < 0) {
         orl_scene_release(scene);

@@ -216,7 +216,7 @@ struct orl_world *scene_world(const char *text, const char *resource_name,
     if (code == 0)
         code = orl_lights_new(scene, NULL, &lights, &err);
     if (code == 0)
-        code = orl_world_new(lights, &world, &err);
+        code = orl_world_new(lights, NULL, &world, &err);
     if (code < 0)
         fail_with(&err);
     orl_lights_release(lights);

@@ -399,10 +399,12 @@ int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct o
                               double widest, struct orl_crew *crew, struct orl_search *search)
 {
     *adapt = (struct orl_adaptive_density){.reach = 0};
-    if (orl_leaf_sums_init(&adapt->sums, map, crew) < 0 ||
-        orl_zorder_init(&adapt->order, map) < 0) {
+    int code = orl_leaf_sums_init(&adapt->sums, map, crew);
+    if (code == 0)
+        code = orl_zorder_init(&adapt->order, map);
+    if (code < 0) {
         orl_adaptive_density_done(adapt);
-        return ORL_ERR_NOMEM;
+        return code;
     }
     adapt->reach = reach_in(adapt, widest, search);
     return 0;

@@ -45,7 +45,7 @@ struct orl_adaptive_density {
     double reach;
 };
 
-/* Returns 0 or ORL_ERR_NOMEM. */
+/* Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
 int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct orl_photon_map *map,
                               double widest, struct orl_crew *crew, struct orl_search *search);
 void orl_adaptive_density_done(

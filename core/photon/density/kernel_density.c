@@ -154,10 +154,15 @@ struct orl_kernel_density *orl_kernel_density_new(const struct orl_photon_map *m
         return NULL;
     }
     const size_t chunks = (layout.leaves + CHUNK - 1) / CHUNK;
-    orl_crew_for(crew, chunks, measure_medians, &m);
-    orl_crew_for(crew, chunks, measure_leaves, &m);
-    measure_nodes(spread, &layout);
+    int code = orl_crew_try(crew, chunks, measure_medians, &m);
+    if (code == 0)
+        code = orl_crew_try(crew, chunks, measure_leaves, &m);
     free(m.medians);
+    if (code < 0) {
+        orl_kernel_density_free(spread);
+        return NULL;
+    }
+    measure_nodes(spread, &layout);
     return spread;
 }
 

@@ -20,7 +20,7 @@
 
 struct orl_kernel_density;
 
-/* k: photons a disc. The map is borrowed. NULL when out of memory. */
+/* k: photons a disc. The map is borrowed. NULL when out of memory or the crew is cancelled. */
 struct orl_kernel_density *orl_kernel_density_new(const struct orl_photon_map *map, uint32_t k,
                                                   double max_radius, struct orl_crew *crew);
 void orl_kernel_density_free(struct orl_kernel_density *spread); /* NULL is allowed */

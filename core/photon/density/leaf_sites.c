@@ -77,7 +77,10 @@ struct orl_leaf_sites *orl_leaf_sites_new(const struct orl_photon_map *map,
         return NULL;
     }
     all->beside = (void *)(((uintptr_t)all->room + LINE - 1) / LINE * LINE);
-    orl_crew_for(crew, (n + CHUNK - 1) / CHUNK, make_sites, all);
+    if (orl_crew_try(crew, (n + CHUNK - 1) / CHUNK, make_sites, all) < 0) {
+        orl_leaf_sites_free(all);
+        return NULL;
+    }
     return all;
 }
 

@@ -21,7 +21,8 @@ struct orl_leaf_near {
     uint32_t leaf;
 };
 
-/* No leaf serves beyond max_radius (metres). Map and world are borrowed. NULL: out of memory. */
+/* No leaf serves beyond max_radius (metres). Map and world are borrowed. NULL: out
+ * of memory, or the crew is cancelled. */
 struct orl_leaf_sites *orl_leaf_sites_new(const struct orl_photon_map *map,
                                           const struct orl_world *world, double max_radius,
                                           struct orl_crew *crew);

@@ -210,8 +210,10 @@ int orl_leaf_sums_init(struct orl_leaf_sums *sums, const struct orl_photon_map *
         return ORL_ERR_NOMEM;
     }
     leave_out_rest(sums);
-    orl_crew_for(crew, (count + CHUNK - 1) / CHUNK, sum_chunk, sums);
-    return 0;
+    const int code = orl_crew_try(crew, (count + CHUNK - 1) / CHUNK, sum_chunk, sums);
+    if (code < 0)
+        orl_leaf_sums_done(sums);
+    return code;
 }
 
 uint64_t orl_leaf_sums_bytes(const struct orl_leaf_sums *sums)

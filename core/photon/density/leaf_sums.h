@@ -59,7 +59,7 @@ static inline uint32_t orl_patch_number(uint32_t group, uint32_t lane)
     return group * ORL_LANES + lane % ORL_MAP_FANOUT * ORL_PATCHES + lane / ORL_MAP_FANOUT;
 }
 
-/* Returns 0 or ORL_ERR_NOMEM. */
+/* Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
 int orl_leaf_sums_init(struct orl_leaf_sums *sums, const struct orl_photon_map *map,
                        struct orl_crew *crew);
 uint64_t orl_leaf_sums_bytes(const struct orl_leaf_sums *sums); /* of memory */

@@ -26,7 +26,7 @@ struct orl_leaves;
 
 /*
  * k and max_radius: of the estimates (kernel_density.h). Map and world are borrowed; with world
- * NULL surfaces are taken to be endless. NULL when out of memory.
+ * NULL surfaces are taken to be endless. NULL when out of memory or the crew is cancelled.
  */
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
                                   uint32_t k, double max_radius, struct orl_crew *crew);

@@ -228,14 +228,14 @@ int orl_records_make(const struct orl_records_making *making, struct orl_records
     m.records.notes = calloc(count + 1, sizeof *m.records.notes);
     m.made = calloc(count + 1, sizeof *m.made);
     const double widest = 0.1 * making->world->geometry->radius;
-    if (!m.records.photons || !m.records.notes || !m.made ||
-        orl_adaptive_density_init(&m.adapt, map, widest, making->crew, &making->searches[0]) < 0) {
-        orl_error_set(err, code, "out of memory for precomputed irradiance");
-        goto done;
-    }
-    code = make_all(&m);
+    if (m.records.photons && m.records.notes && m.made)
+        code = orl_adaptive_density_init(&m.adapt, map, widest, making->crew, &making->searches[0]);
+    if (code == 0)
+        code = make_all(&m);
     if (code < 0) {
-        orl_error_set(err, code, "cancelled while precomputing irradiance");
+        orl_error_set(err, code,
+                      code == ORL_ERR_CANCELLED ? "cancelled while precomputing irradiance"
+                                                : "out of memory for precomputed irradiance");
         goto done;
     }
     keep_made(&m.records, m.made);

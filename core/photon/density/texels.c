@@ -218,12 +218,23 @@ static void find_cuts(void *arg, size_t index, uint32_t member)
     }
 }
 
+/* Returns false when the crew is cancelled. */
+static bool fill(struct making *m, struct orl_crew *crew)
+{
+    const size_t facets = m->texels->world->geometry->n_facets;
+    const uint64_t leaves = (m->map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
+    return orl_crew_try(crew, (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK, find_texels, m) ==
+               0 &&
+           orl_crew_try(crew, SLICES, add_up, m) == 0 &&
+           orl_crew_try(crew, 2 * facets, add_areas, m) == 0 &&
+           orl_crew_try(crew, 2 * facets, settle, m) == 0 &&
+           orl_crew_try(crew, 2 * facets, find_cuts, m) == 0;
+}
+
 static bool make(struct making *m, struct orl_crew *crew)
 {
     struct orl_texels *texels = m->texels;
     const struct orl_geometry *g = texels->world->geometry;
-    const uint64_t leaves = (m->map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
-    const size_t chunks = (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK;
     const bool laid_out = orl_planes_init(&texels->planes, g);
     texels->sides = calloc(2 * g->n_facets + 1, sizeof *texels->sides);
     m->places = malloc((m->map->header->count + 1) * sizeof *m->places);
@@ -231,7 +242,8 @@ static bool make(struct making *m, struct orl_crew *crew)
     if (!laid_out || !texels->sides || !m->places || !m->doubtful)
         return false;
     struct orl_landing landing = {m->map, &texels->planes, m->places, m->doubtful};
-    orl_landing_find(&landing, crew);
+    if (orl_landing_find(&landing, crew) < 0)
+        return false;
     share_out(m);
     const size_t bytes = ((size_t)texels->count + 2) / 2 * LINE;
     texels->texels = aligned_alloc(LINE, bytes);
@@ -241,12 +253,7 @@ static bool make(struct making *m, struct orl_crew *crew)
     if (!texels->texels || !texels->cut || !m->sums || !m->areas)
         return false;
     memset(texels->texels, 0, bytes);
-    orl_crew_for(crew, chunks, find_texels, m);
-    orl_crew_for(crew, SLICES, add_up, m);
-    orl_crew_for(crew, 2 * g->n_facets, add_areas, m);
-    orl_crew_for(crew, 2 * g->n_facets, settle, m);
-    orl_crew_for(crew, 2 * g->n_facets, find_cuts, m);
-    return true;
+    return fill(m, crew);
 }
 
 struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct orl_world *world,

@@ -23,7 +23,8 @@
 
 struct orl_texels;
 
-/* Map and world are borrowed. photons: a texel's, on average. NULL when out of memory. */
+/* Map and world are borrowed. photons: a texel's, on average. NULL when out of memory or the
+ * crew is cancelled. */
 struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct orl_world *world,
                                   double photons, struct orl_crew *crew);
 void orl_texels_free(struct orl_texels *texels);

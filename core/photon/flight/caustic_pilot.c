@@ -62,14 +62,14 @@ static bool sends_on_itself(const struct orl_emission *e, const struct orl_strat
  * What flights brought down and what was found by looking back from the mirrors are two estimates
  * of one thing; the first misses what is small, the second what is lit by way of something else.
  */
-static int seek(struct pilot *pilot)
+static int seek(struct pilot *pilot, const struct orl_crew *crew)
 {
     struct orl_emission *e = pilot->emission;
     int code = 0;
     pilot->found = calloc(e->n_strata + 1, sizeof *pilot->found);
     if (!pilot->found)
         return ORL_ERR_NOMEM;
-    code = orl_caustic_target_look(e, pilot->found);
+    code = orl_caustic_target_look(e, crew, pilot->found);
     for (size_t i = 0; i < e->n_strata && code == 0; i++) {
         double sum = 0;
         if (!pilot->found[i])
@@ -118,7 +118,7 @@ static int share_out(struct pilot *pilot, struct orl_crew *crew)
     allot_flights(pilot);
     int code = orl_crew_try(crew, e->n_strata, try_caustics, pilot);
     if (code == 0)
-        code = seek(pilot);
+        code = seek(pilot, crew);
     if (code < 0)
         return code;
     for (size_t i = 0; i < e->n_strata; i++) {

@@ -103,7 +103,8 @@ static int look_from(const struct orl_emission *e, uint32_t facet, uint32_t sun,
     return code;
 }
 
-int orl_caustic_target_look(const struct orl_emission *emission, double **found)
+int orl_caustic_target_look(const struct orl_emission *emission, const struct orl_crew *crew,
+                            double **found)
 {
     const struct orl_world *world = emission->world;
     const struct orl_geometry *g = world->geometry;
@@ -124,7 +125,9 @@ int orl_caustic_target_look(const struct orl_emission *emission, double **found)
                 of_port[emission->strata[s].port] = s;
         for (uint32_t i = 0; i < g->n_facets && code == 0; i++)
             if (orl_facet_area(g, i) > 0 && sends_on(&world->materials[orl_facet_material(g, i)]))
-                code = look_from(emission, i, sun, samples, of_port, found);
+                code = orl_crew_cancelled(crew)
+                           ? ORL_ERR_CANCELLED
+                           : look_from(emission, i, sun, samples, of_port, found);
     }
     free(of_port);
     return code;

@@ -28,9 +28,11 @@ static inline size_t orl_caustic_target_cell(const double u[2])
 
 /*
  * Adds to found[stratum], for suns in ports, what reaches such facets by each cell, in watts of
- * luma; allocates what is NULL and has something to hold. Returns 0 or ORL_ERR_NOMEM.
+ * luma; allocates what is NULL and has something to hold. crew: whose cancellation is heeded.
+ * Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
-int orl_caustic_target_look(const struct orl_emission *emission, double **found);
+int orl_caustic_target_look(const struct orl_emission *emission, const struct orl_crew *crew,
+                            double **found);
 
 /* A stratum's table from what was found there; leaves it empty where most of the pane leads on. */
 int orl_caustic_target_settle(struct orl_stratum *stratum, const double *found);

@@ -155,12 +155,14 @@ static double port_image_flux(const struct orl_emission *e, const struct orl_str
 }
 
 /* The suns' images in mirrors outside; only those that some flight of a pilot found. */
-static void list_images(struct orl_emission *e)
+static int list_images(struct orl_emission *e, const struct orl_crew *crew)
 {
     const struct orl_world *world = e->world;
     for (size_t p = 0; p < world->n_ports; p++) {
         if (world->ports[p].clear || world->ports[p].silent || world->omit.exterior)
             continue;
+        if (orl_crew_cancelled(crew))
+            return ORL_ERR_CANCELLED;
         for (size_t i = 0; i < world->images.n_nodes; i++) {
             const struct orl_image *image = &world->images.nodes[i];
             const struct orl_stratum stratum = {.kind = ORL_STRATUM_PORT_IMAGE,
@@ -171,6 +173,7 @@ static void list_images(struct orl_emission *e)
                 add_stratum(e, stratum, port_image_flux(e, &stratum));
         }
     }
+    return 0;
 }
 
 /* At most, for spotlights. */
@@ -183,7 +186,7 @@ static double emitter_flux(const struct orl_world *world, const struct orl_emitt
     return fmin(cone, ORL_PI) * facet->area * orl_luma(emitter->radiance);
 }
 
-static int list_strata(struct orl_emission *e)
+static int list_strata(struct orl_emission *e, const struct orl_crew *crew)
 {
     const struct orl_world *world = e->world;
     const size_t most = world->n_ports * (1 + world->n_suns + world->images.n_nodes) +
@@ -203,9 +206,9 @@ static int list_strata(struct orl_emission *e)
         const struct orl_emitter *emitter = &world->emitters[i];
         add_stratum(e, stratum_of(ORL_STRATUM_EMITTER, i, 0), emitter_flux(world, emitter));
     }
-    list_images(e);
-    if (!world->open)
-        return 0;
+    const int code = list_images(e, crew);
+    if (code < 0 || !world->open)
+        return code;
     add_stratum(e, stratum_of(ORL_STRATUM_OPEN_DOME, 0, 0), 4 * ORL_PI * e->dome_table.mean);
     for (size_t s = 0; s < world->n_suns; s++)
         add_stratum(e, stratum_of(ORL_STRATUM_OPEN_SUN, 0, s),
@@ -258,7 +261,7 @@ int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uin
     if (code == 0 && world->open)
         code = make_dome_table(e);
     if (code == 0)
-        code = list_strata(e);
+        code = list_strata(e, crew);
     if (code == 0)
         code = orl_port_sun_prepare(e);
     if (code == 0 && world->open)

@@ -87,7 +87,7 @@ static void bound_chunk(void *arg, size_t chunk, uint32_t member)
     survey->chunks[chunk] = b;
 }
 
-/* Returns 0 or ORL_ERR_NOMEM. */
+/* Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
 static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct bounds *ret_bounds)
 {
     const size_t chunks = (new_photons(p) + CHUNK - 1) / CHUNK;
@@ -95,13 +95,15 @@ static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct 
     struct bounds b = nothing;
     if (!survey.chunks)
         return ORL_ERR_NOMEM;
-    orl_crew_for(crew, chunks, bound_chunk, &survey);
-    for (size_t i = 0; i < chunks; i++) {
+    const int code = orl_crew_try(crew, chunks, bound_chunk, &survey);
+    for (size_t i = 0; i < chunks && code == 0; i++) {
         include(&b, survey.chunks[i].low);
         include(&b, survey.chunks[i].high);
         b.brightest = fmax(b.brightest, survey.chunks[i].brightest);
     }
     free(survey.chunks);
+    if (code < 0)
+        return code;
     for (int k = 0; k < 3; k++) { /* a quotient grows with what is divided */
         b.low[k] /= p->unit;
         b.high[k] /= p->unit;
@@ -159,8 +161,9 @@ int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon
                                         .seed = seed,
                                         .unit = extent > 0 ? extent : 1};
     packing->count = packing->n_earlier + n;
-    if (bound(packing, crew, &bounds) < 0)
-        return ORL_ERR_NOMEM;
+    const int code = bound(packing, crew, &bounds);
+    if (code < 0)
+        return code;
     choose_cells(packing, &bounds);
     choose_exponent(packing, bounds.brightest);
     return 0;

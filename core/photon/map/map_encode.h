@@ -42,7 +42,7 @@ struct orl_photon_words {
 /*
  * Sets up the packing of earlier's photons and n more. extent: the scene's radius, or 0 for 1;
  * cells are powers of two of it, no smaller than 2^-32, so that they scale with the scene.
- * Returns 0 or ORL_ERR_NOMEM.
+ * Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon_map *earlier,
                         const struct orl_photon *photons, size_t n, uint64_t seed, double extent,

@@ -203,11 +203,13 @@ int orl_sort_photons(struct orl_sort_item *items, size_t count,
     if (!s.ends)
         return ORL_ERR_NOMEM;
     s.shift = count > 0 ? first_digit(items, count) : -1;
+    int code = 0;
     if (s.shift >= 0) {
         split(items, count, s.shift, s.starts);
-        orl_crew_for(crew, BUCKETS, sort_bucket, &s);
+        code = orl_crew_try(crew, BUCKETS, sort_bucket, &s);
     }
-    orl_crew_for(crew, find_stretches(&s), finish_stretch, &s);
+    if (code == 0)
+        code = orl_crew_try(crew, find_stretches(&s), finish_stretch, &s);
     free(s.ends);
-    return atomic_load(&s.out_of_memory) ? ORL_ERR_NOMEM : 0;
+    return code == 0 && atomic_load(&s.out_of_memory) ? ORL_ERR_NOMEM : code;
 }

@@ -14,7 +14,7 @@ struct orl_sort_item {
     uint32_t index; /* among the words */
 };
 
-/* Sorts items, in place. Returns 0 or ORL_ERR_NOMEM. */
+/* Sorts items, in place. Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
 int orl_sort_photons(struct orl_sort_item *items, size_t count,
                      const struct orl_photon_words *words, struct orl_crew *crew);
 

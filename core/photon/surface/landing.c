@@ -115,8 +115,8 @@ static void find_facets(void *arg, size_t chunk, uint32_t member)
     }
 }
 
-void orl_landing_find(struct orl_landing *landing, struct orl_crew *crew)
+int orl_landing_find(struct orl_landing *landing, struct orl_crew *crew)
 {
     const uint64_t leaves = (landing->map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
-    orl_crew_for(crew, (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK, find_facets, landing);
+    return orl_crew_try(crew, (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK, find_facets, landing);
 }

@@ -24,8 +24,9 @@ struct orl_landing {
     atomic_bool *doubtful; /* per facet: another coincides with it */
 };
 
-/* Fills places, and marks what is doubtful; both arrays are the caller's. */
-void orl_landing_find(struct orl_landing *landing, struct orl_crew *crew);
+/* Fills places, and marks what is doubtful; both arrays are the caller's. Returns 0 or what
+ * orl_crew_try does. */
+int orl_landing_find(struct orl_landing *landing, struct orl_crew *crew);
 
 /* Where a photon lies. */
 struct orl_landed {

@@ -27,7 +27,7 @@ struct orl_aim {
     uint32_t n_panes;
 };
 
-/* Returns 0 or ORL_ERR_NOMEM; orl_aim_done in either case. */
+/* Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED; orl_aim_done in either case. */
 int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struct orl_sobol *sobol,
                  struct orl_crew *crew);
 void orl_aim_done(struct orl_aim *aim); /* also of one that is all zero */

@@ -131,9 +131,12 @@ int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct o
     samples->beam = beam;
     samples->sobol = sobol;
     samples->hit = orl_hit_anywhere(beam->normal, false);
-    orl_crew_for(crew, ORL_BEAM_SIDE, sample_row, samples);
-    fill(samples, finest);
+    const int code = orl_crew_try(crew, ORL_BEAM_SIDE, sample_row, samples);
+    if (code == 0)
+        fill(samples, finest);
     free(samples);
+    if (code < 0)
+        return code;
     memset(beam->light, 0, sizeof beam->light);
     for (uint32_t i = 0; i < ORL_BEAM_SIDE * ORL_BEAM_SIDE; i++)
         beam->light[first_of(last) + i] = (float)finest[i];

@@ -43,7 +43,7 @@ void orl_beam_cells_init(struct orl_beam_cells *cells);
 
 /*
  * Fills in all but what the caller has: material, normal, sun. The same
- * for any crew. Returns 0 or ORL_ERR_NOMEM.
+ * for any crew. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct orl_crew *crew);
 

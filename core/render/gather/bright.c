@@ -100,8 +100,7 @@ int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map,
     if (!bright->spots)
         return ORL_ERR_NOMEM;
     struct making making = {map, bright->spots, run};
-    orl_crew_for(crew, bright->count, make_spot, &making);
-    return 0;
+    return orl_crew_try(crew, bright->count, make_spot, &making);
 }
 
 void orl_bright_done(struct orl_bright *bright)

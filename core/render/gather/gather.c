@@ -71,6 +71,12 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
     gather->reach = gather->reach > 0 ? fmin(gather->reach, near_surface) : near_surface;
 }
 
+/* Why something made of a map is not there. */
+static int reason(const struct orl_crew *crew)
+{
+    return orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
+}
+
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
                     const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
@@ -90,11 +96,13 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
                                         gather->max_radius[ORL_MAP_GLOBAL], crew);
         if (!gather->leaves)
-            return ORL_ERR_NOMEM;
+            return reason(crew);
     }
-    if (rest == ORL_REST_GATHERED && gather->maps[ORL_MAP_GLOBAL] &&
-        orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL], crew) < 0)
-        return ORL_ERR_NOMEM;
+    if (rest == ORL_REST_GATHERED && gather->maps[ORL_MAP_GLOBAL]) {
+        const int code = orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL], crew);
+        if (code < 0)
+            return code;
+    }
     if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
         return orl_adaptive_density_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, crew,
                                          search);
@@ -108,13 +116,13 @@ int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
             orl_kernel_density_new(gather->maps[ORL_MAP_CAUSTIC], gather->k[ORL_MAP_CAUSTIC],
                                    gather->max_radius[ORL_MAP_CAUSTIC], crew);
         if (!gather->caustic_widths)
-            return ORL_ERR_NOMEM;
+            return reason(crew);
     }
     if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED || gather->texels)
         return 0;
     gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->world,
                                     texel_share * gather->k[ORL_MAP_GLOBAL], crew);
-    return gather->texels ? 0 : ORL_ERR_NOMEM;
+    return gather->texels ? 0 : reason(crew);
 }
 
 void orl_gather_done(struct orl_gather *gather)

@@ -69,7 +69,7 @@ struct orl_gather {
 /*
  * Chooses neighbours and radii from the maps themselves. With ORL_REST_RECORDS the global map is
  * not looked at, otherwise the precomputed one. bandwidths: areas of kernels
- * in terms of the usual ones; NULL: as usual. Returns 0 or ORL_ERR_NOMEM.
+ * in terms of the usual ones; NULL: as usual. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
@@ -78,7 +78,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
 
 /*
  * What only views read, if it is not there: texels, where the rest is gathered, and how wide
- * kernels of caustics are to be at the most. Returns 0 or ORL_ERR_NOMEM.
+ * kernels of caustics are to be at the most. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew);
 
