@@ -22,8 +22,8 @@
 
 enum { ORL_SEAT_SIDE = 160, ORL_SEAT_PIXELS = ORL_SEAT_SIDE * ORL_SEAT_SIDE };
 
-/* Terms and spots of a pixel, at most; and views in memory together. */
-enum { ORL_SEAT_PIXEL_TERMS = 64, ORL_SEAT_PIXEL_SPOTS = 8, ORL_SEATS_AT_ONCE = 4 };
+/* Terms and spots of a pixel, at most. */
+enum { ORL_SEAT_PIXEL_TERMS = 64, ORL_SEAT_PIXEL_SPOTS = 8 };
 
 /* Where the sun may fall on what a pixel sees first but for panes. */
 struct orl_seat_spot {

@@ -1,9 +1,9 @@
 /*
  * Glare over a year: what seats see, their sensors run as a year, and each seat rated.
  *
- * Views are large, and there are many seats: at most ORL_SEATS_AT_ONCE views are in memory. When
- * there are more seats, views are made twice, once for the sensors and again for the rating; both
- * times they are the same, as their random numbers are named by the seat.
+ * Views are large, and there are many seats: at most ORL_GLARE_SEATS_AT_ONCE views are in memory.
+ * When there are more seats, views are made twice, once for the sensors and again for the rating;
+ * both times they are the same, as their random numbers are named by the seat.
  */
 #include <oriel/annual_glare.h>
 
@@ -57,9 +57,9 @@ static int view_group(struct seating *s, size_t first, struct orl_error *err)
     const size_t left = s->wish->n_seats - first;
     struct orl_crew *crew = s->year->env->run->crew;
     leave_group(s);
-    memset(s->errors, 0, ORL_SEATS_AT_ONCE * sizeof *s->errors);
+    memset(s->errors, 0, ORL_GLARE_SEATS_AT_ONCE * sizeof *s->errors);
     s->group = first;
-    s->n_group = left < ORL_SEATS_AT_ONCE ? left : ORL_SEATS_AT_ONCE;
+    s->n_group = left < ORL_GLARE_SEATS_AT_ONCE ? left : ORL_GLARE_SEATS_AT_ONCE;
     const int code = orl_crew_try(crew, s->n_group, view_seat, s);
     if (code < 0)
         return orl_year_failed(s->year, code, err);
@@ -105,8 +105,8 @@ static int make_rows(struct seating *s)
     s->places = calloc(n * ORL_SEAT_MOST_PLACES * 2, sizeof *s->places);
     s->wanted = malloc(n);
     s->now = malloc(n);
-    s->views = calloc(ORL_SEATS_AT_ONCE, sizeof *s->views);
-    s->errors = calloc(ORL_SEATS_AT_ONCE, sizeof *s->errors);
+    s->views = calloc(ORL_GLARE_SEATS_AT_ONCE, sizeof *s->views);
+    s->errors = calloc(ORL_GLARE_SEATS_AT_ONCE, sizeof *s->errors);
     s->n_places = calloc(s->wish->n_seats + 1, sizeof *s->n_places);
     s->hours = calloc(s->wish->n_seats + 1, sizeof *s->hours);
     for (size_t i = 0; s->hours && i < s->wish->n_seats; i++) {
@@ -136,7 +136,7 @@ static int seat_all(void *ctx, struct orl_year *y, struct orl_error *err)
         return code;
     if (y->hours.n_columns != s->result->n_columns)
         return orl_error_set(err, ORL_ERR_INVALID, "the weather file has changed under way");
-    for (size_t i = 0; i < s->wish->n_seats && code == 0; i += ORL_SEATS_AT_ONCE) {
+    for (size_t i = 0; i < s->wish->n_seats && code == 0; i += ORL_GLARE_SEATS_AT_ONCE) {
         code = view_group(s, i, err);
         if (code == 0 && add_sensors(s) < 0)
             code = orl_year_no_memory(err);
@@ -150,7 +150,7 @@ static int seat_all(void *ctx, struct orl_year *y, struct orl_error *err)
 
 static int rate(struct seating *s, struct orl_error *err)
 {
-    const size_t in_group = s->seat % ORL_SEATS_AT_ONCE;
+    const size_t in_group = s->seat % ORL_GLARE_SEATS_AT_ONCE;
     int code = s->group + in_group == s->seat ? 0 : view_group(s, s->seat, err);
     if (code < 0)
         return code;

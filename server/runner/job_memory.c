@@ -3,8 +3,9 @@
 #include <stdio.h>
 
 #include <oriel/annual_phases.h>
+#include <oriel/seat.h>
 
-enum { PARTS = 13 };
+enum { PARTS = 14 };
 
 struct part {
     const char *name; /* of many */
@@ -22,6 +23,19 @@ uint64_t orl_job_memory_windows(const struct orl_job_memory *needs)
     const uint64_t windows = needs->windows < needs->surfaces ? needs->windows : needs->surfaces;
     const uint64_t sensors = needs->sensors + needs->file_sensors;
     return windows * sizeof(float) * (cells * cells + 2 * cells * patches + 2 * cells * sensors);
+}
+
+uint64_t orl_job_memory_seats(const struct orl_job_memory *needs)
+{
+    /* VIEW: the bound of terms, spots and places of a view while it is made. YEAR: the sums of a
+     * block of sensors, and the pictures of the hours that threads rate. A row of weather has
+     * light for at most six tenths of the seats' floats: four of a seat, two of a place. */
+    enum { VIEW = 64 << 20, YEAR = 64 << 20, ROW_SEAT = 10, ROW = 640 };
+    const uint64_t at_once = ORL_GLARE_SEATS_AT_ONCE;
+    const uint64_t views = needs->seats < at_once ? needs->seats : at_once;
+    return needs->seats == 0
+               ? 0
+               : YEAR + VIEW * views + needs->year_rows * (ROW + ROW_SEAT * needs->seats);
 }
 
 static void list_parts(const struct orl_job_memory *needs, struct part ret_parts[PARTS])
@@ -47,6 +61,7 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
         (struct part){"windows with matrices", needs->windows, orl_job_memory_windows(needs)};
     ret_parts[12] =
         (struct part){"bytes of given matrices", needs->matrix_bytes, needs->matrix_bytes};
+    ret_parts[13] = (struct part){"glare seats", needs->seats, orl_job_memory_seats(needs)};
 }
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs)

@@ -28,6 +28,7 @@ struct orl_job_memory {
     uint64_t mask_pixels;     /* of the largest mask of glare */
     uint64_t array_bytes;     /* of a sensor, of matrices that are results */
     uint64_t windows;         /* at most, that have matrices of phases; 0: they are not asked for */
+    uint64_t seats;           /* of glare, in a year: the most that are rated together */
     uint64_t matrix_bytes;    /* of others' matrices, with their products */
 };
 
@@ -39,6 +40,9 @@ uint64_t orl_job_memory_windows(const struct orl_job_memory *needs);
 
 /* Hours with light of all sensors of a year together, at most. */
 uint64_t orl_job_memory_hours(const struct orl_job_memory *needs);
+
+/* In memory, of seats' views, pictures and hours. */
+uint64_t orl_job_memory_seats(const struct orl_job_memory *needs);
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs);
 

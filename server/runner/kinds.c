@@ -196,6 +196,17 @@ static uint64_t annual_result_bytes(const struct orl_task *task)
            job->request.n_sensors * annual_sensor_bytes(task);
 }
 
+/* Seats whose glare is told, or by which shades are controlled: each list has a run of its own. */
+static uint64_t annual_seats(const struct orl_annual_job *job)
+{
+    uint64_t most = job->wishes.glare.n_seats;
+    for (size_t g = 0; g < job->request.n_groups; g++) {
+        const size_t n = job->request.groups[g].control.seats.n_seats;
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
 static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret_needs)
 {
     const struct orl_annual_job *job = &task->of.annual;
@@ -206,6 +217,7 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
     ret_needs->hour_bytes = KEPT_HOUR * (rounds + states - 1);
     ret_needs->hour_bytes += job->request.n_terms > 0 ? sizeof(double) : 0; /* sums of products */
     ret_needs->array_bytes = annual_array_bytes(&job->formats);
+    ret_needs->seats = annual_seats(job);
     ret_needs->windows = job->formats.phases ? ORL_PHASES_MOST_WINDOWS : 0;
 }
 

@@ -11,7 +11,8 @@ struct orl_seat {
     struct orl_vec3 at, towards; /* scene units; not unit */
 };
 
-enum { ORL_GLARE_MOST_SEATS = 256 };
+/* Seats of a wish; and those whose views are in memory together (annual/seats.c). */
+enum { ORL_GLARE_MOST_SEATS = 256, ORL_GLARE_SEATS_AT_ONCE = 4 };
 struct orl_seats_wish {
     struct orl_seat *seats; /* owned; none: glare is not asked for */
     size_t n_seats;
