@@ -51,9 +51,10 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
 static void find_sun(void *arg, size_t index, uint32_t member)
 {
     struct orl_year *y = arg;
-    const struct orl_sunlit_hours sun = {sun_row_of(y, index, ORL_SUN_STRAIGHT),
-                                         sun_row_of(y, index, ORL_SUN_MIRRORED),
-                                         sun_row_of(y, index, ORL_SUN_SQUARES)};
+    const struct orl_sunlit_hours sun = {
+        sun_row_of(y, index, ORL_SUN_STRAIGHT),
+        orl_year_is_sun_only(y) ? NULL : sun_row_of(y, index, ORL_SUN_MIRRORED),
+        sun_row_of(y, index, ORL_SUN_SQUARES)};
     const uint64_t name = y->request->seed + y->first + index;
     (void)member;
     orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, &sun);

@@ -177,6 +177,9 @@ static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct
     if (!hours->suns.at || !hours->suns.in_sky || !hours->sun_of_column)
         return ORL_ERR_NOMEM;
     place_suns(hours, r, north_deg);
+    if (orl_direction_tree_init(&hours->suns.tree, &hours->suns.at->towards, sizeof *hours->suns.at,
+                                hours->suns.count) < 0)
+        return ORL_ERR_NOMEM;
     return paint(hours, bins, r, crew);
 }
 
@@ -218,6 +221,7 @@ void orl_hours_done(struct orl_hours *hours)
     free(hours->step_of_column);
     free(hours->suns.at);
     free(hours->suns.in_sky);
+    orl_direction_tree_done(&hours->suns.tree);
     free(hours->sun_of_column);
     free(hours->fine);
     free(hours->coarse);

@@ -17,6 +17,7 @@
 #include <oriel/annual.h>
 
 #include "annual/bins.h"
+#include "annual/direction_tree.h"
 #include "light/weather.h"
 
 enum { ORL_HOURS_TILE = 64, ORL_HOURS_MOST = 35136 /* rows: a leap year's quarters of hours */ };
@@ -36,6 +37,7 @@ struct orl_year_suns {
     struct orl_hour_sun *at;
     struct orl_vec3 *in_sky; /* the same directions before north is turned */
     size_t count;
+    struct orl_direction_tree tree; /* of towards */
 };
 
 /* Of a column: which of the suns, and what it gives a plane that faces it; 0 lx: none. */

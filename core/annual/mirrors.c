@@ -102,8 +102,62 @@ static void sort_out(struct orl_mirrors *mirrors, const struct candidate *candid
             continue;
         struct orl_mirror_plane *plane = &mirrors->planes[p];
         mirrors->panes[plane->first + plane->count++] = orl_window_of(g, candidates[i].facet);
-        mirrors->beyond = mirrors->beyond || !mirrors->one_facade || plane->port == ORL_NO_PORT;
     }
+}
+
+/* ---- Sets of panes --------------------------------------------------------------------------- */
+
+static bool is_before(const struct orl_window *pane, const struct orl_window *port,
+                      struct orl_vec3 outward)
+{
+    const double margin = 1e-6 * orl_length(orl_sub(port->corner, pane->corner));
+    for (int i = 0; i < 4; i++)
+        if (orl_dot(orl_sub(orl_window_corner(pane, i), port->corner), outward) > margin)
+            return true;
+    return false;
+}
+
+/* Whether a ray that leaves the building by some port may come to a pane. */
+static bool may_be_beyond(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
+                          const struct orl_window *pane)
+{
+    const struct orl_world *world = mirrors->world;
+    if (mirrors->one_facade && plane->port != ORL_NO_PORT)
+        return false;
+    if (mirrors->ports->all)
+        return true;
+    for (size_t i = 0; i < world->n_ports; i++)
+        if (is_before(pane, &mirrors->ports->at[i], world->ports[i].outward))
+            return true;
+    return false;
+}
+
+static int fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirrors, bool beyond)
+{
+    size_t most = 0;
+    for (size_t p = 0; p < mirrors->n_planes; p++)
+        most += mirrors->planes[p].count;
+    set->panes = malloc((most + 1) * sizeof *set->panes);
+    set->planes = malloc((most + 1) * sizeof *set->planes);
+    if (!set->panes || !set->planes)
+        return ORL_ERR_NOMEM;
+    for (size_t p = 0; p < mirrors->n_planes; p++)
+        for (uint32_t i = 0; i < mirrors->planes[p].count; i++) {
+            const struct orl_mirror_plane *plane = &mirrors->planes[p];
+            const struct orl_window *pane = &mirrors->panes[plane->first + i];
+            if (beyond && !may_be_beyond(mirrors, plane, pane))
+                continue;
+            set->panes[set->count] = *pane;
+            set->planes[set->count++] = (uint32_t)p;
+        }
+    return orl_pane_tree_init(&set->tree, set->panes, set->count);
+}
+
+static void set_done(struct orl_mirror_set *set)
+{
+    orl_pane_tree_done(&set->tree);
+    free(set->panes);
+    free(set->planes);
 }
 
 static bool has_one_facade(const struct orl_world *world)
@@ -133,11 +187,16 @@ int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_world *world,
     if (room)
         sort_out(mirrors, candidates, n);
     free(candidates);
-    return room ? 0 : ORL_ERR_NOMEM;
+    int code = room ? fill_set(&mirrors->everywhere, mirrors, false) : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = fill_set(&mirrors->beyond, mirrors, true);
+    return code;
 }
 
 void orl_mirrors_done(struct orl_mirrors *mirrors)
 {
+    set_done(&mirrors->everywhere);
+    set_done(&mirrors->beyond);
     free(mirrors->planes);
     free(mirrors->panes);
     free(mirrors->plane_of);
@@ -168,8 +227,9 @@ static bool is_passed(const struct orl_mirrors *mirrors, const struct orl_mirror
     return passed;
 }
 
-/* What comes from the sun's image behind one plane; beyond: seen through a port from inside. */
-static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane,
+/* What comes from the sun's image behind one plane, or by one facet of it; beyond: seen through a
+ * port from inside. */
+static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane, uint32_t facet,
                                struct orl_path path, struct orl_vec3 towards, bool beyond)
 {
     const struct orl_world *world = mirrors->world;
@@ -181,7 +241,7 @@ static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane
         const struct orl_material *m = orl_world_material(world, &hit);
         const bool here = !orl_facet_is_placed(world->geometry, hit.facet) &&
                           mirrors->plane_of[hit.facet] == plane;
-        if (here && !out)
+        if (here && (!out || (facet != UINT32_MAX && hit.facet != facet)))
             break;
         if (here) {
             const struct orl_rgb share =
@@ -218,9 +278,62 @@ struct orl_rgb orl_mirrors_light(const struct orl_mirrors *mirrors, const struct
             continue;
         const struct orl_rgb seen = answer(ctx, image);
         if (orl_rgb_max(seen) > 0)
-            sum = orl_rgb_add(
-                sum, orl_rgb_mul(seen, by_plane(mirrors, i, orl_path_from(place->point, image),
-                                                towards, beyond)));
+            sum = orl_rgb_add(sum, orl_rgb_mul(seen, by_plane(mirrors, i, UINT32_MAX,
+                                                              orl_path_from(place->point, image),
+                                                              towards, beyond)));
     }
     return sum;
+}
+
+/* ---- One pane -------------------------------------------------------------------------------- */
+
+struct orl_cone orl_mirrors_cone(const struct orl_mirrors *mirrors,
+                                 const struct orl_mirror_set *set, uint32_t item,
+                                 struct orl_vec3 point)
+{
+    const struct orl_window *pane = &set->panes[item];
+    const struct orl_vec3 mirror =
+        mirrors->world->images.mirrors[mirrors->planes[set->planes[item]].class];
+    struct orl_vec3 corners[4], axis = {0, 0, 0};
+    double least = 1;
+    for (int i = 0; i < 4; i++) {
+        corners[i] = orl_normalize(orl_sub(orl_window_corner(pane, i), point));
+        axis = orl_add(axis, corners[i]);
+    }
+    const double length = orl_length(axis);
+    if (!(length > 1e-6)) /* all around the point */
+        return (struct orl_cone){{0, 0, 1}, ORL_PI};
+    axis = orl_scale(axis, 1 / length);
+    for (int i = 0; i < 4; i++)
+        least = fmin(least, orl_dot(axis, corners[i]));
+    /* A cone about the corners holds the pane as long as it is narrower than a half space. */
+    return (struct orl_cone){orl_image_turned(axis, mirror),
+                             least > 1e-3 ? acos(fmin(least, 1)) : ORL_PI};
+}
+
+struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
+                                    const struct orl_mirror_set *set, uint32_t item,
+                                    const struct orl_place *place, struct orl_vec3 towards,
+                                    orl_mirrors_answer answer, const void *ctx)
+{
+    const struct orl_window *pane = &set->panes[item];
+    const uint32_t p = set->planes[item];
+    const struct orl_mirror_plane *plane = &mirrors->planes[p];
+    const bool beyond = set == &mirrors->beyond;
+    if (mirrors->one_facade && !place->outside && plane->port != ORL_NO_PORT)
+        return orl_gray(0);
+    const struct orl_vec3 image =
+        orl_image_turned(towards, mirrors->world->images.mirrors[plane->class]);
+    double distance;
+    if (!(orl_dot(image, place->normal) > 0) ||
+        !orl_window_passed(pane, place->point, image, 0, &distance) ||
+        (beyond &&
+         !orl_windows_passed_before(mirrors->ports, place->point, image, distance * (1 - 1e-6))) ||
+        !lit_from_within(mirrors, plane, orl_madd(place->point, image, distance), image, towards))
+        return orl_gray(0);
+    const struct orl_rgb seen = answer(ctx, image);
+    if (!(orl_rgb_max(seen) > 0))
+        return seen;
+    return orl_rgb_mul(seen, by_plane(mirrors, p, pane->facet, orl_path_from(place->point, image),
+                                      towards, beyond));
 }

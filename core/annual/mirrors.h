@@ -10,7 +10,8 @@
 #ifndef ORL_ANNUAL_MIRRORS_H
 #define ORL_ANNUAL_MIRRORS_H
 
-#include "annual/windows.h"
+#include "annual/direction_tree.h"
+#include "annual/pane_tree.h"
 #include "render/gather/gather.h"
 
 enum { ORL_MIRRORS_MOST_PLANES = 256 };
@@ -22,14 +23,22 @@ struct orl_mirror_plane {
     int32_t port; /* of one of them, or ORL_NO_PORT */
 };
 
+/* Panes to choose from at a place. */
+struct orl_mirror_set {
+    struct orl_window *panes;
+    uint32_t *planes; /* of each */
+    size_t count;
+    struct orl_pane_tree tree;
+};
+
 struct orl_mirrors {
     const struct orl_world *world;   /* borrowed, as ports are */
     const struct orl_windows *ports; /* that light gets into the building by */
     bool one_facade;                 /* all ports face one way: what they mirror inside is no sun */
-    bool beyond;                     /* some may be seen through ports */
     struct orl_mirror_plane *planes;
     size_t n_planes;
     struct orl_window *panes;
+    struct orl_mirror_set everywhere, beyond; /* all panes; those that ports may show from inside */
     uint32_t *plane_of; /* by facet, or UINT32_MAX; NULL where there are none */
     size_t n_left_out;  /* facets, with those that are in no class though they are flat */
 };
@@ -49,5 +58,16 @@ typedef struct orl_rgb (*orl_mirrors_answer)(const void *ctx, struct orl_vec3 li
 struct orl_rgb orl_mirrors_light(const struct orl_mirrors *mirrors, const struct orl_place *place,
                                  struct orl_vec3 towards, bool beyond, orl_mirrors_answer answer,
                                  const void *ctx);
+
+/* The suns that may come to a point by way of a pane of a set: those in the cone about it. */
+struct orl_cone orl_mirrors_cone(const struct orl_mirrors *mirrors,
+                                 const struct orl_mirror_set *set, uint32_t item,
+                                 struct orl_vec3 point);
+
+/* As orl_mirrors_light, by one pane of a set alone; beyond: the set is that. */
+struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
+                                    const struct orl_mirror_set *set, uint32_t item,
+                                    const struct orl_place *place, struct orl_vec3 towards,
+                                    orl_mirrors_answer answer, const void *ctx);
 
 #endif

@@ -135,9 +135,7 @@ static void find_suns(void *arg, size_t sensor, uint32_t member)
     float *to = p->result->suns + sensor * ORL_PHASES_SUNS;
     float *straight = rows, *beside = rows + n, *squares = rows + 2 * n;
     orl_sunlit_hours_find(&p->year->scene, &p->suns, &place, name,
-                          &(struct orl_sunlit_hours){straight, beside, squares});
-    for (size_t i = 0; i < n; i++)
-        beside[i] = 0; /* by mirrors: not asked for */
+                          &(struct orl_sunlit_hours){straight, NULL, squares});
     if (orl_annual_has_panels(p->year->world))
         orl_panels_add(&p->panels, &place, name, beside, squares);
     to[0] = 0;

@@ -20,7 +20,8 @@ struct orl_annual_scene {
     struct orl_turn north;
     const struct orl_frame *nodes; /* of the sun, as the scene has it: n towards it */
     size_t n_nodes;
-    uint32_t a_circle; /* of nodes, one after the other (nodes.h) */
+    struct orl_direction_tree node_tree; /* of those */
+    uint32_t a_circle;                   /* of nodes, one after the other (nodes.h) */
     struct orl_aim aim;
     struct orl_sobol sobol;
     struct orl_windows ports;

@@ -1,5 +1,7 @@
 #include "annual/sunlight.h"
 
+#include <string.h>
+
 #include "base/circle.h"
 #include "light/direct.h"
 #include "light/path.h"
@@ -55,20 +57,6 @@ static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
                          cosine);
 }
 
-/* What comes of a node's sun, at that point of its disc. */
-static struct orl_rgb light_of(const struct orl_annual_scene *scene,
-                               const struct orl_sunlit_query *query, struct orl_vec3 towards)
-{
-    const struct orl_rgb seen = response(query, towards);
-    struct orl_rgb light = orl_gray(0);
-    if (orl_rgb_max(seen) > 0 && !query->mapped)
-        light = orl_rgb_mul(seen, straight(scene, &query->place, towards));
-    if (scene->mirrors.n_planes > 0)
-        light = orl_rgb_add(light, orl_mirrors_light(&scene->mirrors, &query->place, towards,
-                                                     query->mapped, response, query));
-    return light;
-}
-
 /* Of every other node of a circle only, what lies between is their mean. */
 static void add_coarsely(const struct orl_annual_scene *scene, size_t node, double light,
                          double *nodes)
@@ -81,33 +69,120 @@ static void add_coarsely(const struct orl_annual_scene *scene, size_t node, doub
         nodes[node + 1] += 0.5 * light;
 }
 
+/* A vertex's suns: a point of the disc, and which of the nodes the lot has chosen. */
+struct lot {
+    const struct orl_annual_scene *scene;
+    const struct orl_sunlit_query *query;
+    double *nodes;
+    double radius, at[2];
+    bool coarse; /* of every other node of a circle */
+    size_t stride, first;
+};
+
+static struct lot draw_lot(const struct orl_annual_scene *scene,
+                           const struct orl_sunlit_query *query, struct orl_random *random,
+                           double *nodes)
+{
+    const double far = sqrt(orl_random_uniform(random));
+    const struct orl_circle circle = orl_circle_turn(orl_random_uniform(random));
+    struct lot lot = {.scene = scene,
+                      .query = query,
+                      .nodes = nodes,
+                      .radius = disc_radius(ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD),
+                      .at = {far * circle.cosine, far * circle.sine},
+                      .coarse = query->place.outside && !query->all};
+    lot.stride = query->all ? 1 : lot.coarse ? STRIDE_OUTSIDE : STRIDE_INSIDE;
+    lot.first = (size_t)(orl_random_uniform(random) * (double)lot.stride);
+    return lot;
+}
+
+static bool is_chosen(const struct lot *lot, uint32_t node)
+{
+    const size_t circle = node / lot->scene->a_circle, at = node % lot->scene->a_circle;
+    const size_t half = (lot->scene->a_circle + 1) / 2;
+    if (lot->coarse)
+        return at % 2 == 0 && (circle * half + at / 2) % lot->stride == lot->first;
+    return node % lot->stride == lot->first;
+}
+
+static void add_to_node(const struct lot *lot, size_t node, struct orl_rgb light, double share)
+{
+    if (!(orl_rgb_max(light) > 0))
+        return;
+    const double luma =
+        orl_luma(orl_rgb_mul(lot->query->weight, light)) * (double)lot->stride * share;
+    if (lot->coarse)
+        add_coarsely(lot->scene, node, luma, lot->nodes);
+    else
+        lot->nodes[node] += luma;
+}
+
+static void add_straight(const struct lot *lot)
+{
+    const struct orl_annual_scene *scene = lot->scene;
+    const struct orl_place *place = &lot->query->place;
+    const size_t a_circle = lot->coarse ? (scene->a_circle + 1) / 2 : scene->a_circle;
+    const size_t count = scene->a_circle > 0 ? scene->n_nodes / scene->a_circle * a_circle : 0;
+    for (size_t i = lot->first; i < count; i += lot->stride) {
+        const size_t k = lot->coarse ? i / a_circle * scene->a_circle + i % a_circle * 2 : i;
+        const struct orl_vec3 sun = disc_point(&scene->nodes[k], lot->radius, lot->at);
+        /* Half of all suns are behind the place: they are passed over before anything is asked. */
+        if (!(orl_dot(sun, place->normal) > 0))
+            continue;
+        const struct orl_vec3 towards = orl_normalize(sun);
+        const struct orl_rgb seen = response(lot->query, towards);
+        if (orl_rgb_max(seen) > 0)
+            add_to_node(lot, k, orl_rgb_mul(seen, straight(scene, place, towards)), 1);
+    }
+}
+
+/* ---- Nodes by mirrors ------------------------------------------------------------------------ */
+
+/* A pane that the place may see suns in. */
+struct mirrored {
+    const struct lot *lot;
+    const struct orl_mirror_set *set;
+    uint32_t item;
+    double share; /* one over the probability that it was drawn with */
+};
+
+static void add_mirrored_node(void *ctx, uint32_t node)
+{
+    const struct mirrored *m = ctx;
+    const struct lot *lot = m->lot;
+    if (!is_chosen(lot, node))
+        return;
+    const struct orl_vec3 towards = on_disc(&lot->scene->nodes[node], lot->radius, lot->at);
+    add_to_node(lot, node,
+                orl_mirrors_light_of(&lot->scene->mirrors, m->set, m->item, &lot->query->place,
+                                     towards, response, lot->query),
+                m->share);
+}
+
+/* The disc about a node is as wide as the sun: the cone about the pane is wider by that. */
+static void add_by_pane(void *ctx, uint32_t item, double probability)
+{
+    struct mirrored *m = ctx;
+    const struct orl_annual_scene *scene = m->lot->scene;
+    struct orl_cone cone =
+        orl_mirrors_cone(&scene->mirrors, m->set, item, m->lot->query->place.point);
+    cone.half_angle_rad = fmin(cone.half_angle_rad + 1.01 * m->lot->radius, ORL_PI);
+    m->item = item;
+    m->share = 1 / probability;
+    orl_direction_tree_find(&scene->node_tree, &cone, add_mirrored_node, m);
+}
+
 void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
                     struct orl_random *random, double *nodes)
 {
-    const double radius = disc_radius(ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
-    const double far = sqrt(orl_random_uniform(random));
-    const struct orl_circle circle = orl_circle_turn(orl_random_uniform(random));
-    const double at[2] = {far * circle.cosine, far * circle.sine};
-    const bool coarse = query->place.outside && !query->all, mirrored = scene->mirrors.n_planes > 0;
-    const size_t stride = query->all ? 1 : coarse ? STRIDE_OUTSIDE : STRIDE_INSIDE;
-    const size_t first = (size_t)(orl_random_uniform(random) * (double)stride);
-    const size_t a_circle = coarse ? (scene->a_circle + 1) / 2 : scene->a_circle;
-    const size_t count = scene->a_circle > 0 ? scene->n_nodes / scene->a_circle * a_circle : 0;
-    for (size_t i = first; i < count; i += stride) {
-        const size_t k = coarse ? i / a_circle * scene->a_circle + i % a_circle * 2 : i;
-        const struct orl_vec3 sun = disc_point(&scene->nodes[k], radius, at);
-        /* Half of all suns are behind the place: they are passed over before anything is asked. */
-        if (!mirrored && !(orl_dot(sun, query->place.normal) > 0))
-            continue;
-        const struct orl_rgb light = light_of(scene, query, orl_normalize(sun));
-        if (!(orl_rgb_max(light) > 0))
-            continue;
-        const double luma = orl_luma(orl_rgb_mul(query->weight, light)) * (double)stride;
-        if (coarse)
-            add_coarsely(scene, k, luma, nodes);
-        else
-            nodes[k] += luma;
-    }
+    const struct lot lot = draw_lot(scene, query, random, nodes);
+    struct mirrored m = {
+        .lot = &lot, .set = query->mapped ? &scene->mirrors.beyond : &scene->mirrors.everywhere};
+    if (!query->mapped)
+        add_straight(&lot);
+    if (m.set->count > 0)
+        orl_pane_tree_draw(&m.set->tree, query->place.point, query->place.normal, random,
+                           add_by_pane, &m);
 }
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
@@ -217,18 +292,51 @@ static struct orl_rgb cosine_of(const void *ctx, struct orl_vec3 light)
     return orl_gray(fmax(orl_dot(light, place->normal), 0));
 }
 
-static double mirrored_light(const struct orl_annual_scene *scene, const struct orl_place *place,
-                             const struct disc *disc)
+static struct disc disc_of(const struct orl_year_suns *suns, size_t sun, uint64_t name)
 {
+    return (struct disc){.frame = orl_frame_about(suns->at[sun].towards),
+                         .radius = disc_radius(suns->at[sun].angle_rad),
+                         .turn = (double)(orl_mix64(name ^ orl_mix64(sun + 1)) >> 11) * 0x1p-53};
+}
+
+/* A sensor's suns by one pane after the other. */
+struct mirrored_hours {
+    const struct orl_annual_scene *scene;
+    const struct orl_year_suns *suns;
+    const struct orl_place *place;
+    uint64_t name;
+    uint32_t item; /* the pane */
+    float *light;
+};
+
+static void add_mirrored_hour(void *ctx, uint32_t sun)
+{
+    const struct mirrored_hours *m = ctx;
+    const struct disc disc = disc_of(m->suns, sun, m->name);
     double sum = 0;
+    if (!m->suns->at[sun].wanted)
+        return;
     for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
         double at[2];
-        point_of_disc(FIRST_POINTS + n * (DISC_POINTS / MIRROR_POINTS), disc->turn, at);
-        sum += orl_luma(orl_mirrors_light(&scene->mirrors, place,
-                                          on_disc(&disc->frame, disc->radius, at), false, cosine_of,
-                                          place));
+        point_of_disc(FIRST_POINTS + n * (DISC_POINTS / MIRROR_POINTS), disc.turn, at);
+        sum += orl_luma(orl_mirrors_light_of(
+            &m->scene->mirrors, &m->scene->mirrors.everywhere, m->item, m->place,
+            on_disc(&disc.frame, disc.radius, at), cosine_of, m->place));
     }
-    return sum / MIRROR_POINTS;
+    m->light[sun] += (float)(sum / MIRROR_POINTS);
+}
+
+static void find_mirrored(struct mirrored_hours *m)
+{
+    const struct orl_mirror_set *set = &m->scene->mirrors.everywhere;
+    double widest = 0;
+    for (size_t c = 0; c < m->suns->count; c++)
+        widest = fmax(widest, m->suns->at[c].angle_rad);
+    for (m->item = 0; m->item < set->count; m->item++) {
+        struct orl_cone cone = orl_mirrors_cone(&m->scene->mirrors, set, m->item, m->place->point);
+        cone.half_angle_rad = fmin(cone.half_angle_rad + 0.51 * widest, ORL_PI);
+        orl_direction_tree_find(&m->suns->tree, &cone, add_mirrored_hour, m);
+    }
 }
 
 /* Whether any point of the disc may be seen. */
@@ -246,19 +354,18 @@ void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct or
 {
     for (size_t c = 0; c < suns->count; c++) {
         const struct orl_hour_sun *sun = &suns->at[c];
-        double seen = 0, mirrored = 0, unsure = 0;
-        if (sun->wanted) {
-            const struct disc disc = {.frame = orl_frame_about(sun->towards),
-                                      .radius = disc_radius(sun->angle_rad),
-                                      .turn = (double)(orl_mix64(name ^ orl_mix64(c + 1)) >> 11) *
-                                              0x1p-53};
-            if (may_see(scene, place, sun))
-                seen = disc_light(scene, place, &disc, &unsure);
-            if (scene->mirrors.n_planes > 0)
-                mirrored = mirrored_light(scene, place, &disc);
+        double seen = 0, unsure = 0;
+        if (sun->wanted && may_see(scene, place, sun)) {
+            const struct disc disc = disc_of(suns, c, name);
+            seen = disc_light(scene, place, &disc, &unsure);
         }
         ret->straight[c] = (float)seen;
-        ret->mirrored[c] = (float)mirrored;
         ret->squares[c] = (float)(unsure * unsure);
     }
+    if (!ret->mirrored)
+        return;
+    memset(ret->mirrored, 0, suns->count * sizeof *ret->mirrored);
+    struct mirrored_hours m = {
+        .scene = scene, .suns = suns, .place = place, .name = name, .light = ret->mirrored};
+    find_mirrored(&m);
 }

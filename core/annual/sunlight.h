@@ -32,7 +32,7 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
  * those that are not wanted.
  */
 struct orl_sunlit_hours {
-    float *straight, *mirrored, *squares;
+    float *straight, *mirrored, *squares; /* mirrored may be NULL: it is not asked for */
 };
 void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                            const struct orl_place *place, uint64_t name,

@@ -219,7 +219,8 @@ static void light_at(struct tracer *t, const struct stop *stop)
     const struct orl_effort effort = orl_aim_effort(&t->scene->aim, stop->place.outside ? outside
                                                                     : stop->depth == 0  ? at_sensors
                                                                                         : deeper);
-    if (t->sums->nodes && stop->depth > 0 && (!stop->mapped || t->scene->mirrors.beyond)) {
+    if (t->sums->nodes && stop->depth > 0 &&
+        (!stop->mapped || t->scene->mirrors.beyond.count > 0)) {
         const struct orl_sunlit_query query = {
             .place = stop->place, .weight = stop->weight, .mapped = stop->mapped};
         orl_sunlit_add(t->scene, &query, &t->random, t->sums->nodes);

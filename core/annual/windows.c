@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "annual/pane_tree.h"
+
 static void widen(struct orl_window *w, struct orl_vec3 corner)
 {
     const struct orl_vec3 from = orl_sub(corner, w->corner);
@@ -66,23 +68,20 @@ struct orl_window orl_window_of(const struct orl_geometry *g, uint32_t facet)
 
 void orl_window_widen(struct orl_window *window, const struct orl_window *other)
 {
-    for (int i = 0; i < 4; i++) {
-        const double a = i & 1 ? other->high[0] : other->low[0];
-        const double b = i & 2 ? other->high[1] : other->low[1];
-        widen(window, orl_madd(orl_madd(other->corner, other->along[0], a), other->along[1], b));
-    }
+    for (int i = 0; i < 4; i++)
+        widen(window, orl_window_corner(other, i));
 }
 
 static int make_room(struct orl_windows *windows, size_t most)
 {
-    const size_t room = most < ORL_MOST_WINDOWS ? most : ORL_MOST_WINDOWS;
-    windows->at = malloc((room + 1) * sizeof *windows->at);
-    return windows->at ? 0 : ORL_ERR_NOMEM;
+    windows->at = malloc((most + 1) * sizeof *windows->at);
+    windows->tree = calloc(1, sizeof *windows->tree);
+    return windows->at && windows->tree ? 0 : ORL_ERR_NOMEM;
 }
 
 static void add(struct orl_windows *windows, const struct orl_geometry *g, uint32_t facet)
 {
-    if (windows->count == ORL_MOST_WINDOWS || orl_facet_kind(g, facet) != ORL_SURFACE_POLYGON)
+    if (orl_facet_kind(g, facet) != ORL_SURFACE_POLYGON)
         windows->all = true;
     else
         windows->at[windows->count++] = orl_window_of(g, facet);
@@ -96,11 +95,14 @@ int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *wo
     const int code = make_room(windows, world->n_ports);
     for (size_t i = 0; i < world->n_ports && code == 0; i++)
         add(windows, world->geometry, world->ports[i].facet);
-    return code;
+    return code == 0 ? orl_pane_tree_init(windows->tree, windows->at, windows->count) : code;
 }
 
 void orl_windows_done(struct orl_windows *windows)
 {
+    if (windows->tree)
+        orl_pane_tree_done(windows->tree);
+    free(windows->tree);
     free(windows->at);
     *windows = (struct orl_windows){.at = NULL};
 }
@@ -126,10 +128,13 @@ bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
 bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,
                         struct orl_vec3 direction, double slack)
 {
-    if (windows->all)
-        return true;
-    for (size_t i = 0; i < windows->count; i++)
-        if (orl_window_passed(&windows->at[i], origin, direction, slack, NULL))
-            return true;
-    return false;
+    return windows->all ||
+           orl_pane_tree_passed(windows->tree, windows->at, origin, direction, slack, INFINITY);
+}
+
+bool orl_windows_passed_before(const struct orl_windows *windows, struct orl_vec3 origin,
+                               struct orl_vec3 direction, double before)
+{
+    return windows->all ||
+           orl_pane_tree_passed(windows->tree, windows->at, origin, direction, 0, before);
 }

@@ -10,7 +10,7 @@
 
 #include "light/world.h"
 
-enum { ORL_MOST_WINDOWS = 256 };
+struct orl_pane_tree;
 
 struct orl_window {
     uint32_t facet;
@@ -22,7 +22,8 @@ struct orl_window {
 struct orl_windows {
     struct orl_window *at;
     size_t count;
-    bool all; /* every ray is to be traced: there are too many of them, or light has other ways */
+    struct orl_pane_tree *tree; /* of those; owned */
+    bool all;                   /* every ray is to be traced: light has other ways */
 };
 
 /* Those that a sealed building has. Returns 0 or ORL_ERR_NOMEM; orl_windows_done in either case. */
@@ -44,5 +45,15 @@ bool orl_window_passed(const struct orl_window *window, struct orl_vec3 origin,
 /* Whether a ray passes any. */
 bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,
                         struct orl_vec3 direction, double slack);
+/* The same, nearer than a distance. */
+bool orl_windows_passed_before(const struct orl_windows *windows, struct orl_vec3 origin,
+                               struct orl_vec3 direction, double before);
+
+/* The corners 0 to 3; 0 is opposite 3. */
+static inline struct orl_vec3 orl_window_corner(const struct orl_window *w, int i)
+{
+    return orl_madd(orl_madd(w->corner, w->along[0], i & 1 ? w->high[0] : w->low[0]), w->along[1],
+                    i & 2 ? w->high[1] : w->low[1]);
+}
 
 #endif

@@ -1,0 +1,259 @@
+#include "annual/pane_tree.h"
+
+#include <stdlib.h>
+
+enum { MOST_DEPTH = 64 };
+
+/* Each node of the sun stands for about 0.01 sr: a pane that fills less of the view than this
+ * holds a few of them. */
+static const double smallest_split_sr = 0.06;
+
+static double along(struct orl_vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/* ---- Building -------------------------------------------------------------------------------- */
+
+struct item {
+    struct orl_vec3 low, high;
+    double area;
+    uint32_t index;
+};
+
+static struct orl_vec3 lower(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return orl_v3(fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z));
+}
+
+static struct orl_vec3 higher(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return orl_v3(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
+}
+
+static struct item item_of(const struct orl_window *w, size_t index)
+{
+    struct item item = {.low = {INFINITY, INFINITY, INFINITY},
+                        .high = {-INFINITY, -INFINITY, -INFINITY},
+                        .area = (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]),
+                        .index = (uint32_t)index};
+    for (int i = 0; i < 4; i++) {
+        const struct orl_vec3 corner = orl_window_corner(w, i);
+        item.low = lower(item.low, corner);
+        item.high = higher(item.high, corner);
+    }
+    return item;
+}
+
+static int compare(const struct item *x, const struct item *y, int axis)
+{
+    const double a = along(x->low, axis) + along(x->high, axis);
+    const double b = along(y->low, axis) + along(y->high, axis);
+    return a != b ? (a < b ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
+}
+
+static int compare_x(const void *a, const void *b)
+{
+    return compare(a, b, 0);
+}
+
+static int compare_y(const void *a, const void *b)
+{
+    return compare(a, b, 1);
+}
+
+static int compare_z(const void *a, const void *b)
+{
+    return compare(a, b, 2);
+}
+
+static struct orl_pane_node node_about(const struct item *items, size_t n)
+{
+    struct orl_pane_node node = {.low = items[0].low, .high = items[0].high, .item = UINT32_MAX};
+    for (size_t i = 0; i < n; i++) {
+        node.low = lower(node.low, items[i].low);
+        node.high = higher(node.high, items[i].high);
+        node.area += items[i].area;
+    }
+    const struct orl_vec3 size = orl_sub(node.high, node.low);
+    const double margin = 1e-9 * (orl_length(node.low) + orl_length(node.high));
+    const struct orl_vec3 room = orl_v3(margin, margin, margin);
+    node.center = orl_madd(node.low, size, 0.5);
+    node.radius = 0.5 * orl_length(size) + margin;
+    node.low = orl_sub(node.low, room);
+    node.high = orl_add(node.high, room);
+    return node;
+}
+
+/* Halves of equal number, along the longest side of the box: the depth is a logarithm. */
+static void build(struct orl_pane_tree *tree, struct item *items, size_t n)
+{
+    static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
+    const size_t at = tree->count++;
+    struct orl_pane_node node = node_about(items, n);
+    if (n == 1) {
+        node.item = items[0].index;
+        tree->nodes[at] = node;
+        return;
+    }
+    int axis = 0;
+    const struct orl_vec3 size = orl_sub(node.high, node.low);
+    for (int i = 1; i < 3; i++)
+        axis = along(size, i) > along(size, axis) ? i : axis;
+    qsort(items, n, sizeof *items, by_axis[axis]);
+    build(tree, items, n / 2);
+    node.other = (uint32_t)tree->count;
+    build(tree, items + n / 2, n - n / 2);
+    tree->nodes[at] = node;
+}
+
+int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *panes, size_t n)
+{
+    struct item *items = malloc((n + 1) * sizeof *items);
+    *tree = (struct orl_pane_tree){.nodes = malloc((2 * n + 1) * sizeof *tree->nodes)};
+    const bool room = items && tree->nodes;
+    for (size_t i = 0; room && i < n; i++)
+        items[i] = item_of(&panes[i], i);
+    if (room && n > 0)
+        build(tree, items, n);
+    free(items);
+    return room ? 0 : ORL_ERR_NOMEM;
+}
+
+void orl_pane_tree_done(struct orl_pane_tree *tree)
+{
+    free(tree->nodes);
+    *tree = (struct orl_pane_tree){.nodes = NULL};
+}
+
+/* ---- Rays ------------------------------------------------------------------------------------ */
+
+/* The box test of Williams et al. 2005; a ray within a slab's plane counts as inside it. */
+static bool ray_meets(const struct orl_pane_node *node, struct orl_vec3 origin,
+                      struct orl_vec3 direction, double before)
+{
+    double near = 0, far = before;
+    for (int i = 0; i < 3; i++) {
+        const double d = along(direction, i), o = along(origin, i);
+        const double low = along(node->low, i) - o, high = along(node->high, i) - o;
+        if (d == 0) {
+            if (low > 0 || high < 0)
+                return false;
+            continue;
+        }
+        const double a = low / d, b = high / d;
+        const double first = a < b ? a : b, last = a < b ? b : a;
+        near = first > near ? first : near;
+        far = last < far ? last : far;
+        if (near > far)
+            return false;
+    }
+    return true;
+}
+
+/* Whether rays within the slack, a sine, of the direction may meet the ball. */
+static bool cone_meets(const struct orl_pane_node *node, struct orl_vec3 origin,
+                       struct orl_vec3 direction, double slack)
+{
+    const struct orl_vec3 way = orl_sub(node->center, origin);
+    const double distance = orl_length(way);
+    if (distance <= node->radius)
+        return true;
+    const double angle = asin(node->radius / distance) + asin(fmin(slack, 1)) + 1e-9;
+    return angle >= ORL_PI || orl_dot(way, direction) >= distance * cos(angle);
+}
+
+bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_window *panes,
+                          struct orl_vec3 origin, struct orl_vec3 direction, double slack,
+                          double before)
+{
+    uint32_t stack[MOST_DEPTH] = {0};
+    for (int depth = tree->count > 0; depth > 0;) {
+        const uint32_t at = stack[--depth];
+        const struct orl_pane_node *node = &tree->nodes[at];
+        double distance;
+        if (!(slack > 0 ? cone_meets(node, origin, direction, slack)
+                        : ray_meets(node, origin, direction, before)))
+            continue;
+        if (node->item == UINT32_MAX) {
+            stack[depth++] = node->other;
+            stack[depth++] = at + 1;
+        } else if (orl_window_passed(&panes[node->item], origin, direction, slack, &distance) &&
+                   distance < before) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- By lot ---------------------------------------------------------------------------------- */
+
+/* Whether all of it lies behind the plane of a place. */
+static bool is_behind(const struct orl_pane_node *node, struct orl_vec3 point,
+                      struct orl_vec3 normal)
+{
+    const struct orl_vec3 ahead =
+        orl_v3(normal.x > 0 ? node->high.x : node->low.x, normal.y > 0 ? node->high.y : node->low.y,
+               normal.z > 0 ? node->high.z : node->low.z);
+    return orl_dot(orl_sub(ahead, point), normal) <= 0;
+}
+
+/* How far x is from an interval. */
+static double beside(double x, double low, double high)
+{
+    return x < low ? low - x : x > high ? x - high : 0;
+}
+
+static double squared_distance(const struct orl_pane_node *node, struct orl_vec3 p)
+{
+    const struct orl_vec3 off =
+        orl_v3(beside(p.x, node->low.x, node->high.x), beside(p.y, node->low.y, node->high.y),
+               beside(p.z, node->low.z, node->high.z));
+    return orl_dot(off, off);
+}
+
+/* An estimate of its share of the view; 0: it is behind. */
+static double weight_of(const struct orl_pane_node *node, struct orl_vec3 point,
+                        struct orl_vec3 normal)
+{
+    const struct orl_vec3 way = orl_sub(node->center, point);
+    if (is_behind(node, point, normal))
+        return 0;
+    return node->area / fmax(orl_dot(way, way), node->radius * node->radius);
+}
+
+size_t orl_pane_tree_draw(const struct orl_pane_tree *tree, struct orl_vec3 point,
+                          struct orl_vec3 normal, struct orl_random *random, orl_pane_visit visit,
+                          void *ctx)
+{
+    struct branch {
+        uint32_t at;
+        double probability;
+    } stack[MOST_DEPTH] = {{0, 1}};
+    size_t looked = 0;
+    for (int depth = tree->count > 0; depth > 0;) {
+        const struct branch b = stack[--depth];
+        const struct orl_pane_node *node = &tree->nodes[b.at];
+        looked++;
+        if (is_behind(node, point, normal))
+            continue;
+        if (node->item != UINT32_MAX) {
+            visit(ctx, node->item, b.probability);
+            continue;
+        }
+        if (node->area > smallest_split_sr * squared_distance(node, point)) {
+            stack[depth++] = (struct branch){node->other, b.probability};
+            stack[depth++] = (struct branch){b.at + 1, b.probability};
+            continue;
+        }
+        const double first = weight_of(&tree->nodes[b.at + 1], point, normal);
+        const double second = weight_of(&tree->nodes[node->other], point, normal);
+        if (!(first + second > 0))
+            continue;
+        const double share = first / (first + second);
+        const bool take = share >= 1 || (share > 0 && orl_random_uniform(random) < share);
+        stack[depth++] = take ? (struct branch){b.at + 1, b.probability * share}
+                              : (struct branch){node->other, b.probability * (1 - share)};
+    }
+    return looked;
+}
