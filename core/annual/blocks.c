@@ -36,6 +36,8 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
                                            .batch = (uint32_t)(index % ORL_ANNUAL_BATCHES),
                                            .first = y->traced_before,
                                            .samples = y->batch_samples};
+    if (y->dark[sensor])
+        return;
     struct orl_annual_sums sums = {.bins = y->bin_sums + index * ORL_BINS,
                                    .nodes = y->sun_sums + index * y->n_sun,
                                    .beams = y->sun_sums + index * y->n_sun + y->nodes.count,
@@ -57,6 +59,12 @@ static void find_sun(void *arg, size_t index, uint32_t member)
         sun_row_of(y, index, ORL_SUN_SQUARES)};
     const uint64_t name = y->request->seed + y->first + index;
     (void)member;
+    if (y->dark[index]) {
+        for (int row = 0; row < ORL_SUN_ROWS; row++)
+            memset(sun_row_of(y, index, (enum orl_sun_row)row), 0,
+                   y->hours.suns.count * sizeof *y->sun_rows);
+        return;
+    }
     orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, &sun);
     if (y->has_panels)
         orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
@@ -74,6 +82,8 @@ static void fill_factors(void *arg, size_t index, uint32_t member)
         .n_sun = y->n_sun,
         .n_beams = y->n_beams};
     (void)member;
+    if (y->dark[index])
+        return;
     orl_overcast_find(&y->overcast, &coefficients, &y->result->overcast[y->first + index],
                       &y->result->overcast_se[y->first + index]);
     orl_annual_factors_fill(&y->factors[index], &y->bins, &coefficients,
@@ -89,12 +99,18 @@ static void multiply(void *arg, size_t tile, uint32_t member)
     struct orl_year *y = arg;
     struct orl_annual_row rows[ORL_YEAR_BLOCK];
     (void)member;
-    for (size_t i = 0; i < y->count; i++)
-        rows[i] = (struct orl_annual_row){
+    const struct orl_annual_factors *factors[ORL_YEAR_BLOCK];
+    size_t lit = 0;
+    for (size_t i = 0; i < y->count; i++) {
+        if (y->dark[i])
+            continue;
+        factors[lit] = &y->factors[i];
+        rows[lit++] = (struct orl_annual_row){
             sun_row_of(y, i, ORL_SUN_STRAIGHT), sun_row_of(y, i, ORL_SUN_MIRRORED),
             sun_row_of(y, i, ORL_SUN_SQUARES),  row_of(y, i, ORL_YEAR_TOTAL),
             row_of(y, i, ORL_YEAR_DIRECT),      row_of(y, i, ORL_YEAR_SE)};
-    orl_annual_multiply(y->factors, y->count, &y->hours, &y->terms, tile, rows);
+    }
+    orl_annual_multiply(factors, lit, &y->hours, &y->terms, tile, rows);
 }
 
 static void place_sensors(struct orl_year *y)
@@ -263,15 +279,46 @@ static int find_suns(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
+static void find_darkness(void *arg, size_t index, uint32_t member)
+{
+    struct orl_year *y = arg;
+    (void)member;
+    y->dark[index] = !orl_reach_has(&y->reach, &y->places[index]);
+}
+
+/* Of light of a part: who gets none, whose rows are zero. */
+static int find_dark(struct orl_year *y, size_t *ret_lit, struct orl_error *err)
+{
+    *ret_lit = y->count;
+    if (!y->variant || y->variant->part == 0)
+        return 0;
+    int code = orl_year_need_scene(y, err);
+    if (code < 0)
+        return code;
+    place_sensors(y);
+    code = check_places(y, err);
+    if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_darkness, y) < 0)
+        code = orl_year_cancelled(err);
+    for (size_t i = 0; i < y->count && code == 0; i++) {
+        if (!y->dark[i])
+            continue;
+        --*ret_lit;
+        memset(row_of(y, i, ORL_YEAR_TOTAL), 0,
+               ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
+    }
+    return code;
+}
+
 /* What falls on sensors straight is all there is. */
 static int run_sun_only(struct orl_year *y, struct orl_error *err)
 {
     int code = orl_year_need_scene(y, err);
     double since = orl_year_now(y);
+    size_t lit = 0;
     if (code < 0)
         return code;
     place_sensors(y);
-    code = check_places(y, err);
+    code = find_dark(y, &lit, err);
     if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_sun, y) < 0)
         code = orl_year_cancelled(err);
     for (size_t i = 0; i < y->count && code == 0; i++) {
@@ -293,6 +340,10 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
 static int make_rows(struct orl_year *y, struct orl_error *err)
 {
     struct orl_crew *crew = y->env->run->crew;
+    size_t lit = 0;
+    const int found = find_dark(y, &lit, err);
+    if (found < 0 || lit == 0)
+        return found;
     double since = orl_year_now(y);
     int code = find_paths(y, err);
     orl_year_book(y, ORL_ANNUAL_PATHS, &since);

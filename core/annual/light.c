@@ -23,6 +23,14 @@ static void warn_of_curved(struct orl_year *y)
                   n, label.name, label.file, label.line);
 }
 
+static double area_of_ports(const struct orl_world *world)
+{
+    double area = 0;
+    for (size_t i = 0; i < world->n_ports; i++)
+        area += world->ports[i].area;
+    return area;
+}
+
 static const char *name_of_part(const struct orl_year_variant *v)
 {
     return v->part == ORL_PART_OF_NONE ? "windows of no group" : v->swaps->at[v->part - 1].of;
@@ -40,6 +48,7 @@ static int close_others(struct orl_year *y, struct orl_error *err)
         orl_error_hint(err, "close the building, or have one window group");
         return ORL_ERR_UNSUPPORTED;
     }
+    const double area = area_of_ports(y->world);
     int code = v->sun_only || v->part == ORL_PART_OF_NONE
                    ? 0
                    : orl_part_admit(y->world, v->part, name_of_part(v), err);
@@ -50,7 +59,11 @@ static int close_others(struct orl_year *y, struct orl_error *err)
                              "no surface of '%.100s' is a window to the outside: what light it "
                              "lets in is not told from the rest",
                              name_of_part(v));
-    return code;
+    if (code < 0)
+        return code;
+    y->open_share = area > 0 ? fmin(area_of_ports(y->world) / area, 1) : 1;
+    code = orl_reach_init(&y->reach, y->world, y->env->run->cancel);
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
 }
 
 static int make_world(struct orl_year *y, struct orl_error *err)
@@ -91,7 +104,8 @@ static int make_map(struct orl_year *y, struct orl_error *err)
     void *data = NULL;
     size_t size = 0;
     y->scene.whole_map = y->request->technique == ORL_ANNUAL_PRECOMPUTED;
-    const struct orl_sun_map_request request = orl_annual_scene_map_request(&y->scene, y->request);
+    const struct orl_sun_map_request request =
+        orl_annual_scene_map_request(&y->scene, y->request, y->open_share);
     if (y->world->open || y->world->n_ports == 0)
         return y->scene.whole_map ? refuse_open(err) : 0;
     if (y->nodes.count == 0)
@@ -264,6 +278,7 @@ void orl_year_light_done(struct orl_year *y)
 {
     orl_panels_done(&y->panels);
     orl_annual_scene_done(&y->scene);
+    orl_reach_done(&y->reach);
     orl_world_free(y->world);
     free(y->port_of_facet);
     orl_sun_terms_done(&y->terms);

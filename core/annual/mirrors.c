@@ -4,6 +4,7 @@
 
 #include "light/direct.h"
 #include "light/path.h"
+#include "scene/material/bounds.h"
 
 enum { MOST_PANES = 64 };
 
@@ -132,25 +133,43 @@ static bool may_be_beyond(const struct orl_mirrors *mirrors, const struct orl_mi
     return false;
 }
 
-static int fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirrors, bool beyond)
+static double strength_of(const struct orl_world *world, const struct orl_window *pane)
 {
-    size_t most = 0;
-    for (size_t p = 0; p < mirrors->n_planes; p++)
-        most += mirrors->planes[p].count;
-    set->panes = malloc((most + 1) * sizeof *set->panes);
-    set->planes = malloc((most + 1) * sizeof *set->planes);
-    if (!set->panes || !set->planes)
-        return ORL_ERR_NOMEM;
+    const struct orl_material *m =
+        &world->materials[orl_facet_material(world->geometry, pane->facet)];
+    return fmin(fmax(4 * orl_material_mirrored_most(m, true, 0.5), 0.1), 1);
+}
+
+static void fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirrors, bool beyond,
+                     double *strengths)
+{
     for (size_t p = 0; p < mirrors->n_planes; p++)
         for (uint32_t i = 0; i < mirrors->planes[p].count; i++) {
             const struct orl_mirror_plane *plane = &mirrors->planes[p];
             const struct orl_window *pane = &mirrors->panes[plane->first + i];
             if (beyond && !may_be_beyond(mirrors, plane, pane))
                 continue;
+            strengths[set->count] = strength_of(mirrors->world, pane);
             set->panes[set->count] = *pane;
             set->planes[set->count++] = (uint32_t)p;
         }
-    return orl_pane_tree_init(&set->tree, set->panes, set->count);
+}
+
+static int make_set(struct orl_mirror_set *set, const struct orl_mirrors *mirrors, bool beyond)
+{
+    size_t most = 0;
+    for (size_t p = 0; p < mirrors->n_planes; p++)
+        most += mirrors->planes[p].count;
+    double *strengths = malloc((most + 1) * sizeof *strengths);
+    set->panes = malloc((most + 1) * sizeof *set->panes);
+    set->planes = malloc((most + 1) * sizeof *set->planes);
+    int code = strengths && set->panes && set->planes ? 0 : ORL_ERR_NOMEM;
+    if (code == 0) {
+        fill_set(set, mirrors, beyond, strengths);
+        code = orl_pane_tree_init(&set->tree, set->panes, strengths, set->count);
+    }
+    free(strengths);
+    return code;
 }
 
 static void set_done(struct orl_mirror_set *set)
@@ -187,9 +206,9 @@ int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_world *world,
     if (room)
         sort_out(mirrors, candidates, n);
     free(candidates);
-    int code = room ? fill_set(&mirrors->everywhere, mirrors, false) : ORL_ERR_NOMEM;
+    int code = room ? make_set(&mirrors->everywhere, mirrors, false) : ORL_ERR_NOMEM;
     if (code == 0)
-        code = fill_set(&mirrors->beyond, mirrors, true);
+        code = make_set(&mirrors->beyond, mirrors, true);
     return code;
 }
 
@@ -294,21 +313,8 @@ struct orl_cone orl_mirrors_cone(const struct orl_mirrors *mirrors,
     const struct orl_window *pane = &set->panes[item];
     const struct orl_vec3 mirror =
         mirrors->world->images.mirrors[mirrors->planes[set->planes[item]].class];
-    struct orl_vec3 corners[4], axis = {0, 0, 0};
-    double least = 1;
-    for (int i = 0; i < 4; i++) {
-        corners[i] = orl_normalize(orl_sub(orl_window_corner(pane, i), point));
-        axis = orl_add(axis, corners[i]);
-    }
-    const double length = orl_length(axis);
-    if (!(length > 1e-6)) /* all around the point */
-        return (struct orl_cone){{0, 0, 1}, ORL_PI};
-    axis = orl_scale(axis, 1 / length);
-    for (int i = 0; i < 4; i++)
-        least = fmin(least, orl_dot(axis, corners[i]));
-    /* A cone about the corners holds the pane as long as it is narrower than a half space. */
-    return (struct orl_cone){orl_image_turned(axis, mirror),
-                             least > 1e-3 ? acos(fmin(least, 1)) : ORL_PI};
+    const struct orl_cone cone = orl_window_cone(pane, point);
+    return (struct orl_cone){orl_image_turned(cone.axis, mirror), cone.half_angle_rad};
 }
 
 struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,

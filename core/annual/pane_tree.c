@@ -7,6 +7,8 @@ enum { MOST_DEPTH = 64 };
 /* Each node of the sun stands for about 0.01 sr: a pane that fills less of the view than this
  * holds a few of them. */
 static const double smallest_split_sr = 0.06;
+/* The least chance of a pane, or of several, that fills less of the view than that. */
+static const double least_chance = 0.25;
 
 static double along(struct orl_vec3 v, int axis)
 {
@@ -31,11 +33,11 @@ static struct orl_vec3 higher(struct orl_vec3 a, struct orl_vec3 b)
     return orl_v3(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
 }
 
-static struct item item_of(const struct orl_window *w, size_t index)
+static struct item item_of(const struct orl_window *w, size_t index, double strength)
 {
     struct item item = {.low = {INFINITY, INFINITY, INFINITY},
                         .high = {-INFINITY, -INFINITY, -INFINITY},
-                        .area = (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]),
+                        .area = (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]) * strength,
                         .index = (uint32_t)index};
     for (int i = 0; i < 4; i++) {
         const struct orl_vec3 corner = orl_window_corner(w, i);
@@ -107,13 +109,14 @@ static void build(struct orl_pane_tree *tree, struct item *items, size_t n)
     tree->nodes[at] = node;
 }
 
-int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *panes, size_t n)
+int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *panes,
+                       const double *strengths, size_t n)
 {
     struct item *items = malloc((n + 1) * sizeof *items);
     *tree = (struct orl_pane_tree){.nodes = malloc((2 * n + 1) * sizeof *tree->nodes)};
     const bool room = items && tree->nodes;
     for (size_t i = 0; room && i < n; i++)
-        items[i] = item_of(&panes[i], i);
+        items[i] = item_of(&panes[i], i, strengths ? strengths[i] : 1);
     if (room && n > 0)
         build(tree, items, n);
     free(items);
@@ -229,21 +232,31 @@ size_t orl_pane_tree_draw(const struct orl_pane_tree *tree, struct orl_vec3 poin
     struct branch {
         uint32_t at;
         double probability;
-    } stack[MOST_DEPTH] = {{0, 1}};
+        bool drawn; /* the roulette has been survived */
+    } stack[MOST_DEPTH] = {{0, 1, false}};
     size_t looked = 0;
     for (int depth = tree->count > 0; depth > 0;) {
-        const struct branch b = stack[--depth];
+        struct branch b = stack[--depth];
         const struct orl_pane_node *node = &tree->nodes[b.at];
         looked++;
         if (is_behind(node, point, normal))
             continue;
+        if (!b.drawn) {
+            const double enough = smallest_split_sr * squared_distance(node, point);
+            const bool large = node->area > enough;
+            if (large && node->item == UINT32_MAX) {
+                stack[depth++] = (struct branch){node->other, b.probability, false};
+                stack[depth++] = (struct branch){b.at + 1, b.probability, false};
+                continue;
+            }
+            const double chance =
+                large ? 1 : least_chance + (1 - least_chance) * node->area / enough;
+            if (chance < 1 && !(orl_random_uniform(random) < chance))
+                continue;
+            b.probability *= chance;
+        }
         if (node->item != UINT32_MAX) {
             visit(ctx, node->item, b.probability);
-            continue;
-        }
-        if (node->area > smallest_split_sr * squared_distance(node, point)) {
-            stack[depth++] = (struct branch){node->other, b.probability};
-            stack[depth++] = (struct branch){b.at + 1, b.probability};
             continue;
         }
         const double first = weight_of(&tree->nodes[b.at + 1], point, normal);
@@ -252,8 +265,8 @@ size_t orl_pane_tree_draw(const struct orl_pane_tree *tree, struct orl_vec3 poin
             continue;
         const double share = first / (first + second);
         const bool take = share >= 1 || (share > 0 && orl_random_uniform(random) < share);
-        stack[depth++] = take ? (struct branch){b.at + 1, b.probability * share}
-                              : (struct branch){node->other, b.probability * (1 - share)};
+        stack[depth++] = take ? (struct branch){b.at + 1, b.probability * share, true}
+                              : (struct branch){node->other, b.probability * (1 - share), true};
     }
     return looked;
 }

@@ -4,10 +4,11 @@
  * them matter at a place, chosen by lot.
  *
  * The lot: from the root down, both halves are followed as long as they may fill a share of the
- * view that is larger than a sun's neighbourhood; below that one of the two is drawn by its area
- * over the square of its distance (Conty Estevez and Kulla 2018, adaptive tree splitting). Each
- * rectangle that is reached has the product of the probabilities on its way: dividing by it makes
- * a sum without bias. A half is left out only where it lies behind the place.
+ * view that is larger than a sun's neighbourhood; below that a roulette ends the search, or one of
+ * the two is drawn by its area over the square of its distance (Conty Estevez and Kulla 2018,
+ * adaptive tree splitting). Areas count by their strength, as what a faint mirror throws matters
+ * less. Each rectangle that is reached has the product of the probabilities on its way: dividing
+ * by it makes a sum without bias. A half is left out only where it lies behind the place.
  *
  * Immutable once built.
  */
@@ -20,9 +21,9 @@
 struct orl_pane_node {
     struct orl_vec3 low, high;
     struct orl_vec3 center; /* of a ball about it */
-    double radius, area;
-    uint32_t item;  /* a leaf's, else UINT32_MAX; the first child follows its parent */
-    uint32_t other; /* the second child */
+    double radius, area;    /* the latter times strength */
+    uint32_t item;          /* a leaf's, else UINT32_MAX; the first child follows its parent */
+    uint32_t other;         /* the second child */
 };
 
 struct orl_pane_tree {
@@ -30,9 +31,10 @@ struct orl_pane_tree {
     size_t count;
 };
 
-/* Of n windows, borrowed for the call. Returns 0 or ORL_ERR_NOMEM; orl_pane_tree_done in either
- * case. */
-int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *panes, size_t n);
+/* Of n windows, with their strengths (above 0) or NULL: 1. Borrowed for the call. Returns 0 or
+ * ORL_ERR_NOMEM; orl_pane_tree_done in either case. */
+int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *panes,
+                       const double *strengths, size_t n);
 void orl_pane_tree_done(struct orl_pane_tree *tree);
 
 /* Whether a ray passes one of the panes, slack as of orl_window_passed, nearer than before. */

@@ -55,11 +55,10 @@ struct maker {
     uint64_t seed;
 };
 
-static struct orl_vec3 about_sun(const struct orl_hour_sun *sun, const double u[2])
+static struct orl_sun disc_of(const struct orl_hour_sun *sun)
 {
-    const struct orl_sun disc = {.frame = orl_frame_about(sun->towards),
-                                 .cos_half_angle = cos(0.5 * sun->angle_rad)};
-    return orl_sun_sample(&disc, u);
+    return (struct orl_sun){.frame = orl_frame_about(sun->towards),
+                            .cos_half_angle = cos(0.5 * sun->angle_rad)};
 }
 
 static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
@@ -67,6 +66,7 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
     struct orl_panels *panels = maker->panels;
     const struct orl_panel_kind *k = &panels->kinds[kind];
     const struct orl_hour_sun *sun = &panels->suns->at[which];
+    const struct orl_sun disc = disc_of(sun);
     struct orl_panel_draw *draws =
         panels->draws + ((size_t)kind * panels->suns->count + which) * DRAWS;
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
@@ -76,7 +76,7 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
         struct orl_panel_draw *draw = &draws[i];
         *draw = (struct orl_panel_draw){.light = 0};
         orl_sobol_point(maker->sobol, i, (uint32_t)name, 5, u);
-        const struct orl_vec3 from = about_sun(sun, u + 3);
+        const struct orl_vec3 from = orl_sun_sample(&disc, u + 3);
         if (!(orl_dot(from, k->inward) < 0))
             continue;
         const struct orl_scatter s = orl_scatter_sample_at(
@@ -161,7 +161,8 @@ struct before {
     const struct orl_panel *panel;
     const struct orl_place *place;
     size_t pane;
-    uint64_t name; /* of the sensor */
+    uint64_t name;               /* of the sensor */
+    float axis[3], least_cosine; /* of the cone of directions from the sensor to the pane */
     struct seen seen[PARTS];
     bool any;
 };
@@ -196,11 +197,12 @@ static void look_at_points(struct before *b, uint64_t name)
 }
 
 /* A point of an hour's disc; number: of the ray, among the hour's. */
-static struct orl_vec3 point_of_disc(const struct before *b, size_t which, uint32_t number)
+static struct orl_vec3 point_of_disc(const struct before *b, const struct orl_sun *disc,
+                                     size_t which, uint32_t number)
 {
     const uint64_t lot = orl_mix64(b->name ^ orl_mix64((which << 8) + number));
     const double u[2] = {(double)(uint32_t)lot * 0x1p-32, (double)(lot >> 32) * 0x1p-32};
-    return about_sun(&b->panels->suns->at[which], u);
+    return orl_sun_sample(disc, u);
 }
 
 /* One of each block of four parts, by lot: which. */
@@ -225,7 +227,8 @@ static uint32_t group_of_block(uint32_t block)
  * the disc, as draws have theirs: over a disc that lies in two cells of a BSDF, what the one sends
  * is not what the other does.
  */
-static void add_points(const struct before *b, size_t which, uint64_t lot, double groups[GROUPS])
+static void add_points(const struct before *b, size_t which, const struct orl_sun *disc,
+                       uint64_t lot, double groups[GROUPS])
 {
     const struct orl_panels *panels = b->panels;
     const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
@@ -236,7 +239,7 @@ static void add_points(const struct before *b, size_t which, uint64_t lot, doubl
         const struct seen *s = &b->seen[part];
         if (!(s->worth > 0))
             continue;
-        const struct orl_vec3 from = point_of_disc(b, which, part);
+        const struct orl_vec3 from = point_of_disc(b, disc, which, part);
         const double onto = -orl_dot(from, k->inward);
         const double f =
             onto > 0 ? orl_luma(orl_scatter_eval_lobes(k->material, &hit, from, s->towards)) : 0;
@@ -270,8 +273,25 @@ static double sight_of(const struct before *b, struct orl_vec3 towards)
     return 0;
 }
 
+/* Most draws miss the pane by far: this test is cheaper than the pane's own, and a little wider. */
+static inline bool is_in_cone(const struct before *b, const struct orl_panel_draw *d)
+{
+    return -(d->towards[0] * b->axis[0] + d->towards[1] * b->axis[1] +
+             d->towards[2] * b->axis[2]) >= b->least_cosine;
+}
+
+static void find_cone(struct before *b)
+{
+    const struct orl_cone cone = orl_window_cone(&b->panel->window, b->place->point);
+    b->axis[0] = (float)cone.axis.x;
+    b->axis[1] = (float)cone.axis.y;
+    b->axis[2] = (float)cone.axis.z;
+    b->least_cosine = (float)cos(cone.half_angle_rad) - 1e-5F;
+}
+
 /* Directions drawn by the BSDF, of which the sensor sees those that come from the pane. */
-static void add_draws(const struct before *b, size_t which, double groups[GROUPS])
+static void add_draws(const struct before *b, size_t which, const struct orl_sun *disc,
+                      double groups[GROUPS])
 {
     const struct orl_panels *panels = b->panels;
     const struct orl_panel *panel = b->panel;
@@ -281,7 +301,7 @@ static void add_draws(const struct before *b, size_t which, double groups[GROUPS
     for (uint32_t i = 0; i < DRAWS; i++) {
         const struct orl_panel_draw *d = &draws[i];
         double distance;
-        if (!(d->light > 0))
+        if (!(d->light > 0) || !is_in_cone(b, d))
             continue;
         const struct orl_vec3 there =
             orl_v3(-(double)d->towards[0], -(double)d->towards[1], -(double)d->towards[2]);
@@ -291,7 +311,7 @@ static void add_draws(const struct before *b, size_t which, double groups[GROUPS
         const struct orl_vec3 point = orl_madd(b->place->point, there, distance);
         const double seen = sight_of(b, there);
         const double of_disc[2] = {(double)d->from[0], (double)d->from[1]};
-        const struct orl_vec3 from = about_sun(&panels->suns->at[which], of_disc);
+        const struct orl_vec3 from = orl_sun_sample(disc, of_disc);
         const double share = seen > 0 ? seen * share_there(panels, panel, from, point) : 0;
         if (!(share > 0))
             continue;
@@ -316,13 +336,15 @@ void orl_panels_add(const struct orl_panels *panels, const struct orl_place *pla
         if (place->outside || !(orl_dot(from, b.panel->inward) > 0))
             continue;
         look_at_points(&b, name);
+        find_cone(&b);
         for (size_t c = 0; b.any && c < panels->suns->count; c++) {
             const struct orl_hour_sun *sun = &panels->suns->at[c];
             double groups[GROUPS] = {0}, mean = 0, spread = 0;
             if (!sun->wanted || !(orl_dot(sun->towards, b.panel->inward) < 0))
                 continue;
-            add_points(&b, c, orl_mix64(name ^ orl_mix64(c * 64 + pane)), groups);
-            add_draws(&b, c, groups);
+            const struct orl_sun disc = disc_of(sun);
+            add_points(&b, c, &disc, orl_mix64(name ^ orl_mix64(c * 64 + pane)), groups);
+            add_draws(&b, c, &disc, groups);
             for (int g = 0; g < GROUPS; g++)
                 mean += groups[g] / GROUPS;
             for (int g = 0; g < GROUPS; g++)

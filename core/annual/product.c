@@ -201,7 +201,7 @@ static void put_columns(const struct orl_annual_factors *f, const struct orl_hou
                    ORL_EFFICACY_LM_PER_W * (double)sky[j] + fmax(sun[j], 0), squares[j]);
 }
 
-void orl_annual_multiply(const struct orl_annual_factors *factors, size_t count,
+void orl_annual_multiply(const struct orl_annual_factors *const *factors, size_t count,
                          const struct orl_hours *hours, const struct orl_sun_terms *terms,
                          size_t tile, const struct orl_annual_row *rows)
 {
@@ -211,11 +211,11 @@ void orl_annual_multiply(const struct orl_annual_factors *factors, size_t count,
         const float *bins[TOGETHER];
         float *sums[TOGETHER];
         for (size_t k = 0; k < TOGETHER; k++) {
-            bins[k] = factors[i + k < count ? i + k : i].bins;
+            bins[k] = factors[i + k < count ? i + k : i]->bins;
             sums[k] = sky[k];
         }
         add_products(bins, ORL_BINS, fine, sums);
         for (size_t k = 0; k < TOGETHER && i + k < count; k++)
-            put_columns(&factors[i + k], hours, terms, tile, sky[k], &rows[i + k]);
+            put_columns(factors[i + k], hours, terms, tile, sky[k], &rows[i + k]);
     }
 }

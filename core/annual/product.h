@@ -46,7 +46,7 @@ void orl_annual_factors_tell(const struct orl_annual_factors *factors, float *re
 
 /* Of one tile of columns, for some sensors: a tile's sky serves all of them while it is at hand.
  * terms: of the sun. */
-void orl_annual_multiply(const struct orl_annual_factors *factors, size_t count,
+void orl_annual_multiply(const struct orl_annual_factors *const *factors, size_t count,
                          const struct orl_hours *hours, const struct orl_sun_terms *terms,
                          size_t tile, const struct orl_annual_row *rows);
 

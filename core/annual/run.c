@@ -172,6 +172,7 @@ int orl_year_run(const struct orl_annual_request *request, const struct orl_annu
     y->env = env;
     y->result = &result;
     y->batch_samples = of_batch;
+    y->open_share = 1;
     y->started_s = orl_year_now(y);
     orl_year_tell(y, ORL_STAGE_LOAD, 0);
     orl_crew_heed(env->run->crew, env->run->cancel);

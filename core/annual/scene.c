@@ -15,9 +15,12 @@ bool orl_annual_has_panels(const struct orl_world *world)
 }
 
 /* asked: in all; 0: as the scene has it. */
-static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes, uint32_t asked)
+static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes, uint32_t asked,
+                                double open_share)
 {
-    const double all = asked > 0 ? asked : orl_annual_has_panels(world) ? PANEL_PHOTONS : PHOTONS;
+    const double all = open_share * (asked > 0                      ? asked
+                                     : orl_annual_has_panels(world) ? PANEL_PHOTONS
+                                                                    : PHOTONS);
     return (uint32_t)fmax(all / fmax((double)n_nodes, 1), LEAST_PHOTONS);
 }
 
@@ -55,7 +58,8 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
 }
 
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
-                                                        const struct orl_annual_request *request)
+                                                        const struct orl_annual_request *request,
+                                                        double open_share)
 {
     return (struct orl_sun_map_request){
         .world = scene->world,
@@ -63,7 +67,7 @@ struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_
         .nodes = scene->nodes,
         .n_nodes = scene->n_nodes,
         .seed = request->seed,
-        .photons = photons_of_node(scene->world, scene->n_nodes, request->photons),
+        .photons = photons_of_node(scene->world, scene->n_nodes, request->photons, open_share),
         .whole = scene->whole_map};
 }
 

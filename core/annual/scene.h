@@ -36,9 +36,11 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
                           const struct orl_bins *bins, struct orl_turn north,
                           const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
                           struct orl_crew *crew);
-/* Of the map, which the scene is without until then. */
+/* Of the map, which the scene is without until then. open_share: of the area of its ports those
+ * that are open; photons are as dense on them as on all. */
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
-                                                        const struct orl_annual_request *request);
+                                                        const struct orl_annual_request *request,
+                                                        double open_share);
 /* Seconds of one core that the map is thought to take, of a scene that is not known yet. */
 double orl_annual_scene_map_core_s(const struct orl_annual_request *request, size_t n_nodes);
 /* Whether ports have BSDFs. */

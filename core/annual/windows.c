@@ -95,7 +95,7 @@ int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *wo
     const int code = make_room(windows, world->n_ports);
     for (size_t i = 0; i < world->n_ports && code == 0; i++)
         add(windows, world->geometry, world->ports[i].facet);
-    return code == 0 ? orl_pane_tree_init(windows->tree, windows->at, windows->count) : code;
+    return code == 0 ? orl_pane_tree_init(windows->tree, windows->at, NULL, windows->count) : code;
 }
 
 void orl_windows_done(struct orl_windows *windows)
@@ -123,6 +123,24 @@ bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
     if (ret_distance)
         *ret_distance = distance;
     return true;
+}
+
+struct orl_cone orl_window_cone(const struct orl_window *window, struct orl_vec3 point)
+{
+    struct orl_vec3 corners[4], axis = {0, 0, 0};
+    double least = 1;
+    for (int i = 0; i < 4; i++) {
+        corners[i] = orl_normalize(orl_sub(orl_window_corner(window, i), point));
+        axis = orl_add(axis, corners[i]);
+    }
+    const double length = orl_length(axis);
+    if (!(length > 1e-6)) /* all around the point */
+        return (struct orl_cone){{0, 0, 1}, ORL_PI};
+    axis = orl_scale(axis, 1 / length);
+    for (int i = 0; i < 4; i++)
+        least = fmin(least, orl_dot(axis, corners[i]));
+    /* A cone about the corners holds the window as long as it is narrower than a half space. */
+    return (struct orl_cone){axis, least > 1e-3 ? acos(fmin(least, 1)) : ORL_PI};
 }
 
 bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,

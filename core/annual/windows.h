@@ -8,6 +8,7 @@
 #ifndef ORL_ANNUAL_WINDOWS_H
 #define ORL_ANNUAL_WINDOWS_H
 
+#include "annual/direction_tree.h"
 #include "light/world.h"
 
 struct orl_pane_tree;
@@ -41,6 +42,9 @@ void orl_window_widen(struct orl_window *window, const struct orl_window *other)
  */
 bool orl_window_passed(const struct orl_window *window, struct orl_vec3 origin,
                        struct orl_vec3 direction, double slack, double *ret_distance);
+
+/* The directions from a point to a window lie in this cone. */
+struct orl_cone orl_window_cone(const struct orl_window *window, struct orl_vec3 point);
 
 /* Whether a ray passes any. */
 bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,

@@ -16,6 +16,7 @@
 #include "annual/panels.h"
 #include "annual/parts.h"
 #include "annual/product.h"
+#include "annual/reach.h"
 #include "annual/scene.h"
 #include "annual/terms.h"
 #include "light/lights.h"
@@ -52,6 +53,8 @@ struct orl_year {
     struct orl_lights *lights;
     struct orl_world *world;
     int32_t *port_of_facet; /* the world's, where ports are closed; owned */
+    struct orl_reach reach; /* of those that are open then */
+    double open_share;      /* of the area of all ports; 1 where none is closed */
     struct orl_annual_scene scene;
     struct orl_panels panels;
     bool has_panels; /* they are made */
@@ -69,6 +72,7 @@ struct orl_year {
     atomic_size_t traced;   /* batches */
     uint32_t traced_before; /* samples of each batch that were there */
     struct orl_place places[ORL_YEAR_BLOCK];
+    bool dark[ORL_YEAR_BLOCK];          /* no light of the part reaches them */
     float *bin_sums;                    /* [sensor][batch][bin] */
     double *sun_sums;                   /* [sensor][batch][nodes, beams] */
     float *lot_sums;                    /* [sensor][batch][lot][beam] */

@@ -114,7 +114,7 @@ static struct orl_pane_tree plant(struct orl_window *panes, size_t n)
 {
     struct orl_pane_tree tree;
     make_panes(panes, n);
-    assert_int_equal(orl_pane_tree_init(&tree, panes, n), 0);
+    assert_int_equal(orl_pane_tree_init(&tree, panes, NULL, n), 0);
     return tree;
 }
 
@@ -231,13 +231,14 @@ static void test_lots_cost_a_logarithm(void **state)
         print_message("# of %4zu panes %5.1f are drawn, by %6.1f nodes\n", numbers[i], drawn[i],
                       looked[i]);
     }
-    /* Four times as many panes are two more levels for each that is drawn, and few more of those.
+    /* Four times as many panes are two more levels for each that is drawn or that the roulette
+     * ends, and few more of those.
      */
     for (int i = 3; i < 6; i++) {
-        assert_true(looked[i] - looked[i - 1] < 2 * 1.3 * drawn[i]);
+        assert_true(looked[i] - looked[i - 1] < 4 * drawn[i]);
         assert_true(drawn[i] < 1.8 * drawn[i - 1]);
     }
-    assert_true(looked[5] < 4 * looked[3]);
+    assert_true(looked[5] < 3.2 * looked[3]);
 }
 
 int main(void)
