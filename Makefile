@@ -110,6 +110,7 @@ help:
 ## make annual     a year of daylight in the office, in ray-times, beside hours of it by backward, and
 ##                 glare of its seats beside pictures: tables, and build/annual.json; then verdicts of
 ##                 100 seeds in four rooms
+## make bench-annual  how a year's cost grows with window groups, mirrors and sensors: a table
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/bench/tables.md has its parts)
@@ -404,6 +405,11 @@ annual: deps-check
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/annual
 	@PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/annual_radiance.py $(BUILD)
 	@ORIEL_VERDICT_SEEDS=$${ORIEL_VERDICT_SEEDS:-100} $(VERDICTS_BIN)
+
+.PHONY: bench-annual
+bench-annual: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/annual_scale.py $(BUILD)
 
 .PHONY: eta
 eta: deps-check

@@ -92,7 +92,7 @@ struct orl_window_group {
 };
 
 enum {
-    ORL_SHADES_MOST_GROUPS = 32,
+    ORL_SHADES_MOST_GROUPS = 64,
     ORL_SHADES_MOST_STATES = 32,      /* of a group */
     ORL_SHADES_MOST_NAMES = 256,      /* of a group's windows, of a state's files, of spans */
     ORL_SHADES_MOST_COMBINATIONS = 64 /* that are runs by themselves */
