@@ -11,7 +11,7 @@
 #define ORL_ANNUAL_MIRRORS_H
 
 #include "annual/direction_tree.h"
-#include "annual/pane_tree.h"
+#include "annual/port_windows.h"
 #include "render/gather/gather.h"
 
 enum { ORL_MIRRORS_MOST_PLANES = 256 };

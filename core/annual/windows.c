@@ -1,9 +1,5 @@
 #include "annual/windows.h"
 
-#include <stdlib.h>
-
-#include "annual/pane_tree.h"
-
 static void widen(struct orl_window *w, struct orl_vec3 corner)
 {
     const struct orl_vec3 from = orl_sub(corner, w->corner);
@@ -72,41 +68,6 @@ void orl_window_widen(struct orl_window *window, const struct orl_window *other)
         widen(window, orl_window_corner(other, i));
 }
 
-static int make_room(struct orl_windows *windows, size_t most)
-{
-    windows->at = malloc((most + 1) * sizeof *windows->at);
-    windows->tree = calloc(1, sizeof *windows->tree);
-    return windows->at && windows->tree ? 0 : ORL_ERR_NOMEM;
-}
-
-static void add(struct orl_windows *windows, const struct orl_geometry *g, uint32_t facet)
-{
-    if (orl_facet_kind(g, facet) != ORL_SURFACE_POLYGON)
-        windows->all = true;
-    else
-        windows->at[windows->count++] = orl_window_of(g, facet);
-}
-
-int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world)
-{
-    *windows = (struct orl_windows){.all = world->open};
-    if (windows->all)
-        return 0;
-    const int code = make_room(windows, world->n_ports);
-    for (size_t i = 0; i < world->n_ports && code == 0; i++)
-        add(windows, world->geometry, world->ports[i].facet);
-    return code == 0 ? orl_pane_tree_init(windows->tree, windows->at, NULL, windows->count) : code;
-}
-
-void orl_windows_done(struct orl_windows *windows)
-{
-    if (windows->tree)
-        orl_pane_tree_done(windows->tree);
-    free(windows->tree);
-    free(windows->at);
-    *windows = (struct orl_windows){.at = NULL};
-}
-
 bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
                        struct orl_vec3 direction, double slack, double *ret_distance)
 {
@@ -141,18 +102,4 @@ struct orl_cone orl_window_cone(const struct orl_window *window, struct orl_vec3
         least = fmin(least, orl_dot(axis, corners[i]));
     /* A cone about the corners holds the window as long as it is narrower than a half space. */
     return (struct orl_cone){axis, least > 1e-3 ? acos(fmin(least, 1)) : ORL_PI};
-}
-
-bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,
-                        struct orl_vec3 direction, double slack)
-{
-    return windows->all ||
-           orl_pane_tree_passed(windows->tree, windows->at, origin, direction, slack, INFINITY);
-}
-
-bool orl_windows_passed_before(const struct orl_windows *windows, struct orl_vec3 origin,
-                               struct orl_vec3 direction, double before)
-{
-    return windows->all ||
-           orl_pane_tree_passed(windows->tree, windows->at, origin, direction, 0, before);
 }

@@ -11,25 +11,12 @@
 #include "annual/direction_tree.h"
 #include "light/world.h"
 
-struct orl_pane_tree;
-
 struct orl_window {
     uint32_t facet;
     struct orl_vec3 corner, normal;
     struct orl_vec3 along[2]; /* unit, at right angles */
     double low[2], high[2];   /* along those, from the corner */
 };
-
-struct orl_windows {
-    struct orl_window *at;
-    size_t count;
-    struct orl_pane_tree *tree; /* of those; owned */
-    bool all;                   /* every ray is to be traced: light has other ways */
-};
-
-/* Those that a sealed building has. Returns 0 or ORL_ERR_NOMEM; orl_windows_done in either case. */
-int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world);
-void orl_windows_done(struct orl_windows *windows);
 
 /* The one about a facet that is a polygon or a ring. */
 struct orl_window orl_window_of(const struct orl_geometry *geometry, uint32_t facet);
@@ -45,13 +32,6 @@ bool orl_window_passed(const struct orl_window *window, struct orl_vec3 origin,
 
 /* The directions from a point to a window lie in this cone. */
 struct orl_cone orl_window_cone(const struct orl_window *window, struct orl_vec3 point);
-
-/* Whether a ray passes any. */
-bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,
-                        struct orl_vec3 direction, double slack);
-/* The same, nearer than a distance. */
-bool orl_windows_passed_before(const struct orl_windows *windows, struct orl_vec3 origin,
-                               struct orl_vec3 direction, double before);
 
 /* The corners 0 to 3; 0 is opposite 3. */
 static inline struct orl_vec3 orl_window_corner(const struct orl_window *w, int i)
