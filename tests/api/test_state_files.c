@@ -20,9 +20,14 @@
 #define WEATHER "\"weather\":\"place.epw\",\"sensors\":[[2,2,1,0,0,1]],"
 
 /* A few lines that make many surfaces. */
-static const char bomb[] = "!xform -n a -a 1000 -t .003 0 0 -i 1 -a 1000 -t 0 .003 0 slat.rad\n",
+#define COPIES(n) "!xform -a 100000 -t .003 " #n " 0 slats.rad\n"
+#define FOURFOLD COPIES(1) COPIES(2) COPIES(3) COPIES(4)
+#define SPHERE "w sphere s 0 0 4 .1 .1 .1 .001\n"
+static const char bomb[] = FOURFOLD,
                   many[] = "!xform -n a -a 500 -t .003 0 0 -i 1 -a 200 -t 0 .003 0 slat.rad\n",
-                  slat[] = "w sphere s 0 0 4 .1 .1 .1 .001\n", bad[] = "w ring r\n0\n0\n1 0\n";
+                  slat[] = SPHERE,
+                  slats[] = SPHERE SPHERE SPHERE SPHERE SPHERE SPHERE SPHERE SPHERE,
+                  bad[] = "w ring r\n0\n0\n1 0\n";
 
 static int set_up(void **state)
 {
@@ -36,6 +41,7 @@ static int set_up(void **state)
         {"place.epw", epw, size, true},
         {"bomb.rad", bomb, sizeof bomb - 1, true},
         {"many.rad", many, sizeof many - 1, true},
+        {"slats.rad", slats, sizeof slats - 1, true},
         {"slat.rad", slat, sizeof slat - 1, true},
         {"bad.rad", bad, sizeof bad - 1, true},
         {"bad.csv", "0\nshut\n", 7, true},
@@ -64,17 +70,20 @@ static void expect(struct year_room *f, const char *members, long status, const 
     reply_done(&reply);
 }
 
-/* A million spheres by 66 bytes: more than a check may take. */
+/* Three million spheres by 400 bytes: more memory than a check may take, and none of the daemon's.
+ */
 static void test_bombs(void **state)
 {
     struct year_room *f = *state;
     if (ORL_SANITIZED)
         skip();
-    for (int i = 0; i < 3; i++)
-        expect(f, WEATHER SHADES("{\"name\":\"shut\",\"files\":[\"bomb.rad\"]}"), 413, "");
+    const double before_mb = daemon_memory_mb(&f->daemon, "VmHWM");
+    for (int i = 0; i < 2; i++)
+        expect(f, WEATHER SHADES("{\"name\":\"shut\",\"files\":[\"bomb.rad\"]}"), 413, "memory");
+    assert_true(daemon_memory_mb(&f->daemon, "VmHWM") < before_mb + 50);
 }
 
-/* Surfaces of states are counted: 200 000 of them take 130 MB where 40 would be enough. */
+/* Surfaces of states are counted: 100 000 of them, where there is room for some 40 000. */
 static void test_states_are_counted(void **state)
 {
     static const char *const little[] = {"--memory", "64M", "--check-memory", "512M", NULL};

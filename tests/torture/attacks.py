@@ -275,13 +275,13 @@ def _post_year(connection, token, document):
 
 
 def state_file_bombs(port, token):
-    """Years whose states of shades are small files that make a million surfaces."""
+    """Years whose states of shades are small files that make millions of surfaces."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=300)
-    bomb = "!xform -n a -a 1000 -t .003 0 0 -i 1 -a 1000 -t 0 .003 0 slat.rad\n"
+    bomb = "".join("!xform -a 100000 -t .003 %d 0 slat.rad\n" % i for i in range(4))
     scene = _year_scene(connection, token, [
         ("room.rad", ROOM.split("void glow")[0] + ROOM.split("180\n")[1]), ("place.wea", _WEATHER),
         ("one.rad", bomb), ("two.rad", "!xform -t 0 0 1 one.rad\n"),
-        ("slat.rad", "grey sphere s 0 0 4 .1 .1 .1 .001\n")])
+        ("slat.rad", 8 * "grey sphere s 0 0 4 .1 .1 .1 .001\n")])
     while scene:
         _post_year(connection, token, {
             "kind": "annual", "scene": scene, "weather": "place.wea",
