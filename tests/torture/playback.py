@@ -100,7 +100,8 @@ class Disk:
             if isinstance(item, _Folder):
                 self._write(item, below, chance, all_names)
             else:
-                with open(below, "wb") as stream:
+                # As the daemon makes them: what is secret would be refused if others could read it.
+                with open(os.open(below, os.O_CREAT | os.O_WRONLY | os.O_TRUNC, 0o600), "wb") as stream:
                     stream.write(item.bytes(chance))
 
 
