@@ -98,12 +98,12 @@ def jobs(lit, dark, sheet, measured):
     yield {**panel, "basis": "tensor_tree_4", "resolution": 4, "cull": 0.1}
     yield {"kind": "bsdf_fit", "priority": 5, "name": "n", "tags": ["a"], "measurements": measured, "basis": "tensor_tree_3",
            "symmetry": "isotropic", "resolution": 4, "cull": 0.1, "reversed": True, "keep_outliers": True, "grazing": 1}
-    three = {"grid": "a", "view": "s.txt", "transmission": "s.txt", "daylight": "s.txt", "sky": "s.txt", "subtract": True}
-    yield {**year, "grids": [{"name": "a", "sensors": SENSORS}], "matrices": [{"coefficients": "s.txt", "sky": "s.txt"}, three]}
-    shut = {"name": "shut", "files": ["s.txt"], "material": "grey", "dark": False}
+    three = {"grid": "a", "view": "m.mtx", "transmission": "m.mtx", "daylight": "m.mtx", "sky": "m.mtx", "subtract": True}
+    yield {**year, "grids": [{"name": "a", "sensors": SENSORS}], "matrices": [{"coefficients": "m.mtx", "sky": "m.mtx"}, three]}
+    shut = {"name": "shut", "files": ["shut.rad"], "material": "grey", "dark": False}
     shade = {"windows": ["pane"], "states": [{"name": "open"}, shut]}
-    yield {**year, "sensors": SENSORS, "shades": [
-        {"name": "a", "schedule": [0, 1], **shade}, {"name": "b", "schedule": {"file": "s.txt"}, **shade}]}
+    for schedule in [0, 1], {"file": "u.csv"}:
+        yield {**year, "sensors": SENSORS, "shades": [{"name": "a", "schedule": schedule, **shade}]}
     yield {**year, "sensors": SENSORS, "shades": [
         {"name": "a", "rules": [{"months": [5, 9], "from": 9, "to": 17, "state": "shut"}], **shade}]}
     yield {**year, "grids": [{"name": "eyes", "sensors": SENSORS}], "shades": [
@@ -155,6 +155,9 @@ def breaks(daemon):
     weather = bsdf("weather.epw").decode("latin-1")
     dark = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n",
                                           "u.csv": "1\n" * 8760,
+                                          "m.mtx": "#?RADIANCE\nNROWS=1\nNCOLS=1\nNCOMP=3\n"
+                                                   "FORMAT=ascii\n\n1 1 1\n",
+                                          "shut.rad": "void plastic shut 0 0 5 .5 .5 .5 0 0\n",
                                           "v.vf": "rvu -vtv -vp 1.5 .5 1.5 -vd 0 1 0\n",
                                           "eye.hdr": "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
                                                      "-Y 12 +X 16\n" + 4 * 12 * 16 * "~"})
