@@ -35,7 +35,8 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
                                            .sensor = y->first + sensor,
                                            .batch = (uint32_t)(index % ORL_ANNUAL_BATCHES),
                                            .first = y->traced_before,
-                                           .samples = y->batch_samples};
+                                           .samples = y->batch_samples,
+                                           .crew = y->env->run->crew};
     if (y->dark[sensor])
         return;
     struct orl_annual_sums sums = {.bins = y->bin_sums + index * ORL_BINS,

@@ -74,7 +74,8 @@ static void find_view(void *arg, size_t sensor, uint32_t member)
         const struct orl_annual_batch batch = {.seed = p->request.seed,
                                                .sensor = sensor,
                                                .batch = b,
-                                               .samples = p->year->batch_samples};
+                                               .samples = p->year->batch_samples,
+                                               .crew = p->year->env->run->crew};
         orl_annual_trace(&p->year->scene, &place, &batch, &sums, &p->healths[member]);
     }
     const float share = 1.0F / ((float)p->year->batch_samples * ORL_ANNUAL_BATCHES);

@@ -236,6 +236,8 @@ void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_pla
     const uint64_t name = batch->sensor * ORL_ANNUAL_BATCHES + batch->batch;
     const struct stop stop = {.place = *place, .weight = orl_gray(1)};
     for (uint32_t i = batch->first; i < batch->samples; i++) {
+        if (batch->crew && orl_crew_cancelled(batch->crew))
+            return;
         struct tracer tracer = {
             .scene = scene,
             .sums = sums,

@@ -17,6 +17,8 @@
 #ifndef ORL_ANNUAL_TRACE_H
 #define ORL_ANNUAL_TRACE_H
 
+#include <oriel/crew.h>
+
 #include "annual/scene.h"
 #include "bsdf/basis.h"
 
@@ -42,6 +44,8 @@ struct orl_annual_sums {
 struct orl_annual_batch {
     uint64_t seed, sensor;
     uint32_t batch, first, samples; /* those of samples from first on */
+    const struct orl_crew *crew;    /* asked before each sample if the job is cancelled, and then
+                                       the rest is left out; NULL: it never is */
 };
 
 /* Adds a batch's samples, one after the other. place: the sensor, moved, clear of surfaces; its

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "annual/seat_view.h"
+#include "annual/trace.h"
 #include "support/scene_text.h"
 
 enum { PANES = 20, RAYS = 4 };
@@ -122,6 +123,23 @@ static void test_cancelled(void **state)
     orl_crew_stop(crew);
 }
 
+/* Nor is a path of a year's sensor traced any more. */
+static void test_cancelled_paths(void **state)
+{
+    struct orl_crew *crew = orl_crew_start(1);
+    const atomic_bool cancel = true;
+    const struct orl_annual_batch batch = {.seed = 1, .samples = 64, .crew = crew};
+    struct orl_annual_sums sums = {.bins = NULL};
+    const struct orl_annual_scene scene = {.world = NULL};
+    const struct orl_place place = {.normal = {0, 0, 1}};
+    struct orl_health health = {0};
+    (void)state;
+    orl_crew_heed(crew, &cancel);
+    orl_annual_trace(&scene, &place, &batch, &sums, &health);
+    assert_int_equal(health.paths, 0);
+    orl_crew_stop(crew);
+}
+
 /* The sum is kept exactly, and each weight on the average. */
 static void test_thinned_terms(void **state)
 {
@@ -168,6 +186,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_half_mirrors), cmocka_unit_test(test_cancelled),
-        cmocka_unit_test(test_thinned_terms), cmocka_unit_test(test_many_terms)};
+        cmocka_unit_test(test_cancelled_paths), cmocka_unit_test(test_thinned_terms),
+        cmocka_unit_test(test_many_terms)};
     return cmocka_run_group_tests_name("annual_seats", tests, NULL, NULL);
 }
