@@ -1,7 +1,6 @@
 #include "annual/direction_tree.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include <oriel/error.h>
 
@@ -68,8 +67,8 @@ static void split(struct orl_direction_tree *tree, size_t low, size_t high)
     split(tree, middle + 1, high);
 }
 
-int orl_direction_tree_init(struct orl_direction_tree *tree, const void *first, size_t stride,
-                            size_t count)
+int orl_direction_tree_init(struct orl_direction_tree *tree, orl_direction_of direction,
+                            const void *owner, const uint32_t *indices, size_t count)
 {
     *tree = (struct orl_direction_tree){.entries = malloc((count + 1) * sizeof *tree->entries),
                                         .axes = malloc(count + 1),
@@ -77,9 +76,8 @@ int orl_direction_tree_init(struct orl_direction_tree *tree, const void *first, 
     if (!tree->entries || !tree->axes)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < count; i++) {
-        memcpy(&tree->entries[i].towards, (const char *)first + i * stride,
-               sizeof tree->entries[i].towards);
-        tree->entries[i].index = (uint32_t)i;
+        const uint32_t index = indices ? indices[i] : (uint32_t)i;
+        tree->entries[i] = (struct orl_direction_entry){direction(owner, index), index};
     }
     split(tree, 0, count);
     return 0;
@@ -98,8 +96,7 @@ void orl_direction_tree_done(struct orl_direction_tree *tree)
 size_t orl_direction_tree_find(const struct orl_direction_tree *tree, const struct orl_cone *cone,
                                void (*visit)(void *ctx, uint32_t index), void *ctx)
 {
-    const double half = fmin(fmax(cone->half_angle_rad, 0), ORL_PI);
-    const double chord = 2 * sin(0.5 * half) + 1e-9, least = cos(half) - 1e-9;
+    const double chord = sqrt(2 * (1 - cone->cosine)) + 1e-9, least = cone->cosine - 1e-9;
     struct range {
         size_t low, high;
     } stack[MOST_DEPTH] = {{0, tree->count}};

@@ -14,7 +14,7 @@
 
 struct orl_direction_entry {
     struct orl_vec3 towards; /* unit */
-    uint32_t index;          /* of the direction, as it was given */
+    uint32_t index;
 };
 
 /* The middle entry of a range splits it, along the axis axes[middle]. */
@@ -24,16 +24,28 @@ struct orl_direction_tree {
     size_t count;
 };
 
-/* All directions less than half_angle away from axis, which is unit. */
+/* All directions whose cosine with the axis, which is unit, is not less: -1 is every direction. */
 struct orl_cone {
     struct orl_vec3 axis;
-    double half_angle_rad; /* up to pi */
+    double cosine;
 };
 
-/* The i-th of count directions is read at first + i * stride bytes. Returns 0 or ORL_ERR_NOMEM;
- * orl_direction_tree_done in either case. */
-int orl_direction_tree_init(struct orl_direction_tree *tree, const void *first, size_t stride,
-                            size_t count);
+/* Wider by an angle, given by its sine. */
+static inline struct orl_cone orl_cone_widened(struct orl_cone cone, double sine)
+{
+    const double cosine = sqrt(1 - sine * sine);
+    const double own_sine = sqrt(fmax(1 - cone.cosine * cone.cosine, 0));
+    cone.cosine = cone.cosine > -cosine ? cone.cosine * cosine - own_sine * sine : -1;
+    return cone;
+}
+
+/* Directions by index, as their owner keeps them. */
+typedef struct orl_vec3 (*orl_direction_of)(const void *owner, uint32_t index);
+
+/* Of count directions, those whose indices are given; indices NULL: all. Returns 0 or
+ * ORL_ERR_NOMEM; orl_direction_tree_done in either case. */
+int orl_direction_tree_init(struct orl_direction_tree *tree, orl_direction_of direction,
+                            const void *owner, const uint32_t *indices, size_t count);
 void orl_direction_tree_done(struct orl_direction_tree *tree);
 
 /* Calls visit with the index of each direction in the cone, in an order that depends on the tree

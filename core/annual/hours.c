@@ -162,6 +162,11 @@ static int paint(struct orl_hours *hours, const struct orl_bins *bins, const str
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
+static struct orl_vec3 direction_of_sun(const void *suns, uint32_t index)
+{
+    return ((const struct orl_hour_sun *)suns)[index].towards;
+}
+
 static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct reader *r,
                     double north_deg, struct orl_crew *crew, struct orl_error *err)
 {
@@ -177,7 +182,7 @@ static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct
     if (!hours->suns.at || !hours->suns.in_sky || !hours->sun_of_column)
         return ORL_ERR_NOMEM;
     place_suns(hours, r, north_deg);
-    if (orl_direction_tree_init(&hours->suns.tree, &hours->suns.at->towards, sizeof *hours->suns.at,
+    if (orl_direction_tree_init(&hours->suns.tree, direction_of_sun, hours->suns.at, NULL,
                                 hours->suns.count) < 0)
         return ORL_ERR_NOMEM;
     return paint(hours, bins, r, crew);

@@ -133,11 +133,12 @@ static bool may_be_beyond(const struct orl_mirrors *mirrors, const struct orl_mi
     return false;
 }
 
-static double strength_of(const struct orl_world *world, const struct orl_window *pane)
+/* A port hides most of what lies beyond it: that counts less. */
+static double strength_of(const struct orl_world *world, const struct orl_window *pane, bool beyond)
 {
     const struct orl_material *m =
         &world->materials[orl_facet_material(world->geometry, pane->facet)];
-    return fmin(fmax(4 * orl_material_mirrored_most(m, true, 0.5), 0.1), 1);
+    return fmin(fmax((beyond ? 1 : 3) * orl_material_mirrored_most(m, true, 0.5), 0.05), 1);
 }
 
 static void fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirrors, bool beyond,
@@ -149,7 +150,7 @@ static void fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirro
             const struct orl_window *pane = &mirrors->panes[plane->first + i];
             if (beyond && !may_be_beyond(mirrors, plane, pane))
                 continue;
-            strengths[set->count] = strength_of(mirrors->world, pane);
+            strengths[set->count] = strength_of(mirrors->world, pane, beyond);
             set->panes[set->count] = *pane;
             set->planes[set->count++] = (uint32_t)p;
         }
@@ -314,7 +315,7 @@ struct orl_cone orl_mirrors_cone(const struct orl_mirrors *mirrors,
     const struct orl_vec3 mirror =
         mirrors->world->images.mirrors[mirrors->planes[set->planes[item]].class];
     const struct orl_cone cone = orl_window_cone(pane, point);
-    return (struct orl_cone){orl_image_turned(cone.axis, mirror), cone.half_angle_rad};
+    return (struct orl_cone){orl_image_turned(cone.axis, mirror), cone.cosine};
 }
 
 struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,

@@ -286,7 +286,7 @@ static void find_cone(struct before *b)
     b->axis[0] = (float)cone.axis.x;
     b->axis[1] = (float)cone.axis.y;
     b->axis[2] = (float)cone.axis.z;
-    b->least_cosine = (float)cos(cone.half_angle_rad) - 1e-5F;
+    b->least_cosine = (float)cone.cosine - 1e-5F;
 }
 
 /* Directions drawn by the BSDF, of which the sensor sees those that come from the pane. */

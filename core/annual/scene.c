@@ -52,8 +52,7 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
     if (code == 0)
         code = orl_mirrors_init(&scene->mirrors, world, &scene->ports);
     if (code == 0)
-        code = orl_direction_tree_init(&scene->node_tree, nodes ? &nodes->n : NULL, sizeof *nodes,
-                                       n_nodes);
+        code = orl_node_lots_init(&scene->lots, nodes, n_nodes, a_circle);
     return code;
 }
 
@@ -76,6 +75,6 @@ void orl_annual_scene_done(struct orl_annual_scene *scene)
     orl_aim_done(&scene->aim);
     orl_windows_done(&scene->ports);
     orl_mirrors_done(&scene->mirrors);
-    orl_direction_tree_done(&scene->node_tree);
+    orl_node_lots_done(&scene->lots);
     orl_sun_map_free(scene->map);
 }

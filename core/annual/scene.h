@@ -9,6 +9,7 @@
 #include "annual/bins.h"
 #include "annual/hours.h"
 #include "annual/mirrors.h"
+#include "annual/node_lots.h"
 #include "annual/sun_map.h"
 #include "base/sobol.h"
 #include "render/gather/aim.h"
@@ -20,8 +21,8 @@ struct orl_annual_scene {
     struct orl_turn north;
     const struct orl_frame *nodes; /* of the sun, as the scene has it: n towards it */
     size_t n_nodes;
-    struct orl_direction_tree node_tree; /* of those */
-    uint32_t a_circle;                   /* of nodes, one after the other (nodes.h) */
+    struct orl_node_lots lots; /* of those */
+    uint32_t a_circle;         /* of nodes, one after the other (nodes.h) */
     struct orl_aim aim;
     struct orl_sobol sobol;
     struct orl_windows ports;

@@ -7,10 +7,6 @@
 #include "light/path.h"
 
 enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4, MOST_PANES = 64 };
-/* Of the nodes, one in so many is tried at each place: outside, where no wall keeps the sun off, of
- * every other node; and inside. */
-enum { STRIDE_OUTSIDE = 6, STRIDE_INSIDE = 2 };
-
 static double disc_radius(double angle_rad)
 {
     return tan(0.5 * angle_rad);
@@ -91,18 +87,17 @@ static struct lot draw_lot(const struct orl_annual_scene *scene,
                       .radius = disc_radius(ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD),
                       .at = {far * circle.cosine, far * circle.sine},
                       .coarse = query->place.outside && !query->all};
-    lot.stride = query->all ? 1 : lot.coarse ? STRIDE_OUTSIDE : STRIDE_INSIDE;
+    lot.stride = query->all ? 1 : lot.coarse ? ORL_LOTS_OUTSIDE : ORL_LOTS_INSIDE;
     lot.first = (size_t)(orl_random_uniform(random) * (double)lot.stride);
     return lot;
 }
 
-static bool is_chosen(const struct lot *lot, uint32_t node)
+static const struct orl_direction_tree *tree_of(const struct lot *lot)
 {
-    const size_t circle = node / lot->scene->a_circle, at = node % lot->scene->a_circle;
-    const size_t half = (lot->scene->a_circle + 1) / 2;
-    if (lot->coarse)
-        return at % 2 == 0 && (circle * half + at / 2) % lot->stride == lot->first;
-    return node % lot->stride == lot->first;
+    const struct orl_node_lots *lots = &lot->scene->lots;
+    return lot->stride == 1 ? &lots->all
+           : lot->coarse    ? &lots->outside[lot->first]
+                            : &lots->inside[lot->first];
 }
 
 static void add_to_node(const struct lot *lot, size_t node, struct orl_rgb light, double share)
@@ -150,8 +145,6 @@ static void add_mirrored_node(void *ctx, uint32_t node)
 {
     const struct mirrored *m = ctx;
     const struct lot *lot = m->lot;
-    if (!is_chosen(lot, node))
-        return;
     const struct orl_vec3 towards = on_disc(&lot->scene->nodes[node], lot->radius, lot->at);
     add_to_node(lot, node,
                 orl_mirrors_light_of(&lot->scene->mirrors, m->set, m->item, &lot->query->place,
@@ -164,12 +157,12 @@ static void add_by_pane(void *ctx, uint32_t item, double probability)
 {
     struct mirrored *m = ctx;
     const struct orl_annual_scene *scene = m->lot->scene;
-    struct orl_cone cone =
-        orl_mirrors_cone(&scene->mirrors, m->set, item, m->lot->query->place.point);
-    cone.half_angle_rad = fmin(cone.half_angle_rad + 1.01 * m->lot->radius, ORL_PI);
+    const struct orl_cone cone = orl_cone_widened(
+        orl_mirrors_cone(&scene->mirrors, m->set, item, m->lot->query->place.point),
+        1.01 * m->lot->radius);
     m->item = item;
     m->share = 1 / probability;
-    orl_direction_tree_find(&scene->node_tree, &cone, add_mirrored_node, m);
+    orl_direction_tree_find(tree_of(m->lot), &cone, add_mirrored_node, m);
 }
 
 void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
@@ -333,8 +326,9 @@ static void find_mirrored(struct mirrored_hours *m)
     for (size_t c = 0; c < m->suns->count; c++)
         widest = fmax(widest, m->suns->at[c].angle_rad);
     for (m->item = 0; m->item < set->count; m->item++) {
-        struct orl_cone cone = orl_mirrors_cone(&m->scene->mirrors, set, m->item, m->place->point);
-        cone.half_angle_rad = fmin(cone.half_angle_rad + 0.51 * widest, ORL_PI);
+        const struct orl_cone cone =
+            orl_cone_widened(orl_mirrors_cone(&m->scene->mirrors, set, m->item, m->place->point),
+                             fmin(0.51 * widest, 1));
         orl_direction_tree_find(&m->suns->tree, &cone, add_mirrored_hour, m);
     }
 }

@@ -86,20 +86,40 @@ bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
     return true;
 }
 
+/* From afar: about the ball of which the diagonal is a diameter. */
+static bool find_far_cone(const struct orl_window *w, struct orl_vec3 point,
+                          struct orl_cone *ret_cone)
+{
+    const struct orl_vec3 center =
+        orl_madd(orl_madd(w->corner, w->along[0], 0.5 * (w->low[0] + w->high[0])), w->along[1],
+                 0.5 * (w->low[1] + w->high[1]));
+    const double a = w->high[0] - w->low[0], b = w->high[1] - w->low[1];
+    const double square = 0.25 * (a * a + b * b);
+    const struct orl_vec3 way = orl_sub(center, point);
+    const double far = orl_dot(way, way);
+    if (!(far > 16 * square))
+        return false;
+    *ret_cone = (struct orl_cone){orl_scale(way, 1 / sqrt(far)), sqrt(1 - square / far)};
+    return true;
+}
+
 struct orl_cone orl_window_cone(const struct orl_window *window, struct orl_vec3 point)
 {
     struct orl_vec3 corners[4], axis = {0, 0, 0};
+    struct orl_cone cone = {{0, 0, 1}, -1};
     double least = 1;
+    if (find_far_cone(window, point, &cone))
+        return cone;
     for (int i = 0; i < 4; i++) {
         corners[i] = orl_normalize(orl_sub(orl_window_corner(window, i), point));
         axis = orl_add(axis, corners[i]);
     }
     const double length = orl_length(axis);
     if (!(length > 1e-6)) /* all around the point */
-        return (struct orl_cone){{0, 0, 1}, ORL_PI};
+        return cone;
     axis = orl_scale(axis, 1 / length);
     for (int i = 0; i < 4; i++)
         least = fmin(least, orl_dot(axis, corners[i]));
     /* A cone about the corners holds the window as long as it is narrower than a half space. */
-    return (struct orl_cone){axis, least > 1e-3 ? acos(fmin(least, 1)) : ORL_PI};
+    return (struct orl_cone){axis, least > 1e-3 ? fmin(least, 1) : -1};
 }

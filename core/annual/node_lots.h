@@ -1,0 +1,29 @@
+/*
+ * Nodes of the sun in lots: a place tries the nodes of one lot alone, which stand for all. Inside,
+ * every second node is in a lot; outside, where no wall keeps the sun off, every sixth of every
+ * other node of a circle, and what lies between is their mean.
+ *
+ * Immutable once made.
+ */
+#ifndef ORL_ANNUAL_NODE_LOTS_H
+#define ORL_ANNUAL_NODE_LOTS_H
+
+#include <stdbool.h>
+
+#include "annual/direction_tree.h"
+
+enum { ORL_LOTS_INSIDE = 2, ORL_LOTS_OUTSIDE = 6 };
+
+struct orl_node_lots {
+    const struct orl_frame *nodes; /* borrowed; n is towards them */
+    size_t n_nodes;
+    uint32_t a_circle;
+    struct orl_direction_tree all, inside[ORL_LOTS_INSIDE], outside[ORL_LOTS_OUTSIDE];
+};
+
+/* Returns 0 or ORL_ERR_NOMEM; orl_node_lots_done in either case. */
+int orl_node_lots_init(struct orl_node_lots *lots, const struct orl_frame *nodes, size_t n_nodes,
+                       uint32_t a_circle);
+void orl_node_lots_done(struct orl_node_lots *lots);
+
+#endif
