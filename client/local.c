@@ -27,8 +27,8 @@
 /* Variables outside functions: a signal handler has no other way to say anything, or to know. */
 static atomic_bool interrupted;
 
-/* What does not poll for that in time is ended: files are whole or absent all the same. A run that
- * waits for parts elsewhere has them cancelled first, and takes its time. */
+/* A run that does not stop in this time is ended; its files are whole or absent all the same. A run
+ * that waits for parts in other processes cancels them first, without a limit. */
 enum { STOP_S = 5 };
 static atomic_bool has_parts;
 

@@ -50,8 +50,8 @@ struct orl_local_share {
 };
 
 /*
- * What Ctrl-C and SIGTERM set. A run that does not end in 5 s after that is ended, unless it has
- * parts in other processes, which are cancelled first.
+ * The flag that Ctrl-C and SIGTERM set. A run that does not end in 5 s after that is ended, unless
+ * it has parts in other processes, which are cancelled first.
  */
 const atomic_bool *orl_local_interrupted(void);
 void orl_local_has_parts(void);

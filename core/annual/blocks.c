@@ -287,7 +287,7 @@ static void find_darkness(void *arg, size_t index, uint32_t member)
     y->dark[index] = !orl_reach_has(&y->reach, &y->places[index]);
 }
 
-/* Of light of a part: who gets none, whose rows are zero. */
+/* Marks the sensors that light of a part cannot reach; their rows are zero. */
 static int find_dark(struct orl_year *y, size_t *ret_lit, struct orl_error *err)
 {
     *ret_lit = y->count;

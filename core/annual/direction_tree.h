@@ -42,7 +42,7 @@ static inline struct orl_cone orl_cone_widened(struct orl_cone cone, double sine
 /* Directions by index, as their owner keeps them. */
 typedef struct orl_vec3 (*orl_direction_of)(const void *owner, uint32_t index);
 
-/* Of count directions, those whose indices are given; indices NULL: all. Returns 0 or
+/* Builds a tree of the directions with the given indices, or of all (indices NULL). Returns 0 or
  * ORL_ERR_NOMEM; orl_direction_tree_done in either case. */
 int orl_direction_tree_init(struct orl_direction_tree *tree, orl_direction_of direction,
                             const void *owner, const uint32_t *indices, size_t count);

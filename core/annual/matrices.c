@@ -78,7 +78,7 @@ static int read_matrix(const struct summing *s, const char *name, bool transmiss
 
 /* ---- Sizes ----------------------------------------------------------------------------------- */
 
-/* Of a file that is read and let go; sizes of 0 for no file. */
+/* Reads a file for its size alone; the size is 0 without a file. */
 static int measure_file(const struct orl_run_env *run, const char *name, bool transmission,
                         struct orl_rgb_matrix *ret_size, struct orl_error *err)
 {

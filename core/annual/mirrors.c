@@ -118,7 +118,7 @@ static bool is_before(const struct orl_window *pane, const struct orl_window *po
     return false;
 }
 
-/* Whether a ray that leaves the building by some port may come to a pane. */
+/* Returns true if a ray that leaves the building by some port may reach the pane. */
 static bool may_be_beyond(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
                           const struct orl_window *pane)
 {
@@ -247,8 +247,8 @@ static bool is_passed(const struct orl_mirrors *mirrors, const struct orl_mirror
     return passed;
 }
 
-/* What comes from the sun's image behind one plane, or by one facet of it; beyond: seen through a
- * port from inside. */
+/* Sunlight reflected in one plane, or in one facet of it. beyond: the mirror is seen through a port
+ * from inside. */
 static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane, uint32_t facet,
                                struct orl_path path, struct orl_vec3 towards, bool beyond)
 {

@@ -154,7 +154,7 @@ static bool ray_meets(const struct orl_pane_node *node, struct orl_vec3 origin,
     return true;
 }
 
-/* Whether rays within the slack, a sine, of the direction may meet the ball. */
+/* Returns true if rays within the slack (a sine) of the direction may meet the node's sphere. */
 static bool cone_meets(const struct orl_pane_node *node, struct orl_vec3 origin,
                        struct orl_vec3 direction, double slack)
 {
@@ -191,7 +191,7 @@ bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_win
 
 /* ---- By lot ---------------------------------------------------------------------------------- */
 
-/* Whether all of it lies behind the plane of a place. */
+/* Returns true if the whole node lies behind the plane of a surface point. */
 static bool is_behind(const struct orl_pane_node *node, struct orl_vec3 point,
                       struct orl_vec3 normal)
 {

@@ -31,13 +31,13 @@ struct orl_pane_tree {
     size_t count;
 };
 
-/* Of n windows, with their strengths (above 0) or NULL: 1. Borrowed for the call. Returns 0 or
+/* Builds a tree of n windows; strengths are above 0, or NULL: 1 each. Borrows both. Returns 0 or
  * ORL_ERR_NOMEM; orl_pane_tree_done in either case. */
 int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *panes,
                        const double *strengths, size_t n);
 void orl_pane_tree_done(struct orl_pane_tree *tree);
 
-/* Whether a ray passes one of the panes, slack as of orl_window_passed, nearer than before. */
+/* Returns true if the ray passes a pane nearer than `before`; slack as in orl_window_passed. */
 bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_window *panes,
                           struct orl_vec3 origin, struct orl_vec3 direction, double slack,
                           double before);

@@ -15,14 +15,15 @@ struct orl_windows {
     bool all;                  /* every ray is to be traced: light has other ways */
 };
 
-/* Those that a sealed building has. Returns 0 or ORL_ERR_NOMEM; orl_windows_done in either case. */
+/* Collects the windows of a sealed building. Returns 0 or ORL_ERR_NOMEM; orl_windows_done in either
+ * case. */
 int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world);
 void orl_windows_done(struct orl_windows *windows);
 
-/* Whether a ray passes any, slack as of orl_window_passed. */
+/* Returns true if the ray passes a window; slack as in orl_window_passed. */
 bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origin,
                         struct orl_vec3 direction, double slack);
-/* The same, nearer than a distance. */
+/* Returns true if the ray passes a window nearer than `before`. */
 bool orl_windows_passed_before(const struct orl_windows *windows, struct orl_vec3 origin,
                                struct orl_vec3 direction, double before);
 

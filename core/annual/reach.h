@@ -22,8 +22,8 @@ struct orl_reach {
     bool all;                      /* the scene has objects placed several times: no limits */
 };
 
-/* Of a world whose ports are those of the part. Returns 0, ORL_ERR_NOMEM or, where the crew's
- * cancellation is set, ORL_ERR_CANCELLED; orl_reach_done in either case. */
+/* Floods the rooms from the part's ports, which are the world's. Returns 0, ORL_ERR_NOMEM or, where
+ * the crew's cancellation is set, ORL_ERR_CANCELLED; orl_reach_done in either case. */
 int orl_reach_init(struct orl_reach *reach, const struct orl_world *world,
                    const atomic_bool *cancel);
 void orl_reach_done(struct orl_reach *reach);

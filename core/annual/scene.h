@@ -37,8 +37,8 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
                           const struct orl_bins *bins, struct orl_turn north,
                           const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
                           struct orl_crew *crew);
-/* Of the map, which the scene is without until then. open_share: of the area of its ports those
- * that are open; photons are as dense on them as on all. */
+/* Returns the request for the scene's sun map, which it does not have yet. open_share: the open
+ * share of the area of its ports; photons are as dense on open ports as on all. */
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
                                                         const struct orl_annual_request *request,
                                                         double open_share);

@@ -84,7 +84,7 @@ static inline bool orl_images_may_show(const struct orl_images *images, size_t n
            orl_image_columns_may_show(&images->columns[k], &images->nodes[node].frame, point);
 }
 
-/* Of a world with its suns and ports. crew: whose cancellation is heeded, or NULL. Returns 0,
+/* Builds the images of the world's suns. crew: polled for cancellation, or NULL. Returns 0,
  * ORL_ERR_NOMEM or ORL_ERR_CANCELLED; orl_images_done in any case. */
 int orl_images_build(struct orl_images *images, const struct orl_world *world,
                      const struct orl_crew *crew);

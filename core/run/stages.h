@@ -97,7 +97,7 @@ void orl_run_warn_once(struct orl_run_state *state, const char *format, ...)
 /* Parses "x y z dx dy dz" lines; '#' starts a comment. Fills an array the caller frees. */
 int orl_sensors_parse(const char *name, const char *text, size_t size,
                       struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
-/* The same of a file; cancel (or NULL) is polled: ORL_ERR_CANCELLED. */
+/* Reads the sensors of a file. Polls cancel, or NULL: ORL_ERR_CANCELLED. */
 int orl_sensors_load(const struct orl_files *files, const char *name, const atomic_bool *cancel,
                      struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
 

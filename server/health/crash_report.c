@@ -186,7 +186,7 @@ static bool read_word(uintptr_t address, uintptr_t *ret_word)
            read(probe[0], ret_word, sizeof *ret_word) == sizeof *ret_word;
 }
 
-/* Of a call that has led out of all modules; 0: unknown. */
+/* Returns the return address of a call that has left all modules; 0: unknown. */
 static uintptr_t find_return_address(const struct registers *registers)
 {
     uintptr_t offset, word = 0;

@@ -34,7 +34,7 @@ void orl_crash_report_write(const struct orl_crash *crash);
 /* The first line alone, for ends that are not a signal's. */
 void orl_crash_report_line(const char *event, int signum, const char *job);
 
-/* What this thread does from now on is for that request; the strings are borrowed until the end. */
+/* Names the request that this thread serves. Borrows the strings until the end. */
 void orl_crash_request_begin(uint64_t id, const char *method, const char *path);
 void orl_crash_request_end(void);
 

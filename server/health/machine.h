@@ -1,4 +1,4 @@
-/* What the kernel says of the machine: which boot this is, and how often memory ran out. */
+/* Facts about the machine from the kernel: which boot this is, and how often memory ran out. */
 #ifndef ORL_SERVER_HEALTH_MACHINE_H
 #define ORL_SERVER_HEALTH_MACHINE_H
 

@@ -63,7 +63,7 @@ void orl_reply_etag(struct orl_request *request, const char *tag);
  * out all the same.
  */
 void orl_reply_when_safe(struct orl_request *request);
-/* The same, but only if the commit of that number is not safe yet. */
+/* As orl_reply_when_safe, but waits only if the commit of that number is not safe yet. */
 void orl_reply_when_commit_is_safe(struct orl_request *request, uint64_t commit);
 
 /* Makes room in the budget for so many bytes more; or, where that cannot be, replies with a 507 and

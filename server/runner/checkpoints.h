@@ -39,7 +39,7 @@ int orl_checkpoint_open(const char *folder, const char *key, struct orl_error *e
 void orl_checkpoint_forget(const char *folder);
 /* Gives a job's work folder to one that goes on with it. False: that one has its own. */
 bool orl_checkpoint_give(const struct orl_folders *folders, const char *from_id, const char *to_id);
-/* Of each work folder: heir names the job that goes on with it, itself maybe. Without one it is
+/* Sweeps the work folders. heir names the job that continues one, maybe itself. Without one it is
  * removed, or set aside (orphans.h) when the job of that id is not known. */
 void orl_checkpoint_sweep(const struct orl_folders *folders,
                           const char *(*heir)(void *ctx, const char *job_id, bool *ret_known),

@@ -22,7 +22,7 @@
 int orl_orphan_set_aside(const struct orl_folders *folders, const char *below,
                          struct orl_error *err);
 
-/* What this start has set aside so far. */
+/* Files set aside by this start so far. */
 struct orl_orphans_found {
     uint64_t files, bytes;
 };

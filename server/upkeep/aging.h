@@ -1,5 +1,5 @@
 /*
- * What grows old in a data folder: the retention clock, and files that starts have set aside.
+ * Aging of a data folder: the retention clock, and files that starts have set aside.
  *
  * Threads: the loop thread.
  */
@@ -20,7 +20,7 @@ struct orl_aging {
     int64_t purged_ms; /* by the clock, when orphans were last looked at; 0: not yet */
 };
 
-/* Of a migrated database, before anything looks for orphans. Borrows all. */
+/* Call with a migrated database, before any search for orphans. Borrows its arguments. */
 int orl_aging_open(struct orl_aging *aging, struct orl_db *db, struct orl_folders *folders,
                    const struct orl_log *log, uint32_t keep_orphans_days, struct orl_error *err);
 /* Logs what this start has set aside, once all that looks for orphans has started. */

@@ -1,5 +1,5 @@
-/* What jobs with matrices as results are estimated to take, held against what they take: the peak
- * of memory, and bytes of results. */
+/* Estimates of memory and disk for jobs with matrices as results, against measured peaks and bytes.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -39,7 +39,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* Of one hour with light: members of a document; owned. */
+/* Members of a document for a year with one lit hour; owned. */
 static char *year_of(int sensors, const char *format)
 {
     char *text = malloc((size_t)sensors * 24 + 200);
@@ -77,7 +77,7 @@ static void estimate(const struct year_room *f, const char *members, double *ret
     free(text);
 }
 
-/* What a run by itself took: peak of memory, and files. */
+/* Peak memory and file sizes of one run. */
 struct taken {
     double memory_mb, disk_mb;
 };

@@ -13,7 +13,7 @@
  * message. Returns 0 or ORL_ERR_RANGE. */
 int orl_check_point(struct orl_vec3 point, const char *what, struct orl_error *err);
 
-/* The same; and the length is not zero, nor too small for a unit vector. */
+/* Also refuses a direction whose length is zero or too small for a unit vector. */
 int orl_check_direction(struct orl_vec3 direction, const char *what, struct orl_error *err);
 
 #endif

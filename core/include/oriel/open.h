@@ -19,7 +19,8 @@
  */
 int orl_open_regular(const char *path, int flags);
 
-/* The same as a stream. mode: 'r' reads, 'w' truncates or creates, 'a' appends or creates. */
+/* Opens a regular file as a stream. mode: 'r' reads, 'w' truncates or creates, 'a' appends or
+ * creates. */
 FILE *orl_stream_regular(const char *path, char mode);
 
 /* Opens an existing pipe or device for writing: /dev/null, /dev/stdout, a FIFO that has a reader. A

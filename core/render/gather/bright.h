@@ -30,7 +30,7 @@ struct orl_bright {
     uint32_t count;
 };
 
-/* Of a global map. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+/* Builds the bright spots of a global map. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map,
                     struct orl_crew *crew);
 void orl_bright_done(struct orl_bright *bright); /* also of one that is all zero */

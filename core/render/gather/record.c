@@ -62,8 +62,8 @@ struct orl_record orl_record_make(const struct orl_gather *gather, const struct 
     return record;
 }
 
-/* Of two records in one cell of place and normal one is enough: the cell's width, as a share of the
- * least reach, and that of normals. */
+/* One record is enough for each cell of positions and normals. cell_width: a share of the least
+ * reach. */
 static const double cell_width = 0.25, cell_of_normals = 0.125;
 
 static uint64_t cell_number(double at, double width)

@@ -180,7 +180,7 @@ static bool look(struct search *t, const struct flat *a, const struct flat *b)
     return orl_pairs_add(t->pairs, a->surface, b->surface);
 }
 
-/* The same pairs in the same order, of many. */
+/* Finds the pairs of many surfaces by a box tree, in the order of the sweep. */
 static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
 {
     struct orl_box_tree *const tree = &t->tree;

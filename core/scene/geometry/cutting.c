@@ -190,7 +190,7 @@ static int take_outline(struct orl_cutting *t, struct orl_surface *left)
     return 0;
 }
 
-/* What is left of the loser without those winners that got layers; their number. */
+/* Cuts the winners that have layers out of the loser; *ret_laid is their number. */
 static int subtract(struct orl_cutting *t, struct layered *winners, size_t n,
                     struct orl_surface *left, size_t *ret_laid)
 {
