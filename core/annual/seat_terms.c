@@ -117,7 +117,7 @@ int orl_seat_terms_thin(struct orl_seat_terms *terms, size_t most, struct orl_ra
     const size_t n = terms->count;
     if (n <= most)
         return 0;
-    double *weights = malloc(2 * n * sizeof *weights);
+    double *weights = calloc(2 * n, sizeof *weights); /* and the factors behind them */
     if (!weights)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++)
