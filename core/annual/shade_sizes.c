@@ -60,7 +60,7 @@ static int measure_round(const struct orl_annual_request *request, const struct 
         code =
             measure(&variant, variant.request.n_scene_files, files, &variant.swaps, ret_size, err);
     const size_t n_own = code == 0 ? variant.items[0].first_file : 0;
-    /* What these hold is subtracted from a bound: files that cannot stand alone count as empty. */
+    /* Their size is subtracted from a bound, so files that cannot stand alone count as empty. */
     if (code == 0 && ret_own && n_own > 0 &&
         measure(&variant, n_own, files, NULL, ret_own, NULL) < 0)
         *ret_own = (struct orl_scene_size){0};

@@ -20,7 +20,7 @@ int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
                      struct orl_scene **scene, struct orl_result *ret_result,
                      struct orl_error *err);
 
-/* What a scene holds once shades have given windows other materials; no names of files in it.
+/* Measures a scene after shades have changed materials of windows; fills in no file names.
  * Errors are those of reading it and of orl_swaps_apply. */
 int orl_run_measure_swapped(const char *const *main_files, size_t n_files,
                             const struct orl_files *files, const struct orl_swaps *swaps,

@@ -24,7 +24,7 @@
 
 /* How the daemon before ended. */
 struct orl_past {
-    int32_t signum;       /* 0: nobody said; ORL_PAST_STOPPED: no job is to blame */
+    int32_t signum;       /* 0: no signal was recorded; ORL_PAST_STOPPED: no job is to blame */
     uint32_t checks;      /* of uploads, under way */
     char job[ORL_JOB_ID]; /* whose thread it was; "": none's */
     uint64_t resident, capacity;

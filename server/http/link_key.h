@@ -1,8 +1,8 @@
 /*
  * The key of signed links (links.h): 32 random bytes in the data folder's file oriel.key, which
- * only its owner can read. It is not in the database, and a backup does not have it; so whoever has
- * a copy of these can sign nothing. A data folder without the file, as one restored from a backup,
- * gets a new key, and links that were signed before are no longer good.
+ * only its owner can read. It is not in the database, and a backup does not have it, so
+ * copies of these are not enough to sign a link. A data folder without the file, as one restored
+ * from a backup, gets a new key, and links that were signed before are no longer good.
  */
 #ifndef ORL_SERVER_HTTP_LINK_KEY_H
 #define ORL_SERVER_HTTP_LINK_KEY_H

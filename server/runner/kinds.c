@@ -196,7 +196,7 @@ static uint64_t annual_result_bytes(const struct orl_task *task)
            job->request.n_sensors * annual_sensor_bytes(task);
 }
 
-/* Seats whose glare is told, or by which shades are controlled: each list has a run of its own. */
+/* Glare seats of the largest list: reported ones, or those of a control; each list is one run. */
 static uint64_t annual_seats(const struct orl_annual_job *job)
 {
     uint64_t most = job->wishes.glare.n_seats;

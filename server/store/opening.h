@@ -9,7 +9,7 @@
  * what there is of the database. In the second it adopts the database; files that this does not
  * know are then orphans like any.
  *
- * Of a folder made before there was an id, the database's is written to the file. Copies of a
+ * A folder from before ids were introduced gets the id of its database. Copies of a
  * database have its id: an older backup of the same folder's is accepted.
  */
 #ifndef ORL_STORE_OPENING_H
@@ -20,7 +20,7 @@
 
 enum orl_opening { ORL_OPENING_REFUSE, ORL_OPENING_SET_ASIDE };
 
-/* folders are open, and nobody else's. */
+/* Opens and migrates the database of the data folder, which is open and locked by this process. */
 int orl_opening_database(const struct orl_folders *folders, enum orl_opening opening,
                          struct orl_db *ret_db, struct orl_error *err);
 

@@ -97,7 +97,7 @@ bool orl_disk_room_look(struct orl_disk_room *room)
 void orl_disk_room_close(struct orl_disk_room *room)
 {
     enum { SMALLEST = 1 << 18 };
-    /* What the log had, or as much of it as is left. */
+    /* Takes back the room that the log had, or as much of it as is left. */
     for (int64_t bytes = ORL_RESERVE_BYTES; room->folders && !room->reserved && bytes >= SMALLEST;
          bytes /= 2)
         room->reserved = allocate(room, bytes);

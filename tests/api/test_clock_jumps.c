@@ -99,7 +99,8 @@ static void test_jump_while_running(void **state)
     unsetenv("LD_PRELOAD");
     wait_until_gone(&f->daemon, old);
     shift_clock(&f->daemon, 365 * 86400);
-    /* What is made now is a year younger by the wall; a job of before goes no sooner for it. */
+    /* New jobs are a year younger by the wall clock; an older job is not removed sooner for that.
+     */
     storage_run_job(&f->daemon, f->scene, 3, "v", later);
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     make_old(&f->daemon, later);

@@ -218,8 +218,8 @@ static size_t orphans_after_start(struct daemon *daemon, const char *keep_days)
     return left;
 }
 
-/* What was set aside goes by the clock of the daemon, not by the wall's: with --keep-orphans 0 at
- * the next start, and after a jump of the clock not before its time. */
+/* Orphans age by the retention clock, not the wall clock: with --keep-orphans 0 they go at the next
+ * start, and after a jump of the wall clock they stay. */
 static void test_removal_of_orphans(void **state)
 {
     struct daemon_room *f = *state;
@@ -233,8 +233,7 @@ static void test_removal_of_orphans(void **state)
     assert_int_equal(orphans_after_start(&f->daemon, "30"), 0);
 }
 
-/* Files that are missing are told of, their rows stay, and an upload that is sent again mends its
- * own. */
+/* Missing files are logged, their rows stay, and uploading a file again restores it. */
 static void test_missing_files(void **state)
 {
     struct daemon_room *f = *state;

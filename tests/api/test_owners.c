@@ -136,7 +136,7 @@ static void test_own_jobs_alone(void **state)
     expect_owner_alone(f, job, f->ann, f->bob);
     submit(f, f->ann, NULL, job);
     expect_owner_alone(f, job, f->admin, f->bob);
-    expect_owner_alone(f, f->before, f->admin, f->ann); /* nobody's */
+    expect_owner_alone(f, f->before, f->admin, f->ann); /* without an owner */
 }
 
 /* One that shares the computation of another token's ends for itself. */

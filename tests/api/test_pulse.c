@@ -47,7 +47,7 @@ static void test_busy_pool(void **state)
     assert_false(pulse.asked);
     assert_true(orl_pulse_pool_s(&pulse) >= 0.05); /* that is what it took */
     const double slow_s = pulse.last_s;
-    /* Of many questions one is answered sooner, however busy the machine is. */
+    /* At least one of many probes is answered sooner, even on a busy machine. */
     double soonest_s = slow_s;
     for (int i = 0; i < 200 && soonest_s >= slow_s; i++) {
         orl_pulse_ask(&pulse);
