@@ -39,18 +39,6 @@ static void run_sql(const struct daemon *daemon, const char *sql)
     sqlite3_close(db);
 }
 
-/* Jobs are looked at once a second; the one that is old enough has gone then. */
-static void wait_until_gone(struct daemon *daemon, const char *job)
-{
-    for (long status = 200, polls = 0; status != 404; polls++) {
-        struct reply reply;
-        assert_true(polls < 40000);
-        daemon_get(daemon, job, &reply);
-        status = reply.status;
-        reply_done(&reply);
-    }
-}
-
 static void make_old(const struct daemon *daemon, const char *job)
 {
     char sql[200];
@@ -78,7 +66,7 @@ static void test_jump_between_runs(void **state)
     /* As it looks after a year, or a clock that has jumped by one. */
     run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 365 * 86400000");
     daemon_restart(&f->daemon, a_day);
-    wait_until_gone(&f->daemon, old);
+    daemon_wait_status(&f->daemon, old, 404);
     storage_fetch(&f->daemon, kept, 200);
 }
 
@@ -97,7 +85,7 @@ static void test_jump_while_running(void **state)
     setenv("SHIFTED", path, 1);
     daemon_restart(&f->daemon, a_day);
     unsetenv("LD_PRELOAD");
-    wait_until_gone(&f->daemon, old);
+    daemon_wait_status(&f->daemon, old, 404);
     shift_clock(&f->daemon, 365 * 86400);
     /* New jobs are a year younger by the wall clock; an older job is not removed sooner for that.
      */
@@ -107,7 +95,7 @@ static void test_jump_while_running(void **state)
     setenv("LD_PRELOAD", shim, 1);
     daemon_restart(&f->daemon, a_day);
     unsetenv("LD_PRELOAD");
-    wait_until_gone(&f->daemon, later);
+    daemon_wait_status(&f->daemon, later, 404);
     storage_fetch(&f->daemon, kept, 200);
 }
 

@@ -93,17 +93,10 @@ static void expect_refusals(struct daemon *daemon, const char *scene)
     reply_done(&reply);
 }
 
-/* It is looked at once a second. */
+/* The daemon looks at its disk once a second. */
 static void wait_for_room(struct daemon *daemon)
 {
-    long status = 0;
-    for (int polls = 0; status != 200; polls++) {
-        struct reply reply;
-        assert_true(polls < 20000);
-        daemon_get(daemon, "/readyz", &reply);
-        status = reply.status;
-        reply_done(&reply);
-    }
+    daemon_wait_status(daemon, "/readyz", 200);
     expect_status(daemon, "/healthz", 200, "disk", "ok");
 }
 
@@ -185,14 +178,7 @@ static void test_full_while_running(void **state)
     fill_disk(&f->daemon);
     storage_expect(&f->daemon, "DELETE", job, 204, NULL);
     fill_disk(&f->daemon);
-    for (int polls = 0; polls < 20000; polls++) {
-        struct reply reply;
-        daemon_get(&f->daemon, "/readyz", &reply);
-        const long status = reply.status;
-        reply_done(&reply);
-        if (status == 503)
-            break;
-    }
+    daemon_wait_status(&f->daemon, "/readyz", 503);
     expect_status(&f->daemon, "/readyz", 503, "status", "disk full");
     expect_refusals(&f->daemon, f->scene);
     snprintf(path, sizeof path, "%s/filler", f->daemon.root);

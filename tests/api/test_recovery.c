@@ -160,12 +160,7 @@ static void submit_for_seconds(struct daemon_room *f, int seconds, char ret_path
 static void check_draining(struct daemon_room *f, const char *running)
 {
     struct reply reply;
-    for (int polls = 0, status = 0; status != 503; polls++) {
-        assert_true(polls < 1000);
-        daemon_get(&f->daemon, "/readyz", &reply);
-        status = (int)reply.status;
-        reply_done(&reply);
-    }
+    daemon_wait_status(&f->daemon, "/readyz", 503);
     daemon_get(&f->daemon, running, &reply);
     assert_int_equal(reply.status, 200);
     assert_string_equal(reply_text(&reply, "state"), "running");

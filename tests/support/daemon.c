@@ -424,3 +424,17 @@ void daemon_wait_running(struct daemon *daemon, const char *path, double percent
         nap(0.02);
     }
 }
+
+void daemon_wait_status(struct daemon *daemon, const char *path, long status)
+{
+    const double until = now_s() + 120;
+    for (long last = 0; last != status;) {
+        struct reply reply;
+        daemon_get(daemon, path, &reply);
+        last = reply.status;
+        reply_done(&reply);
+        if (last != status && now_s() > until)
+            fail_msg("%s has status %ld for two minutes, not %ld", path, last, status);
+        nap(0.005);
+    }
+}

@@ -84,6 +84,8 @@ void daemon_cancel(struct daemon *daemon, const char *path, struct reply *ret_re
 void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct reply *ret_reply);
 /* Polls until the job runs and has got beyond that percentage. */
 void daemon_wait_running(struct daemon *daemon, const char *path, double percent);
+/* Polls until a GET of PATH has that status, for at most two minutes. */
+void daemon_wait_status(struct daemon *daemon, const char *path, long status);
 
 extern const char room_scene[], room_sky[];
 
