@@ -5,9 +5,9 @@
  *                                    a token's id     s since 1970
  *
  * The signature is a keyed BLAKE2b-256 over job, file, time, and the id and hash of the token, by
- * the key of link_key.h. A link reads that file and nothing else, until then or until its token is
- * removed, whoever has it. Nothing is kept of it. A time further off than ORL_SERVER_LINK_S is
- * refused, however it was signed.
+ * the key of link_key.h. Whoever has the link can read that file and nothing else, until the time
+ * is past or the token is removed. The daemon stores no links. It refuses a time more than
+ * ORL_SERVER_LINK_S ahead, even with a valid signature.
  *
  * Threads: the loop thread only.
  */

@@ -133,22 +133,29 @@ static void crash_by_request(struct daemon_room *f, const char *job)
     close(fd);
 }
 
+/* The crash report names the request, and no job. */
+static void expect_crash_by_request(struct daemon_room *f, const char *fault, const char *job)
+{
+    char line[160];
+    restart_faulty(f, fault, "result.json", NULL);
+    crash_by_request(f, job);
+    expect_line(&f->daemon, "event=crashed signal=11 job=-");
+    snprintf(line, sizeof line, " method=GET path=%s/files/result.json", job);
+    expect_line(&f->daemon, line);
+}
+
 /* A call through a null pointer in a request's handler: the unwinder finds no caller from there,
  * but the report has the registers, the return address and the request. */
 static void test_calls_of_null_are_located(void **state)
 {
     static const char *const json[] = {"--log-format", "json", NULL};
     struct daemon_room *f = *state;
-    char job[80], line[160];
+    char job[80];
     if (ORL_SANITIZED)
         skip();
     daemon_submit(&f->daemon, f->scene, 1000, 6, NULL, job);
     expect_state(&f->daemon, job, "succeeded", 1);
-    restart_faulty(f, "FAULTY_JUMP", "result.json", NULL);
-    crash_by_request(f, job);
-    expect_line(&f->daemon, "event=crashed signal=11 job=-");
-    snprintf(line, sizeof line, " method=GET path=%s/files/result.json", job);
-    expect_line(&f->daemon, line);
+    expect_crash_by_request(f, "FAULTY_JUMP", job);
     expect_line(&f->daemon, "event=crashed-registers code=1 address=0x0 pc=0x0 sp=0x7f");
     expect_line(&f->daemon, " caller=faulty.so+0x");
     end_faults();
@@ -166,17 +173,13 @@ static void test_calls_of_null_are_located(void **state)
 static void test_stack_overflows_are_reported(void **state)
 {
     struct daemon_room *f = *state;
-    char job[80], line[160];
+    char job[80];
     if (ORL_SANITIZED)
         skip();
     daemon_submit(&f->daemon, f->scene, 1000, 6, NULL, job);
     expect_state(&f->daemon, job, "succeeded", 1);
-    restart_faulty(f, "FAULTY_OVERFLOW", "result.json", NULL);
-    crash_by_request(f, job);
+    expect_crash_by_request(f, "FAULTY_OVERFLOW", job);
     end_faults();
-    expect_line(&f->daemon, "event=crashed signal=11 job=-");
-    snprintf(line, sizeof line, " method=GET path=%s/files/result.json", job);
-    expect_line(&f->daemon, line);
     daemon_restart(&f->daemon, NULL);
 }
 

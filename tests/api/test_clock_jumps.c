@@ -7,7 +7,6 @@
 
 #include <cmocka.h>
 #include <signal.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,23 +28,13 @@ static void shift_clock(const struct daemon *daemon, long long seconds)
     fclose(file);
 }
 
-static void run_sql(const struct daemon *daemon, const char *sql)
-{
-    char path[96];
-    sqlite3 *db = NULL;
-    snprintf(path, sizeof path, "%s/oriel.db", daemon->root);
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
-    sqlite3_close(db);
-}
-
 static void make_old(const struct daemon *daemon, const char *job)
 {
     char sql[200];
     snprintf(sql, sizeof sql,
              "UPDATE jobs SET retained_ms = retained_ms - 2 * 86400000 WHERE id = '%s'",
              strrchr(job, '/') + 1);
-    run_sql(daemon, sql);
+    storage_run_sql(daemon, sql);
 }
 
 /* Two jobs, of which the first is two days old by the daemon's clock. */
@@ -64,7 +53,7 @@ static void test_jump_between_runs(void **state)
     char old[80], kept[80];
     make_jobs(f, old, kept);
     /* As it looks after a year, or a clock that has jumped by one. */
-    run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 365 * 86400000");
+    storage_run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 365 * 86400000");
     daemon_restart(&f->daemon, a_day);
     daemon_wait_status(&f->daemon, old, 404);
     storage_fetch(&f->daemon, kept, 200);

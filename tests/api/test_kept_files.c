@@ -6,7 +6,6 @@
 
 #include <cmocka.h>
 #include <signal.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -229,18 +228,6 @@ static void test_orphans(void **state)
     storage_fetch(&f->daemon, done, 200);
 }
 
-/* Runs SQL on the daemon's database, beside the daemon. */
-static void run_sql(const struct daemon *daemon, const char *sql)
-{
-    char path[96];
-    sqlite3 *db = NULL;
-    snprintf(path, sizeof path, "%s/oriel.db", daemon->root);
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    sqlite3_busy_timeout(db, 5000);
-    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
-    sqlite3_close(db);
-}
-
 /* What fails at its last step, the row, leaves no file, not even until the next start. */
 static void test_uploads_that_fail_late(void **state)
 {
@@ -249,9 +236,9 @@ static void test_uploads_that_fail_late(void **state)
     struct reply reply;
     char text[512];
     const size_t blobs = daemon_count_files(&f->daemon, "blobs");
-    run_sql(&f->daemon,
-            "CREATE TRIGGER a BEFORE INSERT ON scenes BEGIN SELECT RAISE(ABORT, 'no'); END;"
-            "CREATE TRIGGER b BEFORE INSERT ON jobs BEGIN SELECT RAISE(ABORT, 'no'); END;");
+    storage_run_sql(&f->daemon,
+                    "CREATE TRIGGER a BEFORE INSERT ON scenes BEGIN SELECT RAISE(ABORT, 'no'); END;"
+                    "CREATE TRIGGER b BEFORE INSERT ON jobs BEGIN SELECT RAISE(ABORT, 'no'); END;");
     const struct upload_file file = {"ball.rad", ball, strlen(ball), false};
     daemon_upload(&f->daemon, &file, 1, NULL, &reply);
     assert_int_equal(reply.status, 500);
@@ -261,7 +248,7 @@ static void test_uploads_that_fail_late(void **state)
     assert_int_equal(reply.status, 500);
     reply_done(&reply);
     assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs);
-    run_sql(&f->daemon, "DROP TRIGGER a; DROP TRIGGER b;");
+    storage_run_sql(&f->daemon, "DROP TRIGGER a; DROP TRIGGER b;");
     daemon_upload(&f->daemon, &file, 1, NULL, &reply);
     assert_int_equal(reply.status, 201);
     reply_done(&reply);

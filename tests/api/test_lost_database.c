@@ -7,7 +7,6 @@
 
 #include <cmocka.h>
 #include <signal.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,16 +26,6 @@ static void shell(const struct daemon *daemon, const char *command)
     snprintf(line, sizeof line, "D=%s; %s", daemon->root, command);
     if (system(line) != 0)
         fail_msg("%s", line);
-}
-
-static void run_sql(const struct daemon *daemon, const char *sql)
-{
-    char path[96];
-    sqlite3 *db = NULL;
-    snprintf(path, sizeof path, "%s/oriel.db", daemon->root);
-    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
-    sqlite3_close(db);
 }
 
 /* The files of a daemon with a scene and a job; the daemon has ended. */
@@ -201,7 +190,8 @@ static void test_results_of_a_job_under_way(void **state)
     struct reply reply;
     char job[80];
     fill(f, job);
-    run_sql(&f->daemon, "UPDATE jobs SET state = 'running', outcome = NULL, finished_ms = NULL");
+    storage_run_sql(&f->daemon,
+                    "UPDATE jobs SET state = 'running', outcome = NULL, finished_ms = NULL");
     daemon_restart(&f->daemon, NULL);
     daemon_wait(&f->daemon, job, 60, &reply);
     assert_string_equal(reply_text(&reply, "state"), "succeeded");
@@ -225,11 +215,11 @@ static void test_removal_of_orphans(void **state)
     struct daemon_room *f = *state;
     char job[80];
     fill(f, job);
-    run_sql(&f->daemon, "DELETE FROM jobs");
+    storage_run_sql(&f->daemon, "DELETE FROM jobs");
     assert_true(orphans_after_start(&f->daemon, "0") > 0); /* set aside by this start */
-    run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 90 * 86400000");
+    storage_run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 90 * 86400000");
     assert_true(orphans_after_start(&f->daemon, "30") > 0); /* as after 90 days, which one may be */
-    run_sql(&f->daemon, "UPDATE data_folder SET retained_ms = retained_ms + 31 * 86400000");
+    storage_run_sql(&f->daemon, "UPDATE data_folder SET retained_ms = retained_ms + 31 * 86400000");
     assert_int_equal(orphans_after_start(&f->daemon, "30"), 0);
 }
 

@@ -516,7 +516,7 @@ static void test_stolen_link(void **state)
     expect(f, longer, f->host, "", NULL, 403);
 }
 
-/* What a copy of the database has: the token's hash, with which links were signed once. */
+/* Signs a link with KEY and the token's hash, which a copy of the database contains. */
 static void forge(const struct fixture *f, const char *id, const char *file, long long until_s,
                   const unsigned char *key, char ret_line[400])
 {

@@ -291,7 +291,7 @@ static void test_one_address_has_its_share(void **state)
         assert_false(is_closed(fds[i]));
         close(fds[i]);
     }
-    /* Those closed make room as soon as the daemon has noticed. */
+    /* A new connection is accepted as soon as the daemon has noticed the closed ones. */
     bool has_room = false;
     for (int i = 0; i < 300 && !has_room; i++) {
         const int next = daemon_dial(&daemon);

@@ -95,7 +95,7 @@ static void test_states_are_counted(void **state)
     expect(f, WEATHER SHADES("{\"name\":\"shut\",\"files\":[\"many.rad\"]}"), 413, "surfaces");
 }
 
-/* Each is told before there is a job. */
+/* The request for the job is answered with each mistake; no job is created. */
 static void test_mistakes(void **state)
 {
     struct year_room *f = *state;

@@ -134,8 +134,8 @@ static void test_copy_before(void **state)
     assert_int_not_equal(access(copy, F_OK), 0);
 }
 
-/* A list of migrations that has lost rows is told of, with what to do, and the copy that an earlier
- * migration made stays. */
+/* A migrations table that lacks rows is refused with a remedy, and the backup that an earlier
+ * migration made is kept. */
 static void test_lost_rows_are_refused(void **state)
 {
     static const struct {

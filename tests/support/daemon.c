@@ -393,8 +393,8 @@ void daemon_cancel(struct daemon *daemon, const char *path, struct reply *ret_re
 
 void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct reply *ret_reply)
 {
-    /* What is limited is a hang: a machine may be busy with other things, and sanitizers are slow.
-     */
+    /* The limit is to detect a hang; five times the expected time allows for busy machines and
+     * sanitizers. */
     const double until = now_s() + 5 * seconds;
     for (;;) {
         daemon_get(daemon, path, ret_reply);

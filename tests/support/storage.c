@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -62,4 +63,15 @@ size_t storage_count_maps(struct daemon *daemon)
     const size_t count = json_array_size(reply_at(&reply, "maps"));
     reply_done(&reply);
     return count;
+}
+
+void storage_run_sql(const struct daemon *daemon, const char *sql)
+{
+    char path[96];
+    sqlite3 *db = NULL;
+    snprintf(path, sizeof path, "%s/oriel.db", daemon->root);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    sqlite3_busy_timeout(db, 5000);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(db);
 }

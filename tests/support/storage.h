@@ -21,5 +21,7 @@ void storage_fetch(struct daemon *daemon, const char *job, long status);
 double storage_bytes_of(struct daemon *daemon, const char *kind);
 double storage_bytes(struct daemon *daemon);
 size_t storage_count_maps(struct daemon *daemon);
+/* Runs SQL on the daemon's database, whether the daemon runs or not. */
+void storage_run_sql(const struct daemon *daemon, const char *sql);
 
 #endif

@@ -172,7 +172,7 @@ static size_t visits_about(const struct orl_icache *cache, const struct orl_plac
     return visits;
 }
 
-/* What neighbour clamping looks at for each of the first so many records. */
+/* Records that neighbour clamping visits, per record of the first COUNT. */
 static double looks_of(struct orl_record *records, size_t count)
 {
     struct orl_icache cache;

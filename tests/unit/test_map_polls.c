@@ -40,7 +40,7 @@ static const char scene[] = "void plastic w 0 0 5 .5 .5 .5 0 0\n"
                             "w polygon a 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
                             "w polygon b 0 0 12 0 0 3 0 4 3 4 4 3 4 0 3\n";
 
-/* What is asked to make something; the same each time. */
+/* The inputs of a photon map; equal for each build. */
 struct bench {
     struct orl_world *world;
     struct orl_crew *crew;

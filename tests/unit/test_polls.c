@@ -105,7 +105,7 @@ static void test_files(void **state)
             assert_int_equal(files[i].write(&err), ORL_ERR_CANCELLED);
             assert_int_equal(access(scratch_path("file"), F_OK), -1);
             assert_int_equal(access(scratch_path("file.part"), F_OK), -1);
-            /* It ended soon: whoever goes on polls on. */
+            /* The writer ended within three polls of the cancellation. */
             assert_true(polls <= at[k] + 3);
         }
     }

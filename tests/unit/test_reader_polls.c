@@ -27,7 +27,7 @@
 
 static atomic_int polls;     /* since the count began */
 static atomic_int cancel_at; /* the poll from which on the answer is yes; negative: never */
-/* Who polled, by a hash of the return addresses; of more polls than fit the rest are one place. */
+/* The callers that polled, as hashes of their return addresses. Callers beyond PLACES share one. */
 enum { PLACES = 4096, FRAMES = 6 };
 static uintptr_t places[PLACES];
 

@@ -33,7 +33,7 @@ static void test_format(void **state)
     }
 }
 
-/* What is written is read back, from 1970 on. */
+/* Parsing a formatted time gives the same time, from 1970 on. */
 static void test_read_back(void **state)
 {
     static const int64_t times[] = {0, 1, 999, 1000, 1711107000123, 253402300799999};

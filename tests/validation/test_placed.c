@@ -24,7 +24,7 @@
 
 enum { SENSORS = 6, WIDTH_MOST = 40, HEIGHT_MOST = 30 };
 
-/* Of pictures: 24 by 18, and 40 by 30 in the long suite. */
+/* The size of images in pixels: 24 by 18, and 40 by 30 in the long suite. */
 static uint32_t width, height;
 
 static const struct orl_sensor hall_sensors[SENSORS] = {
