@@ -102,7 +102,7 @@ static int make_report(struct running *r, struct orl_error *err)
 {
     const struct orl_run_env *run = &r->run;
     int rc = orl_annual_report_make(&r->job->request, &r->result, &r->job->wishes, run->files,
-                                    &r->report, err);
+                                    run->cancel, &r->report, err);
     if (rc == 0)
         rc = orl_annual_report_expose(&r->job->request, &r->result, &r->job->wishes, run,
                                       &r->report, err);
@@ -139,7 +139,7 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     struct running r = {.job = job, .env = env, .run = *env->run};
     r.files = orl_annual_inputs_of(&r.inputs, env->run->files);
     r.run.files = &r.files;
-    int rc = orl_annual_grids_read(&job->request, job->grid_files, &r.files, err);
+    int rc = orl_annual_grids_read(&job->request, job->grid_files, &r.files, r.run.cancel, err);
     if (rc == 0)
         rc = orl_annual_schedules_read(&job->request, &r.files, err);
     if (rc == 0)

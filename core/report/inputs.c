@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
 #include <oriel/limits.h>
 #include <oriel/sha256.h>
 
@@ -33,7 +34,8 @@ static int append(struct orl_sensor **sensors, size_t *count, const struct orl_s
 }
 
 int orl_annual_grids_read(struct orl_annual_request *request, char *const *names,
-                          const struct orl_files *files, struct orl_error *err)
+                          const struct orl_files *files, const atomic_bool *cancel,
+                          struct orl_error *err)
 {
     struct orl_sensor *sensors = NULL;
     size_t count = 0;
@@ -43,7 +45,7 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
         struct orl_sensor *read = NULL;
         size_t n = grid->count;
         if (names[g])
-            code = orl_sensors_load(files, names[g], NULL, &read, &n, err);
+            code = orl_sensors_load(files, names[g], cancel, &read, &n, err);
         const size_t first = count;
         if (code == 0)
             code =
@@ -51,6 +53,8 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
         grid->first = first;
         grid->count = n;
         free(read);
+        if (code == 0 && orl_is_cancelled(cancel))
+            code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading grids");
     }
     if (code < 0) {
         free(sensors);

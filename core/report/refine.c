@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
+
 enum { MORE = 4 }; /* times the paths of the round before */
 
 /* Squares of errors times paths stay as they are where paths alone make them; where all of them lie
@@ -41,10 +43,11 @@ static int pick(struct refining *r, const struct orl_annual_report *report, size
     const struct orl_annual_rows rows = orl_annual_rows_of(report, r->result, grid);
     const size_t first = grid == ORL_ALL_GRIDS ? 0 : report->grids[grid].first;
     double *scratch = malloc((period->n_columns + 1) * sizeof *scratch);
+    int code = 0;
     if (!scratch)
         return no_memory(r);
     r->n_open = 0;
-    for (size_t i = 0; i < rows.n_sensors; i++) {
+    for (size_t i = 0; i < rows.n_sensors && code == 0; i++) {
         const size_t at = i * rows.n_columns;
         const struct orl_annual_light light = {
             .total_lx = rows.total_lx + at,
@@ -57,9 +60,11 @@ static int pick(struct refining *r, const struct orl_annual_report *report, size
             fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
                 far_off)
             r->open[r->n_open++] = first + i;
+        if (orl_is_cancelled(r->env->run->cancel))
+            code = orl_error_set(r->err, ORL_ERR_CANCELLED, "cancelled while refining");
     }
     free(scratch);
-    return 0;
+    return code;
 }
 
 /* Where the target stands, and who leaves it open. */
@@ -71,8 +76,8 @@ static int look(struct refining *r)
     wishes.n_rules = 0;
     wishes.targets = wishes.until;
     wishes.n_targets = 1;
-    int code =
-        orl_annual_report_make(r->request, r->result, &wishes, r->env->run->files, &report, r->err);
+    int code = orl_annual_report_make(r->request, r->result, &wishes, r->env->run->files,
+                                      r->env->run->cancel, &report, r->err);
     if (code < 0)
         return code;
     const struct orl_annual_verdict *verdict = &report.verdicts[0];

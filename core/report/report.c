@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
+
 #include "base/kth.h"
 
 _Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than there are");
@@ -169,16 +171,20 @@ static int make_values(const struct orl_report_making *m)
     float *factors = malloc((m->result->n_columns + 1) * sizeof *factors);
     report->metrics = calloc(n + 1, sizeof *report->metrics);
     report->values = calloc(n * report->n_sensors + 1, sizeof *report->values);
-    const bool ready = factors && report->metrics && report->values;
-    if (ready) {
+    int code = factors && report->metrics && report->values ? 0 : no_memory(m);
+    if (code == 0) {
         report->n_metrics = n;
         if (n > 0)
             memcpy(report->metrics, m->wishes->metrics, n * sizeof *report->metrics);
-        for (size_t i = 0; i < report->n_sensors; i++)
+        for (size_t i = 0; i < report->n_sensors && code == 0; i++) {
             evaluate_sensor(m, i, factors);
+            if (orl_is_cancelled(m->cancel))
+                code =
+                    orl_error_set(m->err, ORL_ERR_CANCELLED, "cancelled while making the report");
+        }
     }
     free(factors);
-    return ready ? 0 : no_memory(m);
+    return code;
 }
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
@@ -238,7 +244,7 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
                                const struct orl_annual_wishes *wishes, struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct orl_report_making m = {request, NULL, wishes, NULL, &report, err};
+    const struct orl_report_making m = {request, NULL, wishes, NULL, NULL, &report, err};
     int code = request->n_terms > 0 ? orl_report_check_matrices(wishes, err) : 0;
     if (code == 0)
         code = orl_seats_validate(&wishes->glare, request, err);
@@ -260,7 +266,7 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
                             struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct orl_report_making m = {request, result, wishes, files, &report, err};
+    const struct orl_report_making m = {request, result, wishes, files, NULL, &report, err};
     const int code = prepare(&m);
     orl_annual_report_done(&report);
     return code;
@@ -269,10 +275,11 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
 int orl_annual_report_make(const struct orl_annual_request *request,
                            const struct orl_annual_result *result,
                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
-                           struct orl_annual_report *ret_report, struct orl_error *err)
+                           const atomic_bool *cancel, struct orl_annual_report *ret_report,
+                           struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct orl_report_making m = {request, result, wishes, files, &report, err};
+    const struct orl_report_making m = {request, result, wishes, files, cancel, &report, err};
     int code = result->total && result->direct
                    ? prepare(&m)
                    : orl_error_set(err, ORL_ERR_INVALID, "the year's series were not kept");

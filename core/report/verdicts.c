@@ -25,7 +25,8 @@ struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report
 int orl_report_figure_of(const struct orl_report_making *m, const struct orl_annual_figure *figure,
                          size_t grid, struct orl_annual_area *ret_area)
 {
-    const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
+    struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
+    rows.cancel = m->cancel;
     return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
 }
 

@@ -116,24 +116,24 @@ static void test_shares_of_coins(void **state)
     double crossing[12] = {0}, areas[12];
     struct orl_annual_area area;
     (void)state;
-    assert_int_equal(orl_annual_share(crossing, NULL, 10, true, &area, NULL), 0);
+    assert_int_equal(orl_annual_share(crossing, NULL, 10, true, NULL, &area, NULL), 0);
     assert_near(area.value.value, 100, 1e-12);
     assert_near(area.value.low, 20, 1e-12);
     assert_near(area.value.high, 100, 1e-12); /* the value itself is never left out */
     assert_int_equal(area.open, 10);
     for (int i = 0; i < 10; i++)
         crossing[i] = 1e-300;
-    assert_int_equal(orl_annual_share(crossing, NULL, 10, true, &area, NULL), 0);
+    assert_int_equal(orl_annual_share(crossing, NULL, 10, true, NULL, &area, NULL), 0);
     assert_near(area.value.value, 0, 0);
     assert_near(area.value.high, 80, 1e-12);
     crossing[10] = -INFINITY;
     crossing[11] = INFINITY;
     for (int i = 0; i < 12; i++)
         areas[i] = i < 10 ? 1 : 20;
-    assert_int_equal(orl_annual_share(crossing, areas, 12, true, &area, NULL), 0);
+    assert_int_equal(orl_annual_share(crossing, areas, 12, true, NULL, &area, NULL), 0);
     assert_near(area.value.low, 40, 1e-12); /* 20 of 50, which is the value */
     assert_near(area.value.high, 56, 1e-12);
-    assert_int_equal(orl_annual_share(crossing, areas, 12, false, &area, NULL), 0);
+    assert_int_equal(orl_annual_share(crossing, areas, 12, false, NULL, &area, NULL), 0);
     assert_near(area.value.value, 40, 1e-12);
     assert_true(isnan(area.value.low) && isnan(area.value.high));
 }
@@ -151,7 +151,7 @@ static void test_shares_of_unequal_areas(void **state)
                                           0.1 + 0.8 * orl_random_uniform(&random)};
         total += parts[i].area;
     }
-    assert_int_equal(orl_chance_bounds(parts, N, 0.025, &low, &high), 0);
+    assert_int_equal(orl_chance_bounds(parts, N, 0.025, NULL, &low, &high), 0);
     for (unsigned outcome = 0; outcome < 1U << N; outcome++) {
         double sum = 0, chance = 1;
         for (int i = 0; i < N; i++) {

@@ -144,7 +144,7 @@ static void test_a_short_document(void **state)
     assert_string_equal(job.request.grids[0].name, "a");
     assert_true(job.wishes.n_metrics > 5 && job.wishes.occupancy.from_h == 8);
     assert_null(job.wishes.grid_area);
-    assert_int_equal(orl_annual_grids_read(&job.request, job.grid_files, &files, NULL), 0);
+    assert_int_equal(orl_annual_grids_read(&job.request, job.grid_files, &files, NULL, NULL), 0);
     assert_int_equal(job.request.n_sensors, 2);
     assert_int_equal(job.request.grids[0].count, 2);
     orl_annual_job_done(&job);
@@ -155,7 +155,7 @@ static void test_a_short_document(void **state)
                                &job, NULL),
                      0);
     assert_string_equal(job.request.grids[0].name, "grid1");
-    assert_int_equal(orl_annual_grids_read(&job.request, job.grid_files, &files, NULL), 0);
+    assert_int_equal(orl_annual_grids_read(&job.request, job.grid_files, &files, NULL, NULL), 0);
     assert_int_equal(job.request.n_sensors, 4);
     assert_int_equal(job.request.grids[2].first, 3);
     assert_true(job.request.sensors[0].position.x == 5 && job.request.sensors[2].position.x == 1 &&

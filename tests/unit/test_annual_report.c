@@ -157,7 +157,8 @@ static void test_reports(void **state)
     (void)state;
     make_result(&result, false);
     ask(&wishes, "sDA300/50 of SOUTH >= 55 %", "LEED");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err), 0);
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
+                     0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3650, 0);
     assert_near(report.values[2].value, 100, 0); /* DA300 of the third */
     assert_near(report.values[2].low, 0, 0);     /* which two per cent less would end */
@@ -177,11 +178,11 @@ static void test_reports(void **state)
     assert_int_equal(report.verdicts[7].verdict, ORL_VERDICT_FAIL);
     orl_annual_report_done(&report);
     snprintf(wishes.targets[0].grid, sizeof wishes.targets[0].grid, "east");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err),
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
                      ORL_ERR_INVALID);
     wishes.targets[0].grid[0] = '\0';
     wishes.occupancy.days = 0;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err),
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
                      ORL_ERR_INVALID);
     orl_annual_wishes_done(&wishes);
     free_result(&result);
@@ -207,7 +208,8 @@ static void test_daylight_factor(void **state)
     result.overcast_se = se;
     ask(&wishes, "least DF >= 1 %", "daylight factor by EN 17037 minimum");
     wishes.median_diffuse_lx = 15000;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err), 0);
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
+                     0);
     assert_int_equal(report.n_verdicts, 3);
     assert_near(report.verdicts[0].area.value.value, 1, 1e-6);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
@@ -217,7 +219,8 @@ static void test_daylight_factor(void **state)
     assert_near(report.verdicts[2].area.value.value, 100, 1e-9);
     orl_annual_report_done(&report);
     wishes.median_diffuse_lx = 0;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, &err), 0);
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
+                     0);
     assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
     assert_near(report.verdicts[1].target.figure.least, 100 * 300 / 10000.5, 1e-9);
     orl_annual_report_done(&report);
@@ -249,14 +252,16 @@ static void test_areas_and_files_of_occupancy(void **state)
     assert_true(wishes.occupancy_file && wishes.grid_area);
     wishes.grid_area[0] = 1;
     wishes.grid_area[1] = 3;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, &files, &report, &err), 0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, &files, NULL, &report, &err), 0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 365, 0);
     assert_near(report.areas[3 + 2].value.value, 37.5, 1e-9); /* half of 3 of 4 */
     assert_near(report.areas[2].value.value, 75, 1e-9);
     orl_annual_report_done(&report);
     text[1] = 'x';
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, &files, &report, &err),
-                     ORL_ERR_SYNTAX);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, &files, NULL, &report, &err),
+        ORL_ERR_SYNTAX);
     orl_annual_wishes_done(&wishes);
     free_result(&result);
 }
@@ -343,7 +348,8 @@ static void test_honeybees_folder(void **state)
     (void)state;
     make_result(&result, false);
     ask(&wishes, "ASE <= 10 %", "LEED");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL),
+                     0);
     for (int again = 0; again < 2; again++)
         assert_int_equal(
             orl_honeybee_write(scratch_path("hb"), &report, &result, NULL, NULL, NULL, NULL), 0);
@@ -379,7 +385,8 @@ static void test_tables(void **state)
     make_result(&result, false);
     result.steps[12].missing = true;
     ask(&wishes, "ASE <= 10 %", "LEED");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &report, NULL), 0);
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL),
+                     0);
     assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL, NULL),
                      0);
     assert_int_equal(

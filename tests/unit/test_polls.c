@@ -112,6 +112,97 @@ static void test_files(void **state)
     free(values);
 }
 
+/* ---- Reports of a year ----------------------------------------------------------------------- */
+
+enum { YEAR_GRIDS = 300, YEAR_SENSORS = 2 * YEAR_GRIDS, YEAR_COLUMNS = 12, NOON = 12 };
+static struct orl_annual_grid year_grids[YEAR_GRIDS];
+
+static void name_grids(struct orl_annual_request *request)
+{
+    static char name[] = "g";
+    for (size_t g = 0; g < YEAR_GRIDS; g++)
+        year_grids[g] = (struct orl_annual_grid){name, 2 * g, 2};
+    *request = (struct orl_annual_request){
+        .grids = year_grids, .n_grids = YEAR_GRIDS, .n_sensors = YEAR_SENSORS};
+}
+
+/* A year in which the sun shines on the first of each month at noon. */
+static void make_year(struct orl_annual_result *result)
+{
+    static struct orl_annual_step steps[YEAR_COLUMNS];
+    static uint32_t step_of_column[YEAR_COLUMNS];
+    static float lx[YEAR_SENSORS * YEAR_COLUMNS], se[YEAR_SENSORS * YEAR_COLUMNS];
+    for (uint32_t k = 0; k < YEAR_COLUMNS; k++) {
+        steps[k] = (struct orl_annual_step){
+            .month = (int)k + 1, .day = 1, .hour = NOON + 0.5, .column = k, .global_lx = 1e4};
+        step_of_column[k] = k;
+    }
+    for (size_t i = 0; i < YEAR_SENSORS * YEAR_COLUMNS; i++) {
+        lx[i] = (float)(i % 600);
+        se[i] = 50;
+    }
+    *result = (struct orl_annual_result){.n_steps = YEAR_COLUMNS,
+                                         .steps = steps,
+                                         .step_of_column = step_of_column,
+                                         .n_columns = YEAR_COLUMNS,
+                                         .n_sensors = YEAR_SENSORS,
+                                         .total = lx,
+                                         .direct = lx,
+                                         .se = se};
+}
+
+/* Each of these figures visits every sensor twice: by its grid and in all grids together. */
+static void test_reports(void **state)
+{
+    struct orl_annual_request request;
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_error err = {0};
+    (void)state;
+    name_grids(&request);
+    make_year(&result);
+    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    wishes.targets = calloc(1, sizeof *wishes.targets);
+    assert_non_null(wishes.targets);
+    assert_int_equal(orl_annual_target_parse("sDA300/50 >= 55 %", wishes.targets, &err), 0);
+    wishes.n_targets = 1;
+    begin(-1);
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &flag, &report, &err),
+                     0);
+    orl_annual_report_done(&report);
+    const int all = polls;
+    print_message("# report of %d sensors: %d polls\n", YEAR_SENSORS, all);
+    assert_true(all >= (1 + 3 * 2) * YEAR_SENSORS);
+    for (int at = 0; at < all; at += all / 20) {
+        begin(at);
+        assert_int_equal(
+            orl_annual_report_make(&request, &result, &wishes, NULL, &flag, &report, &err),
+            ORL_ERR_CANCELLED);
+        assert_int_equal(polls, at + 1);
+    }
+    orl_annual_wishes_done(&wishes);
+}
+
+/* Sensors of the document itself: a poll at each grid. */
+static void test_grids(void **state)
+{
+    static char *names[YEAR_GRIDS];
+    struct orl_annual_request request;
+    struct orl_files none = {.ctx = NULL};
+    struct orl_error err = {0};
+    (void)state;
+    name_grids(&request);
+    request.sensors = calloc(YEAR_SENSORS, sizeof *request.sensors);
+    begin(YEAR_GRIDS / 2);
+    assert_int_equal(orl_annual_grids_read(&request, names, &none, &flag, &err), ORL_ERR_CANCELLED);
+    assert_int_equal(polls, YEAR_GRIDS / 2 + 1);
+    begin(-1);
+    assert_int_equal(orl_annual_grids_read(&request, names, &none, &flag, &err), 0);
+    assert_int_equal(polls, YEAR_GRIDS);
+    free(request.sensors);
+}
+
 /* ---- A BSDF's tree as text ------------------------------------------------------------------- */
 
 static void test_trees(void **state)
@@ -263,6 +354,8 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_files, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test(test_reports),
+        cmocka_unit_test(test_grids),
         cmocka_unit_test(test_trees),
         cmocka_unit_test(test_sensors),
         cmocka_unit_test(test_generators),

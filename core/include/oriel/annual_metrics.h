@@ -66,6 +66,7 @@
 #ifndef ORIEL_ANNUAL_METRICS_H
 #define ORIEL_ANNUAL_METRICS_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -195,7 +196,8 @@ struct orl_annual_rows {
     const float *total_lx, *direct_lx, *total_error_lx, *direct_error_lx; /* as of one row */
     const float *overcast_lx, *overcast_error_lx;                         /* of each sensor */
     size_t n_sensors, n_columns;
-    const double *area; /* what each sensor stands for, in any unit; NULL: all the same */
+    const double *area;        /* what each sensor stands for, in any unit; NULL: all the same */
+    const atomic_bool *cancel; /* polled at each sensor; NULL: never */
 };
 
 enum orl_annual_over {
@@ -217,7 +219,7 @@ struct orl_annual_area {
 };
 
 /* periods: by enum orl_annual_when. ORL_ERR_INVALID (a share of what does not grow, no sensors, no
- * direct light in the rows), ORL_ERR_NOMEM. */
+ * direct light in the rows), ORL_ERR_NOMEM, ORL_ERR_CANCELLED. */
 int orl_annual_figure_of(const struct orl_annual_figure *figure,
                          const struct orl_annual_period *periods,
                          const struct orl_annual_rows *rows, struct orl_annual_area *ret_result,
@@ -228,9 +230,11 @@ struct orl_annual_value orl_annual_average(const struct orl_annual_value *values
                                            const double *area, size_t n);
 
 /* The share of area that passes, in percent, by each part's z of crossing (as above) and area
- * (NULL: all the same). known: whether errors are. ORL_ERR_NOMEM. */
+ * (NULL: all the same). known: whether errors are. Polls cancel, or NULL. ORL_ERR_NOMEM,
+ * ORL_ERR_CANCELLED. */
 int orl_annual_share(const double *crossing, const double *area, size_t n, bool known,
-                     struct orl_annual_area *ret_result, struct orl_error *err);
+                     const atomic_bool *cancel, struct orl_annual_area *ret_result,
+                     struct orl_error *err);
 
 /* ---- Verdicts -------------------------------------------------------------------------------- */
 

@@ -39,9 +39,11 @@ uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl
 /* ---- What goes in ---------------------------------------------------------------------------- */
 
 /* Sensors of the request's grids: of each that has a file (names[i], else NULL) the file's; the
- * others keep theirs. Errors: what reading sensors says, with file and line; ORL_ERR_LIMIT. */
+ * others keep theirs. Polls cancel, or NULL. Errors: what reading sensors says, with file and line;
+ * ORL_ERR_LIMIT, ORL_ERR_CANCELLED. */
 int orl_annual_grids_read(struct orl_annual_request *request, char *const *names,
-                          const struct orl_files *files, struct orl_error *err);
+                          const struct orl_files *files, const atomic_bool *cancel,
+                          struct orl_error *err);
 
 /*
  * Series of those window groups that have a file of them: a line for each row of the weather file,
@@ -159,11 +161,13 @@ struct orl_annual_report {
 };
 
 /* files: of the occupancy file, else not asked. Of a result that holds its arrays. ORL_ERR_INVALID
- * (a target names no grid there is), what reading the occupancy says, ORL_ERR_RANGE, _NOMEM. */
+ * (a target names no grid there is), what reading the occupancy says, ORL_ERR_RANGE, _NOMEM,
+ * _CANCELLED: cancel, or NULL, is polled at each sensor of each figure. */
 int orl_annual_report_make(const struct orl_annual_request *request,
                            const struct orl_annual_result *result,
                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
-                           struct orl_annual_report *ret_report, struct orl_error *err);
+                           const atomic_bool *cancel, struct orl_annual_report *ret_report,
+                           struct orl_error *err);
 /* The same errors as far as they are known once the steps are, before anything is computed
  * (orl_annual_env's begins). */
 int orl_annual_wishes_check(const struct orl_annual_request *request,

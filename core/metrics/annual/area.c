@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
+
 #include "base/sum.h"
 #include "metrics/annual/chance.h"
 #include "metrics/annual/sensor.h"
@@ -29,6 +31,18 @@ static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t
                                          row_at(rows->overcast_error_lx, 1, sensor)};
 }
 
+static int failed(int code, struct orl_error *err)
+{
+    return orl_error_set(err, code,
+                         code == ORL_ERR_CANCELLED ? "cancelled while evaluating sensors"
+                                                   : "out of memory");
+}
+
+static int poll(const struct orl_annual_rows *rows)
+{
+    return orl_is_cancelled(rows->cancel) ? ORL_ERR_CANCELLED : 0;
+}
+
 /* ---- Shares ---------------------------------------------------------------------------------- */
 
 /* Those whose side is open go to parts; of the others the area that passes for sure. */
@@ -48,7 +62,8 @@ static size_t sort_out(const double *crossing, const double *area, size_t n,
 }
 
 int orl_annual_share(const double *crossing, const double *area, size_t n, bool known,
-                     struct orl_annual_area *ret_result, struct orl_error *err)
+                     const atomic_bool *cancel, struct orl_annual_area *ret_result,
+                     struct orl_error *err)
 {
     struct orl_area_part *parts = calloc(n + 1, sizeof *parts);
     struct orl_sum total = {0}, passing = {0}, sure = {0};
@@ -63,10 +78,10 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
         undecided += fabs(crossing[i]) < ORL_ANNUAL_Z;
     }
     const size_t open = sort_out(crossing, area, n, parts, &sure);
-    const int code = orl_chance_bounds(parts, open, 0.025, &low, &high);
+    const int code = orl_chance_bounds(parts, open, 0.025, cancel, &low, &high);
     free(parts);
     if (code < 0)
-        return orl_error_set(err, code, "out of memory");
+        return failed(code, err);
     const double scale = 100 / orl_sum_value(&total), base = orl_sum_value(&sure);
     const double value = orl_sum_value(&passing) * scale;
     *ret_result = (struct orl_annual_area){{value, NAN, NAN}, 0};
@@ -83,15 +98,19 @@ static int share_of(const struct orl_annual_figure *figure, const struct orl_ann
 {
     double *crossing = calloc(rows->n_sensors + period->n_columns + 1, sizeof *crossing);
     bool known = true;
+    int code = 0;
     if (!crossing)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    for (size_t i = 0; i < rows->n_sensors; i++) {
+    for (size_t i = 0; i < rows->n_sensors && code == 0; i++) {
         const struct orl_annual_light row = row_of(rows, i);
         known = known && orl_annual_errors_known(&figure->metric, &row);
         crossing[i] = orl_annual_crossing(&figure->metric, figure->least, period, &row,
                                           crossing + rows->n_sensors);
+        code = poll(rows);
     }
-    const int code = orl_annual_share(crossing, rows->area, rows->n_sensors, known, ret_area, err);
+    code = code < 0 ? failed(code, err)
+                    : orl_annual_share(crossing, rows->area, rows->n_sensors, known, rows->cancel,
+                                       ret_area, err);
     free(crossing);
     return code;
 }
@@ -120,20 +139,24 @@ static int average(const struct orl_annual_metric *metric, const struct orl_annu
                    struct orl_error *err)
 {
     struct orl_annual_value *values = calloc(rows->n_sensors + 1, sizeof *values);
+    int code = 0;
     if (!values)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    for (size_t i = 0; i < rows->n_sensors; i++) {
+        return failed(ORL_ERR_NOMEM, err);
+    for (size_t i = 0; i < rows->n_sensors && code == 0; i++) {
         const struct orl_annual_light row = row_of(rows, i);
         orl_annual_evaluate(metric, period, &row, &values[i]);
+        code = poll(rows);
     }
-    *ret_value = orl_annual_average(values, rows->area, rows->n_sensors);
+    if (code == 0)
+        *ret_value = orl_annual_average(values, rows->area, rows->n_sensors);
     free(values);
-    return 0;
+    return code < 0 ? failed(code, err) : 0;
 }
 
 /* Any of n may be the worst: below, all of them are held at once (Sidak 1967). */
-static void worst(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                  const struct orl_annual_rows *rows, struct orl_annual_value *ret_value)
+static int worst(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
+                 const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
+                 struct orl_error *err)
 {
     const double z = orl_student_t(-expm1(log(0.975) / (double)rows->n_sensors));
     struct orl_annual_value least = {INFINITY, INFINITY, INFINITY};
@@ -146,17 +169,20 @@ static void worst(const struct orl_annual_metric *metric, const struct orl_annua
         least.value = fmin(least.value, one.value);
         least.high = fmin(least.high, one.high);
         least.low = fmin(least.low, orl_annual_within(metric, period, &row, z).low);
+        if (poll(rows) < 0)
+            return failed(ORL_ERR_CANCELLED, err);
     }
     if (!known)
         least.low = least.high = NAN;
     *ret_value = least;
+    return 0;
 }
 
 /* ---- The mean as a sensor -------------------------------------------------------------------- */
 
-/* Of one kind of light; squares: of its standard errors. */
-static void mean_columns(const float *values, const struct orl_annual_rows *rows, bool squares,
-                         double *sums, float *ret_mean)
+/* Of one kind of light; squares: of its standard errors. Returns 0 or ORL_ERR_CANCELLED. */
+static int mean_columns(const float *values, const struct orl_annual_rows *rows, bool squares,
+                        double *sums, float *ret_mean)
 {
     double total = 0;
     memset(sums, 0, rows->n_columns * sizeof *sums);
@@ -166,9 +192,12 @@ static void mean_columns(const float *values, const struct orl_annual_rows *rows
         total += mine;
         for (size_t k = 0; k < rows->n_columns; k++)
             sums[k] += squares ? mine * mine * row[k] * row[k] : mine * row[k];
+        if (poll(rows) < 0)
+            return ORL_ERR_CANCELLED;
     }
     for (size_t k = 0; k < rows->n_columns; k++)
         ret_mean[k] = (float)((squares ? sqrt(sums[k]) : sums[k]) / total);
+    return 0;
 }
 
 static int of_mean(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
@@ -180,22 +209,22 @@ static int of_mean(const struct orl_annual_metric *metric, const struct orl_annu
     const float *made[4] = {NULL};
     float *means = calloc(4 * rows->n_columns + 1, sizeof *means);
     double *sums = calloc(rows->n_columns + 1, sizeof *sums);
-    if (means && sums) {
-        for (size_t i = 0; i < 4; i++)
-            if (given[i]) {
-                mean_columns(given[i], rows, i >= 2, sums, means + i * rows->n_columns);
-                made[i] = means + i * rows->n_columns;
-            }
+    int code = means && sums ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < 4 && code == 0; i++)
+        if (given[i]) {
+            code = mean_columns(given[i], rows, i >= 2, sums, means + i * rows->n_columns);
+            made[i] = means + i * rows->n_columns;
+        }
+    if (code == 0) {
         const struct orl_annual_light row = {.total_lx = made[0],
                                              .direct_lx = made[1],
                                              .total_error_lx = made[2],
                                              .direct_error_lx = made[3]};
         orl_annual_evaluate(metric, period, &row, ret_value);
     }
-    const bool failed = !means || !sums;
     free(means);
     free(sums);
-    return failed ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : 0;
+    return code < 0 ? failed(code, err) : 0;
 }
 
 /* ---- Figures --------------------------------------------------------------------------------- */
@@ -233,7 +262,7 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
         code = average(&figure->metric, period, rows, &result.value, err);
         break;
     case ORL_OVER_LEAST:
-        worst(&figure->metric, period, rows, &result.value);
+        code = worst(&figure->metric, period, rows, &result.value, err);
         break;
     case ORL_OVER_OF_MEAN: /* a mean DF is the DF of the mean */
         code = figure->metric.kind == ORL_METRIC_DF

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include <oriel/annual_metrics.h>
+#include <oriel/crew.h>
 #include <oriel/units.h>
 
 enum { PLACES = 1 << 14 };
@@ -80,11 +81,12 @@ static void find_bounds(const struct spread *s, double tail, size_t *ret_low, si
         above += s->at[(*ret_high)--];
 }
 
-int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail, double *ret_low,
-                      double *ret_high)
+int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail,
+                      const atomic_bool *cancel, double *ret_low, double *ret_high)
 {
     const bool alike = all_alike(parts, n);
     double total = 0;
+    bool cancelled = false;
     for (size_t i = 0; i < n; i++)
         total += parts[i].area;
     *ret_low = *ret_high = 0;
@@ -95,12 +97,14 @@ int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail, 
     if (!s.at)
         return ORL_ERR_NOMEM;
     s.at[0] = 1;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n && !cancelled; i++) {
         add_part(&s, alike ? 1 : parts[i].area / unit, parts[i].pass);
+        cancelled = orl_is_cancelled(cancel);
+    }
     size_t low = 0, high = 0;
     find_bounds(&s, tail, &low, &high);
     *ret_low = (double)low * unit;
     *ret_high = (double)high * unit;
     free(s.at);
-    return 0;
+    return cancelled ? ORL_ERR_CANCELLED : 0;
 }

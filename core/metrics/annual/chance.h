@@ -10,6 +10,7 @@
 #ifndef ORL_METRICS_ANNUAL_CHANCE_H
 #define ORL_METRICS_ANNUAL_CHANCE_H
 
+#include <stdatomic.h>
 #include <stddef.h>
 
 struct orl_area_part {
@@ -17,9 +18,9 @@ struct orl_area_part {
 };
 
 /* The sum's bounds: with a probability of `tail` at most each it is below low, or above high.
- * Returns 0 or ORL_ERR_NOMEM. */
-int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail, double *ret_low,
-                      double *ret_high);
+ * Polls cancel, or NULL, at each part. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail,
+                      const atomic_bool *cancel, double *ret_low, double *ret_high);
 
 /* The share of Student's t, with ORL_ANNUAL_DEGREES degrees of freedom, above t (Abramowitz and
  * Stegun 1964, 26.7.3); and the t that so much is above; 0 < share < 1. */
