@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
 #include <oriel/json_read.h>
 #include <oriel/limits.h>
 
@@ -20,6 +21,23 @@ int orl_json_fail(struct orl_error *err, int code, const char *path, const char 
     orl_error_set(err, code, "%s: %s", path, text);
     orl_error_at(err, NULL, 0, path);
     return code;
+}
+
+static _Thread_local const atomic_bool *heeded;
+
+void orl_json_heed(const atomic_bool *cancel)
+{
+    heeded = cancel;
+}
+
+static int fail_cancelled(struct orl_error *err)
+{
+    return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading JSON");
+}
+
+int orl_json_poll(struct orl_error *err)
+{
+    return orl_is_cancelled(heeded) ? fail_cancelled(err) : 0;
 }
 
 int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
@@ -37,11 +55,14 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
     /* Editors and shells of Windows begin texts with a mark of their bytes' order. */
     const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     json_error_t where;
-    json_t *doc = orl_json_read(text + mark, size - mark, JSON_REJECT_DUPLICATES, &where);
+    json_t *doc =
+        orl_json_read_until(text + mark, size - mark, JSON_REJECT_DUPLICATES, heeded, &where);
     if (doc) {
         *ret_doc = doc;
         return 0;
     }
+    if (errno == ECANCELED)
+        return fail_cancelled(err);
     if (errno == ENOMEM)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory reading JSON");
     orl_error_set(err, ORL_ERR_SYNTAX, "not valid JSON, column %d: %s", where.column, where.text);

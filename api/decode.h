@@ -10,6 +10,7 @@
 #define ORL_API_DECODE_H
 
 #include <jansson.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -24,6 +25,15 @@ enum { ORL_JSON_PATH_MAX = 192 };
  */
 int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
                    struct orl_error *err);
+
+/*
+ * Ends the reading of JSON documents in this thread soon after *cancel is set, with
+ * ORL_ERR_CANCELLED: parsing, and decoding of lists. NULL, the default: never. Borrows cancel until
+ * the next call.
+ */
+void orl_json_heed(const atomic_bool *cancel);
+/* Returns ORL_ERR_CANCELLED, with err filled in, when that is set. */
+int orl_json_poll(struct orl_error *err);
 
 /* value must be an array of at most max elements. */
 int orl_json_array(const json_t *value, const char *path, size_t max, struct orl_error *err);

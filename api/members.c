@@ -115,7 +115,11 @@ int orl_json_members(const json_t *value, const char *path, const struct orl_jso
 static int decode_element(const json_t *value, const char *path, size_t index,
                           orl_json_decoder *decode, void *into, struct orl_error *err)
 {
+    enum { ELEMENTS_A_POLL = 1024 };
     char at[ORL_JSON_PATH_MAX];
+    const int rc = index % ELEMENTS_A_POLL == 0 ? orl_json_poll(err) : 0;
+    if (rc)
+        return rc;
     snprintf(at, sizeof at, "%.120s[%zu]", path, index);
     return decode(json_array_get(value, index), at, into, err);
 }

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/crew.h>
+
 static _Thread_local bool reading, refused; /* an allocation of jansson's, in this thread */
 
 /*
@@ -88,21 +90,52 @@ uint64_t orl_json_weight(const char *text, size_t size)
     return weight;
 }
 
-json_t *orl_json_read(const char *text, size_t size, size_t flags, json_error_t *ret_where)
+/* Text that jansson takes in small pieces, with a poll for cancellation now and then. */
+struct text_source {
+    const char *text;
+    size_t size, at, polled_at;
+    const atomic_bool *cancel;
+    bool cancelled;
+};
+
+static size_t next_piece(void *buffer, size_t most, void *data)
 {
+    enum { POLL_BYTES = 64 << 10 };
+    struct text_source *source = data;
+    const size_t left = source->size - source->at, n = left < most ? left : most;
+    if (source->at == 0 || source->at - source->polled_at >= POLL_BYTES) {
+        source->polled_at = source->at;
+        source->cancelled = orl_is_cancelled(source->cancel);
+    }
+    if (source->cancelled)
+        return (size_t)-1;
+    memcpy(buffer, source->text + source->at, n);
+    source->at += n;
+    return n;
+}
+
+json_t *orl_json_read_until(const char *text, size_t size, size_t flags, const atomic_bool *cancel,
+                            json_error_t *ret_where)
+{
+    struct text_source source = {.text = text, .size = size, .cancel = cancel};
     json_error_t where;
     refused = has_reserve = false;
     reading = true;
-    json_t *value = json_loadb(text, size, flags, &where);
+    json_t *value = json_load_callback(next_piece, &source, flags, &where);
     reading = false;
-    if (refused) {
+    if (refused || source.cancelled) {
         json_decref(value);
         value = NULL;
     }
     if (ret_where)
         *ret_where = where;
-    errno = refused ? ENOMEM : 0;
+    errno = source.cancelled ? ECANCELED : refused ? ENOMEM : 0;
     return value;
+}
+
+json_t *orl_json_read(const char *text, size_t size, size_t flags, json_error_t *ret_where)
+{
+    return orl_json_read_until(text, size, flags, NULL, ret_where);
 }
 
 json_t *orl_json_reread(const char *text)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "decode.h"
 #include "process/limits.h"
 #include "runner/checkpoints.h"
 #include "store/mapped_file.h"
@@ -18,10 +19,12 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
     if (rc)
         return rc;
     orl_sha256_hex(file.data, file.size, sha);
+    orl_json_heed(&worker->cancel);
     if (strcmp(sha, worker->spec.document) == 0)
         rc = orl_job_read(file.data, file.size, ret_task, NULL, err);
     else
         rc = orl_error_set(err, ORL_ERR_CORRUPT, "the job's document is damaged in the store");
+    orl_json_heed(NULL);
     /* Reading takes many times what is kept of it, in small pieces between others. */
     if (file.size > ORL_SERVER_SMALL_JSON)
         malloc_trim(0);

@@ -18,10 +18,14 @@
 #include <oriel/crew.h>
 #include <oriel/run.h>
 
+#include <oriel/annual_report.h>
+
+#include "decode.h"
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"
 #include "support/extent.h"
 #include "support/scene_text.h"
+#include "task_json.h"
 
 /* ---- Every poll ------------------------------------------------------------------------------ */
 
@@ -328,6 +332,72 @@ static void test_measured(void **state)
     free(text);
 }
 
+/* ---- Jobs ------------------------------------------------------------------------------------ */
+
+/* A job document, parsed and decoded; also what is left when either is cancelled. */
+static int read_job(const void *what, const atomic_bool *cancel, struct orl_error *err)
+{
+    const struct text *text = what;
+    struct orl_task task;
+    json_t *doc = NULL;
+    orl_json_heed(cancel);
+    int code = orl_json_parse("job.json", text->data, text->size, &doc, err);
+    if (code == 0)
+        code = orl_task_from_json(doc, ORL_JOB_REMOTE, &task, NULL, err);
+    if (code == 0)
+        orl_task_done(&task);
+    orl_json_heed(NULL);
+    json_decref(doc);
+    return code;
+}
+
+static void test_documents(void **state)
+{
+    enum { SENSORS = 5000 };
+    static const char *const kinds[] = {"render", "annual"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct text text;
+        text_open(&text);
+        fprintf(text.stream, "{\"kind\": \"%s\", \"scene\": \"%064d\", %s\"sensors\": [", kinds[i],
+                7, i ? "\"weather\": \"place.epw\", " : "\"seed\": 1, ");
+        for (int k = 0; k < SENSORS; k++)
+            fprintf(text.stream, "%s[%.2f, 2, 0.8, 0, 0, 1]", k ? "," : "", 0.01 * k);
+        fputs("]}", text.stream);
+        text_close(&text);
+        assert_true(drive(kinds[i], read_job, &text));
+        assert_true(atomic_load(&polls) > (int)(text.size >> 16) + SENSORS / 1024);
+        free(text.data);
+    }
+}
+
+static int read_grids(const void *what, const atomic_bool *cancel, struct orl_error *err)
+{
+    const struct folder *folder = what;
+    struct orl_memory_files memory = {folder->names, folder->contents, folder->count};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    char name[] = "desks.pts", *const names[] = {name, name};
+    struct orl_annual_grid grids[2] = {{.name = name}, {.name = name}};
+    struct orl_annual_request request = {.grids = grids, .n_grids = 2};
+    const int code = orl_annual_grids_read(&request, names, &files, cancel, err);
+    assert_int_equal(request.sensors != NULL, code == 0);
+    free(request.sensors);
+    return code;
+}
+
+static void test_grids(void **state)
+{
+    struct text text;
+    (void)state;
+    text_open(&text);
+    for (int i = 0; i < 10000; i++)
+        fprintf(text.stream, "%.2f 2 0.8 0 0 1\n", 0.01 * i);
+    text_close(&text);
+    const struct folder folder = {{"desks.pts"}, {{.data = text.data, .size = text.size}}, 1};
+    assert_true(drive("grids of a year", read_grids, &folder));
+    free(text.data);
+}
+
 static void test_corpus(void **state)
 {
     (void)state;
@@ -342,6 +412,8 @@ int main(void)
         cmocka_unit_test(test_bsdfs),
         cmocka_unit_test(test_blocks_side_by_side),
         cmocka_unit_test(test_measured),
+        cmocka_unit_test(test_documents),
+        cmocka_unit_test(test_grids),
         cmocka_unit_test(test_corpus),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,6 +8,7 @@
 #ifndef ORIEL_JSON_READ_H
 #define ORIEL_JSON_READ_H
 
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -21,6 +22,11 @@ uint64_t orl_json_weight(const char *text, size_t size);
  * where the text is none, as *ret_where says, unless it is NULL.
  */
 json_t *orl_json_read(const char *text, size_t size, size_t flags, json_error_t *ret_where);
+
+/* Reads as orl_json_read does, and ends soon after *cancel is set (NULL: never), with errno
+ * ECANCELED. */
+json_t *orl_json_read_until(const char *text, size_t size, size_t flags, const atomic_bool *cancel,
+                            json_error_t *ret_where);
 
 /* What Oriel has written, to a NUL; NULL text gives NULL, with errno 0. */
 json_t *orl_json_reread(const char *text);
