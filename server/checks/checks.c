@@ -52,12 +52,14 @@ void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
 
 /* ---- Ends ------------------------------------------------------------------------------------ */
 
-static void refuse_late(const struct orl_checks *checks, struct orl_error *err)
+static void refuse_late(const struct orl_check *check, struct orl_error *err)
 {
-    orl_error_set(err, ORL_ERR_LIMIT, "checking the upload took longer than %u seconds",
-                  checks->config->check_timeout_s);
-    orl_error_hint(err,
-                   "Fewer surfaces, copies or values take less; --check-timeout sets the bound");
+    const long long took_ms = orl_time_steady_ms() - atomic_load(&check->started_ms);
+    orl_error_set(err, ORL_ERR_LIMIT,
+                  "the check was stopped after %.1f seconds; the limit is %u (--check-timeout)",
+                  (double)took_ms / 1000, check->checks->config->check_timeout_s);
+    orl_error_hint(err, "Upload fewer surfaces, copies or values, try again when the machine is "
+                        "less busy, or start orield with a larger --check-timeout");
 }
 
 static void start_again(struct orl_checks *checks, struct orl_check *check)
@@ -121,7 +123,7 @@ bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err)
     if (*rc != ORL_ERR_CANCELLED)
         return true;
     if (check->late) {
-        refuse_late(checks, err);
+        refuse_late(check, err);
         *rc = ORL_ERR_LIMIT;
         return true;
     }

@@ -32,6 +32,7 @@ struct orl_child_end {
     int32_t status; /* as waitpid has it */
     int32_t pid;
     uint64_t peak_bytes; /* resident */
+    uint64_t cpu_ms;     /* user and system time */
 };
 
 /* Waits until there is room. */

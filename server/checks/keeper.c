@@ -36,6 +36,11 @@ static bool wait_for_request(void)
     return n > 0;
 }
 
+static uint64_t milliseconds(const struct timeval *time)
+{
+    return (uint64_t)time->tv_sec * 1000 + (uint64_t)time->tv_usec / 1000;
+}
+
 static struct orl_child_end keep_one(void)
 {
     const pid_t keeper = getpid();
@@ -54,6 +59,7 @@ static struct orl_child_end keep_one(void)
     if (child > 0) {
         end.status = status;
         end.peak_bytes = (uint64_t)usage.ru_maxrss << 10;
+        end.cpu_ms = milliseconds(&usage.ru_utime) + milliseconds(&usage.ru_stime);
     }
     return end;
 }

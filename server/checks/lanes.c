@@ -261,10 +261,12 @@ static int meet(struct talk *t, enum orl_child_bound bound)
                                "--memory set the bound");
         return ORL_ERR_LIMIT;
     }
-    orl_error_set(t->err, ORL_ERR_LIMIT, "checking it takes more than %u seconds of a processor",
-                  asking->cpu_s);
-    orl_error_hint(t->err,
-                   "Fewer surfaces, copies or values take less; --check-timeout sets the bound");
+    orl_error_set(t->err, ORL_ERR_LIMIT,
+                  "the check was stopped after %.1f seconds of a processor; the limit is %u "
+                  "(--check-timeout)",
+                  (double)t->end.cpu_ms / 1000, asking->cpu_s);
+    orl_error_hint(t->err, "Upload fewer surfaces, copies or values, or start orield with a "
+                           "larger --check-timeout");
     return ORL_ERR_LIMIT;
 }
 
