@@ -224,9 +224,9 @@ static uint64_t budget(const struct orl_server *server)
     return server->storage.budget;
 }
 
-static uint64_t jobs_of(const struct orl_server *server, const char *client)
+static uint64_t jobs_of(const struct orl_server *server, const char *owner)
 {
-    return orl_jobs_of_client(server->jobs, client);
+    return orl_jobs_of_owner(server->jobs, owner);
 }
 
 static void on_swept(struct orl_server *server)

@@ -1,6 +1,7 @@
 /*
- * Whose request it is, as far as turns in the queue go. Proves nothing
- * where no tokens are needed: there a client may call itself what it likes.
+ * The name of a request's client, as job documents show it. Turns in the queue go by it where no
+ * tokens are needed: there a client may call itself what it likes. Where they are, turns go by the
+ * token's id (orl_jobs_turn_key).
  */
 #ifndef ORL_SERVER_HTTP_CLIENT_NAME_H
 #define ORL_SERVER_HTTP_CLIENT_NAME_H

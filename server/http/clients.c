@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "http/access.h"
 #include "http/address.h"
 #include "http/context.h"
 #include "http/reply.h"
@@ -13,7 +14,7 @@ static void name_client(const struct orl_request *request, char *ret_name, size_
 {
     char key[ORL_ADDRESS_KEY];
     if (request->context->config->needs_token) {
-        snprintf(ret_name, size, "token:%s", request->token);
+        snprintf(ret_name, size, "token:%s", request->holder.id);
         return;
     }
     const union MHD_ConnectionInfo *info =
@@ -76,7 +77,7 @@ bool orl_client_may_queue(struct orl_request *request)
 {
     const uint64_t most = share(request->context, UINT64_MAX, ORL_SERVER_CLIENT_JOBS);
     if (!request->client || most == UINT64_MAX ||
-        request->context->calls->jobs_of(request->server, request->client->name) < most)
+        request->context->calls->jobs_of(request->server, orl_access_owner(request)) < most)
         return true;
     orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
                       "%u of this client's wait or run; try again when some have ended",

@@ -1,9 +1,9 @@
 /*
  * Clients, and what each of them has under way: bounds that keep one from taking all there is.
  *
- * A client is a token. Where none are needed, only programs of this machine come in, all from
- * loopback: they are one client by its address (of IPv6 the network, /64), which may have all that
- * the daemon has to give.
+ * A client is a token, by its id: a token made later with the same name is another client. Where
+ * none are needed, only programs of this machine come in, all from loopback: they are one client by
+ * its address (of IPv6 the network, /64), which may have all that the daemon has to give.
  *
  * Threads: the loop thread only, but for the room of bytes (hold.h).
  */
@@ -16,7 +16,7 @@
 #include "http/hold.h"
 
 struct orl_client {
-    char name[80]; /* "token:NAME" or "address:..." */
+    char name[80]; /* "token:ID" or "address:..." */
     unsigned refs;
     struct orl_room bytes; /* of its uploads in flight */
     unsigned streams;      /* of events, open */

@@ -30,8 +30,8 @@ struct orl_http_calls {
     bool (*admit)(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes);
     struct orl_room *(*room)(struct orl_server *server);
     uint64_t (*budget)(const struct orl_server *server);
-    /* How many of a client's jobs wait or run. */
-    uint64_t (*jobs_of)(const struct orl_server *server, const char *client);
+    /* How many jobs of a token, by its id, wait or run. */
+    uint64_t (*jobs_of)(const struct orl_server *server, const char *owner);
     void (*swept)(struct orl_server *server);  /* a second has passed */
     void (*worked)(struct orl_server *server); /* a request's work came back from the pool */
 };

@@ -121,13 +121,18 @@ void orl_jobs_running(const struct orl_jobs *jobs,
     }
 }
 
-size_t orl_jobs_of_client(const struct orl_jobs *jobs, const char *client)
+const char *orl_jobs_turn_key(const struct orl_jobs_job *job)
+{
+    return job->row.owner[0] ? job->row.owner : job->row.client;
+}
+
+size_t orl_jobs_of_owner(const struct orl_jobs *jobs, const char *owner)
 {
     size_t count = 0;
     for (const struct orl_jobs_job *leader = jobs->leaders; leader; leader = leader->next_leader) {
-        count += leader->row.state <= ORL_JOB_RUNNING && strcmp(leader->row.client, client) == 0;
+        count += leader->row.state <= ORL_JOB_RUNNING && strcmp(leader->row.owner, owner) == 0;
         for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
-            count += strcmp(job->row.client, client) == 0;
+            count += strcmp(job->row.owner, owner) == 0;
     }
     return count;
 }

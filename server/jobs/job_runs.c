@@ -83,7 +83,7 @@ static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_jo
         return;
     orl_queue_remove(queue, &leader->waiting);
     leader->waiting.priority = job->row.priority;
-    failed.code = orl_queue_add(queue, &leader->waiting, job->row.client, &failed.err);
+    failed.code = orl_queue_add(queue, &leader->waiting, orl_jobs_turn_key(job), &failed.err);
     if (failed.code)
         end_all(leader, &failed, NULL);
 }
@@ -100,7 +100,7 @@ void orl_runs_enqueue(struct orl_jobs_job *job)
             mark_running(job);
         else
             raise_priority(leader, job);
-    } else if (orl_queue_add(job->jobs->queue, &job->waiting, job->row.client, &err)) {
+    } else if (orl_queue_add(job->jobs->queue, &job->waiting, orl_jobs_turn_key(job), &err)) {
         orl_jobs_fail(job, &err);
     } else {
         lead(job);

@@ -164,8 +164,11 @@ void orl_jobs_running(const struct orl_jobs *jobs,
                       void (*visit)(void *ctx, const struct orl_jobs_job *job), void *ctx);
 /* 1 for the next to run; 0 when it does not wait. */
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
-/* How many of that client wait or run. Time goes with the number of all that do. */
-size_t orl_jobs_of_client(const struct orl_jobs *jobs, const char *client);
+/* The client that a job's turn in the queue counts for: its token's id, else its client. */
+const char *orl_jobs_turn_key(const struct orl_jobs_job *job);
+/* Returns how many jobs of that token's id wait or run. Time goes with the number of all that do.
+ */
+size_t orl_jobs_of_owner(const struct orl_jobs *jobs, const char *owner);
 size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state);
 
 #endif

@@ -250,17 +250,28 @@ struct pair {
     char scene[65], one[128], other[128]; /* Authorization headers of two tokens */
 };
 
-static void make_token(const struct daemon *daemon, const char *name, char ret_header[128])
+/* Runs `orield token COMMAND`; its first line. */
+static void run_token_command(const struct daemon *daemon, const char *arguments,
+                              char ret_line[128])
 {
-    char command[400], said[128] = "";
+    char command[400];
     const char *build = getenv("ORIEL_BUILD");
-    snprintf(command, sizeof command, "timeout 20 %s/orield token add %s --scope submit --data %s",
-             build ? build : "build", name, daemon->root);
+    ret_line[0] = '\0';
+    snprintf(command, sizeof command, "timeout 20 %s/orield token %s --data %s",
+             build ? build : "build", arguments, daemon->root);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
-    assert_non_null(fgets(said, sizeof said, pipe));
+    if (!fgets(ret_line, 128, pipe))
+        ret_line[0] = '\0';
     assert_int_equal(pclose(pipe), 0);
-    said[strcspn(said, "\n")] = '\0';
+    ret_line[strcspn(ret_line, "\n")] = '\0';
+}
+
+static void make_token(const struct daemon *daemon, const char *name, char ret_header[128])
+{
+    char arguments[80], said[128];
+    snprintf(arguments, sizeof arguments, "add %s --scope submit", name);
+    run_token_command(daemon, arguments, said);
     snprintf(ret_header, 128, "Authorization: Bearer %.90s", said);
 }
 
@@ -320,6 +331,30 @@ static void test_share_of_queue(void **state)
     assert_int_equal(post_job(pair, pair->other, 1), 202);
 }
 
+/*
+ * A token that was made later has nothing to do with the jobs of a removed one of its name: neither
+ * do they count against its bound, nor does it wait behind them.
+ */
+static void test_another_token_of_the_name(void **state)
+{
+    struct pair *pair = *state;
+    struct reply reply;
+    char line[128], text[300];
+    run_token_command(&pair->daemon, "remove one", line);
+    make_token(&pair->daemon, "one", pair->one);
+    snprintf(text, sizeof text,
+             "{\"scene\":\"%s\",\"seed\":1000,\"technique\":\"backward\","
+             "\"gather_samples\":1000000,\"sensors\":[[2,1,0.8,0,0,1]]}",
+             pair->scene);
+    daemon_request(&pair->daemon, "POST", "/v1/jobs", "application/json", text, strlen(text),
+                   pair->one, &reply);
+    assert_int_equal(reply.status, 202);
+    assert_string_equal(reply_text(&reply, "client"), "token:one");
+    if (strcmp(reply_text(&reply, "state"), "queued") == 0) /* a turn each of two other clients */
+        assert_in_range((int)reply_number(&reply, "queue_position"), 1, 3);
+    reply_done(&reply);
+}
+
 static void test_share_of_streams(void **state)
 {
     enum { STREAMS = ORL_SERVER_CLIENT_STREAMS };
@@ -373,6 +408,7 @@ int main(void)
     const struct CMUnitTest pairs[] = {
         cmocka_unit_test(test_share_of_bytes),
         cmocka_unit_test(test_share_of_queue),
+        cmocka_unit_test(test_another_token_of_the_name),
         cmocka_unit_test(test_share_of_streams),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
