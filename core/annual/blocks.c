@@ -66,7 +66,8 @@ static void find_sun(void *arg, size_t index, uint32_t member)
                    y->hours.suns.count * sizeof *y->sun_rows);
         return;
     }
-    orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, &sun);
+    orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, y->env->run->crew,
+                          &sun);
     if (y->has_panels)
         orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
 }

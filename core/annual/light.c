@@ -96,6 +96,16 @@ static int refuse_open(struct orl_error *err)
     return ORL_ERR_UNSUPPORTED;
 }
 
+static int refuse_large_map(struct orl_error *err)
+{
+    orl_error_set(err, ORL_ERR_LIMIT,
+                  "the map of sunlight indoors is too large: photons came to more than %d squares, "
+                  "or left more than %d values there",
+                  ORL_SUN_MAP_MOST_SQUARES, ORL_SUN_MAP_MOST_ENTRIES);
+    orl_error_hint(err, "ask for fewer \"photons\"");
+    return ORL_ERR_LIMIT;
+}
+
 /* From the store, or by photons, which go there. */
 static int make_map(struct orl_year *y, struct orl_error *err)
 {
@@ -121,7 +131,9 @@ static int make_map(struct orl_year *y, struct orl_error *err)
         orl_keep_put(&y->keep, &it, data, size);
     free(data);
     orl_keep_done(&y->keep, &it);
-    return code < 0 ? orl_year_failed(y, code, err) : 0;
+    return code == ORL_ERR_LIMIT ? refuse_large_map(err)
+           : code < 0            ? orl_year_failed(y, code, err)
+                                 : 0;
 }
 
 static int make_scene(struct orl_year *y, struct orl_error *err)

@@ -135,7 +135,7 @@ static void find_suns(void *arg, size_t sensor, uint32_t member)
     }
     float *to = p->result->suns + sensor * ORL_PHASES_SUNS;
     float *straight = rows, *beside = rows + n, *squares = rows + 2 * n;
-    orl_sunlit_hours_find(&p->year->scene, &p->suns, &place, name,
+    orl_sunlit_hours_find(&p->year->scene, &p->suns, &place, name, p->year->env->run->crew,
                           &(struct orl_sunlit_hours){straight, NULL, squares});
     if (orl_annual_has_panels(p->year->world))
         orl_panels_add(&p->panels, &place, name, beside, squares);

@@ -8,6 +8,7 @@
 #include "annual/sun_squares.h"
 
 enum { MOST_AT_ONCE = 64, CHANNELS = 3 };
+enum { BATCH = 1024 }; /* photons of a beam that are shot together: bounds deposits in memory */
 static const double widths_a_window = 12; /* squares along the side of a window, on average */
 
 /* What came to a square, by one lot of one beam. */
@@ -27,8 +28,10 @@ struct orl_sun_map {
     uint32_t *places;
     size_t room, count, areas_room;
     double *areas;
-    /* Photons as they come, until all are there. */
+    /* What beams brought, until all photons are there: an entry for each row that a beam comes to.
+     */
     struct brought *brought;
+    uint32_t *latest; /* by row: its latest entry, plus one; 0: none */
     size_t n_brought, brought_room;
     /* Rows, of a square's lots one after the other: of the beams that have come there. */
     size_t *first; /* by row, and one more: into the next two */
@@ -66,18 +69,32 @@ static int rehash(struct orl_sun_map *map, size_t room)
     return map->names && map->places ? 0 : ORL_ERR_NOMEM;
 }
 
+static int grow_squares(struct orl_sun_map *map)
+{
+    const size_t room = map->areas_room > 0 ? 2 * map->areas_room : 1024;
+    double *areas = realloc(map->areas, room * sizeof *areas);
+    if (!areas)
+        return ORL_ERR_NOMEM;
+    map->areas = areas;
+    uint32_t *latest = realloc(map->latest, room * ORL_SUN_MAP_LOTS * sizeof *latest);
+    if (!latest)
+        return ORL_ERR_NOMEM;
+    memset(latest + map->areas_room * ORL_SUN_MAP_LOTS, 0,
+           (room - map->areas_room) * ORL_SUN_MAP_LOTS * sizeof *latest);
+    map->latest = latest;
+    map->areas_room = room;
+    return 0;
+}
+
 /* One more square. */
 static int add_square(struct orl_sun_map *map, size_t slot, uint64_t name,
                       const struct orl_hit *hit)
 {
-    if (map->count == map->areas_room) {
-        const size_t room = map->areas_room > 0 ? 2 * map->areas_room : 1024;
-        double *areas = realloc(map->areas, room * sizeof *areas);
-        if (!areas)
-            return ORL_ERR_NOMEM;
-        map->areas = areas;
-        map->areas_room = room;
-    }
+    if (map->count == ORL_SUN_MAP_MOST_SQUARES)
+        return ORL_ERR_LIMIT;
+    const int code = map->count == map->areas_room ? grow_squares(map) : 0;
+    if (code < 0)
+        return code;
     map->areas[map->count] = orl_sun_square_area(&map->squares, hit);
     map->names[slot] = name;
     map->places[slot] = (uint32_t)map->count++;
@@ -108,35 +125,47 @@ static void shoot(void *arg, size_t index, uint32_t member)
     orl_sun_shoot(&shots[index]);
 }
 
-static int make_room(struct orl_sun_map *map, size_t more)
+/* The entry of a row and a beam, which is there from then on. Beams come one after the other. */
+static int need_entry(struct orl_sun_map *map, uint32_t row, uint32_t beam,
+                      struct brought **ret_entry)
 {
-    if (map->n_brought + more <= map->brought_room)
+    const uint32_t latest = map->latest[row];
+    if (latest > 0 && map->brought[latest - 1].beam == beam) {
+        *ret_entry = &map->brought[latest - 1];
         return 0;
-    const size_t room = map->n_brought + more + map->brought_room;
-    struct brought *grown = realloc(map->brought, room * sizeof *grown);
-    if (!grown)
-        return ORL_ERR_NOMEM;
-    map->brought = grown;
-    map->brought_room = room;
+    }
+    if (map->n_brought == ORL_SUN_MAP_MOST_ENTRIES)
+        return ORL_ERR_LIMIT;
+    if (map->n_brought == map->brought_room) {
+        const size_t room = map->brought_room + map->brought_room / 2 + 4096;
+        struct brought *grown = realloc(map->brought, room * sizeof *grown);
+        if (!grown)
+            return ORL_ERR_NOMEM;
+        map->brought = grown;
+        map->brought_room = room;
+    }
+    *ret_entry = &map->brought[map->n_brought++];
+    **ret_entry = (struct brought){.row = row, .beam = beam};
+    map->latest[row] = (uint32_t)map->n_brought;
     return 0;
 }
 
 static int take(struct orl_sun_map *map, const struct orl_sun_shot *s)
 {
-    int code = s->code < 0 ? s->code : make_room(map, s->n_deposits);
+    int code = s->code;
     for (size_t i = 0; i < s->n_deposits && code == 0; i++) {
         const struct orl_sun_deposit *d = &s->deposits[i];
         const struct orl_hit hit = {
             .facet = d->facet, .front = d->front, .point = d->point, .normal = d->normal};
+        struct brought *b = NULL;
         uint32_t place = 0;
         code = need_square(map, &hit, &place);
         const double area = code == 0 ? map->areas[place] : 0;
         if (!(area > 0))
             continue;
-        struct brought *b = &map->brought[map->n_brought++];
-        *b = (struct brought){.row = place * ORL_SUN_MAP_LOTS + d->lot, .beam = (uint32_t)s->beam};
-        for (int c = 0; c < CHANNELS; c++)
-            b->light[c] = (float)((double)d->flux[c] / area);
+        code = need_entry(map, place * ORL_SUN_MAP_LOTS + d->lot, (uint32_t)s->beam, &b);
+        for (int c = 0; c < CHANNELS && code == 0; c++)
+            b->light[c] += (float)((double)d->flux[c] / area);
     }
     return code;
 }
@@ -149,22 +178,44 @@ static uint32_t photons_of_lot(const struct orl_sun_map *map,
     return (request->photons + parts - 1) / parts;
 }
 
+/* Where the next batch begins. */
+struct cursor {
+    size_t beam;
+    uint32_t photon;
+};
+
+/* Lists batches from the cursor on, and moves it behind them. Returns how many there are. */
+static size_t list_shots(const struct orl_sun_map *map, const struct orl_sun_map_request *request,
+                         struct cursor *next, struct orl_sun_shot ret_shots[MOST_AT_ONCE])
+{
+    size_t n = 0;
+    while (n < MOST_AT_ONCE && next->beam < map->beams.count) {
+        const uint32_t photons = photons_of_lot(map, request, next->beam);
+        const uint32_t left = photons * ORL_SUN_MAP_LOTS - next->photon;
+        ret_shots[n++] = (struct orl_sun_shot){.beams = &map->beams,
+                                               .nodes = request->nodes,
+                                               .sobol = request->sobol,
+                                               .seed = request->seed,
+                                               .beam = next->beam,
+                                               .photons = photons,
+                                               .first = next->photon,
+                                               .end = next->photon + (left < BATCH ? left : BATCH),
+                                               .whole = request->whole};
+        next->photon += BATCH;
+        if (left <= BATCH)
+            *next = (struct cursor){.beam = next->beam + 1};
+    }
+    return n;
+}
+
 static int shoot_all(struct orl_sun_map *map, const struct orl_sun_map_request *request,
                      struct orl_crew *crew)
 {
     struct orl_sun_shot shots[MOST_AT_ONCE];
+    struct cursor next = {.beam = 0};
     int code = rehash(map, 4096);
-    for (size_t first = 0; first < map->beams.count && code == 0; first += MOST_AT_ONCE) {
-        const size_t left = map->beams.count - first;
-        const size_t n = left < MOST_AT_ONCE ? left : MOST_AT_ONCE;
-        for (size_t i = 0; i < n; i++)
-            shots[i] = (struct orl_sun_shot){.beams = &map->beams,
-                                             .nodes = request->nodes,
-                                             .sobol = request->sobol,
-                                             .seed = request->seed,
-                                             .beam = first + i,
-                                             .photons = photons_of_lot(map, request, first + i),
-                                             .whole = request->whole};
+    while (next.beam < map->beams.count && code == 0) {
+        const size_t n = list_shots(map, request, &next, shots);
         code = orl_crew_try(crew, n, shoot, shots);
         for (size_t i = 0; i < n; i++) {
             if (code == 0)
@@ -172,6 +223,8 @@ static int shoot_all(struct orl_sun_map *map, const struct orl_sun_map_request *
             orl_sun_shot_done(&shots[i]);
         }
     }
+    free(map->latest);
+    map->latest = NULL;
     return code;
 }
 
@@ -196,46 +249,33 @@ static struct brought *sort_by_row(const struct orl_sun_map *map, size_t n_rows)
     return sorted;
 }
 
-static bool goes_on(const struct brought *sorted, size_t i)
+static void fill_rows(struct orl_sun_map *map, const struct brought *sorted, size_t n_rows)
 {
-    return i > 0 && sorted[i].row == sorted[i - 1].row && sorted[i].beam == sorted[i - 1].beam;
-}
-
-/* One entry of all that a beam brought to a row. */
-static void add_up(struct orl_sun_map *map, const struct brought *sorted, size_t n_rows)
-{
-    size_t n = 0, row = 0;
+    size_t row = 0;
     for (size_t i = 0; i < map->n_brought; i++) {
         for (; row <= sorted[i].row; row++)
-            map->first[row] = n;
-        if (!goes_on(sorted, i)) {
-            map->which[n] = sorted[i].beam;
-            memset(map->light + n * map->channels, 0, map->channels * sizeof *map->light);
-            n++;
-        }
+            map->first[row] = i;
+        map->which[i] = sorted[i].beam;
         for (uint32_t c = 0; c < map->channels; c++)
-            map->light[(n - 1) * map->channels + c] += sorted[i].light[c];
+            map->light[i * map->channels + c] = sorted[i].light[c];
     }
     for (; row <= n_rows; row++)
-        map->first[row] = n;
+        map->first[row] = map->n_brought;
 }
 
 static int make_rows(struct orl_sun_map *map)
 {
-    const size_t n_rows = map->count * ORL_SUN_MAP_LOTS;
+    const size_t n_rows = map->count * ORL_SUN_MAP_LOTS, n = map->n_brought;
     struct brought *sorted = sort_by_row(map, n_rows);
-    size_t n = 0;
-    for (size_t i = 0; sorted && i < map->n_brought; i++)
-        n += !goes_on(sorted, i);
+    free(map->brought);
+    map->brought = NULL;
     map->first = malloc((n_rows + 1) * sizeof *map->first);
     map->which = malloc((n + 1) * sizeof *map->which);
     map->light = malloc((n + 1) * map->channels * sizeof *map->light);
     const bool room = sorted && map->first && map->which && map->light;
     if (room)
-        add_up(map, sorted, n_rows);
+        fill_rows(map, sorted, n_rows);
     free(sorted);
-    free(map->brought);
-    map->brought = NULL;
     return room ? 0 : ORL_ERR_NOMEM;
 }
 
@@ -363,6 +403,7 @@ void orl_sun_map_free(struct orl_sun_map *map)
     free(map->places);
     free(map->areas);
     free(map->brought);
+    free(map->latest);
     free(map->first);
     free(map->which);
     free(map->light);

@@ -17,6 +17,7 @@
 #ifndef ORL_ANNUAL_SUN_MAP_H
 #define ORL_ANNUAL_SUN_MAP_H
 
+#include <oriel/annual.h>
 #include <oriel/crew.h>
 
 #include "annual/sun_beams.h"
@@ -26,6 +27,9 @@
 #include "light/world.h"
 
 struct orl_sun_map;
+
+/* Bounds of a map: squares, and entries, one for each beam that comes to a lot of a square. */
+enum { ORL_SUN_MAP_MOST_SQUARES = 1 << 22, ORL_SUN_MAP_MOST_ENTRIES = ORL_ANNUAL_MOST_MAP_VALUES };
 
 struct orl_sun_map_request {
     const struct orl_world *world; /* borrowed, also by the map */
@@ -38,7 +42,7 @@ struct orl_sun_map_request {
 };
 
 /* *ret_map is NULL where there is nothing to map: an open scene, or no ports. Returns 0,
- * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+ * ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT beyond the bounds above. */
 int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
                     struct orl_sun_map **ret_map);
 /* The same, of what orl_sun_map_save made of one for an equal request. ORL_ERR_NOMEM. */

@@ -135,7 +135,7 @@ void orl_sun_shoot(struct orl_sun_shot *s)
             aim.flux += world->ports[i].area * fmax(orl_dot(sun, world->ports[i].outward), 0);
         aim.shares[i] = aim.flux;
     }
-    for (uint32_t i = 0; aim.flux > 0 && i < s->photons * ORL_SUN_MAP_LOTS && s->code == 0; i++)
+    for (uint32_t i = s->first; aim.flux > 0 && i < s->end && s->code == 0; i++)
         shoot_one(s, &aim, i / ORL_SUN_MAP_LOTS, i % ORL_SUN_MAP_LOTS);
     free(aim.shares);
 }

@@ -19,14 +19,15 @@ struct orl_sun_deposit {
     float flux[3]; /* RGB */
 };
 
-/* A beam's photons. */
+/* A batch of a beam's photons. */
 struct orl_sun_shot {
     const struct orl_sun_beams *beams; /* borrowed, as all pointers down to seed are */
     const struct orl_frame *nodes;     /* towards them, as the scene has it */
     const struct orl_sobol *sobol;
     uint64_t seed;
     size_t beam;
-    uint32_t photons;                 /* of each lot */
+    uint32_t photons;                 /* of each lot of the beam, all batches together */
+    uint32_t first, end;              /* photons of the batch, of all lots: lot is index % lots */
     bool whole;                       /* diffuse surfaces send them on as well */
     struct orl_sun_deposit *deposits; /* owned; in no order but the same one every time */
     size_t n_deposits, room;

@@ -297,6 +297,7 @@ struct mirrored_hours {
     const struct orl_annual_scene *scene;
     const struct orl_year_suns *suns;
     const struct orl_place *place;
+    const struct orl_crew *crew;
     uint64_t name;
     uint32_t item; /* the pane */
     float *light;
@@ -307,7 +308,7 @@ static void add_mirrored_hour(void *ctx, uint32_t sun)
     const struct mirrored_hours *m = ctx;
     const struct disc disc = disc_of(m->suns, sun, m->name);
     double sum = 0;
-    if (!m->suns->at[sun].wanted)
+    if (!m->suns->at[sun].wanted || orl_crew_cancelled(m->crew))
         return;
     for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
         double at[2];
@@ -344,9 +345,9 @@ static bool may_see(const struct orl_annual_scene *scene, const struct orl_place
 
 void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                            const struct orl_place *place, uint64_t name,
-                           const struct orl_sunlit_hours *ret)
+                           const struct orl_crew *crew, const struct orl_sunlit_hours *ret)
 {
-    for (size_t c = 0; c < suns->count; c++) {
+    for (size_t c = 0; c < suns->count && !orl_crew_cancelled(crew); c++) {
         const struct orl_hour_sun *sun = &suns->at[c];
         double seen = 0, unsure = 0;
         if (sun->wanted && may_see(scene, place, sun)) {
@@ -359,7 +360,11 @@ void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct or
     if (!ret->mirrored)
         return;
     memset(ret->mirrored, 0, suns->count * sizeof *ret->mirrored);
-    struct mirrored_hours m = {
-        .scene = scene, .suns = suns, .place = place, .name = name, .light = ret->mirrored};
+    struct mirrored_hours m = {.scene = scene,
+                               .suns = suns,
+                               .place = place,
+                               .crew = crew,
+                               .name = name,
+                               .light = ret->mirrored};
     find_mirrored(&m);
 }

@@ -29,13 +29,14 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
  * Irradiance at a sensor by the discs of all suns that are wanted, of each as if it gave 1 to what
  * faces it: straight (and through panes), and by mirrors. squares: of the standard error of the two
  * together, by how the discs' points lie where an edge crosses a disc. Arrays are by sun; 0 of
- * those that are not wanted.
+ * those that are not wanted. The crew is asked before each sun, straight and by each pane, if the
+ * job is cancelled, and then the rest is left out; NULL: it never is.
  */
 struct orl_sunlit_hours {
     float *straight, *mirrored, *squares; /* mirrored may be NULL: it is not asked for */
 };
 void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                            const struct orl_place *place, uint64_t name,
-                           const struct orl_sunlit_hours *ret);
+                           const struct orl_crew *crew, const struct orl_sunlit_hours *ret);
 
 #endif

@@ -217,6 +217,9 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
     ret_needs->hour_bytes = KEPT_HOUR * (rounds + states - 1);
     ret_needs->hour_bytes += job->request.n_terms > 0 ? sizeof(double) : 0; /* sums of products */
     ret_needs->array_bytes = annual_array_bytes(&job->formats);
+    ret_needs->photons = job->request.photons < ORL_ANNUAL_MOST_MAP_VALUES
+                             ? job->request.photons
+                             : ORL_ANNUAL_MOST_MAP_VALUES;
     ret_needs->seats = annual_seats(job);
     ret_needs->windows = job->formats.phases ? ORL_PHASES_MOST_WINDOWS : 0;
 }

@@ -154,6 +154,21 @@ static void test_phases(void **state)
     compare(*state, 600, "phases");
 }
 
+/* Photons that go on until they are absorbed bring more values than the map of sunlight keeps. */
+static void test_photons(void **state)
+{
+    static const char members[] =
+        "\"weather\":\"one.wea\",\"samples\":16,\"technique\":\"precomputed\","
+        "\"photons\":1000000,\"sensors\":[[2,2,1,0,0,1]]";
+    double memory_mb, disk_mb;
+    if (ORL_SANITIZED)
+        skip();
+    estimate(*state, members, &memory_mb, &disk_mb);
+    const struct taken taken = run_alone(members);
+    print_message("a million photons: memory %.0f MB, %.0f foreseen\n", taken.memory_mb, memory_mb);
+    assert_true(taken.memory_mb < memory_mb);
+}
+
 /* A result that can never fit is refused before anything is computed. */
 static void test_beyond_the_budget(void **state)
 {
@@ -175,6 +190,7 @@ int main(void)
         cmocka_unit_test(test_beyond_the_budget),
         cmocka_unit_test(test_coefficients),
         cmocka_unit_test(test_phases),
+        cmocka_unit_test(test_photons),
     };
     return cmocka_run_group_tests(tests, set_up, year_room_tear_down);
 }

@@ -34,6 +34,7 @@ import oriel  # noqa: E402  pylint: disable=wrong-import-position,wrong-import-o
 WORST_S = 2.0
 LONGEST_S = 5.0
 QUICK_S = 0.5
+QUICK_PANES_S = 2.0  # its sensors come after a map of sunlight
 GIVE_UP_S = 60.0
 POLL_S = 0.002
 TICK_S = 1 / os.sysconf("SC_CLK_TCK")
@@ -69,6 +70,36 @@ def write_facets(path, side):
                 i, x, y, z, x + 0.015, y, z, x, y + 0.015, z - 0.01))
 
 
+def write_panes(path, count):
+    """A closed room with a window and parallel panes, in each of which the sun is mirrored."""
+    with open(path, "w", encoding="ascii") as out:
+        out.write("""void plastic grey 0 0 5 .5 .5 .5 0 0
+void glass clear 0 0 3 .9 .9 .9
+grey polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0
+grey polygon ceiling 0 0 12 0 0 3 0 4 3 4 4 3 4 0 3
+grey polygon south 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0
+grey polygon north 0 0 12 0 4 0 4 4 0 4 4 3 0 4 3
+grey polygon east 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0
+clear polygon window 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3
+""")
+        for i in range(count):
+            x = 0.5 + 3 * i / count
+            out.write("clear polygon pane%d 0 0 12 %g .1 .1 %g 3.9 .1 %g 3.9 2.9 %g .1 2.9\n" % (
+                i, x, x, x, x))
+
+
+def write_year(path):
+    """Weather of a year whose days are all clear."""
+    with open(path, "w", encoding="ascii") as out:
+        out.write("place clear\nlatitude 40\nlongitude 0\ntime_zone 0\nsite_elevation 0\n"
+                  "weather_data_file_units 1\n")
+        for month, days in enumerate((31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31), 1):
+            for hour in range(24 * days):
+                lit = 7 <= hour % 24 <= 17
+                out.write("%d %d %.1f %d %d\n" % (month, 1 + hour // 24, hour % 24 + 0.5,
+                                                  700 * lit, 100 * lit))
+
+
 def make_inputs(folder, build, quick):
     """All files of all kinds; the jobs are long, but for none to end within QUICK_S."""
     office = os.path.join(TOP, "client", "examples", "office")
@@ -80,6 +111,8 @@ def make_inputs(folder, build, quick):
     write_measurements(os.path.join(folder, "measured.csv"), 20 if quick else 60,
                        300 if quick else 3000)
     write_facets(os.path.join(folder, "facets.rad"), 100 if quick else 500)
+    write_panes(os.path.join(folder, "panes.rad"), 60)
+    write_year(os.path.join(folder, "year.wea"))
     with open(os.path.join(TOP, "client", "examples", "office", "lcp", "lcp.json"),
               encoding="utf-8") as stream:
         panel = json.load(stream)
@@ -95,6 +128,7 @@ def documents(panel):
     files = {"files": SCENE + ["facets.rad"]}
     view = [{"name": "room", "view": VIEW, "width": 800, "height": 600}]
     sensors = {"file": "sensors.txt"}
+    panes = {"kind": "annual", "scene": {"files": ["panes.rad"]}, "weather": "year.wea"}
     return {
         "gather": {"kind": "render", "scene": files, "technique": "gather", "sensors": sensors,
                    "views": view, "photons": {"global": 500000, "caustic": 500000}},
@@ -107,6 +141,10 @@ def documents(panel):
         "study": {"kind": "study", "scene": files, "techniques": ["gather", "backward"],
                   "sensors": sensors, "photons": [200000], "gather_samples": [1024],
                   "repeats": 3, "reference": {"samples": 16384, "runs": 4}},
+        "annual, panes": dict(panes, samples=1,
+                              sensors=[[1.5 + 0.1 * i, 2, 0.8, 0, 0, 1] for i in range(16)]),
+        "annual, photons": dict(panes, technique="precomputed", photons=200000000,
+                                sensors=[[1.5, 2, 0.8, 0, 0, 1]]),
         "bsdf_make": dict(panel, scene={"files": ["lcp.rad"]}),
     }
 
@@ -141,7 +179,7 @@ class Course:
     def __init__(self, arguments, name):
         self.chance = random.Random("%d/%s" % (arguments.seed, name))
         self.count, self.quick = arguments.moments, arguments.quick
-        self.whole_s = QUICK_S
+        self.whole_s = QUICK_PANES_S if "panes" in name else QUICK_S
 
     def measure(self, run_for):
         """run_for(s): runs it for so long at most, and returns how long it took."""
@@ -271,14 +309,14 @@ def upload(client, folder, doc):
         return told
     names = doc["scene"]["files"]
     if doc["kind"] == "annual":
-        told["scene"] = client.upload_scene(names, resources=["weather.epw", "upper_pane.rad"],
-                                             folder=folder)
+        told["scene"] = client.upload_scene(names, resources=["weather.epw", "year.wea",
+                                                               "upper_pane.rad"], folder=folder)
     else:
         told["scene"] = client.upload_scene(names, folder=folder)
     with open(os.path.join(folder, "sensors.txt"), encoding="ascii") as stream:
         rows = [[float(word) for word in line.split()] for line in stream
                 if line.strip() and not line.startswith("#")]
-    if "sensors" in told:
+    if told.get("sensors") == {"file": "sensors.txt"}:
         told["sensors"] = rows
     if "grids" in told:
         told["grids"] = [dict(grid, sensors=rows) for grid in told["grids"]]

@@ -82,7 +82,8 @@ enum {
     ORL_ANNUAL_BATCHES = 16,
     ORL_ANNUAL_MOST_SAMPLES = 1 << 20,
     ORL_ANNUAL_MOST_HALVINGS = 2,
-    ORL_ANNUAL_MOST_PHOTONS = 200000000
+    ORL_ANNUAL_MOST_PHOTONS = 200000000,
+    ORL_ANNUAL_MOST_MAP_VALUES = 1 << 24 /* that the map of sunlight keeps of its photons */
 };
 
 void orl_annual_request_init(struct orl_annual_request *request); /* defaults, nothing else set */
