@@ -257,6 +257,7 @@ static const struct {
  * are off by together the shares scatter more than n cells' do. */
 static void of_trees(void **state)
 {
+    struct made longer = {.bsdf = NULL};
     (void)state;
     for (size_t i = 0; i < sizeof trees / sizeof *trees; i++) {
         struct panel panel = {.text = trees[i].text,
@@ -268,7 +269,10 @@ static void of_trees(void **state)
         struct tally tally = {0};
         panel.cull = 1e-9;
         panel.paths = (uint32_t)extent(1 << 13, 1 << 14);
-        struct made longer = make(panel, 77);
+        if (i == 0 || trees[i].text != trees[i - 1].text) {
+            done(&longer); /* the same panel has the same longer run */
+            longer = make(panel, 77);
+        }
         panel.cull = trees[i].cull;
         panel.accuracy = trees[i].accuracy;
         panel.paths_most = 1 << 15;
@@ -283,8 +287,8 @@ static void of_trees(void **state)
             done(&m);
         }
         assert_true_errors(&tally, trees[i].name, trees[i].room);
-        done(&longer);
     }
+    done(&longer);
 }
 
 int main(void)

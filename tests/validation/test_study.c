@@ -184,6 +184,7 @@ static void test_errors_do_not_depend_on_threads(void **state)
     (void)state;
     request.n_samples = 1;
     request.repeats = 2;
+    request.reference_samples = 4096;
     assert_int_equal(run_study(&request, 1, &w, &one, NULL), 0);
     assert_int_equal(run_study(&request, 3, &v, &three, NULL), 0);
     assert_int_equal(one.n_points, three.n_points);
@@ -231,11 +232,12 @@ static void test_views(void **state)
 
 static void test_cancelling(void **state)
 {
-    const struct orl_study_request request = make_request();
+    struct orl_study_request request = make_request();
     struct witness w = {.cancel_after = 2};
     struct orl_study study = {0};
     struct orl_error err = {0};
     (void)state;
+    request.reference_samples = 4096;
     assert_int_equal(run_study(&request, 1, &w, &study, &err), ORL_ERR_CANCELLED);
     assert_int_equal(w.points, 2);
     assert_null(study.points);
