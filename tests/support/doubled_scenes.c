@@ -77,6 +77,13 @@ static void write_tiled_ground(FILE *f, size_t n)
     for (size_t i = 0; i < n; i++)
         fprintf(f, "m polygon t%zu 0 0 12 %zu 0 0 %zu.9 0 0 %zu.9 1 0 %zu 1 0\n", i, i, i, i, i);
 }
+/* Squares in one plane, each within all later ones, which win. */
+static void write_nested(FILE *f, size_t n)
+{
+    fputs(GREY, f);
+    for (size_t i = 1; i <= n; i++)
+        fprintf(f, "m polygon s%zu 0 0 12 0 0 0 %zu 0 0 %zu %zu 0 0 %zu 0\n", i, i, i, i, i);
+}
 
 static void write_daylit(FILE *f, size_t n)
 {
@@ -480,6 +487,7 @@ const struct doubled doubled_scenes[] = {
     WORLD(equal_rings, 500),
     WORLD(long_triangles, 500),
     WORLD(tiled_ground, 200),
+    WORLD(nested, 60),
     WORLD(stack, 25),
 };
 const size_t doubled_n_scenes = sizeof doubled_scenes / sizeof *doubled_scenes;

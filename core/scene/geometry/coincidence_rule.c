@@ -1,6 +1,52 @@
 #include "scene/geometry/coincidence_rule.h"
 
-#include "scene/geometry/cutting.h"
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+static bool same_vec(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
+{
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+static bool same_media(const struct orl_material *a, const struct orl_material *b)
+{
+    bool same = true;
+    for (int i = 0; i < 2; i++)
+        same = same && a->media[i].ior == b->media[i].ior &&
+               same_rgb(a->media[i].transmissivity, b->media[i].transmissivity);
+    return same;
+}
+
+/* Whether materials are the same to light, whatever they are called. */
+static bool materials_alike(const struct orl_material *a, const struct orl_material *b)
+{
+    return a == b ||
+           (a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
+            a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
+            same_rgb(a->extinction, b->extinction) && same_rgb(a->scattered, b->scattered) &&
+            a->forward == b->forward && a->rough == b->rough && a->side == b->side &&
+            same_vec(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
+            a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
+            a->transmitted == b->transmitted &&
+            a->transmitted_specular == b->transmitted_specular &&
+            same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
+            same_media(a, b) && a->max_radius == b->max_radius && a->bsdf == b->bsdf &&
+            a->thickness == b->thickness && same_vec(a->up, b->up) && a->peak == b->peak &&
+            same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
+            same_rgb(a->through, b->through) && same_vec(a->aim, b->aim) &&
+            a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
+            a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture &&
+            a->mix == b->mix && !a->mixed == !b->mixed &&
+            (!a->mixed || (materials_alike(&a->mixed[0], &b->mixed[0]) &&
+                           materials_alike(&a->mixed[1], &b->mixed[1]))));
+}
+
+/* ---- Order --------------------------------------------------------------------------------------
+ */
 
 int orl_coincidence_class(const struct orl_material *m)
 {
@@ -50,7 +96,7 @@ bool orl_material_is_two_sided(const struct orl_material *m)
 bool orl_surfaces_alike(const struct orl_description *d, const struct orl_surface *a,
                         const struct orl_surface *b)
 {
-    return orl_materials_alike(&d->materials[a->material], &d->materials[b->material]);
+    return materials_alike(&d->materials[a->material], &d->materials[b->material]);
 }
 
 bool orl_surface_is_proxy(const struct orl_description *d, const struct orl_surface *s)

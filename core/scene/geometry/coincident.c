@@ -226,7 +226,7 @@ static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl
     int code = orl_duplicates_drop(t->d, t->cut, &t->words);
     orl_cutting_bound(&t->cutting);
     if (code == 0)
-        code = orl_coplanar_find(t->d, &t->place, &t->pairs, looks);
+        code = orl_coplanar_find(t->d, t->cut, &t->place, &t->pairs, looks);
     if (code == 0)
         code = sort_out(t, lots, err);
     if (code == 0)

@@ -6,6 +6,7 @@
 #include <oriel/crew.h>
 
 #include "base/sort.h"
+#include "scene/geometry/covered.h"
 #include "scene/geometry/overlap.h"
 
 /* A polygon or ring in its plane. */
@@ -17,6 +18,7 @@ struct flat {
 
 struct search {
     const struct orl_description *d;
+    const bool *is_cut; /* by material: by antimatter */
     struct orl_same_place place;
     struct flat *flats;
     size_t n_flats;
@@ -200,10 +202,54 @@ static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
     return true;
 }
 
+static double size_of(const struct flat *f)
+{
+    const struct orl_vec3 size = orl_sub(f->box.high, f->box.low);
+    return orl_dot(size, size);
+}
+
+/* Moves the largest flats to the front, in descending order. */
+static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest)
+{
+    for (size_t k = 0; k < n_largest; k++)
+        for (size_t i = n - 1; i > k; i--)
+            if (size_of(&flats[i]) > size_of(&flats[i - 1])) {
+                const struct flat one = flats[i];
+                flats[i] = flats[i - 1];
+                flats[i - 1] = one;
+            }
+}
+
+/* Of polygons that one of the largest covers wholly this pair is the only one to be looked at. */
+static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
+{
+    enum { LARGEST = 8 };
+    size_t kept = 0;
+    bring_largest_first(flats, *n, LARGEST);
+    for (size_t i = 0; i < *n; i++) {
+        const struct orl_surface *const loser = &t->d->surfaces[flats[i].surface];
+        size_t k = 0;
+        for (; k < LARGEST && k < kept; k++) {
+            t->looks->n++;
+            if (orl_polygon_covers(t->d, t->is_cut, &t->d->surfaces[flats[k].surface], loser,
+                                   t->place.tolerance))
+                break;
+        }
+        if (k == LARGEST || k == kept)
+            flats[kept++] = flats[i];
+        else if (!orl_pairs_add(t->pairs, flats[k].surface, flats[i].surface))
+            return false;
+    }
+    *n = kept;
+    return true;
+}
+
 /* All pairs of one plane, which lie in a row; of a few, by a sweep. */
 static bool look_within(struct search *t, struct flat *flats, size_t n)
 {
     enum { FEW = 16 };
+    if (n > FEW && !take_covered_out(t, flats, &n))
+        return false;
     qsort(flats, n, sizeof *flats, compare_starts);
     if (n > FEW)
         return look_by_tree(t, flats, n);
@@ -236,10 +282,11 @@ static bool find_pairs(struct search *t)
     return true;
 }
 
-int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
-                      struct orl_pairs *pairs, struct orl_looks *looks)
+int orl_coplanar_find(const struct orl_description *description, const bool *is_cut,
+                      struct orl_same_place *ret_place, struct orl_pairs *pairs,
+                      struct orl_looks *looks)
 {
-    struct search t = {.d = description, .pairs = pairs, .looks = looks};
+    struct search t = {.d = description, .is_cut = is_cut, .pairs = pairs, .looks = looks};
     int code = list_flats(&t) && find_pairs(&t) ? 0 : ORL_ERR_NOMEM;
     if (code == 0 && orl_is_cancelled(description->cancel))
         code = ORL_ERR_CANCELLED;

@@ -28,10 +28,12 @@ bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double 
 
 /*
  * Adds the pairs, and counts looks; stops when there are more than the most, or when cancelled. Of
- * a pair of polygons an edge's line may still part the two where they have many corners. Returns 0
- * or ORL_ERR_NOMEM.
+ * a pair of polygons an edge's line may still part the two where they have many corners. Of a
+ * polygon that a larger one covers wholly only the pair of these two need be among the pairs.
+ * is_cut: by material, whether antimatter cuts it. Returns 0 or ORL_ERR_NOMEM.
  */
-int orl_coplanar_find(const struct orl_description *description, struct orl_same_place *ret_place,
-                      struct orl_pairs *pairs, struct orl_looks *looks);
+int orl_coplanar_find(const struct orl_description *description, const bool *is_cut,
+                      struct orl_same_place *ret_place, struct orl_pairs *pairs,
+                      struct orl_looks *looks);
 
 #endif

@@ -7,6 +7,7 @@
 #include <oriel/crew.h>
 
 #include "base/arena.h"
+#include "scene/geometry/coincidence_rule.h"
 
 /* Bounds: so much for any scene, and so much more for each corner; at most some seconds. */
 static const uint64_t least_looks = 4000000, looks_a_corner = 250, most_looks = 400000000;
@@ -29,49 +30,7 @@ struct orl_outline orl_outline_of(const struct orl_surface *polygon)
     return (struct orl_outline){polygon->vertices, polygon->n_vertices, polygon->normal};
 }
 
-/* ---- Materials ------------------------------------------------------------------------------- */
-
-static bool same_vec(struct orl_vec3 a, struct orl_vec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
-{
-    return a.r == b.r && a.g == b.g && a.b == b.b;
-}
-
-static bool same_media(const struct orl_material *a, const struct orl_material *b)
-{
-    bool same = true;
-    for (int i = 0; i < 2; i++)
-        same = same && a->media[i].ior == b->media[i].ior &&
-               same_rgb(a->media[i].transmissivity, b->media[i].transmissivity);
-    return same;
-}
-
-bool orl_materials_alike(const struct orl_material *a, const struct orl_material *b)
-{
-    return a == b ||
-           (a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
-            a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
-            same_rgb(a->extinction, b->extinction) && same_rgb(a->scattered, b->scattered) &&
-            a->forward == b->forward && a->rough == b->rough && a->side == b->side &&
-            same_vec(a->grain, b->grain) && same_rgb(a->gloss, b->gloss) &&
-            a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
-            a->transmitted == b->transmitted &&
-            a->transmitted_specular == b->transmitted_specular &&
-            same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
-            same_media(a, b) && a->max_radius == b->max_radius && a->bsdf == b->bsdf &&
-            a->thickness == b->thickness && same_vec(a->up, b->up) && a->peak == b->peak &&
-            same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
-            same_rgb(a->through, b->through) && same_vec(a->aim, b->aim) &&
-            a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
-            a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture &&
-            a->mix == b->mix && !a->mixed == !b->mixed &&
-            (!a->mixed || (orl_materials_alike(&a->mixed[0], &b->mixed[0]) &&
-                           orl_materials_alike(&a->mixed[1], &b->mixed[1]))));
-}
+enum { FEW_WINNERS = 16 };
 
 /* ---- Cutting --------------------------------------------------------------------------------- */
 
@@ -99,18 +58,18 @@ int orl_cutting_look(struct orl_cutting *cutting, const struct orl_outline *a,
 static void tell(struct orl_cutting *t, const struct orl_surface *loser,
                  const struct orl_surface *winner)
 {
-    const struct orl_material *materials = t->d->materials;
-    const bool alike =
-        orl_materials_alike(&materials[loser->material], &materials[winner->material]);
+    const bool alike = orl_surfaces_alike(t->d, loser, winner);
     orl_coincidence_tell(t->words, t->d, alike ? ORL_COINCIDENCE_ALIKE : ORL_COINCIDENCE_SETTLED,
                          loser, winner, t->overlap.n == 0);
 }
 
-/* Keeps the winners that do share an area with the loser, and tells them. */
+/* Keeps the winners that do share an area with the loser, and tells them. Of many, one that covers
+ * the loser wholly is kept alone: no others need be looked at. */
 static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct orl_pair *losses,
                 size_t *n)
 {
     const struct orl_outline first = orl_outline_of(loser);
+    const bool many = *n > FEW_WINNERS;
     size_t kept = 0;
     for (size_t i = 0; i < *n && !t->cut_short; i++) {
         const struct orl_surface *winner = &t->d->surfaces[losses[i].b];
@@ -121,6 +80,11 @@ static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct o
         if (!t->overlap.shared)
             continue;
         tell(t, loser, winner);
+        if (many && t->overlap.n == 0) {
+            losses[0] = losses[i];
+            kept = 1;
+            break;
+        }
         losses[kept++] = losses[i];
     }
     *n = kept;

@@ -25,8 +25,6 @@ struct orl_cutting {
 void orl_cutting_bound(struct orl_cutting *cutting);
 
 struct orl_outline orl_outline_of(const struct orl_surface *polygon);
-/* Whether materials are the same to light, whatever they are called. */
-bool orl_materials_alike(const struct orl_material *a, const struct orl_material *b);
 
 /* Whether two outlines share an area, which sets overlap.shared and what is left of the first. When
  * work is used up they do not, and cut_short is set. Returns 0 or ORL_ERR_NOMEM. */
