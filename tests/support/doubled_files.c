@@ -456,7 +456,7 @@ const struct doubled doubled_files[] = {
     KIND(matrix, MATRIX, 2000),
     KIND(matrix_header, MATRIX, 3000),
     KIND(year_files, YEAR, 200),
-    KIND(year_grids, YEAR, 500),
+    KIND(year_grids, YEAR, 200),
     KIND(year_grids_of_files, YEAR, 200),
     KIND(year_sensors, YEAR, 300),
     KIND(year_targets, YEAR, 100),

@@ -179,10 +179,10 @@ static void write_lamps_named(FILE *f, size_t n)
 #name, DOUBLED_##kind, n, write_##name, 0                                                  \
     }
 const struct doubled doubled_meshes[] = {
-    KIND(obj_faces, OBJ, 500),    KIND(obj_names, OBJ, 500),      KIND(obj_bent, OBJ, 2000),
-    KIND(obj_turned, OBJ, 2000),  KIND(obj_blanks, OBJ, 20000),   KIND(rules, RULES, 1000),
-    KIND(stl_text, STL, 500),     KIND(stl_binary, STL, 500),     KIND(gltf_strip, GLTF, 1000),
-    KIND(gltf_apart, GLTF, 1000), KIND(gltf_copies, GLTF, 1000),  KIND(gltf_nodes, GLTF, 500),
-    KIND(lamps, LAMPS, 1000),     KIND(lamps_named, LAMPS, 1000),
+    KIND(obj_faces, OBJ, 500),    KIND(obj_names, OBJ, 500),     KIND(obj_bent, OBJ, 2000),
+    KIND(obj_turned, OBJ, 2000),  KIND(obj_blanks, OBJ, 20000),  KIND(rules, RULES, 1000),
+    KIND(stl_text, STL, 500),     KIND(stl_binary, STL, 500),    KIND(gltf_strip, GLTF, 1000),
+    KIND(gltf_apart, GLTF, 1000), KIND(gltf_copies, GLTF, 400),  KIND(gltf_nodes, GLTF, 300),
+    KIND(lamps, LAMPS, 1000),     KIND(lamps_named, LAMPS, 400),
 };
 const size_t doubled_n_meshes = sizeof doubled_meshes / sizeof *doubled_meshes;

@@ -83,7 +83,7 @@ static void write_model_grids(FILE *f, size_t n)
     }
 
 const struct doubled doubled_models[] = {
-    MODEL(model_windows, 1000), MODEL(model_rooms, 300), MODEL(model_modifiers, 400),
-    MODEL(model_states, 200),   MODEL(model_mesh, 1000), MODEL(model_grids, 200),
+    MODEL(model_windows, 250), MODEL(model_rooms, 100), MODEL(model_modifiers, 150),
+    MODEL(model_states, 200),  MODEL(model_mesh, 400),  MODEL(model_grids, 200),
 };
 const size_t doubled_n_models = sizeof doubled_models / sizeof *doubled_models;
