@@ -21,6 +21,12 @@ int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err)
                          db->handle ? sqlite3_errmsg(db->handle) : "out of memory");
 }
 
+bool orl_db_is_damaged(const struct orl_db *db)
+{
+    const int code = db->handle ? sqlite3_errcode(db->handle) & 0xff : SQLITE_OK;
+    return code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
+}
+
 int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err)
 {
     if (sqlite3_exec(db->handle, sql, NULL, NULL, NULL) != SQLITE_OK)
@@ -56,6 +62,8 @@ static int open_with(struct orl_db *db, const char *path, int more, struct orl_e
                          "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
                          "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF;",
                          err);
+    if (rc && orl_db_is_damaged(db))
+        rc = ORL_ERR_CORRUPT;
     if (rc)
         orl_db_close(db);
     return rc;

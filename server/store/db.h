@@ -10,6 +10,7 @@
 #define ORL_STORE_DB_H
 
 #include <sqlite3.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include <oriel/error.h>
@@ -18,7 +19,7 @@ struct orl_db {
     sqlite3 *handle;
 };
 
-/* Opens or creates path. Does not migrate. */
+/* Opens or creates path. Does not migrate. ORL_ERR_CORRUPT when the file is damaged. */
 int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err);
 /* Opens one that is there. */
 int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *err);
@@ -35,6 +36,9 @@ void orl_db_close(struct orl_db *db); /* a zeroed struct is fine */
 
 /* Fills err with what SQLite says; returns ORL_ERR_IO. */
 int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err);
+
+/* The last call failed because the file is damaged, or no database at all. */
+bool orl_db_is_damaged(const struct orl_db *db);
 
 /* One or more statements without arguments. */
 int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err);

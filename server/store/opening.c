@@ -123,10 +123,16 @@ static int read_id(struct orl_db *db, char ret_id[ID_TEXT], struct orl_error *er
     if (!stmt)
         return ORL_ERR_IO;
     int rc = 0;
-    if (sqlite3_step(stmt) == SQLITE_ROW)
+    const int step = sqlite3_step(stmt);
+    if (step == SQLITE_ROW) {
         snprintf(ret_id, ID_TEXT, "%s", orl_db_text(stmt, 0));
-    else
+    } else if (step == SQLITE_DONE) {
+        rc = orl_error_set(err, ORL_ERR_CORRUPT,
+                           "the database oriel.db has lost its id: table data_folder is empty");
+        orl_error_hint(err, "It was changed by something else: put it back from a backup");
+    } else {
         rc = orl_db_error(db, "its id cannot be read", err);
+    }
     sqlite3_finalize(stmt);
     return rc;
 }
@@ -166,6 +172,21 @@ static int check_id(const struct orl_folders *folders, struct orl_db *db, enum o
     return rc == ORL_ERR_FULL ? 0 : rc;
 }
 
+/* ---- Damage ---------------------------------------------------------------------------------- */
+
+/* SQLite's words for a file that is cut short or overwritten name neither the file nor a way out.
+ */
+static int explain_damage(const char *path, struct orl_error *err)
+{
+    char why[sizeof err->message];
+    snprintf(why, sizeof why, "%s", err->message);
+    orl_error_set(err, ORL_ERR_CORRUPT, "%.200s is damaged: %.120s", path, why);
+    orl_error_hint(err,
+                   "Put it back from a backup, or from oriel.db.before-NNNN, the copy made before "
+                   "its latest migration");
+    return ORL_ERR_CORRUPT;
+}
+
 /* ---- All ------------------------------------------------------------------------------------- */
 
 int orl_opening_database(const struct orl_folders *folders, enum orl_opening opening,
@@ -173,16 +194,21 @@ int orl_opening_database(const struct orl_folders *folders, enum orl_opening ope
 {
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "oriel.db");
+    bool damaged = false;
     ret_db->handle = NULL;
     int rc = check_before(folders, path, opening, err);
-    if (rc == 0)
+    if (rc == 0) {
         rc = orl_db_open(ret_db, path, err);
+        damaged = rc == ORL_ERR_CORRUPT;
+    }
     if (rc == 0)
         rc = check_tables(folders, ret_db, opening, err);
     if (rc == 0)
         rc = orl_db_migrate_embedded(ret_db, err);
     if (rc == 0)
         rc = check_id(folders, ret_db, opening, err);
+    if (rc && (damaged || orl_db_is_damaged(ret_db)))
+        rc = explain_damage(path, err);
     if (rc)
         orl_db_close(ret_db);
     return rc;

@@ -245,6 +245,36 @@ static void test_missing_files(void **state)
     storage_expect(&f->daemon, "DELETE", job, 204, NULL);
 }
 
+/* A start that fails on a damaged database names the file and a way out, and leaves all files. */
+static void damage_database(struct daemon_room *f, const char *how, const char *said)
+{
+    char job[80];
+    const struct files before = fill(f, job);
+    shell(&f->daemon, how);
+    assert_int_equal(run_program(&f->daemon, "--port 0"), 1);
+    expect_said(&f->daemon, said);
+    expect_said(&f->daemon, "from a backup");
+    forget_said(&f->daemon);
+    expect_files(&f->daemon, &before);
+}
+
+static void test_truncated_database(void **state)
+{
+    damage_database(*state, "truncate -s 10000 $D/oriel.db", "oriel.db is damaged");
+}
+
+static void test_no_database(void **state)
+{
+    damage_database(*state, "yes | head -c 50000 > $D/oriel.db", "oriel.db is damaged");
+}
+
+static void test_lost_id(void **state)
+{
+    struct daemon_room *f = *state;
+    storage_run_sql(&f->daemon, "DELETE FROM data_folder");
+    damage_database(f, "true", "has lost its id");
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
 int main(void)
 {
@@ -258,6 +288,9 @@ int main(void)
         EACH(test_results_of_a_job_under_way),
         EACH(test_removal_of_orphans),
         EACH(test_missing_files),
+        EACH(test_truncated_database),
+        EACH(test_no_database),
+        EACH(test_lost_id),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
