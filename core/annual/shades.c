@@ -62,7 +62,8 @@ static int find_direct(struct orl_shading *s, size_t g, float **ret_owned)
     const struct orl_sub_run sub = {.states = s->combinations[0],
                                     .index = MOST + (uint32_t)g,
                                     .part = (uint32_t)g + 1,
-                                    .sun_only = true};
+                                    .sun_only = true,
+                                    .share = s->share_of_direct};
     struct orl_annual_result run = {.n_sensors = 0};
     const bool alone = s->request->n_groups == 1;
     *ret_owned = NULL;
@@ -263,26 +264,55 @@ static int run_parts(struct orl_shading *s, double share)
 
 /* ---- Which runs ------------------------------------------------------------------------------ */
 
-/* The open one's share of all runs there may be. */
-static double share_of_open(const struct orl_shading *s)
+/* What runs of the direct sun alone cost, one of each group, where a run of all light costs 1. */
+static const double cost_of_direct = 0.1;
+
+/* Returns the number of combinations that there may be, by the clock and by controls. */
+static double most_combinations(struct orl_shading *s)
 {
-    double runs = 1;
+    find_combinations(s);
+    double most = (double)s->n_combinations;
     for (size_t g = 0; g < s->request->n_groups; g++)
-        runs += (double)s->request->groups[g].n_states - 1;
-    return 1 / runs;
+        if (s->request->groups[g].control.kind != ORL_SHADES_NO_CONTROL)
+            most *= 2;
+    return has_more_than_room(s) ? INFINITY : most;
+}
+
+/* A run of a part costs its sensors' share, as light of a group reaches some rooms only: one state
+ * of every group costs about a run of all light, and so do windows of no group. */
+static double cost_of_parts(const struct orl_shading *s)
+{
+    double states = 0;
+    for (size_t g = 0; g < s->request->n_groups; g++)
+        states += (double)s->request->groups[g].n_states;
+    return 1 + states / (double)s->request->n_groups;
+}
+
+/* Predicts the open run's share of the cost of all runs, and that of each run of direct sun. */
+static double predict_shares(struct orl_shading *s)
+{
+    const double others = fmin(most_combinations(s) - 1, cost_of_parts(s));
+    const double each = cost_of_direct / (double)s->request->n_groups;
+    double all = 1 + others;
+    s->n_combinations = 1;
+    for (size_t g = 0; g < s->request->n_groups; g++)
+        if (s->request->groups[g].control.kind == ORL_SHADES_BY_SUN)
+            all += each;
+    s->share_of_direct = each / all;
+    return 1 / all;
 }
 
 static int run_all(struct orl_shading *s)
 {
-    const double open = share_of_open(s);
-    int code = run_open(s, open);
+    int code = run_open(s, predict_shares(s));
     if (code == 0)
         code = control(s);
     if (code < 0)
         return code;
     find_combinations(s);
     s->summed = has_more_than_room(s) || s->n_combinations - 1 > count_parts(s);
-    return s->summed ? run_parts(s, 1 - open) : run_combinations(s, 1 - open);
+    const double left = fmax(1 - s->told, 0);
+    return s->summed ? run_parts(s, left) : run_combinations(s, left);
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */

@@ -16,6 +16,7 @@ struct orl_shading {
     bool summed;                     /* hours that are not all open: by parts */
     struct orl_ports_of_parts ports; /* of the last run by parts */
     double told;                     /* of the whole, by runs that are over */
+    double share_of_direct;          /* of the whole: of a run of the direct sun alone */
     struct orl_error *err;
 };
 

@@ -86,6 +86,18 @@ static struct orl_file file_of(const char *text)
     return (struct orl_file){text, strlen(text), NULL};
 }
 
+static void note_progress(void *ctx, enum orl_stage stage, double stage_fraction,
+                          double job_fraction, double left_s)
+{
+    struct year_progress *progress = ctx;
+    (void)left_s;
+    if (stage == ORL_STAGE_LOAD && stage_fraction == 0 && progress->last > 0 &&
+        ++progress->runs == 1)
+        progress->after_first_run = progress->last;
+    progress->falls += job_fraction < progress->last - 1e-9;
+    progress->last = job_fraction;
+}
+
 /* In place: it points into itself. */
 static void open_place(struct place *p, const struct year_run *run)
 {
@@ -109,6 +121,10 @@ static void open_place(struct place *p, const struct year_run *run)
                                   .output_folder = p->folder,
                                   .cancel = &p->cancel,
                                   .now_s = now_s};
+    if (run->progress) {
+        p->env.ctx = run->progress;
+        p->env.progress = note_progress;
+    }
 }
 
 static void close_place(struct place *p)

@@ -15,6 +15,12 @@ struct year_site {
     double latitude_deg, longitude_deg, time_zone_h; /* both east */
 };
 
+/* What a year reports while it runs. */
+struct year_progress {
+    double last, after_first_run; /* fractions of the job */
+    unsigned runs, falls;         /* how often a run starts, and how often the fraction falls */
+};
+
 struct year_run {
     const char *scene;
     const char *resource_name, *resource_text; /* a BSDF's, or a shade's; or NULL */
@@ -34,6 +40,7 @@ struct year_run {
     double north_deg;
     bool coefficients;
     const struct orl_annual_env *env; /* whose callbacks are heeded; or NULL */
+    struct year_progress *progress;   /* filled in; or NULL */
     const char *kept_in;              /* a folder for what others use again; NULL: nothing is */
     const struct orl_pieces *pieces;  /* whom it is shared with; NULL: with nobody */
     /* Until what they want is sure; or NULL, and the next too. */

@@ -446,6 +446,40 @@ static void test_each_by_its_own_sun(void **state)
     orl_annual_done(&year);
 }
 
+/* The open run counts by its cost, not as one of all runs there may be, of which most are not
+ * needed or are short; and progress never falls, in runs of the direct sun neither. */
+static void test_progress(void **state)
+{
+    struct orl_shade_state states[ORL_SHADES_MOST_STATES] = {{.name = open_word},
+                                                             {.name = shut_word, .dark = true}};
+    const struct orl_shade_control lm83 = {ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2,
+                                           .state = 1};
+    struct orl_window_group groups[] = {
+        {.name = south_word, .windows = front_list, .n_windows = 1, .states = states},
+        {.name = north_word, .windows = back_list, .n_windows = 1, .states = states}};
+    struct year_progress progress = {.last = 0};
+    struct year_run run = usual(room);
+    char names[ORL_SHADES_MOST_STATES][16];
+    (void)state;
+    for (int i = 2; i < ORL_SHADES_MOST_STATES; i++) {
+        snprintf(names[i], sizeof names[i], "state%d", i);
+        states[i] = (struct orl_shade_state){.name = names[i], .dark = true};
+    }
+    for (int g = 0; g < 2; g++) {
+        groups[g].n_states = ORL_SHADES_MOST_STATES;
+        groups[g].control = lm83;
+    }
+    run.groups = groups;
+    run.n_groups = 2;
+    run.progress = &progress;
+    struct orl_annual_result year = year_run(&run);
+    orl_annual_done(&year);
+    assert_true(progress.runs >= 2);
+    assert_int_equal(progress.falls, 0);
+    assert_true(progress.after_first_run > 0.2 && progress.after_first_run < 0.6);
+    assert_true(progress.last > 0.99);
+}
+
 /* Light that cannot be told apart by groups is refused, with the surface or the place. */
 static void test_what_does_not_add_up(void **state)
 {
@@ -588,6 +622,7 @@ int main(void)
         cmocka_unit_test(test_sum_from_the_store),
         cmocka_unit_test(test_rounds),
         cmocka_unit_test(test_each_by_its_own_sun),
+        cmocka_unit_test(test_progress),
         cmocka_unit_test(test_what_does_not_add_up),
         cmocka_unit_test(test_kept_rows),
         cmocka_unit_test(test_mistakes),
