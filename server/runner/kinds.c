@@ -188,12 +188,19 @@ static uint64_t annual_sensor_bytes(const struct orl_task *task)
            ORL_MATRIX_CHANNELS * annual_array_bytes(&task->of.annual.formats);
 }
 
+/* Of glare.csv: a seat's numbers of an hour, and its headings. Of exposure.csv and view-out.csv
+ * with the document: a point's row. */
+enum { SEAT_HOUR = 40, SEAT_HEADINGS = 512, POINT_ROW = 400 };
+
 static uint64_t annual_result_bytes(const struct orl_task *task)
 {
     const struct orl_annual_job *job = &task->of.annual;
-    const uint64_t maps = job->wishes.n_metrics + 2;
+    const struct orl_annual_wishes *wishes = &job->wishes;
+    const uint64_t maps = wishes->n_metrics + 2;
+    const uint64_t points = wishes->exposure.n_points + wishes->view_out.n_points;
     return DOCUMENT + 8784 * HOURS_ROW + job->request.n_grids * (PAGE + MAP * maps) +
-           job->request.n_sensors * annual_sensor_bytes(task);
+           job->request.n_sensors * annual_sensor_bytes(task) +
+           wishes->glare.n_seats * (SEAT_HEADINGS + 8784 * SEAT_HOUR) + points * POINT_ROW;
 }
 
 /* Glare seats of the largest list: reported ones, or those of a control; each list is one run. */

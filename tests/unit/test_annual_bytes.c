@@ -1,0 +1,78 @@
+/* The disk space that a year's job is estimated to take holds the files that grow with its seats.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <oriel/annual_report.h>
+
+#include "runner/kinds.h"
+#include "support/scratch.h"
+
+enum { SEATS = 2, HOURS = 8784 };
+
+/* Values with as many characters as there are. */
+static void fill(struct orl_seat_hours *hours)
+{
+    for (int i = 0; i < HOURS; i++) {
+        hours->dgp[i] = hours->low[i] = hours->high[i] = 0.9876F;
+        hours->eye_lx[i] = 1.2346e-12F;
+    }
+}
+
+static uint64_t file_bytes(const char *path)
+{
+    struct stat st;
+    assert_int_equal(stat(path, &st), 0);
+    return (uint64_t)st.st_size;
+}
+
+static void test_glare(void **state)
+{
+    static char name[64];
+    static float values[SEATS][4][HOURS];
+    static struct orl_annual_step steps[HOURS];
+    static uint32_t step_of_column[HOURS];
+    struct orl_seat seats[SEATS];
+    struct orl_seat_hours hours[SEATS];
+    (void)state;
+    memset(name, '"', sizeof name - 1); /* doubled in a table */
+    for (int i = 0; i < SEATS; i++) {
+        seats[i] = (struct orl_seat){.name = name};
+        hours[i] = (struct orl_seat_hours){
+            .dgp = values[i][0], .low = values[i][1], .high = values[i][2], .eye_lx = values[i][3]};
+        fill(&hours[i]);
+    }
+    for (uint32_t i = 0; i < HOURS; i++) {
+        steps[i] = (struct orl_annual_step){.month = 12, .day = 31, .hour = 23.4567};
+        step_of_column[i] = i;
+    }
+    struct orl_task task = {.kind = ORL_TASK_ANNUAL};
+    const struct orl_annual_report report = {.seat_hours = hours, .n_seats = SEATS};
+    const struct orl_annual_result result = {
+        .n_steps = HOURS, .n_columns = HOURS, .steps = steps, .step_of_column = step_of_column};
+    const uint64_t without = orl_kinds[ORL_TASK_ANNUAL].result_bytes(&task);
+    task.of.annual.wishes.glare.seats = seats;
+    task.of.annual.wishes.glare.n_seats = SEATS;
+    const uint64_t estimate = orl_kinds[ORL_TASK_ANNUAL].result_bytes(&task) - without;
+    const char *path = scratch_path("glare.csv");
+    assert_int_equal(orl_annual_glare_csv(path, &task.of.annual.wishes, &report, &result, NULL), 0);
+    const uint64_t bytes = file_bytes(path), dates = HOURS * strlen("12,31,23.4567\n");
+    print_message("# glare.csv: %llu bytes, of which %llu are dates; estimate %llu\n",
+                  (unsigned long long)bytes, (unsigned long long)dates,
+                  (unsigned long long)estimate);
+    assert_in_range(estimate, bytes - dates, 2 * bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_glare)};
+    return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
+}
