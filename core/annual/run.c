@@ -50,6 +50,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     struct orl_result result = {0};
     struct orl_run_env env = *y->env->run;
     struct orl_told told = {0};
+    char text[480];
     orl_job_init(&job);
     job.scene_files = y->request->scene_files;
     job.n_scene_files = y->request->n_scene_files;
@@ -66,6 +67,9 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
         code = admit_sources(&state.scene->description, err);
     if (code == 0)
         code = name_scene(y, state.scene, err);
+    const bool in_planes = code == 0 && orl_run_describe_sensors_in_planes(
+                                            state.scene, y->request->sensors, y->request->n_sensors,
+                                            y->env->run->crew, text, sizeof text);
     orl_scene_release(state.scene);
     orl_health_add(&y->result->health, &result.health);
     y->result->warnings = result.warnings;
@@ -73,6 +77,8 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     result.warnings = NULL;
     result.n_warnings = 0;
     orl_result_done(&result);
+    if (in_planes)
+        orl_year_warn(y, "%s", text);
     return code;
 }
 

@@ -81,6 +81,14 @@ static int look_ahead(struct orl_run_state *state, struct orl_plan *plan, struct
     return 0;
 }
 
+static void judge_sensors(struct orl_run_state *state)
+{
+    char text[480];
+    if (orl_run_describe_sensors_in_planes(state->world->scene, state->sensors, state->n_sensors,
+                                           state->env->crew, text, sizeof text))
+        orl_run_warn_once(state, "%s", text);
+}
+
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_plan_request request = {.job = state->job,
@@ -99,6 +107,7 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     if (code == 0) {
         judge_light(state);
         orl_run_judge_views(state);
+        judge_sensors(state);
     }
     orl_run_guess_costs(state);
     if (code == 0 && plan->foresight.made)

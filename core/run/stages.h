@@ -123,6 +123,11 @@ bool orl_run_is_dark(struct orl_run_state *state);
 
 /* In the plan stage: warns of eyes inside a solid, in a wall or on a surface. */
 void orl_run_judge_views(struct orl_run_state *state);
+/* Describes sensors in the plane of a surface that they do not face: how many, the first of them,
+ * that surface, and what to do. Returns false when there are none, or when cancelled. */
+bool orl_run_describe_sensors_in_planes(const struct orl_scene *scene,
+                                        const struct orl_sensor *sensors, size_t n,
+                                        const struct orl_crew *crew, char *ret_text, size_t size);
 
 /* At the end: warns of sensors and views without light among others; without any it is an error,
  * ORL_ERR_UNLIT, unless the job expects that, or it is night. */

@@ -20,7 +20,7 @@ static const char year_text[] =
     "{\"kind\": \"annual\", \"title\": \"A room\", \"scene\": {\"files\": [\"room.rad\"]},\n"
     " \"weather\": \"place.epw\", \"samples\": 64, \"seed\": 3,\n"
     " \"grids\": [{\"name\": \"the desks\", \"sensors\": {\"file\": \"desks.pts\"}},\n"
-    "             {\"sensors\": [[2, 2, 1.2, 0, -1, 0]]}],\n"
+    "             {\"sensors\": [[2, 2, 1.2, 0, -1, 0], [4, 2, 0.8, 0, 0, 1]]}],\n"
     " \"targets\": [\"sDA300/50 of the desks >= 1 %\", \"ASE <= 10 %\"], \"rules\": [\"EN 17037 "
     "minimum\"]}\n";
 
@@ -160,6 +160,9 @@ static void test_a_year_to_its_end(void **state)
     assert_string_equal(text_at(inputs, 0, "name"), "desks.pts");
     assert_int_equal(strlen(text_at(inputs, 0, "sha256")), 64);
     assert_says(f->result.err, "steps of the year are not in the weather file");
+    assert_says(f->result.err, "warning: 1 of ");
+    assert_says(f->result.err, " sensors: the sensor lies in the plane of a surface; the first, ");
+    assert_says(f->result.err, " at (4, 2, 0.8), ");
     assert_says(f->result.out, "result.json");
     assert_files_are_there(f, result);
     char *page = cli_read_file(f->output, "the_desks.page.svg");

@@ -1,0 +1,67 @@
+/* Sensors in the plane of a surface that they do not face, as a wall is to a sensor that looks up:
+ * by rounding they are on one side of it or the other. */
+#include <math.h>
+#include <stdio.h>
+
+#include "light/scene.h"
+#include "run/stages.h"
+#include "scene/geometry/stand.h"
+
+/* So many times the geometry's resolution away from a surface a sensor is clear of it. */
+static const double clear_of_surfaces = 10;
+/* A sensor that faces a surface by more than this cosine is moved off it (stand.h). */
+static const double faces_from = 0.25;
+
+/* Looks along way, from one resolution behind the point to one ahead of it. */
+static bool touches_along(const struct orl_geometry *g, struct orl_vec3 point,
+                          struct orl_vec3 normal, struct orl_vec3 way, struct orl_touch *ret_touch)
+{
+    const double span = orl_geometry_resolution(g);
+    struct orl_hit hit;
+    if (!orl_geometry_intersect(g, orl_madd(point, way, -span), way, 2 * span, &hit) ||
+        fabs(orl_dot(hit.normal, normal)) > faces_from)
+        return false;
+    const double height = fabs(orl_dot(orl_sub(hit.point, point), hit.normal));
+    *ret_touch = (struct orl_touch){hit.facet, height};
+    return height <= span;
+}
+
+/* Two ways at a right angle are enough for planes of any direction. */
+static bool lies_in_plane(const struct orl_geometry *g, const struct orl_sensor *sensor,
+                          struct orl_touch *ret_touch)
+{
+    const struct orl_vec3 normal = orl_normalize(sensor->direction);
+    const struct orl_vec3 point = orl_stand(g, orl_sub(sensor->position, g->center), normal);
+    const struct orl_frame frame = orl_frame_about(normal);
+    return touches_along(g, point, normal, frame.u, ret_touch) ||
+           touches_along(g, point, normal, frame.v, ret_touch);
+}
+
+bool orl_run_describe_sensors_in_planes(const struct orl_scene *scene,
+                                        const struct orl_sensor *sensors, size_t n,
+                                        const struct orl_crew *crew, char *ret_text, size_t size)
+{
+    enum { POLL = 1024 };
+    const struct orl_geometry *g = scene->geometry;
+    struct orl_touch touch = {0}, first = {0};
+    size_t count = 0, first_index = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (i % POLL == 0 && orl_crew_cancelled(crew))
+            return false;
+        if (!lies_in_plane(g, &sensors[i], &touch) || count++ > 0)
+            continue;
+        first = touch;
+        first_index = i;
+    }
+    if (count == 0)
+        return false;
+    const struct orl_surface_label label = orl_scene_label_of(scene, first.facet);
+    const struct orl_vec3 at = sensors[first_index].position;
+    snprintf(ret_text, size,
+             "%zu of %zu sensors: the sensor lies in the plane of a surface; the first, number %zu "
+             "at (%.6g, %.6g, %.6g), %.2g m from '%.100s' (%.100s:%d): which side it measures is "
+             "chance; move it at least %.1g m away from the surface",
+             count, n, first_index + 1, at.x, at.y, at.z, first.distance, label.name, label.file,
+             label.line, clear_of_surfaces * orl_geometry_resolution(g));
+    return true;
+}
