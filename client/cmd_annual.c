@@ -104,8 +104,6 @@ static void print_reuse(const struct orl_annual_result *result)
 static void print_summary(const struct orl_annual_result *result,
                           const struct orl_annual_report *report, const struct telling *telling)
 {
-    for (size_t i = 0; i < result->n_warnings; i++)
-        fprintf(stderr, "warning: %s\n", result->warnings[i]);
     for (size_t i = 0; i < report->n_verdicts; i++)
         print_verdict(report, &report->verdicts[i]);
     print_exposure(&telling->job->wishes.exposure, report);

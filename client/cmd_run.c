@@ -45,8 +45,6 @@ static int write_result(const char *output, json_t *json, struct orl_error *err)
 
 static void print_summary(const struct orl_result *result, const char *output)
 {
-    for (size_t i = 0; i < result->n_warnings; i++)
-        fprintf(stderr, "warning: %s\n", result->warnings[i]);
     if (result->outcome.asked)
         fprintf(stderr, "accuracy: %s: %s\n", result->outcome.met ? "met" : "not met",
                 result->outcome.why);
@@ -59,13 +57,8 @@ static void print_summary(const struct orl_result *result, const char *output)
 
 static void print_skies(const json_t *results, const char *output)
 {
-    const json_t *warning, *timings = json_object_get(results, "timings_s");
-    size_t i;
+    const json_t *timings = json_object_get(results, "timings_s");
 
-    json_array_foreach(json_object_get(results, "warnings"), i, warning)
-    {
-        fprintf(stderr, "warning: %s\n", json_string_value(warning));
-    }
     fprintf(stderr, "seconds: total %.2f under %zu skies\n",
             json_number_value(json_object_get(timings, "total")),
             json_array_size(json_object_get(results, "skies")));

@@ -105,17 +105,20 @@ struct local {
     struct orl_map_store store;
     struct orl_progress_line progress;
     struct orl_run_env env;
-    char *warnings; /* lines for who runs a job that fails; a result has its own */
+    char *warnings; /* those that were printed, a line each */
 };
 
-/* Each once; the last ones are lost when memory is short. */
+/* Prints each warning once, as soon as it is known: before anything is rendered if possible. */
 static void on_warned(void *ctx, const char *warning)
 {
     struct local *local = ctx;
     const char *told = local->warnings ? local->warnings : "";
     char *grown = NULL;
 
-    if (!strstr(told, warning) && asprintf(&grown, "%swarning: %s\n", told, warning) >= 0) {
+    if (strstr(told, warning))
+        return;
+    orl_progress_note(&local->progress, "warning: %s", warning);
+    if (asprintf(&grown, "%s%s\n", told, warning) >= 0) {
         free(local->warnings);
         local->warnings = grown;
     }
@@ -197,13 +200,10 @@ static int local_start(struct local *local, const char *folder, const char *outp
     return rc;
 }
 
-/* With the run's verdict. */
-static void local_stop(struct local *local, int code)
+static void local_stop(struct local *local)
 {
     orl_progress_end(&local->progress);
     orl_crew_stop(local->env.crew);
-    if (code < 0 && local->warnings)
-        fputs(local->warnings, stderr);
     free(local->warnings);
 }
 
@@ -236,7 +236,7 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
         return rc;
     local_share(&local, share);
     rc = orl_run(job, &local.env, ret_result, err);
-    local_stop(&local, rc);
+    local_stop(&local);
     return rc;
 }
 
@@ -290,7 +290,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
         rc = orl_run_skies(job, &skies.local.env, &env, err);
         if (rc == 0)
             rc = orl_sequence_draw(job, output, skies.local.env.cancel, skies.results, err);
-        local_stop(&skies.local, rc);
+        local_stop(&skies.local);
     }
     if (rc == 0 && orl_skies_result_end(skies.results, "succeeded"))
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -366,7 +366,7 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
     rc = year.local.env.shelf ? orl_annual_job_run(job, &env, err)
                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_shelf_free(year.local.env.shelf);
-    local_stop(&year.local, rc);
+    local_stop(&year.local);
     return rc;
 }
 

@@ -327,6 +327,41 @@ static void await_handler(const struct cli_child *child)
     assert_true(catches);
 }
 
+/* Text that stands in err once, before a later one. */
+static void assert_told_before(const char *err, const char *text, const char *later)
+{
+    const char *first = strstr(err, text), *then = strstr(err, later);
+    if (!first || strstr(first + 1, text) || !then || then < first)
+        fail_msg("not once '%s' before '%s': %s", text, later, err);
+}
+
+/* An eye and a sensor in the plane of a wall: told once, before anything is rendered. A sensor on
+ * the floor that looks up, and one in the wall's plane that looks away from it, are as usual. */
+static void test_warnings_come_before_rendering(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const plan[] = {"plan", f->document, NULL};
+    cli_write_file(f->folder, "sensors.txt",
+                   "1.5 1 0.8 0 0 1\n1.5 1 0 0 0 1\n0 1 0.8 1 0 0\n0 1 0.8 0 0 1\n0 2 0 0 0 1\n");
+    cli_write_file(f->folder, "job.json",
+                   "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]},\n"
+                   " \"technique\": \"gather\", \"photons\": {\"global\": 2000, \"caustic\": 0},\n"
+                   " \"gather_samples\": 64, \"sensors\": {\"file\": \"sensors.txt\"},\n"
+                   " \"views\": [{\"name\": \"wall\", \"view\": \"-vtv -vp 3 2 1 -vd -1 0 0\","
+                   " \"width\": 16, \"height\": 16}]}");
+    run(f, f->output, "1");
+    assert_int_equal(f->result.exit_code, 0);
+    assert_told_before(f->result.err, "warning: view 'wall': the eye lies on a surface", "render");
+    assert_told_before(f->result.err,
+                       "warning: 2 of 5 sensors: the sensor lies in the plane of a surface; the "
+                       "first, number 4 at (0, 1, 0.8), ",
+                       "render");
+    assert_non_null(strstr(f->result.err, " m from 'west' ("));
+    cli_run(plan, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_non_null(strstr(f->result.err, "2 of 5 sensors"));
+}
+
 static void test_an_interrupt_cancels(void **state)
 {
     struct cli_desk *f = *state;
@@ -363,6 +398,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_run_leaves_numbers_images_and_maps, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_threads_change_no_byte, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_warnings_come_before_rendering, set_up,
+                                        cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_an_interrupt_cancels, set_up, cli_desk_tear_down),
     };
 
