@@ -12,6 +12,7 @@
 #include <time.h>
 
 #include "support/daemon_metric.h"
+#include "support/patience.h"
 #include "support/year_room.h"
 
 /* ---- Long ones ------------------------------------------------------------------------------- */
@@ -95,7 +96,8 @@ static json_t *digests(struct year_room *f, const char *job)
 static double first_percent(struct year_room *f, const char *job)
 {
     struct reply reply;
-    for (int polls = 0; polls < 20000; polls++) {
+    double until = patience_until();
+    do {
         daemon_get(&f->daemon, job, &reply);
         const bool runs = strcmp(reply_text(&reply, "stage"), "render") == 0;
         const bool ended = strcmp(reply_text(&reply, "state"), "succeeded") == 0;
@@ -103,8 +105,8 @@ static double first_percent(struct year_room *f, const char *job)
         reply_done(&reply);
         if ((runs && percent > 0) || ended)
             return percent;
-        nanosleep(&(struct timespec){0, 2000000}, NULL);
-    }
+    } while (patience_nap(until));
+    fail_msg("no row in two minutes");
     return 0;
 }
 

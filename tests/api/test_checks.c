@@ -19,6 +19,7 @@
 #include "checks/confine.h"
 #include "process/sanitized.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 
 /* ---- Processes ------------------------------------------------------------------------------- */
 
@@ -79,8 +80,8 @@ static pid_t hold_check(const struct daemon *daemon)
 {
     const pid_t found = await_check(daemon, true, 20);
     kill(found, SIGSTOP);
-    for (int i = 0; find_check(daemon) == found && i < 3000; i++)
-        nanosleep(&(struct timespec){0, 10000000}, NULL);
+    for (double until = patience_until(); find_check(daemon) == found && patience_nap(until);)
+        continue;
     return found;
 }
 

@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "support/parted.h"
+#include "support/patience.h"
 
 static int count_entries(const char *folder)
 {
@@ -114,8 +115,9 @@ static void test_pieces_serve_again(void **state)
     static const char *const in_five[] = {"--parts", "5", NULL};
     const char *const args[] = {"run", path, "-o", to, "--threads", "1", "--parts", "5", NULL};
     struct cli_child child = cli_start(args);
-    for (int i = 0; i < 2000 && count_entries(store) < 3; i++)
-        usleep(10000);
+    for (double until = patience_until(); count_entries(store) < 3 && patience_nap(until);)
+        continue;
+    assert_true(count_entries(store) >= 3);
     kill(child.pid, SIGKILL);
     cli_finish(&child, &f->result);
     assert_int_equal(f->result.exit_code, -1);
@@ -150,10 +152,9 @@ static void test_a_part_is_done_twice(void **state)
     /* Of so many parts others are still to be made when the first is done. */
     const char *const args[] = {"run", path, "-o", to, "--threads", "1", "--parts", "5", NULL};
     struct cli_child child = cli_start(args);
-    for (int i = 0; i < 20000 && !*stem; i++) {
-        usleep(2000);
+    for (double until = patience_until(); !*stem && patience_nap(until);)
         find_done(folder, stem);
-    }
+    assert_true(*stem);
     kill(child.pid, SIGKILL);
     cli_finish(&child, &f->result);
     snprintf(part, sizeof part, "%s/%s.json", folder, stem);

@@ -16,6 +16,7 @@
 #include <jansson.h>
 
 #include "support/cli.h"
+#include "support/patience.h"
 
 /* A room with one window, a sky without a sun behind it, and a wall to look at. */
 static const char scene_text[] = "# closed but for the window\n"
@@ -311,18 +312,16 @@ static void test_threads_change_no_byte(void **state)
 /* Waits until the child has a handler for SIGINT, as "SigCgt" of its status in /proc says. */
 static void await_handler(const struct cli_child *child)
 {
-    static const struct timespec moment = {0, 10000000};
     char folder[32];
     bool catches = false;
 
     snprintf(folder, sizeof folder, "/proc/%d", (int)child->pid);
-    for (int i = 0; i < 3000 && !catches; i++) {
+    for (double until = patience_until(); !catches && patience_nap(until);) {
         char *status = cli_read_file(folder, "status");
         const char *line = status ? strstr(status, "SigCgt:") : NULL;
 
         catches = line && strtoull(line + strlen("SigCgt:"), NULL, 16) >> (SIGINT - 1) & 1;
         free(status);
-        nanosleep(&moment, NULL);
     }
     assert_true(catches);
 }

@@ -14,6 +14,7 @@
 #include "health/blame.h"
 #include "process/limits.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 #include "support/scene_text.h"
 
 /* Restarts the daemon with a thread that hangs when it moves a job's results to their place. */
@@ -48,8 +49,8 @@ static void wait_hanging(const struct daemon *daemon, const char *job)
 {
     char path[160];
     snprintf(path, sizeof path, "%s/partial/%s/result.json", daemon->root, strrchr(job, '/') + 1);
-    for (int i = 0; i < 3000 && access(path, R_OK) != 0; i++)
-        usleep(10000);
+    for (double until = patience_until(); access(path, R_OK) != 0 && patience_nap(until);)
+        continue;
     assert_int_equal(access(path, R_OK), 0);
 }
 

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "support/cli.h"
+#include "support/patience.h"
 
 static char cluster[64];
 
@@ -83,7 +84,7 @@ void cluster_rest(double seconds)
 
 void cluster_wait_for_tasks(void)
 {
-    for (int i = 0; i < 300 && cluster_tasks(true) == 0; i++)
+    for (double until = patience_until(); cluster_tasks(true) == 0 && patience_nap(until);)
         cluster_rest(0.1);
     assert_true(cluster_tasks(true) > 0);
 }

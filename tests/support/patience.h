@@ -1,0 +1,36 @@
+/*
+ * Waiting for a condition, bounded by the clock: a number of polls says nothing about time, as naps
+ * and the polls themselves take longer on a busy machine and shorter on a fast one. Use:
+ *     for (double until = patience_until(); !holds() && patience_nap(until);)
+ *         continue;
+ *     assert_true(holds());
+ */
+#ifndef ORL_TESTS_SUPPORT_PATIENCE_H
+#define ORL_TESTS_SUPPORT_PATIENCE_H
+
+#include <stdbool.h>
+#include <time.h>
+
+static inline double patience_now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* The second at which a wait that begins now is given up: in two minutes. */
+static inline double patience_until(void)
+{
+    return patience_now_s() + 120;
+}
+
+/* Naps for 5 ms; returns false, at once, when that second has passed. */
+static inline bool patience_nap(double until_s)
+{
+    if (patience_now_s() > until_s)
+        return false;
+    nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+    return true;
+}
+
+#endif
