@@ -154,29 +154,41 @@ static bool ray_meets(const struct orl_pane_node *node, struct orl_vec3 origin,
     return true;
 }
 
-/* Returns true if rays within the slack (a sine) of the direction may meet the node's sphere. */
-static bool cone_meets(const struct orl_pane_node *node, struct orl_vec3 origin,
-                       struct orl_vec3 direction, double slack)
+/* A cone of rays from a point; its half angle is at most a right angle. */
+struct beam {
+    struct orl_vec3 origin, axis;
+    double cosine, sine; /* of the half angle */
+};
+
+/* Returns true if the beam may overlap a cone from the same origin, of at most a right angle. */
+static bool cones_overlap(const struct beam *beam, struct orl_vec3 axis, double cosine, double sine)
 {
-    const struct orl_vec3 way = orl_sub(node->center, origin);
+    return orl_dot(axis, beam->axis) >= beam->cosine * cosine - beam->sine * sine - 1e-9;
+}
+
+/* Returns true if rays of the beam may meet the node's sphere. */
+static bool beam_meets(const struct orl_pane_node *node, const struct beam *beam)
+{
+    const struct orl_vec3 way = orl_sub(node->center, beam->origin);
     const double distance = orl_length(way);
     if (distance <= node->radius)
         return true;
-    const double angle = asin(node->radius / distance) + asin(fmin(slack, 1)) + 1e-9;
-    return angle >= ORL_PI || orl_dot(way, direction) >= distance * cos(angle);
+    const double sine = node->radius / distance;
+    return cones_overlap(beam, orl_scale(way, 1 / distance), sqrt(1 - sine * sine), sine);
 }
 
 bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_window *panes,
                           struct orl_vec3 origin, struct orl_vec3 direction, double slack,
                           double before)
 {
+    const double sine = fmin(slack, 1);
+    const struct beam beam = {origin, direction, sqrt(1 - sine * sine), sine};
     uint32_t stack[MOST_DEPTH] = {0};
     for (int depth = tree->count > 0; depth > 0;) {
         const uint32_t at = stack[--depth];
         const struct orl_pane_node *node = &tree->nodes[at];
         double distance;
-        if (!(slack > 0 ? cone_meets(node, origin, direction, slack)
-                        : ray_meets(node, origin, direction, before)))
+        if (!(slack > 0 ? beam_meets(node, &beam) : ray_meets(node, origin, direction, before)))
             continue;
         if (node->item == UINT32_MAX) {
             stack[depth++] = node->other;

@@ -67,14 +67,12 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
     const struct orl_panel_kind *k = &panels->kinds[kind];
     const struct orl_hour_sun *sun = &panels->suns->at[which];
     const struct orl_sun disc = disc_of(sun);
-    struct orl_panel_draw *draws =
-        panels->draws + ((size_t)kind * panels->suns->count + which) * DRAWS;
+    struct orl_panel_draws *draws = panels->draws + (size_t)kind * panels->suns->count + which;
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
+    memset(draws, 0, sizeof *draws);
     const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(which * ORL_PANEL_MOST_KINDS + kind));
     for (uint32_t i = 0; i < DRAWS; i++) {
         double u[5];
-        struct orl_panel_draw *draw = &draws[i];
-        *draw = (struct orl_panel_draw){.light = 0};
         orl_sobol_point(maker->sobol, i, (uint32_t)name, 5, u);
         const struct orl_vec3 from = orl_sun_sample(&disc, u + 3);
         if (!(orl_dot(from, k->inward) < 0))
@@ -88,8 +86,10 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
                                                ORL_LOBE_TRANSMITTED, s.direction);
         if (!(leaving > 1e-6) || !(density > 0))
             continue;
-        *draw = (struct orl_panel_draw){
-            {(float)s.direction.x, (float)s.direction.y, (float)s.direction.z},
+        draws->towards[0][i] = (float)s.direction.x;
+        draws->towards[1][i] = (float)s.direction.y;
+        draws->towards[2][i] = (float)s.direction.z;
+        draws->at[i] = (struct orl_panel_draw){
             (float)(orl_luma(s.weight) * -orl_dot(from, k->inward) / leaving),
             (float)density,
             {(float)u[3], (float)u[4]}};
@@ -132,7 +132,7 @@ int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
     const int code = find_panes(panels);
     if (code < 0 || panels->count == 0)
         return code;
-    panels->draws = malloc(panels->n_kinds * suns->count * DRAWS * sizeof *panels->draws);
+    panels->draws = malloc(panels->n_kinds * suns->count * sizeof *panels->draws);
     if (!panels->draws)
         return ORL_ERR_NOMEM;
     return orl_crew_try(crew, suns->count, draw_sun, &maker);
@@ -273,11 +273,22 @@ static double sight_of(const struct before *b, struct orl_vec3 towards)
     return 0;
 }
 
-/* Most draws miss the pane by far: this test is cheaper than the pane's own, and a little wider. */
-static inline bool is_in_cone(const struct before *b, const struct orl_panel_draw *d)
+/* Lists the draws in the cone about the pane. Most miss it by far: this test is cheaper than the
+ * pane's own, and a little wider. The first loop is one that compilers vectorise. */
+static uint32_t list_in_cone(const struct before *b, const struct orl_panel_draws *draws,
+                             unsigned char ret_which[DRAWS])
 {
-    return -(d->towards[0] * b->axis[0] + d->towards[1] * b->axis[1] +
-             d->towards[2] * b->axis[2]) >= b->least_cosine;
+    const float *x = draws->towards[0], *y = draws->towards[1], *z = draws->towards[2];
+    const float u = b->axis[0], v = b->axis[1], w = b->axis[2];
+    float cosines[DRAWS];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < DRAWS; i++)
+        cosines[i] = -(x[i] * u + y[i] * v + z[i] * w);
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        ret_which[n] = (unsigned char)i;
+        n += cosines[i] >= b->least_cosine;
+    }
+    return n;
 }
 
 static void find_cone(struct before *b)
@@ -296,15 +307,18 @@ static void add_draws(const struct before *b, size_t which, const struct orl_sun
     const struct orl_panels *panels = b->panels;
     const struct orl_panel *panel = b->panel;
     const size_t suns = panels->suns->count;
-    const struct orl_panel_draw *draws =
-        panels->draws + ((size_t)panel->kind * suns + which) * DRAWS;
-    for (uint32_t i = 0; i < DRAWS; i++) {
-        const struct orl_panel_draw *d = &draws[i];
+    const struct orl_panel_draws *draws = panels->draws + (size_t)panel->kind * suns + which;
+    unsigned char list[DRAWS];
+    const uint32_t n = list_in_cone(b, draws, list);
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t i = list[k];
+        const struct orl_panel_draw *d = &draws->at[i];
         double distance;
-        if (!(d->light > 0) || !is_in_cone(b, d))
+        if (!(d->light > 0))
             continue;
         const struct orl_vec3 there =
-            orl_v3(-(double)d->towards[0], -(double)d->towards[1], -(double)d->towards[2]);
+            orl_v3(-(double)draws->towards[0][i], -(double)draws->towards[1][i],
+                   -(double)draws->towards[2][i]);
         const double here = orl_dot(there, b->place->normal);
         if (!(here > 0) || !orl_window_passed(&panel->window, b->place->point, there, 0, &distance))
             continue;

@@ -26,10 +26,15 @@ enum {
 
 /* A direction into the room that a kind of pane sends an hour's sun. */
 struct orl_panel_draw {
-    float towards[3];
     float light;   /* what it is worth: radiance over density, of a sun of 1 facing it */
     float density; /* per steradian, of drawing it from that point of the disc */
     float from[2]; /* the point: two numbers for about where in the disc */
+};
+
+/* The draws of an hour's sun; their directions by coordinate, for loops over all of them. */
+struct orl_panel_draws {
+    float towards[3][ORL_PANEL_DRAWS];
+    struct orl_panel_draw at[ORL_PANEL_DRAWS];
 };
 
 struct orl_panel {
@@ -51,7 +56,7 @@ struct orl_panels {
     size_t count;
     struct orl_panel_kind kinds[ORL_PANEL_MOST_KINDS];
     size_t n_kinds;
-    struct orl_panel_draw *draws; /* [kind][sun][draw] */
+    struct orl_panel_draws *draws; /* [kind][sun] */
 };
 
 /* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED; orl_panels_done in either case.
