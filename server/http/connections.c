@@ -1,9 +1,11 @@
 #include "http/connections.h"
 
+#include <gnutls/gnutls.h>
 #include <linux/sockios.h>
 #include <linux/tcp.h>
 #include <netinet/in.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -22,6 +24,7 @@ struct orl_address {
 };
 
 struct orl_connection {
+    struct MHD_Connection *handle;
     int fd;
     uint64_t serial;
     bool has_requested;          /* so its TLS handshake is over */
@@ -106,6 +109,7 @@ static void open_connection(struct orl_connections *all, struct MHD_Connection *
         all->unwatched++; /* but for silence */
         return;
     }
+    one->handle = connection;
     one->fd = info->connect_fd;
     one->serial = all->started;
     one->address = count_address(all, connection);
@@ -269,6 +273,47 @@ void orl_connection_cut(struct MHD_Connection *connection)
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (info)
         shutdown(info->connect_fd, SHUT_RDWR);
+}
+
+/* Its headers are complete, but neither has our handler seen them nor is there an answer: only
+ * while libmicrohttpd parses them is this so. */
+static bool is_being_parsed(const struct orl_connection *one)
+{
+    return one->awaited == AWAITS_HEADERS &&
+           MHD_get_connection_info(one->handle, MHD_CONNECTION_INFO_REQUEST_HEADER_SIZE) &&
+           !MHD_get_connection_info(one->handle, MHD_CONNECTION_INFO_HTTP_STATUS);
+}
+
+#define UNPARSED                                                                                   \
+    "{\"type\":\"urn:oriel:error:syntax\",\"title\":\"The request is not valid HTTP\","            \
+    "\"status\":400,\"detail\":\"its Content-Length is not a number of bytes, or its cookies "     \
+    "take too much memory\"}"
+
+/* Earlier answers have left already. Whatever libmicrohttpd sends next fails, so that it closes the
+ * connection. */
+static void refuse_unparsed(struct orl_connection *one)
+{
+    char answer[512];
+    const int size =
+        snprintf(answer, sizeof answer,
+                 "HTTP/1.1 400 Bad Request\r\nContent-Type: application/problem+json\r\n"
+                 "Content-Length: %zu\r\nConnection: close\r\n"
+                 "X-Content-Type-Options: nosniff\r\n\r\n%s",
+                 sizeof UNPARSED - 1, UNPARSED);
+    const union MHD_ConnectionInfo *tls =
+        MHD_get_connection_info(one->handle, MHD_CONNECTION_INFO_GNUTLS_SESSION);
+    const ssize_t sent = tls ? gnutls_record_send(tls->tls_session, answer, (size_t)size)
+                             : send(one->fd, answer, (size_t)size, MSG_DONTWAIT | MSG_NOSIGNAL);
+    /* A client that has not taken earlier answers gets no more than the end. */
+    shutdown(one->fd, sent == size ? SHUT_WR : SHUT_RDWR);
+    one->awaited = AWAITS_NOTHING;
+}
+
+void orl_connections_refuse_unparsed(struct orl_connections *all)
+{
+    for (struct orl_connection *one = all->first; MHD_VERSION < 0x01000000 && one; one = one->next)
+        if (is_being_parsed(one))
+            refuse_unparsed(one);
 }
 
 /* Whoever libmicrohttpd does not read, though it had every reason to between two looks. */

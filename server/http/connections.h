@@ -58,6 +58,13 @@ void orl_connection_go_on(struct MHD_Connection *connection);
 void orl_connection_body(struct MHD_Connection *connection);
 /* It brings what libmicrohttpd would give no answer to: it ends now. */
 void orl_connection_cut(struct MHD_Connection *connection);
+/*
+ * To be called when libmicrohttpd logs something. Versions before 1.0 answer complete headers that
+ * they cannot parse (a Content-Length that is no number, cookies beyond their memory) with two
+ * header blocks in one response. The connection that this happens to gets an answer of ours
+ * instead, and no more can be sent to it.
+ */
+void orl_connections_refuse_unparsed(struct orl_connections *connections);
 /* The request is over; the connection may bring another. */
 void orl_connection_over(struct MHD_Connection *connection);
 

@@ -88,6 +88,7 @@ static void on_message(void *ctx, const char *format, va_list args)
     vsnprintf(http->message, sizeof http->message, format, args);
     http->message[strcspn(http->message, "\r\n")] = '\0';
     orl_log_event(http->context->log, ORL_LOG_DEBUG, "http", "s", "message", http->message);
+    orl_connections_refuse_unparsed(&http->connections);
 }
 
 static int listen_on(const struct sockaddr *address, int *ret_fd, struct orl_error *err)

@@ -70,6 +70,58 @@ static void test_framing(void **state)
     }
 }
 
+/* How often text has part in it. */
+static int count(const char *text, const char *part)
+{
+    int times = 0;
+    for (const char *at = text; (at = strstr(at, part)); at += strlen(part))
+        times++;
+    return times;
+}
+
+/* Headers that libmicrohttpd cannot parse: one answer, in one block, and others are served. The
+ * headers may come with the request line or later. */
+static void test_unparsed_headers(void **state)
+{
+    static const char *const lengths[] = {
+        "+5", "-5", "5x", "5, 5", "0x5", "5 5", "1e3", "", "99999999999999999999999"};
+    static const char first[] = POST HOST;
+    char request[400], answer[4096];
+    for (size_t i = 0; i < 2 * (sizeof lengths / sizeof *lengths); i++) {
+        const size_t at_once = i % 2 ? sizeof first - 1 : 0;
+        snprintf(request, sizeof request, "%sContent-Length: %s\r\n\r\n{}{}{}", first,
+                 lengths[i / 2]);
+        const int fd = daemon_dial(*state);
+        size_t used = 0;
+        assert_true(send(fd, request, at_once, MSG_NOSIGNAL) == (ssize_t)at_once);
+        assert_int_equal(ask(*state, "GET /healthz HTTP/1.0\r\n\r\n", false, answer, sizeof answer),
+                         200); /* whose headers end between those */
+        const char *rest = request + at_once;
+        assert_true(send(fd, rest, strlen(rest), MSG_NOSIGNAL) == (ssize_t)strlen(rest));
+        for (ssize_t n; (n = recv(fd, answer + used, sizeof answer - 1 - used, 0)) > 0;)
+            used += (size_t)n;
+        answer[used] = '\0';
+        close(fd);
+        const char *body = strstr(answer, "\r\n\r\n");
+        if (count(answer, "HTTP/1.1 ") != 1 || count(answer, "HTTP/1.1 400 ") != 1 || !body ||
+            !strstr(body, "Content-Length is not a number"))
+            fail_msg("Content-Length: %s: %s", lengths[i / 2], answer);
+    }
+}
+
+/* The same of cookies that take more memory than a connection has. */
+static void test_many_cookies(void **state)
+{
+    static char request[32000], answer[8192];
+    size_t used = (size_t)sprintf(request, "GET /healthz HTTP/1.1\r\n" HOST "Cookie: ");
+    for (int i = 0; i < 6000; i++)
+        used += (size_t)sprintf(request + used, "a;");
+    sprintf(request + used, "\r\n\r\n");
+    const int status = ask(*state, request, false, answer, sizeof answer);
+    if (status < 400 || count(answer, "HTTP/1.1 ") != 1)
+        fail_msg("%d: %s", status, answer);
+}
+
 #define GET "GET /healthz HTTP/1.1\r\n" HOST
 
 /* Headers that are none, with what could be read as a body or as another request behind them. */
@@ -277,7 +329,8 @@ static int setup(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_framing),       cmocka_unit_test(test_headers),
+        cmocka_unit_test(test_framing),       cmocka_unit_test(test_unparsed_headers),
+        cmocka_unit_test(test_many_cookies),  cmocka_unit_test(test_headers),
         cmocka_unit_test(test_targets),       cmocka_unit_test(test_good),
         cmocka_unit_test(test_absolute_form), cmocka_unit_test(test_no_request),
         cmocka_unit_test(test_broken_off),    cmocka_unit_test(test_hidden_queries),
