@@ -13,6 +13,7 @@
 
 #include "process/carried.h"
 #include "process/times.h"
+#include "store/schema_check.h"
 
 enum { DIGEST_HEX = 65 };
 
@@ -196,6 +197,19 @@ int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t c
     return rc;
 }
 
+static int check_schema(struct orl_db *db, const struct orl_migration *list, size_t count,
+                        struct orl_error *err)
+{
+    struct orl_db made = {.handle = NULL};
+    int rc = orl_db_open(&made, ":memory:", err);
+    if (rc == 0)
+        rc = orl_db_migrate(&made, list, count, err);
+    if (rc == 0)
+        rc = orl_schema_check(db, &made, err);
+    orl_db_close(&made);
+    return rc;
+}
+
 int orl_db_migrate_embedded(struct orl_db *db, struct orl_error *err)
 {
     static const char prefix[] = "migrations/";
@@ -209,5 +223,6 @@ int orl_db_migrate_embedded(struct orl_db *db, struct orl_error *err)
             return orl_error_set(err, ORL_ERR_INTERNAL, "more migrations than expected");
         list[count++] = (struct orl_migration){file.name + sizeof prefix - 1, file.text};
     }
-    return orl_db_migrate(db, list, count, err);
+    const int rc = orl_db_migrate(db, list, count, err);
+    return rc ? rc : check_schema(db, list, count, err);
 }

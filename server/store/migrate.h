@@ -25,7 +25,8 @@ struct orl_migration {
 int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t count,
                    struct orl_error *err);
 
-/* Applies the migrations the daemon carries. */
+/* Applies the migrations the daemon carries. ORL_ERR_CORRUPT: all are applied, but a table or a
+ * column that they make is missing. */
 int orl_db_migrate_embedded(struct orl_db *db, struct orl_error *err);
 
 #endif

@@ -245,6 +245,18 @@ static void test_missing_files(void **state)
     storage_expect(&f->daemon, "DELETE", job, 204, NULL);
 }
 
+/* Then the saved database is back. */
+static void expect_refused_start(struct daemon_room *f, const char *said,
+                                 const struct files *before)
+{
+    assert_int_equal(run_program(&f->daemon, "--port 0"), 1);
+    expect_said(&f->daemon, said);
+    expect_said(&f->daemon, "put back oriel.db from a backup");
+    forget_said(&f->daemon);
+    expect_files(&f->daemon, before);
+    shell(&f->daemon, "rm -f $D/oriel.db-*; cp $D/saved $D/oriel.db");
+}
+
 /* A start that fails on a damaged database names the file and a way out, and leaves all files. */
 static void damage_database(struct daemon_room *f, const char *how, const char *said)
 {
@@ -275,6 +287,26 @@ static void test_lost_id(void **state)
     damage_database(f, "true", "has lost its id");
 }
 
+/* Every table there is, dropped by another program, and a column. */
+static void test_dropped_table(void **state)
+{
+    static const char *const tables[] = {"scenes", "jobs", "scene_files", "tokens", "maps"};
+    struct daemon_room *f = *state;
+    char job[80], sql[160], said[80];
+    const struct files before = fill(f, job);
+    shell(&f->daemon, "cp $D/oriel.db $D/saved");
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        snprintf(sql, sizeof sql, "PRAGMA foreign_keys = OFF; DROP TABLE %s", tables[i]);
+        storage_run_sql(&f->daemon, sql);
+        snprintf(said, sizeof said, "oriel.db lacks the table %s", tables[i]);
+        expect_refused_start(f, said, &before);
+    }
+    storage_run_sql(&f->daemon, "ALTER TABLE jobs RENAME COLUMN state TO other");
+    expect_refused_start(f, "oriel.db lacks the column state of its table jobs", &before);
+    daemon_restart(&f->daemon, NULL);
+    storage_fetch(&f->daemon, job, 200);
+}
+
 #define EACH(test) cmocka_unit_test_setup_teardown(test, daemon_room_set_up, daemon_room_tear_down)
 int main(void)
 {
@@ -291,6 +323,7 @@ int main(void)
         EACH(test_truncated_database),
         EACH(test_no_database),
         EACH(test_lost_id),
+        EACH(test_dropped_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,14 @@
+/*
+ * Does a database have all tables and columns that the migrations make? One that was changed by
+ * another program may list every migration and lack some of these.
+ */
+#ifndef ORL_STORE_SCHEMA_CHECK_H
+#define ORL_STORE_SCHEMA_CHECK_H
+
+#include "store/db.h"
+
+/* wanted: one that the same migrations have just made. ORL_ERR_CORRUPT: db lacks something of it.
+ */
+int orl_schema_check(struct orl_db *db, struct orl_db *wanted, struct orl_error *err);
+
+#endif
