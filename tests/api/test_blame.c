@@ -11,12 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "health/blame.h"
 #include "process/sanitized.h"
 #include "support/daemon.h"
+#include "support/daemon_metric.h"
 #include "support/scene_text.h"
 
 static void expect_state(struct daemon *daemon, const char *job, const char *state, int attempts)
@@ -206,7 +206,7 @@ static void test_uploads_are_no_jobs_fault(void **state)
             daemon_upload(&own, files, 2, NULL, &reply);
             _exit(0);
         }
-        nanosleep(&(struct timespec){1, 0}, NULL);
+        daemon_metric_wait(&f->daemon, "oriel_memory_checks_bytes", 1);
         kill(client, SIGSTOP);
         daemon_end(&f->daemon, SIGKILL);
         kill(client, SIGKILL);

@@ -16,6 +16,7 @@
 
 #include "cache/map_cache.h"
 #include "support/data_folder.h"
+#include "support/patience.h"
 
 #define KEY "00000000000000000000000000000000000000000000000000000000000000aa"
 
@@ -29,8 +30,11 @@ struct fixture {
 
 /* In place of the C library's: the clock on the wall may be ahead. */
 static atomic_int wall_ahead_s;
+static _Thread_local atomic_int *looks_at_clock; /* of this thread, if they are counted */
 int clock_gettime(clockid_t clock, struct timespec *ret_time)
 {
+    if (looks_at_clock)
+        atomic_fetch_add(looks_at_clock, 1);
     const int rc = (int)syscall(SYS_clock_gettime, clock, ret_time);
     if (rc == 0 && clock == CLOCK_REALTIME)
         ret_time->tv_sec += atomic_load(&wall_ahead_s);
@@ -208,6 +212,7 @@ static void test_waiting_can_be_cancelled(void **state)
 struct waiter {
     struct fixture *f;
     atomic_bool cancel, ended;
+    atomic_int looks; /* at a clock */
 };
 
 static void *wait_for_build(void *arg)
@@ -218,6 +223,7 @@ static void *wait_for_build(void *arg)
     struct orl_map_info info;
     struct orl_error err;
     bool hit = true;
+    looks_at_clock = &waiter->looks;
     f->store.acquire(f->store.ctx, "global", KEY, &waiter->cancel, path, &hit, &info, &err);
     atomic_store(&waiter->ended, true);
     return NULL;
@@ -227,7 +233,6 @@ static void *wait_for_build(void *arg)
  * often as before. */
 static void test_clock_put_back(void **state)
 {
-    enum { MOMENT_US = 20000, MOMENTS = 3000 };
     static struct waiter waiter; /* outlives the test, should it fail */
     char path[4096];
     struct orl_map_info info;
@@ -236,11 +241,14 @@ static void test_clock_put_back(void **state)
     assert_false(acquire(waiter.f, path, &info));
     atomic_store(&wall_ahead_s, 3600);
     assert_int_equal(pthread_create(&thread, NULL, wait_for_build, &waiter), 0);
-    usleep(MOMENT_US);
+    /* The time until which it sleeps has been reckoned. */
+    for (double until = patience_until(); !atomic_load(&waiter.looks) && patience_nap(until);)
+        continue;
+    assert_true(atomic_load(&waiter.looks) > 0);
     atomic_store(&wall_ahead_s, 0);
     atomic_store(&waiter.cancel, true);
-    for (int i = 0; i < MOMENTS && !atomic_load(&waiter.ended); i++)
-        usleep(MOMENT_US);
+    for (double until = patience_until(); !atomic_load(&waiter.ended) && patience_nap(until);)
+        continue;
     assert_true(atomic_load(&waiter.ended));
     pthread_join(thread, NULL);
     waiter.f->store.abandon(waiter.f->store.ctx, "global", KEY);

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <semaphore.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -73,14 +74,14 @@ static void on_prepare(uv_prepare_t *prepare)
         uv_close((uv_handle_t *)prepare, NULL);
 }
 
-/* What a turn takes counts, not what it waits. */
-static void test_turns(void **state)
+/* Turns of a loop that waits for 0.3 s and then works for 0.03 s. Returns the sum of their seconds.
+ */
+static double sum_turns(void)
 {
     struct orl_pulse pulse = {0};
     uv_loop_t loop;
     uv_timer_t timer;
     uv_prepare_t prepare;
-    (void)state;
     assert_int_equal(uv_loop_init(&loop), 0);
     orl_pulse_open(&pulse, &loop);
     uv_timer_init(&loop, &timer);
@@ -90,8 +91,19 @@ static void test_turns(void **state)
     uv_prepare_start(&prepare, on_prepare);
     uv_run(&loop, UV_RUN_DEFAULT);
     assert_true(pulse.longest_s >= 0.03);
-    assert_true(pulse.turns.sum < 0.25);
     uv_loop_close(&loop);
+    return pulse.turns.sum;
+}
+
+/* What a turn takes counts, not what it waits: that shows at least once in twenty times, even on a
+ * busy machine, where other processes prolong the turns. */
+static void test_turns(void **state)
+{
+    double least_s = 1;
+    (void)state;
+    for (int i = 0; i < 20 && least_s >= 0.25; i++)
+        least_s = fmin(least_s, sum_turns());
+    assert_true(least_s < 0.25);
 }
 
 int main(void)

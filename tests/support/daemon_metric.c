@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/patience.h"
+
 double daemon_metric(struct daemon *daemon, const char *name)
 {
     struct reply reply;
@@ -21,4 +23,13 @@ double daemon_metric(struct daemon *daemon, const char *name)
     const double value = strtod(at + strlen(line), NULL);
     reply_done(&reply);
     return value;
+}
+
+void daemon_metric_wait(struct daemon *daemon, const char *name, double least)
+{
+    double value = daemon_metric(daemon, name);
+    for (double until = patience_until(); value < least && patience_nap(until);)
+        value = daemon_metric(daemon, name);
+    if (value < least)
+        fail_msg("%s is %g after two minutes, not %g", name, value, least);
 }

@@ -7,4 +7,7 @@
 /* name: with its labels, if it has any. */
 double daemon_metric(struct daemon *daemon, const char *name);
 
+/* Waits until the figure is at least that; fails the running test after two minutes. */
+void daemon_metric_wait(struct daemon *daemon, const char *name, double least);
+
 #endif
