@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "support/daemon_metric.h"
 #include "support/patience.h"
@@ -39,13 +38,11 @@ static char *make_long(const char *more)
 /* Until so many blocks are kept. */
 static void wait_for_blocks(struct year_room *f, size_t blocks)
 {
-    for (int polls = 0; polls < 12000; polls++) {
-        /* The key; of each block its rows and a note that they are whole; rows of the next. */
-        if (daemon_count_files(&f->daemon, "partial") >= 2 * blocks + 2)
-            return;
-        nanosleep(&(struct timespec){0, 10000000}, NULL);
-    }
-    fail_msg("no %zu blocks in two minutes", blocks);
+    /* The key; of each block its rows and a note that they are whole; rows of the next. */
+    for (double until = patience_until();
+         daemon_count_files(&f->daemon, "partial") < 2 * blocks + 2;)
+        if (!patience_nap(until))
+            fail_msg("no %zu blocks in two minutes", blocks);
 }
 
 static void test_progress_and_cancelling(void **state)

@@ -14,12 +14,12 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "http/address.h"
 #include "process/limits.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 #include "support/zip.h"
 
 enum { MIB = 1 << 20, BUDGET_MIB = 4 };
@@ -118,16 +118,14 @@ static void ask_for(struct daemon *daemon, size_t length, const char *header, lo
 /* Until a body of that length is read: what others have announced is gone. */
 static void wait_for_room(struct daemon *daemon, size_t length)
 {
-    const struct timespec moment = {0, 100000000};
     char *zeros = calloc(1, length);
     long status = 507;
     assert_non_null(zeros);
-    for (int i = 0; i < 600 && status == 507; i++) {
+    for (double until = patience_until(); status == 507 && patience_nap(until);) {
         struct reply reply;
         daemon_request(daemon, "POST", "/v1/bsdfs", "application/xml", zeros, length, NULL, &reply);
         status = reply.status;
         reply_done(&reply);
-        nanosleep(&moment, NULL);
     }
     free(zeros);
 }

@@ -8,12 +8,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <cmocka.h>
 #include <jansson.h>
 
 #include "support/cli.h"
+#include "support/patience.h"
 
 /* A room that is open to the south, where another file puts the pane. */
 static const char scene_text[] = "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
@@ -45,14 +45,14 @@ struct fixture {
 
 static void wait_until_listening(struct fixture *f)
 {
-    const struct timespec moment = {0, 20000000};
     char *text = malloc(CLI_OUTPUT_MAX);
 
-    for (int tries = 0; tries < 6000; tries++) {
+    for (double until = patience_until();;) {
         cli_peek(&f->daemon, text);
         if (sscanf(text, "listening on %100s", f->url) == 1 && strchr(text, '\n'))
             break;
-        nanosleep(&moment, NULL);
+        if (!patience_nap(until))
+            break;
     }
     free(text);
     assert_true(strncmp(f->url, "http://127.0.0.1:", 17) == 0);

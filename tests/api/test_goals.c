@@ -8,10 +8,10 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "support/cli.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 
 #define SENSORS "\"technique\":\"backward\",\"sensors\":[[2,1,0.8,0,0,1],[2,4,0.8,0,0,1]]"
 #define VIEW                                                                                       \
@@ -48,7 +48,7 @@ static void get_below(struct daemon_room *f, const char *job, const char *what,
 /* Until a round is done, and its results are there. */
 static void wait_for_round(struct daemon_room *f, const char *job)
 {
-    for (int polls = 0; polls < 15000; polls++) {
+    for (double until = patience_now_s() + 300; patience_nap(until);) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool there = reply_at(&reply, "links.result") != NULL;
@@ -63,7 +63,6 @@ static void wait_for_round(struct daemon_room *f, const char *job)
         reply_done(&reply);
         if (there)
             return;
-        nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
     fail_msg("no round in five minutes");
 }

@@ -16,11 +16,11 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "support/certificate.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 
 /* ---- What systemd hears --------------------------------------------------------------------- */
 
@@ -97,13 +97,12 @@ static bool is_logged(const struct daemon *daemon, const char *text)
     return system(command) == 0;
 }
 
-static void reload(const struct daemon *daemon, const char *until)
+static void reload(const struct daemon *daemon, const char *text)
 {
-    const struct timespec moment = {0, 20000000};
     assert_int_equal(kill(daemon->pid, SIGHUP), 0);
-    for (int i = 0; i < 3000 && !is_logged(daemon, until); i++)
-        nanosleep(&moment, NULL);
-    assert_true(is_logged(daemon, until));
+    for (double until = patience_until(); !is_logged(daemon, text) && patience_nap(until);)
+        continue;
+    assert_true(is_logged(daemon, text));
 }
 
 /* Of new connections alone; one that is no good, or of another key, changes nothing. */
@@ -191,7 +190,6 @@ static size_t count_jobs(struct daemon *daemon)
 static void test_retention(void **state)
 {
     enum { JOBS = 5, KEPT = 2 };
-    const struct timespec moment = {0, 50000000};
     const char *const extra[] = {"--keep-jobs", "2", NULL};
     struct daemon daemon;
     struct reply reply;
@@ -210,8 +208,8 @@ static void test_retention(void **state)
         assert_int_equal(reply.status, 200);
         reply_done(&reply);
     }
-    for (int i = 0; i < 3000 && count_jobs(&daemon) > KEPT; i++)
-        nanosleep(&moment, NULL);
+    for (double until = patience_until(); count_jobs(&daemon) > KEPT && patience_nap(until);)
+        continue;
     assert_int_equal(count_jobs(&daemon), KEPT);
     daemon_get(&daemon, paths[1], &reply);
     assert_int_equal(reply.status, 200);

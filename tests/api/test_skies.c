@@ -11,11 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "support/cli.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 #include "support/scene_text.h"
 
 #define VIEW(side)                                                                                 \
@@ -89,7 +89,7 @@ static void expect_same(struct daemon_room *f, const char *one, const char *file
 /* Until so many skies are done. Does it run on? */
 static bool wait_for_skies(struct daemon_room *f, const char *job, double count)
 {
-    for (int polls = 0; polls < 15000; polls++) {
+    for (double until = patience_now_s() + 300; patience_nap(until);) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool there = reply_number(&reply, "skies.done") >= count;
@@ -98,7 +98,6 @@ static bool wait_for_skies(struct daemon_room *f, const char *job, double count)
         reply_done(&reply);
         if (there)
             return runs;
-        nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
     fail_msg("no sky in five minutes");
     return false;
@@ -215,14 +214,22 @@ static void overwrite(const char *path)
     fclose(file);
 }
 
+/* Waits until that file is in the job's partial folder. */
+static void wait_for_file(const struct daemon_room *f, const char *job, const char *file)
+{
+    const double until = patience_now_s() + 300;
+    while (written(f, "partial", job, file) == 0)
+        if (!patience_nap(until))
+            fail_msg("no %s in five minutes", file);
+}
+
 /* What another program has left is not taken. */
 static void test_other_programs_leave_nothing(void **state)
 {
     struct daemon_room *f = *state;
     char job[80], path[256];
     submit(f, "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "]" VIEW("400"), job);
-    for (int i = 0; i < 15000 && written(f, "partial", job, "+0322-0930.+sensors.done") == 0; i++)
-        nanosleep(&(struct timespec){0, 20000000}, NULL);
+    wait_for_file(f, job, "+0322-0930.+sensors.done");
     const int64_t sensors = written(f, "partial", job, "0322-0930.+sensors");
     assert_true(sensors > 0);
     for (int i = 0; i < 2; i++) {
@@ -232,8 +239,7 @@ static void test_other_programs_leave_nothing(void **state)
             overwrite(path);
         daemon_restart(&f->daemon, NULL);
         daemon_wait_running(&f->daemon, job, 1);
-        for (int k = 0; k < 15000 && written(f, "partial", job, "0322-0930.+sensors") == 0; k++)
-            nanosleep(&(struct timespec){0, 20000000}, NULL);
+        wait_for_file(f, job, "0322-0930.+sensors");
         assert_true((written(f, "partial", job, "0322-0930.+sensors") == sensors) == (i == 0));
     }
     cancel(f, job);
@@ -284,7 +290,7 @@ static void test_cancelled_between_skies(void **state)
 static double skies_until_end(struct daemon_room *f, const char *job)
 {
     double done = 0;
-    for (int polls = 0; polls < 15000; polls++) {
+    for (double until = patience_now_s() + 300; patience_nap(until);) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool runs = strcmp(reply_text(&reply, "state"), "running") == 0 ||
@@ -295,7 +301,6 @@ static double skies_until_end(struct daemon_room *f, const char *job)
         reply_done(&reply);
         if (!runs)
             return done;
-        nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
     fail_msg("no end in five minutes");
     return 0;

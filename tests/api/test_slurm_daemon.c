@@ -62,9 +62,7 @@ static void test_parts_are_told_of(void **state)
     struct reply reply;
     parted_submit(f, parted_long, path);
     cluster_wait_for_tasks();
-    for (int i = 0; i < 50 && daemon_metric(&f->daemon, "oriel_parts{state=\"running\"}") < 1; i++)
-        cluster_rest(0.1);
-    assert_true(daemon_metric(&f->daemon, "oriel_parts{state=\"running\"}") > 0);
+    daemon_metric_wait(&f->daemon, "oriel_parts{state=\"running\"}", 1);
     daemon_get(&f->daemon, path, &reply);
     assert_string_equal(reply_text(&reply, "runner.name"), "slurm");
     assert_true(reply_number(&reply, "runner.parts.running") > 0);

@@ -19,6 +19,7 @@
 #include "base/random.h"
 #include "support/cluster.h"
 #include "support/parted_daemon.h"
+#include "support/patience.h"
 
 /* Parts of the wave that is under way. */
 static int count_parts(const struct parted_daemon *f, const char *path)
@@ -108,8 +109,8 @@ static void test_what_nobody_wants_is_swept(void **state)
     f->options[2] = "--shared";
     parted_restart(f);
     cluster_wait_for_none(10);
-    for (int i = 0; i < 50 && rmdir(f->shared) != 0; i++)
-        cluster_rest(0.1);
+    for (double until = patience_until(); rmdir(f->shared) != 0 && patience_nap(until);)
+        continue;
     assert_int_equal(mkdir(f->shared, 0700), 0);
     parted_submit(f, parted_render, first); /* it goes on as ever */
     parted_wait(f, first);
@@ -141,8 +142,8 @@ static void test_the_shared_disk_is_full(void **state)
     cluster_wait_for_tasks();
     snprintf(command, sizeof command, "! cat /dev/zero >%s/filler 2>/dev/null", f->shared);
     cluster_command(command);
-    for (int i = 0; i < 200 && !(held(f, path) > 0); i++)
-        cluster_rest(0.1);
+    for (double until = patience_until(); !(held(f, path) > 0) && patience_nap(until);)
+        continue;
     assert_true(held(f, path) > 0);
     snprintf(command, sizeof command, "rm %s/filler", f->shared);
     cluster_command(command);

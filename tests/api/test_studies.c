@@ -10,11 +10,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "process/limits.h"
 #include "support/cli.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 
 /* Two points of two seeds, and a reference of two runs: fractions of a second each. Under
  * ThreadSanitizer everything takes ten to thirty times as long. */
@@ -187,7 +187,7 @@ static void test_views_have_a_peak(void **state)
 static void wait_for_points(struct daemon_room *f, const char *job, size_t points,
                             struct reply *ret_reply)
 {
-    for (int polls = 0; polls < 3000 * PATIENCE; polls++) {
+    for (double until = patience_now_s() + 120 * PATIENCE; patience_nap(until);) {
         daemon_get(&f->daemon, job, ret_reply);
         if (json_array_size(reply_at(ret_reply, "study.points")) >= points &&
             reply_at(ret_reply, "study"))
@@ -195,9 +195,8 @@ static void wait_for_points(struct daemon_room *f, const char *job, size_t point
         assert_true(strcmp(reply_text(ret_reply, "state"), "queued") == 0 ||
                     strcmp(reply_text(ret_reply, "state"), "running") == 0);
         reply_done(ret_reply);
-        nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
-    fail_msg("no points in %d minutes", PATIENCE);
+    fail_msg("no points in %d minutes", 2 * PATIENCE);
 }
 
 static void cancel(struct daemon_room *f, const char *job, long status)

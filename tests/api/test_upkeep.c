@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "support/daemon.h"
+#include "support/patience.h"
 
 /* A daemon with a scene, a BSDF, and a job with results. */
 struct fixture {
@@ -138,7 +138,6 @@ static void test_daemon_scrubs(void **state)
 {
     struct fixture *f = *state;
     struct reply reply;
-    const struct timespec moment = {0, 50000000};
     char blob[80];
     size_t maps = 1;
     snprintf(blob, sizeof blob, "blobs/%.2s/%s", f->bsdf, f->bsdf);
@@ -146,11 +145,10 @@ static void test_daemon_scrubs(void **state)
     damage(f, blob);
     damage(f, "maps/*.opm");
     daemon_restart(&f->daemon, quick_scrub);
-    for (int i = 0; i < 2400 && maps > 0; i++) {
+    for (double until = patience_until(); maps > 0 && patience_nap(until);) {
         daemon_get(&f->daemon, "/v1/maps", &reply);
         maps = json_array_size(reply_at(&reply, "maps"));
         reply_done(&reply);
-        nanosleep(&moment, NULL);
     }
     assert_int_equal(maps, 0);
     char command[300];

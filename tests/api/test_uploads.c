@@ -16,6 +16,7 @@
 #include "store/bundle.h"
 #include "store/mapped_file.h"
 #include "support/daemon.h"
+#include "support/patience.h"
 
 static int setup(void **state)
 {
@@ -371,12 +372,10 @@ static void test_malformed_multipart(void **state)
 
 static bool tmp_is_empty_soon(struct daemon *daemon)
 {
-    for (int i = 0; i < 1200; i++) {
-        if (daemon_count_files(daemon, "tmp") == 0)
-            return true;
-        usleep(50000);
-    }
-    return false;
+    for (double until = patience_until(); daemon_count_files(daemon, "tmp") > 0;)
+        if (!patience_nap(until))
+            return false;
+    return true;
 }
 
 /*

@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "support/daemon.h"
+#include "support/patience.h"
 
 #define VIEW(name, side)                                                                           \
     "{\"name\":\"" name "\",\"view\":\"-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv "        \
@@ -40,7 +40,7 @@ static void submit(struct daemon_room *f, const char *technique, const char *vie
 /* Until so many files are there to fetch. Does it run on? */
 static bool wait_for_files(struct daemon_room *f, const char *job, size_t count)
 {
-    for (int polls = 0; polls < 15000; polls++) {
+    for (double until = patience_now_s() + 300; patience_nap(until);) {
         struct reply reply;
         daemon_get(&f->daemon, job, &reply);
         const bool there = json_array_size(reply_at(&reply, "links.files")) >= count;
@@ -49,7 +49,6 @@ static bool wait_for_files(struct daemon_room *f, const char *job, size_t count)
         reply_done(&reply);
         if (there)
             return runs;
-        nanosleep(&(struct timespec){0, 20000000}, NULL);
     }
     fail_msg("no view in five minutes");
     return false;
