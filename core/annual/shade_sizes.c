@@ -87,7 +87,7 @@ int orl_shades_measure(const struct orl_annual_request *request, const struct or
     if (request->n_groups > ORL_SHADES_MOST_GROUPS)
         return orl_shades_validate(request, err);
     for (size_t i = 0; i < rounds; i++) {
-        struct orl_scene_size size;
+        struct orl_scene_size size = {0};
         const int code =
             measure_round(request, files, i, &size, several && i == 0 ? &own : NULL, err);
         if (code < 0)
