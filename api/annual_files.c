@@ -30,7 +30,7 @@ static int note(void *ctx, const char *name, struct orl_error *err)
 {
     const struct writing *w = ctx;
     const struct orl_run_env *run = w->told->run;
-    if (run->cancel && atomic_load(run->cancel))
+    if (orl_is_cancelled(run->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
     if (json_array_append_new(w->names, json_string(name)))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -209,7 +209,11 @@ static int write_years(struct writing *w, size_t g, const char *grid)
     for (int s = 0; s < 2 && rc == 0; s++) {
         char title[NAME_SIZE];
         snprintf(title, sizeof title, "%s: %s", w->told->report->grids[g].name, of[s].title);
-        orl_annual_series_of(w->told->report, w->told->result, g, of[s].series, 300, values);
+        rc = orl_annual_series_of(w->told->report, w->told->result, g, of[s].series, 300,
+                                  w->told->run->cancel, values);
+        if (rc)
+            orl_error_set(w->err, rc, "%s writing the pictures of a year",
+                          rc == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
         for (int i = 0; i < 2 && rc == 0; i++) {
             const struct orl_temporal_map map = {.title = title,
                                                  .unit = of[s].unit,
@@ -236,7 +240,8 @@ static int write_page(struct writing *w, size_t g, const char *grid)
                                          .result = w->told->result,
                                          .report = w->told->report,
                                          .plans = w->plans,
-                                         .grid = g};
+                                         .grid = g,
+                                         .cancel = w->told->run->cancel};
     int rc = 0;
     for (int i = 0; i < 3 && rc == 0; i++) {
         char path[PATH_SIZE];

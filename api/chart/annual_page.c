@@ -249,15 +249,17 @@ static int draw_year(const struct sheet *s, double y)
     float *values = malloc(report->year.steps.count * sizeof *values);
     if (!values)
         return ORL_ERR_NOMEM;
-    orl_annual_series_of(report, page->result, page->grid, ORL_SERIES_MEAN, 0, values);
+    int code = orl_annual_series_of(report, page->result, page->grid, ORL_SERIES_MEAN, 0,
+                                    page->cancel, values);
     const struct orl_temporal_map map = {.title = "Mean illuminance over the year, lx",
                                          .unit = "lx",
                                          .logarithmic = true,
                                          .steps = report->year.steps,
                                          .values = values,
                                          .marks = report->marks};
-    const int code =
-        orl_temporal_map_draw(&map, s->canvas, rim - 10, y, width - 2 * rim + 20, year_height);
+    if (code == 0)
+        code =
+            orl_temporal_map_draw(&map, s->canvas, rim - 10, y, width - 2 * rim + 20, year_height);
     free(values);
     return code;
 }
@@ -403,6 +405,7 @@ int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_ki
         return code;
     code = draw(&s);
     if (code < 0)
-        orl_error_set(err, code, "out of memory drawing a page");
+        orl_error_set(err, code, "%s drawing a page",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
     return orl_canvas_close(s.canvas, code, err);
 }

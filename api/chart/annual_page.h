@@ -16,9 +16,10 @@ struct orl_annual_page {
     const struct orl_annual_report *report;
     const struct orl_annual_plans *plans;
     size_t grid;
+    const atomic_bool *cancel; /* NULL: never */
 };
 
-/* Returns 0, ORL_ERR_NOMEM or ORL_ERR_IO. */
+/* Returns 0, ORL_ERR_NOMEM, ORL_ERR_IO or ORL_ERR_CANCELLED. */
 int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_kind kind,
                           const char *path, struct orl_error *err);
 

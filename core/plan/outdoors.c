@@ -8,6 +8,11 @@ static const double most_looks = 2e7;
 /* Of the scene's size: what reaches less far beyond a plane lies in it. Rays are floats. */
 static const double in_plane = 1e-7;
 
+static bool goes_on(const struct orl_crew *crew, size_t facet)
+{
+    return facet % 4096 != 0 || !orl_crew_cancelled(crew);
+}
+
 static double highest(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 d)
 {
     return fmax(low.x * d.x, high.x * d.x) + fmax(low.y * d.y, high.y * d.y) +
@@ -65,13 +70,14 @@ static bool is_placed_beyond(const struct orl_geometry *g, const struct orl_plac
     return highest(placed->low, placed->high, outward) > plane + in_plane * g->radius;
 }
 
-static bool is_clear(const struct orl_world *world, const struct orl_port *port)
+static bool is_clear(const struct orl_world *world, const struct orl_port *port,
+                     const struct orl_crew *crew)
 {
     const struct orl_geometry *g = world->geometry;
     const double plane = plane_of(world, port);
     if (highest(g->low, g->high, port->outward) <= plane + in_plane * g->radius)
         return true;
-    for (size_t i = 0; i < g->n_facets; i++)
+    for (size_t i = 0; i < g->n_facets && goes_on(crew, i); i++)
         if (reaches_beyond(g, i, port->outward, plane) ||
             (world->seen && reaches_beyond(world->seen->geometry, i, port->outward, plane)))
             return false;
@@ -106,7 +112,7 @@ static bool same_outside(const struct orl_world *world, size_t port, size_t *ret
     return false;
 }
 
-bool orl_outdoors_look(const struct orl_world *world, bool *ret_clear)
+bool orl_outdoors_look(const struct orl_world *world, const struct orl_crew *crew, bool *ret_clear)
 {
     const double facets = (double)count_looks(world->geometry), most = most_looks;
     double looks = 0;
@@ -123,7 +129,7 @@ bool orl_outdoors_look(const struct orl_world *world, bool *ret_clear)
                 ret_clear[k] = false;
             return false;
         }
-        ret_clear[i] = is_clear(world, &world->ports[i]);
+        ret_clear[i] = is_clear(world, &world->ports[i], crew);
     }
     return true;
 }
@@ -151,7 +157,7 @@ static double sent_back_placed(const struct orl_world *world, const struct orl_g
     return most;
 }
 
-double orl_outdoors_reflectance(const struct orl_world *world)
+double orl_outdoors_reflectance(const struct orl_world *world, const struct orl_crew *crew)
 {
     const struct orl_geometry *g = world->geometry;
     double most = 0, looks = 0;
@@ -165,7 +171,7 @@ double orl_outdoors_reflectance(const struct orl_world *world)
             return 1;
         for (size_t i = 0; i < g->n_prototypes; i++)
             most = fmax(most, sent_back_placed(world, g->prototypes[i], port->outward, plane));
-        for (size_t i = 0; i < g->n_facets; i++)
+        for (size_t i = 0; i < g->n_facets && goes_on(crew, i); i++)
             if (reaches_beyond(g, i, port->outward, plane))
                 most = fmax(most, sent_back(&world->materials[orl_facet_material(g, i)]));
     }

@@ -51,7 +51,9 @@ static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_world *world = survey->world;
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_EXTERIOR];
     const bool looks = decision->wish != ORL_WISH_FORCE && world->n_ports > 0;
-    double rho = looks && survey->n_clear < world->n_ports ? orl_outdoors_reflectance(world) : 0;
+    double rho = looks && survey->n_clear < world->n_ports
+                     ? orl_outdoors_reflectance(world, survey->request->crew)
+                     : 0;
     if (looks && !(rho > 0) && orl_survey_asks_outside(survey))
         rho = orl_panes_reflectance(world);
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
@@ -206,7 +208,7 @@ void orl_decide_windows(struct orl_survey *survey, struct orl_plan *plan)
     struct orl_world *world = survey->world;
     bool *clear = calloc(world->n_ports + 1, sizeof *clear);
     if (clear && plan->effects[ORL_EFFECT_EXTERIOR].wish != ORL_WISH_FORCE)
-        orl_outdoors_look(world, clear);
+        orl_outdoors_look(world, survey->request->crew, clear);
     for (size_t i = 0; clear && i < world->n_ports; i++) {
         world->ports[i].clear = clear[i];
         survey->n_clear += clear[i];

@@ -2,30 +2,43 @@
 #include <oriel/annual_report.h>
 
 #include <math.h>
+#include <stdlib.h>
+
+#include <oriel/crew.h>
 
 #include "base/sum.h"
 
-static float value_of(const struct orl_annual_rows *rows, enum orl_annual_series series,
-                      double threshold_lx, size_t column)
+/* Adds a sensor's share to each column: a row of the result is read in the order it lies in. */
+static void add_sensor(const struct orl_annual_rows *rows, enum orl_annual_series series,
+                       double threshold_lx, size_t sensor, struct orl_sum *sums)
 {
-    struct orl_sum sum = {0}, area = {0};
-    for (size_t i = 0; i < rows->n_sensors; i++) {
-        const double lx = rows->total_lx[i * rows->n_columns + column];
-        orl_sum_add(&area, rows->area[i]);
-        orl_sum_add(&sum,
-                    rows->area[i] * (series == ORL_SERIES_MEAN ? lx : 100 * (lx >= threshold_lx)));
+    const float *row = &rows->total_lx[sensor * rows->n_columns];
+    for (size_t k = 0; k < rows->n_columns; k++) {
+        const double lx = row[k];
+        orl_sum_add(&sums[k], rows->area[sensor] *
+                                  (series == ORL_SERIES_MEAN ? lx : 100 * (lx >= threshold_lx)));
     }
-    return rows->n_sensors > 0 ? (float)(orl_sum_value(&sum) / orl_sum_value(&area)) : 0;
 }
 
-void orl_annual_series_of(const struct orl_annual_report *report,
-                          const struct orl_annual_result *result, size_t grid,
-                          enum orl_annual_series series, double threshold_lx, float *ret_values)
+int orl_annual_series_of(const struct orl_annual_report *report,
+                         const struct orl_annual_result *result, size_t grid,
+                         enum orl_annual_series series, double threshold_lx,
+                         const atomic_bool *cancel, float *ret_values)
 {
     const struct orl_annual_year *year = &report->year;
     const struct orl_annual_rows rows = orl_annual_rows_of(report, result, grid);
-    for (uint32_t i = 0; i < year->steps.count; i++)
+    struct orl_sum *sums = calloc(rows.n_columns + 1, sizeof *sums), area = {0};
+    int code = sums ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < rows.n_sensors && code == 0; i++) {
+        code = orl_is_cancelled(cancel) ? ORL_ERR_CANCELLED : 0;
+        add_sensor(&rows, series, threshold_lx, i, sums);
+        orl_sum_add(&area, rows.area[i]);
+    }
+    for (uint32_t i = 0; i < year->steps.count && code == 0; i++)
         ret_values[i] = year->measured[i] ? ORL_SUN_DOWN : NAN;
-    for (size_t k = 0; k < year->n_columns; k++)
-        ret_values[year->step_of_column[k]] = value_of(&rows, series, threshold_lx, k);
+    for (size_t k = 0; k < year->n_columns && code == 0; k++)
+        ret_values[year->step_of_column[k]] =
+            rows.n_sensors > 0 ? (float)(orl_sum_value(&sums[k]) / orl_sum_value(&area)) : 0;
+    free(sums);
+    return code;
 }

@@ -151,6 +151,34 @@ static void make_year(struct orl_annual_result *result)
                                          .se = se};
 }
 
+/* What a picture of the year shows of a grid, by a mean that is worked out here. */
+static void expect_series(const struct orl_annual_report *report,
+                          const struct orl_annual_result *result)
+{
+    float *series = calloc(report->year.steps.count, sizeof *series);
+    assert_non_null(series);
+    begin(-1);
+    assert_int_equal(
+        orl_annual_series_of(report, result, ORL_ALL_GRIDS, ORL_SERIES_MEAN, 0, &flag, series), 0);
+    assert_int_equal(polls, YEAR_SENSORS);
+    for (size_t k = 0; k < YEAR_COLUMNS; k++) {
+        double mean = 0, area = 0;
+        for (size_t i = 0; i < YEAR_SENSORS; i++) {
+            mean += report->area[i] * (double)result->total[i * YEAR_COLUMNS + k];
+            area += report->area[i];
+        }
+        assert_float_equal(series[report->year.step_of_column[k]], (float)(mean / area), 1e-3F);
+    }
+    for (int at = 0; at < YEAR_SENSORS; at += YEAR_SENSORS / 20) {
+        begin(at);
+        assert_int_equal(orl_annual_series_of(report, result, ORL_ALL_GRIDS, ORL_SERIES_SHARE, 300,
+                                              &flag, series),
+                         ORL_ERR_CANCELLED);
+        assert_int_equal(polls, at + 1);
+    }
+    free(series);
+}
+
 /* Each of these figures visits every sensor twice: by its grid and in all grids together. */
 static void test_reports(void **state)
 {
@@ -170,8 +198,9 @@ static void test_reports(void **state)
     begin(-1);
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &flag, &report, &err),
                      0);
-    orl_annual_report_done(&report);
     const int all = polls;
+    expect_series(&report, &result);
+    orl_annual_report_done(&report);
     print_message("# report of %d sensors: %d polls\n", YEAR_SENSORS, all);
     assert_true(all >= (1 + 3 * 2) * YEAR_SENSORS);
     for (int at = 0; at < all; at += all / 20) {

@@ -235,10 +235,12 @@ enum orl_annual_series { ORL_SERIES_MEAN, ORL_SERIES_SHARE };
 #define ORL_SUN_DOWN (-1.0F)
 
 /* Of every step of the year: the mean over a grid, lx, or the share of its area with at least so
- * many lux, percent. NaN where nothing was measured, ORL_SUN_DOWN where it is dark. */
-void orl_annual_series_of(const struct orl_annual_report *report,
-                          const struct orl_annual_result *result, size_t grid,
-                          enum orl_annual_series series, double threshold_lx, float *ret_values);
+ * many lux, percent. NaN where nothing was measured, ORL_SUN_DOWN where it is dark.
+ * Polls cancel, or NULL, at each sensor. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+int orl_annual_series_of(const struct orl_annual_report *report,
+                         const struct orl_annual_result *result, size_t grid,
+                         enum orl_annual_series series, double threshold_lx,
+                         const atomic_bool *cancel, float *ret_values);
 
 /* ---- Maps ------------------------------------------------------------------------------------ */
 

@@ -158,9 +158,10 @@ static bool cast_placed(const struct casting *c, const struct orl_shade *pane,
     return true;
 }
 
-/* Lists the boxes on the pane; false: too many, or rays along the pane. */
+/* Lists the boxes on the pane; false: too many, rays along the pane, or cancelled. */
 static bool cast_shades(const struct orl_world *world, const struct orl_port *port,
-                        const struct orl_sun *sun, struct orl_shades *shades)
+                        const struct orl_sun *sun, const struct orl_crew *crew,
+                        struct orl_shades *shades)
 {
     const struct orl_geometry *g = world->geometry;
     struct orl_facet own;
@@ -183,6 +184,8 @@ static bool cast_shades(const struct orl_world *world, const struct orl_port *po
     c.plane = reach(&c, facet);
     const struct orl_shade pane = pane_of(&c, facet);
     for (uint32_t i = 0; i < g->n_facets; i++) {
+        if (i % 4096 == 0 && orl_crew_cancelled(crew))
+            return false;
         struct orl_facet room;
         const struct orl_facet *const f = orl_facet_own(g, i, &room);
         if (!(f->area > 0) || i == port->facet || reach(&c, f) <= 0.1 * c.room)
@@ -194,17 +197,17 @@ static bool cast_shades(const struct orl_world *world, const struct orl_port *po
     return cast_placed(&c, &pane, shades);
 }
 
-static int find_shades(struct orl_emission *e, struct orl_stratum *s)
+static int find_shades(struct orl_emission *e, struct orl_stratum *s, const struct orl_crew *crew)
 {
     struct orl_shades *shades = calloc(1, sizeof *shades);
     if (!shades)
         return ORL_ERR_NOMEM;
     if (e->world->ports[s->port].clear ||
-        cast_shades(e->world, &e->world->ports[s->port], &e->world->suns[s->sun], shades))
+        cast_shades(e->world, &e->world->ports[s->port], &e->world->suns[s->sun], crew, shades))
         s->shades = shades;
     else
         free(shades);
-    return 0;
+    return orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : 0;
 }
 
 /* ---- Passages -------------------------------------------------------------------------------- */
@@ -239,7 +242,7 @@ void orl_port_sun_done(struct orl_emission *emission)
         free(emission->strata[i].shades);
 }
 
-int orl_port_sun_prepare(struct orl_emission *emission)
+int orl_port_sun_prepare(struct orl_emission *emission, const struct orl_crew *crew)
 {
     const struct orl_world *world = emission->world;
     emission->passages = calloc(MOST_PASSAGES, sizeof(struct orl_passage *));
@@ -256,7 +259,7 @@ int orl_port_sun_prepare(struct orl_emission *emission)
         const struct orl_facet *facet =
             orl_facet_own(world->geometry, world->ports[s->port].facet, &own);
         if (look || world->ports[s->port].clear)
-            code = find_shades(emission, s);
+            code = find_shades(emission, s, crew);
         if (code == 0)
             code = find_passage(emission, &world->materials[facet->material], facet->normal,
                                 &world->suns[s->sun], &s->passage);

@@ -35,8 +35,9 @@ static inline bool orl_may_be_shaded(const struct orl_shades *shades, struct orl
     return false;
 }
 
-/* For all strata of suns in ports. Returns 0 or ORL_ERR_NOMEM. */
-int orl_port_sun_prepare(struct orl_emission *emission);
+/* For all strata of suns in ports. Returns 0, ORL_ERR_NOMEM or, as the crew heeds,
+ * ORL_ERR_CANCELLED. */
+int orl_port_sun_prepare(struct orl_emission *emission, const struct orl_crew *crew);
 void orl_port_sun_done(struct orl_emission *emission);
 
 #endif

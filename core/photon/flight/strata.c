@@ -263,7 +263,7 @@ int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uin
     if (code == 0)
         code = list_strata(e, crew);
     if (code == 0)
-        code = orl_port_sun_prepare(e);
+        code = orl_port_sun_prepare(e, crew);
     if (code == 0 && world->open)
         code = orl_guide_make(e, seed, crew);
     if (code == 0)

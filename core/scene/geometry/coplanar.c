@@ -190,6 +190,8 @@ static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
     if (!orl_box_tree_build(tree, &flats[0].box, sizeof *flats, n))
         return false;
     for (size_t i = 0; i < n; i++) {
+        if (i % 1024 == 0 && orl_is_cancelled(t->d->cancel))
+            return true;
         if (!orl_box_tree_find(tree, &flats[i].box, (int64_t)i, tolerance, &t->looks->n))
             return false;
         for (size_t k = 0; k < tree->n_found; k++) {
@@ -209,9 +211,10 @@ static double size_of(const struct flat *f)
 }
 
 /* Moves the largest flats to the front, in descending order. */
-static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest)
+static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest,
+                                const atomic_bool *cancel)
 {
-    for (size_t k = 0; k < n_largest; k++)
+    for (size_t k = 0; k < n_largest && !orl_is_cancelled(cancel); k++)
         for (size_t i = n - 1; i > k; i--)
             if (size_of(&flats[i]) > size_of(&flats[i - 1])) {
                 const struct flat one = flats[i];
@@ -225,10 +228,12 @@ static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
 {
     enum { LARGEST = 8 };
     size_t kept = 0;
-    bring_largest_first(flats, *n, LARGEST);
+    bring_largest_first(flats, *n, LARGEST, t->d->cancel);
     for (size_t i = 0; i < *n; i++) {
         const struct orl_surface *const loser = &t->d->surfaces[flats[i].surface];
         size_t k = 0;
+        if (i % 1024 == 0 && orl_is_cancelled(t->d->cancel))
+            return true; /* the caller polls, too */
         for (; k < LARGEST && k < kept; k++) {
             t->looks->n++;
             if (orl_polygon_covers(t->d, t->is_cut, &t->d->surfaces[flats[k].surface], loser,
@@ -250,7 +255,9 @@ static bool look_within(struct search *t, struct flat *flats, size_t n)
     enum { FEW = 16 };
     if (n > FEW && !take_covered_out(t, flats, &n))
         return false;
-    qsort(flats, n, sizeof *flats, compare_starts);
+    const int code = orl_sort(flats, n, sizeof *flats, compare_starts, t->d->cancel);
+    if (code < 0)
+        return code == ORL_ERR_CANCELLED;
     if (n > FEW)
         return look_by_tree(t, flats, n);
     for (size_t i = 0; i < n; i++) {

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/sort.h"
 #include "scene/geometry/coincidence_rule.h"
 
 /* A surface, and where to begin its outline and which way to go, so that equal ones compare equal.
@@ -177,12 +178,12 @@ int orl_duplicates_drop(struct orl_description *description, const bool *is_cut,
     struct entry *const entries = malloc((d->n_surfaces + 1) * sizeof *entries);
     size_t n = 0;
     t.gone = calloc(d->n_surfaces + 1, sizeof *t.gone);
-    const int code = entries && t.gone ? 0 : ORL_ERR_NOMEM;
+    int code = entries && t.gone ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; code == 0 && i < d->n_surfaces; i++)
         if (!orl_surface_is_hole(d, &d->surfaces[i]) && !orl_surface_is_proxy(d, &d->surfaces[i]))
             entries[n++] = entry_of(&d->surfaces[i]);
     if (code == 0)
-        qsort(entries, n, sizeof *entries, compare_entries);
+        code = orl_sort(entries, n, sizeof *entries, compare_entries, d->cancel);
     for (size_t first = 0, next; code == 0 && first < n; first = next) {
         for (next = first + 1; next < n && compare_places(&entries[first], &entries[next]) == 0;)
             next++;

@@ -16,7 +16,8 @@
 /*
  * Drops the duplicates, each with a warning or a count, and keeps the order of the others. The
  * materials that antimatter cuts are marked: a pane in the place of one of those is left for the
- * search for pairs to refuse. Returns 0 or ORL_ERR_NOMEM.
+ * search for pairs to refuse. Returns 0, ORL_ERR_NOMEM or
+ * ORL_ERR_CANCELLED.
  */
 int orl_duplicates_drop(struct orl_description *description, const bool *is_cut,
                         struct orl_coincidence_words *words);
