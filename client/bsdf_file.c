@@ -6,6 +6,7 @@
 #include <oriel/files.h>
 
 #include "digest.h"
+#include "local.h"
 
 int orl_bsdf_file_load(const char *path, struct orl_bsdf **ret_bsdf, struct orl_error *err)
 {
@@ -14,7 +15,9 @@ int orl_bsdf_file_load(const char *path, struct orl_bsdf **ret_bsdf, struct orl_
     int rc = files.open(files.ctx, path, &file, err);
     if (rc < 0)
         return rc;
-    rc = orl_bsdf_load_xml(path, file.data, file.size, ret_bsdf, err);
+    const struct orl_bsdf_xml xml = {
+        .name = path, .data = file.data, .size = file.size, .cancel = orl_local_interrupted()};
+    rc = orl_bsdf_load(&xml, ret_bsdf, err);
     files.close(files.ctx, &file);
     return rc;
 }

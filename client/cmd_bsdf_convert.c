@@ -150,8 +150,12 @@ static int bring(const struct line *line, const struct orl_bsdf *before,
     }
     if (rc == 0)
         rc = orl_local_convert_bsdf(before, source, to, line->local.threads, ret_made, err);
+    const struct orl_bsdf_xml xml = {.name = line->local.output,
+                                     .data = ret_made->xml,
+                                     .size = ret_made->xml_size,
+                                     .cancel = orl_local_interrupted()};
     if (rc == 0)
-        rc = orl_bsdf_load_xml(line->local.output, ret_made->xml, ret_made->xml_size, &after, err);
+        rc = orl_bsdf_load(&xml, &after, err);
     if (rc == 0)
         rc = orl_local_compare_bsdfs(before, after, line->local.threads, ret_lost, err);
     orl_bsdf_unref(after);

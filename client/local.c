@@ -13,6 +13,7 @@
 #include <oriel/skies.h>
 
 #include "annual_job.h"
+#include "decode.h"
 #include "follow.h"
 #include "library.h"
 #include "parts/files.h"
@@ -59,6 +60,7 @@ static void catch_interrupts(void)
     sigaction(SIGTERM, &action, NULL);
     action.sa_handler = on_stop_limit;
     sigaction(SIGALRM, &action, NULL);
+    orl_json_heed(&interrupted);
 }
 
 /* The processors this process may use: fewer than there are, under taskset or in a container. */

@@ -253,6 +253,59 @@ def stop_commands(arguments, folder, table, wanted):
         table.add("oriel " + name, course.whole_s, stopped, len(took) - len(stopped))
 
 
+# ---- Reading --------------------------------------------------------------------------------
+
+def write_broken(folder):
+    """A document and a BSDF that take a while to read, and turn out broken at their ends."""
+    with open(os.path.join(folder, "broken.json"), "w", encoding="ascii") as out:
+        out.write('{"sensors": [')
+        out.write("[0, 0, 0, 0, 0, 1],\n" * 500000)
+        out.write("}")
+    with open(os.path.join(folder, "broken.xml"), "w", encoding="ascii") as out:
+        out.write("<WindowElement>")
+        out.write("<Layer a='b'><c>d</c></Layer>\n" * 500000)
+        out.write("</Broken>")
+
+
+def catches(pid, signum):
+    try:
+        with open("/proc/%d/status" % pid, encoding="ascii") as stream:
+            caught = next(line for line in stream if line.startswith("SigCgt:"))
+    except (FileNotFoundError, StopIteration):
+        return False
+    return int(caught.split()[1], 16) >> (signum - 1) & 1 == 1
+
+
+def stop_reading(arguments, folder, table, wanted):
+    """A signal while the command's file is read is heeded before the end, where the file is refused.
+    Which of the two is said does not depend on the machine's speed."""
+    lines = {
+        "run": ["run", "broken.json", "-o", "out"],
+        "plan": ["plan", "broken.json"],
+        "annual": ["annual", "broken.json", "-o", "out"],
+        "study": ["study", "broken.json", "-o", "out"],
+        "bsdf make": ["bsdf", "make", "broken.json", "-o", "made.xml"],
+        "bsdf fit": ["bsdf", "fit", "broken.json", "-o", "fitted.xml"],
+        "bsdf convert": ["bsdf", "convert", "broken.xml", "-o", "converted.xml"],
+    }
+    write_broken(folder)
+    for number, (name, line) in enumerate(lines.items()):
+        if not wanted("oriel %s, reading" % name):
+            continue
+        process = subprocess.Popen([os.path.join(arguments.build, "oriel"), *line], cwd=folder,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        signum, until = (signal.SIGTERM, signal.SIGINT)[number % 2], time.monotonic() + GIVE_UP_S
+        while (not catches(process.pid, signum) and process.poll() is None and
+               time.monotonic() < until):
+            time.sleep(POLL_S)
+        process.send_signal(signum)
+        said = process.communicate(timeout=GIVE_UP_S)[1].decode()
+        good = "cancelled" in said
+        table.good = table.good and good
+        print("cancel_kinds %-24s stopped while its file is read: %s" % (
+            "oriel " + name, "cancelled" if good else "%s FAILED" % said.strip()), flush=True)
+
+
 # ---- The daemon ---------------------------------------------------------------------------------
 
 class Jobs:
@@ -393,6 +446,7 @@ def main():
             return arguments.only in name
 
         stop_commands(arguments, folder, table, wanted)
+        stop_reading(arguments, folder, table, wanted)
         stop_jobs(arguments, folder, table, kinds, wanted)
         stop_daemons(arguments, folder, table, kinds, wanted)
     finally:
