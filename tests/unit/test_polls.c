@@ -23,6 +23,7 @@
 #include "photon/map/map.h"
 #include "run/stages.h"
 #include "scene/generate/solids.h"
+#include "scene/geometry/coincident.h"
 #include "support/scratch.h"
 
 static int polls;
@@ -360,6 +361,60 @@ static void test_sorting(void **state)
     }
 }
 
+/* ---- Surfaces in one place ------------------------------------------------------------------- */
+
+enum { SIDE = 200, TRIANGLES = SIDE * SIDE };
+
+/* Triangles beside each other in one plane. */
+static void lay_triangles(struct orl_description *d)
+{
+    static struct orl_vec3 corners[TRIANGLES][3];
+    static struct orl_material grey = {.kind = ORL_MATERIAL_PLASTIC};
+    static char name[] = "t";
+    *d = (struct orl_description){.materials = &grey,
+                                  .n_materials = 1,
+                                  .surfaces = calloc(TRIANGLES, sizeof *d->surfaces),
+                                  .n_surfaces = TRIANGLES,
+                                  .cancel = &flag};
+    assert_non_null(d->surfaces);
+    for (int i = 0; i < TRIANGLES; i++) {
+        const int row = i / SIDE;
+        const double x = i % SIDE, y = row;
+        corners[i][0] = orl_v3(x, y, 0);
+        corners[i][1] = orl_v3(x + 0.9, y, 0);
+        corners[i][2] = orl_v3(x, y + 0.9, 0);
+        d->surfaces[i] = (struct orl_surface){.kind = ORL_SURFACE_POLYGON,
+                                              .n_vertices = 3,
+                                              .name = name,
+                                              .file = name,
+                                              .vertices = corners[i],
+                                              .normal = orl_v3(0, 0, 1)};
+    }
+}
+
+/* The search for duplicates, for the planes, for what lies under the largest, and for pairs. */
+static void test_places(void **state)
+{
+    enum { STEPS = 20 };
+    struct orl_description d;
+    struct orl_error err;
+    int all = 0;
+    (void)state;
+    for (int k = 0; k <= STEPS; k++) {
+        lay_triangles(&d);
+        const int at = k == 0 ? -1 : all * (k - 1) / STEPS;
+        begin(at);
+        assert_int_equal(orl_coincident_settle(&d, &err), k == 0 ? 0 : ORL_ERR_CANCELLED);
+        if (k == 0)
+            all = polls;
+        assert_true(k == 0 || polls <= at + 8); /* those on the way out */
+        free(d.surfaces);
+        free(d.opposed);
+    }
+    print_message("# %d triangles in a plane: %d polls\n", TRIANGLES, all);
+    assert_true(all >= 3 * TRIANGLES / 1024);
+}
+
 /* The checksum of a photon map. */
 static void test_maps(void **state)
 {
@@ -389,6 +444,7 @@ int main(void)
         cmocka_unit_test(test_sensors),
         cmocka_unit_test(test_generators),
         cmocka_unit_test(test_sorting),
+        cmocka_unit_test(test_places),
         cmocka_unit_test_setup_teardown(test_maps, scratch_set_up, scratch_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
