@@ -29,7 +29,7 @@ static int run(const char *arguments, char *ret_said, size_t size)
 {
     char command[600];
     const char *build = getenv("ORIEL_BUILD");
-    snprintf(command, sizeof command, "timeout 20 %s/orield %s 2>&1", build ? build : "build",
+    snprintf(command, sizeof command, "timeout 120 %s/orield %s 2>&1", build ? build : "build",
              arguments);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);

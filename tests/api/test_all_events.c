@@ -17,7 +17,7 @@
 #include "process/limits.h"
 #include "support/daemon.h"
 
-enum { PATIENCE_MS = 30000, MANY_PHOTONS = 100000000 };
+enum { PATIENCE_MS = 120000, MANY_PHOTONS = 100000000 };
 
 struct stream {
     int fd;

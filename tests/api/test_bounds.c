@@ -255,7 +255,7 @@ static void run_token_command(const struct daemon *daemon, const char *arguments
     char command[400];
     const char *build = getenv("ORIEL_BUILD");
     ret_line[0] = '\0';
-    snprintf(command, sizeof command, "timeout 20 %s/orield token %s --data %s",
+    snprintf(command, sizeof command, "timeout 120 %s/orield token %s --data %s",
              build ? build : "build", arguments, daemon->root);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);

@@ -26,7 +26,7 @@ static void test_contract(void **state)
     assert_int_equal(fclose(routes), 0);
     /* Debian's own Python, which has python3-yaml. */
     snprintf(command, sizeof command,
-             "PYTHONDONTWRITEBYTECODE=1 timeout 250 /usr/bin/python3 tests/contract/run.py %s >&2",
+             "PYTHONDONTWRITEBYTECODE=1 timeout 550 /usr/bin/python3 tests/contract/run.py %s >&2",
              path);
     const int status = system(command);
     unlink(path);

@@ -20,7 +20,7 @@
 #include "process/limits.h"
 #include "support/daemon.h"
 
-enum { PHOTONS = 200000, MANY_PHOTONS = 100000000, PATIENCE_MS = 30000 };
+enum { PHOTONS = 200000, MANY_PHOTONS = 100000000, PATIENCE_MS = 120000 };
 
 struct stream {
     int fd;

@@ -53,7 +53,7 @@ static int run_program(const struct daemon *daemon, const char *arguments)
 {
     const char *build = getenv("ORIEL_BUILD");
     char line[512];
-    snprintf(line, sizeof line, "timeout 20 %s/orield %s --data %s > %s.said 2>&1",
+    snprintf(line, sizeof line, "timeout 120 %s/orield %s --data %s > %s.said 2>&1",
              build ? build : "build", arguments, daemon->root, daemon->root);
     const int status = system(line);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

@@ -29,7 +29,7 @@ static void expect_said(int fd, const char *text)
     struct pollfd wait = {.fd = fd, .events = POLLIN};
     char said[64] = "";
     while (strcmp(said, text) != 0) {
-        if (poll(&wait, 1, 10000) != 1)
+        if (poll(&wait, 1, 120000) != 1)
             fail_msg("%s has not been said", text);
         const ssize_t n = recv(fd, said, sizeof said - 1, 0);
         assert_true(n > 0);
@@ -74,7 +74,7 @@ static unsigned long shown_certificate(const struct daemon *daemon)
     gnutls_set_default_priority(session);
     gnutls_credentials_set(session, GNUTLS_CRD_CERTIFICATE, credentials);
     gnutls_transport_set_int(session, fd);
-    gnutls_handshake_set_timeout(session, 10000);
+    gnutls_handshake_set_timeout(session, 120000);
     int rc;
     do
         rc = gnutls_handshake(session);

@@ -121,7 +121,7 @@ static void test_cancel_ends_all_tasks(void **state)
     kill(child.pid, SIGTERM);
     cli_finish(&child, &f->result);
     assert_int_equal(f->result.exit_code, 1);
-    cluster_wait_for_none(10);
+    cluster_wait_for_none();
 }
 
 static void test_what_sbatch_refuses_is_told(void **state)

@@ -139,7 +139,7 @@ static void test_cancel_ends_all_tasks(void **state)
     cluster_wait_for_tasks();
     daemon_cancel(&f->daemon, path, &reply);
     reply_done(&reply);
-    cluster_wait_for_none(10);
+    cluster_wait_for_none();
     daemon_wait(&f->daemon, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);

@@ -108,7 +108,7 @@ static void test_what_nobody_wants_is_swept(void **state)
     f->options[1] = "slurm";
     f->options[2] = "--shared";
     parted_restart(f);
-    cluster_wait_for_none(10);
+    cluster_wait_for_none();
     for (double until = patience_until(); rmdir(f->shared) != 0 && patience_nap(until);)
         continue;
     assert_int_equal(mkdir(f->shared, 0700), 0);
@@ -246,7 +246,7 @@ static void cancel_after(struct parted_daemon *f, double moment_s)
     cluster_rest(moment_s);
     daemon_cancel(&f->daemon, path, &reply);
     reply_done(&reply);
-    cluster_wait_for_none(10);
+    cluster_wait_for_none();
     daemon_wait(&f->daemon, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);

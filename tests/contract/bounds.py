@@ -120,9 +120,9 @@ def too_much_under_way(daemon):
     daemon.header = {"Authorization": "Bearer " + daemon.token["submit"]}
     with socket.create_connection(("127.0.0.1", daemon.port)) as first:
         first.sendall(("POST /v1/bsdfs HTTP/1.1\r\nHost: a\r\nAuthorization: %s\r\n"
-                       "Content-Length: %d\r\n\r\n" % (daemon.header["Authorization"],
-                                                       7 << 20)).encode())
-        time.sleep(0.1)
+                       "Expect: 100-continue\r\nContent-Length: %d\r\n\r\n"
+                       % (daemon.header["Authorization"], 7 << 20)).encode())
+        assert first.recv(12) == b"HTTP/1.1 100"  # its length counts from here on
         for path, kind in (("/v1/scenes", "application/zip"), ("/v1/bsdfs", "application/xml"),
                            ("/v1/plans", "application/json")):
             daemon.announce("POST", path, {"Content-Type": kind, "Content-Length": str(2 << 20),
@@ -162,5 +162,8 @@ def busy_upload(daemon):
             b"#" * (256 << 20) + b"\r\n--bb--\r\n")
     connection.request("POST", "/v1/scenes", body,
                        {"Content-Type": "multipart/form-data; boundary=bb"})
-    time.sleep(0.1)
+    until = time.monotonic() + daemon.patience_s
+    while b"\noriel_pool_requests 0\n" in daemon.ask("GET", "/metrics").body:
+        assert time.monotonic() < until, "the upload is not on the pool"
+        time.sleep(0.005)
     return lambda: connection.getresponse().read()

@@ -112,12 +112,17 @@ def stopping(daemon, busy):
     asks = [(operation, daemon.connect()) for operation in daemon.contract.operations]
     for _, connection in asks:
         daemon.ask("GET", "/healthz", connection=connection)
+    spare = daemon.connect()
+    daemon.ask("GET", "/healthz", connection=spare)
     begun = [socket.create_connection(("127.0.0.1", daemon.port), timeout=60) for _ in range(2)]
     for one in begun:
         one.sendall(b"POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\n\r\n<x")
     work = busy(daemon)
     daemon.process.send_signal(signal.SIGTERM)
-    time.sleep(0.05)
+    until = time.monotonic() + daemon.patience_s
+    while daemon.ask("GET", "/healthz", connection=spare).status != 503:
+        assert time.monotonic() < until, "the daemon does not stop"
+        time.sleep(0.005)
     for one in begun:  # what comes on now is not taken
         one.sendall(b"/>")
         assert one.recv(12) == b"HTTP/1.1 503"

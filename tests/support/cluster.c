@@ -89,9 +89,9 @@ void cluster_wait_for_tasks(void)
     assert_true(cluster_tasks(true) > 0);
 }
 
-void cluster_wait_for_none(double seconds)
+void cluster_wait_for_none(void)
 {
-    for (double waited = 0; waited < seconds && cluster_tasks(false) > 0; waited += 0.1)
+    for (double until = patience_until(); cluster_tasks(false) > 0 && patience_nap(until);)
         cluster_rest(0.1);
     assert_int_equal(cluster_tasks(false), 0);
 }

@@ -23,9 +23,9 @@ const char *cluster_folder(void);
 int cluster_tasks(bool running);
 /* And of those that ended in the last half minute. */
 int cluster_tasks_ever(void);
-/* Until some run; until there is none, for so many seconds at most. */
+/* Wait until some tasks run, and until there is none; fail the test after two minutes. */
 void cluster_wait_for_tasks(void);
-void cluster_wait_for_none(double seconds);
+void cluster_wait_for_none(void);
 
 /* The process of a daemon of it: "slurmctld.pid", "n1.pid". */
 pid_t cluster_pid(const char *name);
