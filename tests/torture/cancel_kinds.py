@@ -112,6 +112,7 @@ def make_inputs(folder, build, quick):
                        300 if quick else 3000)
     write_facets(os.path.join(folder, "facets.rad"), 100 if quick else 500)
     write_panes(os.path.join(folder, "panes.rad"), 60)
+    write_panes(os.path.join(folder, "empty.rad"), 0)
     write_year(os.path.join(folder, "year.wea"))
     with open(os.path.join(TOP, "client", "examples", "office", "lcp", "lcp.json"),
               encoding="utf-8") as stream:
@@ -143,6 +144,13 @@ def documents(panel):
                   "repeats": 3, "reference": {"samples": 16384, "runs": 4}},
         "annual, panes": dict(panes, samples=1,
                               sensors=[[1.5 + 0.1 * i, 2, 0.8, 0, 0, 1] for i in range(16)]),
+        # Mostly pictures and pages, of which each grid has dozens.
+        "annual, pictures": dict(panes, scene={"files": ["empty.rad"]}, weather="weather.epw",
+                                 samples=1, rules=["LEED", "EN 17037"], grids=[
+                                     {"name": "place %d" % i, "sensors": [
+                                         [0.5 + x, 0.5 + y, 0.8 + 0.001 * i, 0, 0, 1]
+                                         for x in range(4) for y in range(4)]}
+                                     for i in range(256)]),
         "annual, photons": dict(panes, technique="precomputed", photons=200000000,
                                 sensors=[[1.5, 2, 0.8, 0, 0, 1]]),
         "bsdf_make": dict(panel, scene={"files": ["lcp.rad"]}),
@@ -236,6 +244,7 @@ def stop_commands(arguments, folder, table, wanted):
         "run backward": ["run", "backward.json", "-o", "out", *threads],
         "plan": ["plan", "gather.json", *threads],
         "annual": ["annual", "annual.json", "-o", "out", "--honeybee", "--ill", *threads],
+        "annual, pictures": ["annual", "annual, pictures.json", "-o", "out", *threads],
         "study": ["study", "study.json", "-o", "out", *threads],
         "bsdf make": ["bsdf", "make", "bsdf_make.json", "-o", "made.xml", *threads],
         "bsdf fit": ["bsdf", "fit", "measured.csv", "-o", "fitted.xml", *threads],
@@ -371,7 +380,7 @@ def upload(client, folder, doc):
                 if line.strip() and not line.startswith("#")]
     if told.get("sensors") == {"file": "sensors.txt"}:
         told["sensors"] = rows
-    if "grids" in told:
+    if told.get("grids", [{}])[0].get("sensors") == {"file": "sensors.txt"}:
         told["grids"] = [dict(grid, sensors=rows) for grid in told["grids"]]
     return told
 
