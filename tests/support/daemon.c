@@ -190,7 +190,7 @@ static void perform(struct daemon *daemon, const char *path, struct reply *ret_r
     struct buffer body = {calloc(1, 1), 0}, headers = {calloc(1, 1), 0};
     snprintf(url, sizeof url, "%s%s", daemon->url, path);
     curl_easy_setopt(daemon->curl, CURLOPT_URL, url);
-    curl_easy_setopt(daemon->curl, CURLOPT_TIMEOUT, 60L);
+    curl_easy_setopt(daemon->curl, CURLOPT_TIMEOUT, 300L);
     if (daemon->ca[0])
         curl_easy_setopt(daemon->curl, CURLOPT_CAINFO, daemon->ca);
     curl_easy_setopt(daemon->curl, CURLOPT_WRITEFUNCTION, collect);
