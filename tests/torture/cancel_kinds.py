@@ -25,7 +25,7 @@ import sys
 import tempfile
 import time
 
-from daemon import Daemon
+from daemon import Daemon, computed_s
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(TOP, "client", "python"))
@@ -37,7 +37,6 @@ QUICK_S = 0.5
 QUICK_PANES_S = 2.0  # its sensors come after a map of sunlight
 GIVE_UP_S = 60.0
 POLL_S = 0.002
-TICK_S = 1 / os.sysconf("SC_CLK_TCK")
 SCENE = ["materials.rad", "room.rad", "ground.rad", "sky.rad", "glazing.rad", "upper_glass.rad"]
 VIEW = "-vtv -vp 0.35 5.6 1.5 -vd 0.25 -1 0.05 -vu 0 0 1 -vh 75.2 -vv 60"
 
@@ -158,13 +157,6 @@ def documents(panel):
 
 
 # ---- What is measured ---------------------------------------------------------------------------
-
-def computed_s(pid):
-    """Seconds of all threads so far."""
-    with open("/proc/%d/stat" % pid, encoding="ascii") as stream:
-        fields = stream.read().rsplit(")", 1)[1].split()
-    return TICK_S * (int(fields[11]) + int(fields[12]))
-
 
 class Table:
     def __init__(self, quick):

@@ -24,6 +24,18 @@ class Failure(Exception):
     """The daemon did what it must not do."""
 
 
+def computed_s(pid):
+    """Processor seconds so far of a process and its descendants, those that it has waited for included."""
+    try:
+        with open("/proc/%d/stat" % pid, encoding="ascii") as stream:
+            fields = stream.read().rsplit(")", 1)[1].split()
+        with open("/proc/%d/task/%d/children" % (pid, pid), encoding="ascii") as stream:
+            children = [int(child) for child in stream.read().split()]
+    except OSError:  # it has ended
+        return 0.0
+    return sum(int(ticks) for ticks in fields[11:15]) / os.sysconf("SC_CLK_TCK") + sum(map(computed_s, children))
+
+
 class Answer:
     def __init__(self, status, headers, body):
         self.status, self.headers, self.body = status, headers, body

@@ -240,7 +240,7 @@ class Trials(Case):
             self.start()
             expect("the maps' files", sorted(os.listdir(os.path.join(self.root, "maps"))),
                    self.list_maps())
-        until = time.monotonic() + 10
+        until = time.monotonic() + TRIAL_S
         while os.listdir(os.path.join(self.root, "tmp")) and time.monotonic() < until:
             time.sleep(0.1)
         expect("what is left in tmp", os.listdir(os.path.join(self.root, "tmp")), [])
