@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -261,10 +262,11 @@ static int meet(struct talk *t, enum orl_child_bound bound)
                                "--memory set the bound");
         return ORL_ERR_LIMIT;
     }
+    /* The kernel's limit counts ticks; the time that it reports may be a few of them less. */
     orl_error_set(t->err, ORL_ERR_LIMIT,
                   "the check was stopped after %.1f seconds of a processor; the limit is %u "
                   "(--check-timeout)",
-                  (double)t->end.cpu_ms / 1000, asking->cpu_s);
+                  fmax((double)t->end.cpu_ms / 1000, asking->cpu_s), asking->cpu_s);
     orl_error_hint(t->err, "Upload fewer surfaces, copies or values, or start orield with a "
                            "larger --check-timeout");
     return ORL_ERR_LIMIT;
