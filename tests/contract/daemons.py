@@ -92,15 +92,21 @@ class Daemon:
 
     def ask(self, method, path, body=None, headers=None, want=None, connection=None):
         """One request. body: bytes, text, or what goes out as JSON. want: the status expected."""
+        self.send(method, path, body, headers, connection)
+        return self.receive(method, path, want, connection)
+
+    def send(self, method, path, body=None, headers=None, connection=None):
         own = dict(self.header)
         if body is not None and not isinstance(body, (bytes, str)):
             body = json.dumps(body)
             own["Content-Type"] = "application/json"
         own.update(headers or {})
         data = body.encode() if isinstance(body, str) else body
-        through = connection or self.connection
-        through.request(method, path, body=data, headers=own)
-        reply = through.getresponse()
+        (connection or self.connection).request(method, path, body=data, headers=own)
+
+    def receive(self, method, path, want=None, connection=None):
+        """The answer to a request that was sent."""
+        reply = (connection or self.connection).getresponse()
         return self._judged(method, path, reply, want)
 
     def _judged(self, method, path, reply, want):
