@@ -133,7 +133,7 @@ static bool may_be_beyond(const struct orl_mirrors *mirrors, const struct orl_mi
     return false;
 }
 
-/* A port hides most of what lies beyond it: that counts less. */
+/* Mirrors beyond a port weigh less, as the port hides most of them. */
 static double strength_of(const struct orl_world *world, const struct orl_window *pane, bool beyond)
 {
     const struct orl_material *m =

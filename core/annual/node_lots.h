@@ -1,7 +1,7 @@
 /*
- * Nodes of the sun in lots: a place tries the nodes of one lot alone, which stand for all. Inside,
- * every second node is in a lot; outside, where no wall keeps the sun off, every sixth of every
- * other node of a circle, and what lies between is their mean.
+ * Subsets of the sun's nodes: a place samples the nodes of one subset, weighted by the number of
+ * subsets. Inside, a subset is every second node. Outside, where no wall blocks the sun, it is
+ * every sixth of every other node of a circle; a node in between gets the mean of its neighbours.
  *
  * Immutable once made.
  */

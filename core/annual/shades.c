@@ -264,7 +264,7 @@ static int run_parts(struct orl_shading *s, double share)
 
 /* ---- Which runs ------------------------------------------------------------------------------ */
 
-/* What runs of the direct sun alone cost, one of each group, where a run of all light costs 1. */
+/* The cost of the runs of direct sun, one for each group, relative to one run of all light. */
 static const double cost_of_direct = 0.1;
 
 /* Returns the number of combinations that there may be, by the clock and by controls. */

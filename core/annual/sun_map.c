@@ -28,8 +28,7 @@ struct orl_sun_map {
     uint32_t *places;
     size_t room, count, areas_room;
     double *areas;
-    /* What beams brought, until all photons are there: an entry for each row that a beam comes to.
-     */
+    /* Deposits while photons are traced: an entry for each pair of a beam and a row. */
     struct brought *brought;
     uint32_t *latest; /* by row: its latest entry, plus one; 0: none */
     size_t n_brought, brought_room;

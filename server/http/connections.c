@@ -275,8 +275,8 @@ void orl_connection_cut(struct MHD_Connection *connection)
         shutdown(info->connect_fd, SHUT_RDWR);
 }
 
-/* Its headers are complete, but neither has our handler seen them nor is there an answer: only
- * while libmicrohttpd parses them is this so. */
+/* Returns true while libmicrohttpd parses the headers of a request: they are complete, but our
+ * handler has not been called and no answer is queued. */
 static bool is_being_parsed(const struct orl_connection *one)
 {
     return one->awaited == AWAITS_HEADERS &&
@@ -289,8 +289,8 @@ static bool is_being_parsed(const struct orl_connection *one)
     "\"status\":400,\"detail\":\"its Content-Length is not a number of bytes, or its cookies "     \
     "take too much memory\"}"
 
-/* Earlier answers have left already. Whatever libmicrohttpd sends next fails, so that it closes the
- * connection. */
+/* Answers on the socket itself; earlier answers have been sent. What libmicrohttpd sends next
+ * fails, so that it closes the connection. */
 static void refuse_unparsed(struct orl_connection *one)
 {
     char answer[512];

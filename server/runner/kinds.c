@@ -188,8 +188,8 @@ static uint64_t annual_sensor_bytes(const struct orl_task *task)
            ORL_MATRIX_CHANNELS * annual_array_bytes(&task->of.annual.formats);
 }
 
-/* Of glare.csv: a seat's numbers of an hour, and its headings. Of exposure.csv and view-out.csv
- * with the document: a point's row. */
+/* Bytes in results: a seat's numbers in a row of glare.csv, and its headings; a point's row in
+ * exposure.csv or view-out.csv together with its entry in the document. */
 enum { SEAT_HOUR = 40, SEAT_HEADINGS = 512, POINT_ROW = 400 };
 
 static uint64_t annual_result_bytes(const struct orl_task *task)

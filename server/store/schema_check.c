@@ -2,7 +2,7 @@
 
 #include <stdbool.h>
 
-/* Of the database that is checked: how many columns of that table have that name. */
+/* Counts the columns of a table that have the name; an empty name counts all of them. */
 static int count_column(struct orl_db *db, const char *table, const char *column, int *ret_count,
                         struct orl_error *err)
 {

@@ -1,6 +1,6 @@
 /*
- * Does a database have all tables and columns that the migrations make? One that was changed by
- * another program may list every migration and lack some of these.
+ * Checks that a database has all tables and columns that the migrations make. A database that
+ * another program has changed may list every migration and lack some of them.
  */
 #ifndef ORL_STORE_SCHEMA_CHECK_H
 #define ORL_STORE_SCHEMA_CHECK_H

@@ -109,7 +109,7 @@ static void test_unparsed_headers(void **state)
     }
 }
 
-/* The same of cookies that take more memory than a connection has. */
+/* Cookies that take more memory than a connection has also get one header block. */
 static void test_many_cookies(void **state)
 {
     static char request[32000], answer[8192];

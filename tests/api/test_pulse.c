@@ -95,8 +95,8 @@ static double sum_turns(void)
     return pulse.turns.sum;
 }
 
-/* What a turn takes counts, not what it waits: that shows at least once in twenty times, even on a
- * busy machine, where other processes prolong the turns. */
+/* The time of a turn excludes its waiting. Other processes may prolong turns, so the least sum of
+ * twenty runs is compared. */
 static void test_turns(void **state)
 {
     double least_s = 1;

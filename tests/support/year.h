@@ -15,7 +15,7 @@ struct year_site {
     double latitude_deg, longitude_deg, time_zone_h; /* both east */
 };
 
-/* What a year reports while it runs. */
+/* The progress that a year has reported. */
 struct year_progress {
     double last, after_first_run; /* fractions of the job */
     unsigned runs, falls;         /* how often a run starts, and how often the fraction falls */

@@ -152,7 +152,7 @@ static void make_year(struct orl_annual_result *result)
                                          .se = se};
 }
 
-/* What a picture of the year shows of a grid, by a mean that is worked out here. */
+/* Compares the series that a picture of the year shows with means computed here. */
 static void expect_series(const struct orl_annual_report *report,
                           const struct orl_annual_result *result)
 {

@@ -180,7 +180,8 @@ static int worst(const struct orl_annual_metric *metric, const struct orl_annual
 
 /* ---- The mean as a sensor -------------------------------------------------------------------- */
 
-/* Of one kind of light; squares: of its standard errors. Returns 0 or ORL_ERR_CANCELLED. */
+/* Computes the mean over sensors of values, or with `squares` of their standard errors, for each
+ * column. Returns 0 or ORL_ERR_CANCELLED. */
 static int mean_columns(const float *values, const struct orl_annual_rows *rows, bool squares,
                         double *sums, float *ret_mean)
 {

@@ -21,7 +21,7 @@ static bool same_media(const struct orl_material *a, const struct orl_material *
     return same;
 }
 
-/* Whether materials are the same to light, whatever they are called. */
+/* Returns true if two materials scatter light alike; their names may differ. */
 static bool materials_alike(const struct orl_material *a, const struct orl_material *b)
 {
     return a == b ||

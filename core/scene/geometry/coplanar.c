@@ -223,7 +223,8 @@ static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest,
             }
 }
 
-/* Of polygons that one of the largest covers wholly this pair is the only one to be looked at. */
+/* Removes each polygon that one of the largest covers wholly; this pair is the only one kept of it.
+ * Returns false when out of memory. */
 static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
 {
     enum { LARGEST = 8 };

@@ -11,9 +11,9 @@
 #include "scene/description.h"
 
 /*
- * Whether the winner covers the loser wholly, so that nothing of the loser is left. False where
- * that takes longer than a look at each corner tells: for winners that are concave or have many
- * corners. is_cut: by material, whether antimatter cuts it.
+ * Returns true if the winner covers the loser wholly, so that nothing of the loser is left. Only
+ * corners are compared, so the result may be false for a concave winner, and is for one of many
+ * corners. is_cut: by material, true if antimatter cuts it.
  */
 bool orl_polygon_covers(const struct orl_description *description, const bool *is_cut,
                         const struct orl_surface *winner, const struct orl_surface *loser,
