@@ -459,7 +459,7 @@ static void test_progress(void **state)
         {.name = north_word, .windows = back_list, .n_windows = 1, .states = states}};
     struct year_progress progress = {.last = 0};
     struct year_run run = usual(room);
-    char names[ORL_SHADES_MOST_STATES][16];
+    char names[ORL_SHADES_MOST_STATES][24];
     (void)state;
     for (int i = 2; i < ORL_SHADES_MOST_STATES; i++) {
         snprintf(names[i], sizeof names[i], "state%d", i);
