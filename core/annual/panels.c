@@ -7,7 +7,7 @@
 #include "light/path.h"
 
 enum { PARTS = ORL_PANEL_PARTS, DRAWS = ORL_PANEL_DRAWS, GROUPS = ORL_PANEL_GROUPS };
-enum { BLOCKS_A_SIDE = ORL_PANEL_SIDE / 2, POINTS = BLOCKS_A_SIDE * BLOCKS_A_SIDE };
+enum { BLOCKS_A_SIDE = ORL_PANEL_SIDE / 2, POINTS = BLOCKS_A_SIDE * BLOCKS_A_SIDE / 2 };
 enum { MOST_PANES = 64 };
 
 /* ---- The panes ------------------------------------------------------------------------------- */
@@ -205,22 +205,19 @@ static struct orl_vec3 point_of_disc(const struct before *b, const struct orl_su
     return orl_sun_sample(disc, u);
 }
 
-/* One of each block of four parts, by lot: which. */
-static uint32_t part_of_block(uint32_t block, uint64_t lot)
+/*
+ * One part for each group: of two blocks of four parts, half a pane apart each way, one of the
+ * eight parts by lot.
+ */
+static uint32_t part_of_group(uint32_t group, uint64_t lot)
 {
-    const uint32_t x = 2 * (block % BLOCKS_A_SIDE), y = 2 * (block / BLOCKS_A_SIDE);
-    const uint32_t which = (uint32_t)(orl_mix64(lot + block) >> 62);
-    return (y + (which >> 1)) * ORL_PANEL_SIDE + x + (which & 1);
+    const uint32_t which = (uint32_t)(orl_mix64(lot + group) >> 61);
+    const uint32_t half = BLOCKS_A_SIDE / 2, there = which >> 2;
+    const uint32_t x = 2 * ((group % BLOCKS_A_SIDE + there * half) % BLOCKS_A_SIDE);
+    const uint32_t y = 2 * (group / BLOCKS_A_SIDE + there * half);
+    return (y + ((which >> 1) & 1)) * ORL_PANEL_SIDE + x + (which & 1);
 }
-
-/* Two blocks a group, half a pane apart each way. */
-static uint32_t group_of_block(uint32_t block)
-{
-    const uint32_t x = block % BLOCKS_A_SIDE, y = block / BLOCKS_A_SIDE;
-    const uint32_t half = BLOCKS_A_SIDE / 2;
-    return y < half ? y * BLOCKS_A_SIDE + x
-                    : (y - half) * BLOCKS_A_SIDE + (x + half) % BLOCKS_A_SIDE;
-}
+_Static_assert((int)POINTS == (int)GROUPS, "each group has one point");
 
 /*
  * Points of the pane: to groups, of a sun that gives 1 to what faces it. Each with its own point of
@@ -234,8 +231,8 @@ static void add_points(const struct before *b, size_t which, const struct orl_su
     const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
     const struct orl_hour_sun *sun = &panels->suns->at[which];
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
-    for (uint32_t block = 0; block < POINTS; block++) {
-        const uint32_t part = part_of_block(block, lot);
+    for (uint32_t group = 0; group < GROUPS; group++) {
+        const uint32_t part = part_of_group(group, lot);
         const struct seen *s = &b->seen[part];
         if (!(s->worth > 0))
             continue;
@@ -250,8 +247,7 @@ static void add_points(const struct before *b, size_t which, const struct orl_su
             DRAWS * orl_scatter_pdf(k->material, &hit, from, ORL_TRANSPORT_LIGHT,
                                     ORL_LOBE_TRANSMITTED, s->towards);
         const double weight = POINTS * s->density / (POINTS * s->density + of_draws);
-        groups[group_of_block(block)] +=
-            weight * f * onto * s->worth * b->panel->area * lit * GROUPS / POINTS;
+        groups[group] += weight * f * onto * s->worth * b->panel->area * lit;
     }
 }
 

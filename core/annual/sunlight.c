@@ -7,6 +7,10 @@
 #include "light/path.h"
 
 enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4, MOST_PANES = 64 };
+
+/* The least chance that mirrors are looked for at a place. */
+static const double least_chance = 0.125;
+
 static double disc_radius(double angle_rad)
 {
     return tan(0.5 * angle_rad);
@@ -138,7 +142,8 @@ struct mirrored {
     const struct lot *lot;
     const struct orl_mirror_set *set;
     uint32_t item;
-    double share; /* one over the probability that it was drawn with */
+    double chance; /* of asking for mirrors at all */
+    double share;  /* one over the probability that it was drawn with */
 };
 
 static void add_mirrored_node(void *ctx, uint32_t node)
@@ -161,19 +166,27 @@ static void add_by_pane(void *ctx, uint32_t item, double probability)
         orl_mirrors_cone(&scene->mirrors, m->set, item, m->lot->query->place.point),
         1.01 * m->lot->radius);
     m->item = item;
-    m->share = 1 / probability;
+    m->share = 1 / (probability * m->chance);
     orl_direction_tree_find(tree_of(m->lot), &cone, add_mirrored_node, m);
+}
+
+/* Russian roulette by what the place counts for: mirrors are searched in proportion to their light.
+ */
+static double chance_of_mirrors(const struct orl_sunlit_query *query)
+{
+    return query->all ? 1 : fmin(fmax(ORL_PI * orl_rgb_max(query->weight), least_chance), 1);
 }
 
 void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
                     struct orl_random *random, double *nodes)
 {
     const struct lot lot = draw_lot(scene, query, random, nodes);
-    struct mirrored m = {
-        .lot = &lot, .set = query->mapped ? &scene->mirrors.beyond : &scene->mirrors.everywhere};
+    struct mirrored m = {.lot = &lot,
+                         .set = query->mapped ? &scene->mirrors.beyond : &scene->mirrors.everywhere,
+                         .chance = chance_of_mirrors(query)};
     if (!query->mapped)
         add_straight(&lot);
-    if (m.set->count > 0)
+    if (m.set->count > 0 && (m.chance >= 1 || orl_random_uniform(random) < m.chance))
         orl_pane_tree_draw(&m.set->tree, query->place.point, query->place.normal, random,
                            add_by_pane, &m);
 }
