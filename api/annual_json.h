@@ -29,8 +29,9 @@
  *      "grids": [{"name", "sensors", "figures": [{"name", "unit", "value", "interval_95", "open"
  *      (sensors whose side is open)}]}], "all": {the same} (of several grids together),
  *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),
- *      "unit", "value", "interval_95", "open", "verdict"}],
- *      "rules": [{"rule", "grid", "verdict"}] (all targets of each),
+ *      "unit", "value", "interval_95", "open", "verdict", "note" (why it is undecided; null: by its
+ *      interval, or it is not), "hours" (that the figure is of; null: a daylight factor)}],
+ *      "rules": [{"rule", "grid", "verdict", "note"}] (all targets of each),
  *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
  *      "refined_sensors", "most_samples", "sun_halvings"} (oriel/annual_report.h),
  *      "shades": null or what states window groups were in (annual_shades.h),

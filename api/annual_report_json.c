@@ -75,20 +75,30 @@ static json_t *grid_name(const struct orl_annual_report *report, size_t grid)
     return text_or_null(grid == ORL_ALL_GRIDS ? NULL : report->grids[grid].name);
 }
 
+/* How many hours the figure is of; null of a daylight factor. */
+static json_t *hours_of(const struct orl_annual_report *report, const struct orl_annual_verdict *v)
+{
+    const struct orl_annual_metric *metric = &v->target.figure.metric;
+    return metric->kind == ORL_METRIC_DF ? json_null()
+                                         : json_real(report->periods[metric->when].hours);
+}
+
 static json_t *verdicts_to_json(const struct orl_annual_report *report)
 {
     json_t *array = json_array();
     for (size_t i = 0; array && i < report->n_verdicts; i++) {
         const struct orl_annual_verdict *v = &report->verdicts[i];
         array = orl_json_append(
-            array, json_pack("{s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:I, s:s}", "rule",
-                             text_or_null(v->rule ? v->rule->name : NULL), "clause",
-                             text_or_null(v->rule ? v->rule->clause : NULL), "target",
-                             orl_json_from_text(v->target.text), "grid", grid_name(report, v->grid),
-                             "unit", unit_of(&v->target.figure), "value",
-                             orl_json_from_real(v->area.value.value), "interval_95",
-                             interval_to_json(&v->area.value), "open", (json_int_t)v->area.open,
-                             "verdict", orl_verdict_name(v->verdict)));
+            array,
+            json_pack("{s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:I, s:s, s:o, s:o}", "rule",
+                      text_or_null(v->rule ? v->rule->name : NULL), "clause",
+                      text_or_null(v->rule ? v->rule->clause : NULL), "target",
+                      orl_json_from_text(v->target.text), "grid", grid_name(report, v->grid),
+                      "unit", unit_of(&v->target.figure), "value",
+                      orl_json_from_real(v->area.value.value), "interval_95",
+                      interval_to_json(&v->area.value), "open", (json_int_t)v->area.open, "verdict",
+                      orl_verdict_name(v->verdict), "note",
+                      text_or_null(v->note[0] ? v->note : NULL), "hours", hours_of(report, v)));
     }
     return array;
 }
@@ -108,14 +118,18 @@ static json_t *rules_to_json(const struct orl_annual_report *report)
     json_t *array = json_array();
     for (size_t i = 0; array && i < report->n_verdicts; i++) {
         enum orl_verdict all = ORL_VERDICT_PASS;
+        const char *note = NULL;
         if (!v[i].rule || was_told(v, i))
             continue;
         for (size_t k = i; k < report->n_verdicts; k++)
-            if (v[k].rule == v[i].rule && v[k].grid == v[i].grid)
+            if (v[k].rule == v[i].rule && v[k].grid == v[i].grid) {
                 all = orl_verdict_both(all, v[k].verdict);
-        array = orl_json_append(array, json_pack("{s:s, s:o, s:s}", "rule", v[i].rule->name, "grid",
-                                                 grid_name(report, v[i].grid), "verdict",
-                                                 orl_verdict_name(all)));
+                note = note || !v[k].note[0] ? note : v[k].note;
+            }
+        array = orl_json_append(
+            array, json_pack("{s:s, s:o, s:s, s:o}", "rule", v[i].rule->name, "grid",
+                             grid_name(report, v[i].grid), "verdict", orl_verdict_name(all), "note",
+                             text_or_null(all == ORL_VERDICT_UNDECIDED ? note : NULL)));
     }
     return array;
 }

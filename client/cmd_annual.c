@@ -35,9 +35,10 @@ static void print_verdict(const struct orl_annual_report *report,
 {
     const char *grid = v->grid == ORL_ALL_GRIDS ? "all grids" : report->grids[v->grid].name;
 
-    printf("%-10s %s%s%s (%s): %.4g [%.4g, %.4g]\n", orl_verdict_name(v->verdict),
+    printf("%-10s %s%s%s (%s): %.4g [%.4g, %.4g]%s%s\n", orl_verdict_name(v->verdict),
            v->rule ? v->rule->name : "", v->rule ? ": " : "", v->target.text, grid,
-           v->area.value.value, v->area.value.low, v->area.value.high);
+           v->area.value.value, v->area.value.low, v->area.value.high, v->note[0] ? ": " : "",
+           v->note);
 }
 
 /* A line a point, as "medium     sunlight by EN 17037, living room: 3.4 h on 2/14". */

@@ -200,8 +200,11 @@ void orl_format_verdict(const json_t *verdict, char *ret_text, size_t size)
 {
     const char *target = orl_json_text(verdict, "target"), *grid = orl_json_text(verdict, "grid");
 
-    snprintf(ret_text, size, "%-10s %s (%s)", orl_json_text(verdict, "verdict"),
-             *target ? target : orl_json_text(verdict, "rule"), *grid ? grid : "all grids");
+    const char *note = orl_json_text(verdict, "note");
+
+    snprintf(ret_text, size, "%-10s %s (%s)%s%s", orl_json_text(verdict, "verdict"),
+             *target ? target : orl_json_text(verdict, "rule"), *grid ? grid : "all grids",
+             *note ? ": " : "", note);
 }
 
 /* What a year comes to, by its rules and targets. */

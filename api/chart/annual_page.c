@@ -165,7 +165,10 @@ static double draw_verdict(const struct sheet *s, const struct orl_annual_verdic
     snprintf(text + strlen(text), sizeof text - strlen(text), ": %s", orl_verdict_name(v->verdict));
     put(s, right, y, ORL_CANVAS_RIGHT, text_size, ink, value);
     put_within(s, from, y, right - from - orl_canvas_text_width(value, text_size) - 8, ink, text);
-    return y + line_height;
+    if (!v->note[0])
+        return y + line_height;
+    put_within(s, from, y + line_height, right - from, gray, v->note);
+    return y + 2 * line_height;
 }
 
 /* Where the next one goes, and which was the last that was drawn. */
@@ -181,7 +184,8 @@ static void draw_verdicts_of(const struct sheet *s, size_t grid, struct column *
     for (size_t i = 0; i < report->n_verdicts; i++) {
         if (report->verdicts[i].grid != grid)
             continue;
-        if (column->y + 2 * line_height > column->bottom) {
+        const int lines = report->verdicts[i].note[0] ? 3 : 2;
+        if (column->y + lines * line_height > column->bottom) {
             column->left_out++;
             continue;
         }

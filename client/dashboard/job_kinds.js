@@ -19,13 +19,15 @@ function skies(result) {
 
 const VERDICTS = { pass: 'Pass', fail: 'Fail', undecided: 'Cannot be told yet', unknown: 'Unknown' };
 
+const verdict = ({ verdict: word, note }) => (note ? `${VERDICTS[word]}: ${note}` : VERDICTS[word]);
+
 function year(result) {
   const shown = ({ value, unit, interval_95: interval }) =>
     (value === null ? NONE : `${number(value)}\u202f${unit}${interval[0] === null ? '' : ` (${number(interval[0])} to ${number(interval[1])})`}`);
   return [
-    result.rules.length > 0 && section('rules', 'Rules', table('rules', [['Rule'], ['Grid'], ['Verdict']], result.rules.map((one) => [one.rule, one.grid ?? 'all', VERDICTS[one.verdict]]))),
+    result.rules.length > 0 && section('rules', 'Rules', table('rules', [['Rule'], ['Grid'], ['Verdict']], result.rules.map((one) => [one.rule, one.grid ?? 'all', verdict(one)]))),
     result.verdicts.length > 0 && section('targets', 'Targets', table('targets', [['Target'], ['Grid'], ['Found', true], ['Verdict']],
-      result.verdicts.map((one) => [one.target, one.grid ?? 'all', shown(one), VERDICTS[one.verdict]]))),
+      result.verdicts.map((one) => [one.target, one.grid ?? 'all', shown(one), verdict(one)]))),
     section('grids', 'Grids', table('grids', [['Grid'], ['Figure'], ['Found', true]],
       result.grids.flatMap((grid) => grid.figures.map((figure, i) => [i === 0 ? `${grid.name}, ${count(grid.sensors)} sensors` : '', figure.name, shown(figure)])))),
   ].filter(Boolean);

@@ -66,8 +66,12 @@ static int add_period(const struct orl_report_making *m, unsigned char *marks,
                       enum orl_annual_when when)
 {
     const struct orl_annual_year *year = &m->report->year;
-    for (uint32_t i = 0; i < year->steps.count; i++)
+    uint32_t wanted = 0;
+    for (uint32_t i = 0; i < year->steps.count; i++) {
+        wanted += marks[i] != 0;
         marks[i] = marks[i] && year->measured[i];
+    }
+    m->report->hours_wanted[when] = (double)wanted / year->steps.per_hour;
     return orl_annual_period_make(marks, &year->steps, year->step_of_column, year->n_columns,
                                   &m->report->periods[when], m->err);
 }

@@ -1,6 +1,7 @@
 /* Figures of grids, and verdicts on targets about them. */
 #include "report/making.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <strings.h>
 
@@ -30,6 +31,61 @@ int orl_report_figure_of(const struct orl_report_making *m, const struct orl_ann
     return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
 }
 
+/* ---- What keeps a verdict open --------------------------------------------------------------- */
+
+static void note_few_hours(const struct orl_annual_report *report,
+                           struct orl_annual_verdict *verdict)
+{
+    static const char *const kinds[ORL_WHEN_COUNT] = {"occupied hours", "daylight hours",
+                                                      "hours of the year"};
+    const struct orl_annual_metric *metric = &verdict->target.figure.metric;
+    const double hours = report->periods[metric->when].hours;
+    const double wanted = report->hours_wanted[metric->when];
+    if (metric->kind == ORL_METRIC_DF || hours >= ORL_HOURS_LEAST * wanted)
+        return;
+    verdict->verdict = ORL_VERDICT_UNDECIDED;
+    snprintf(verdict->note, sizeof verdict->note, "the weather file has %.6g of %.6g %s", hours,
+             wanted, kinds[metric->when]);
+}
+
+/* Returns true if there is an hour of use in which LM-83 closes blinds. */
+static bool has_sun_on_points(const struct orl_report_making *m, size_t grid)
+{
+    static const float above_lx = 1000;
+    static const double share = 0.02;
+    const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
+    const struct orl_annual_period *period = &m->report->periods[ORL_WHEN_OCCUPIED];
+    for (size_t c = 0; rows.direct_lx && c < period->n_columns; c++) {
+        size_t sunlit = 0;
+        for (size_t i = 0; i < rows.n_sensors; i++)
+            sunlit += rows.direct_lx[i * rows.n_columns + period->columns[c]] >= above_lx;
+        if ((double)sunlit > share * (double)rows.n_sensors)
+            return true;
+    }
+    return false;
+}
+
+static bool closes_by_sun(const struct orl_annual_request *request)
+{
+    for (size_t i = 0; i < request->n_groups; i++)
+        if (request->groups[i].control.kind == ORL_SHADES_BY_SUN)
+            return true;
+    return false;
+}
+
+static void note_blinds(const struct orl_report_making *m, struct orl_annual_verdict *verdict)
+{
+    if (!verdict->rule || !verdict->rule->needs_blinds || verdict->verdict != ORL_VERDICT_PASS ||
+        closes_by_sun(m->request) || !has_sun_on_points(m, verdict->grid))
+        return;
+    verdict->verdict = ORL_VERDICT_UNDECIDED;
+    snprintf(verdict->note, sizeof verdict->note, "not according to LM-83: %s",
+             m->request->n_groups == 0 ? "no blinds modelled"
+                                       : "no blinds close by direct sunlight");
+}
+
+/* ---- Verdicts -------------------------------------------------------------------------------- */
+
 static int judge(const struct orl_report_making *m, const struct orl_annual_rule *rule,
                  const struct orl_annual_target *target, size_t grid)
 {
@@ -42,6 +98,8 @@ static int judge(const struct orl_report_making *m, const struct orl_annual_rule
     if (code < 0)
         return code;
     verdict->verdict = orl_annual_judge(target, &verdict->area.value);
+    note_blinds(m, verdict);
+    note_few_hours(m->report, verdict);
     m->report->n_verdicts++;
     return 0;
 }

@@ -382,9 +382,9 @@ static int add_verdict(json_t *verdicts, const json_t *of)
     if (json_array_size(verdicts) >= ORL_JOB_VERDICTS)
         return 0;
     return json_array_append_new(
-        verdicts, json_pack("{s:o, s:o, s:o, s:o}", "rule", copy_or_null(of, "rule"), "target",
+        verdicts, json_pack("{s:o, s:o, s:o, s:o, s:o}", "rule", copy_or_null(of, "rule"), "target",
                             copy_or_null(of, "target"), "grid", copy_or_null(of, "grid"), "verdict",
-                            copy_or_null(of, "verdict")));
+                            copy_or_null(of, "verdict"), "note", copy_or_null(of, "note")));
 }
 
 /* Of all targets of a rule together, and of each of the job's own. */

@@ -146,16 +146,21 @@ static void ask(struct orl_annual_wishes *wishes, const char *target, const char
 
 /* Sensors 0 to 5 have 100 to 600 lx in all occupied hours: 300 lx is met by four, the third just.
  */
+static struct orl_window_group blinds = {
+    .control = {.kind = ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2}};
+
 static void test_reports(void **state)
 {
     struct orl_annual_grid grids[2];
-    const struct orl_annual_request request = make_request(grids);
+    struct orl_annual_request request = make_request(grids);
     struct orl_annual_result result;
     struct orl_annual_wishes wishes;
     struct orl_annual_report report;
     struct orl_error err = {0};
     (void)state;
     make_result(&result, false);
+    request.groups = &blinds;
+    request.n_groups = 1;
     ask(&wishes, "sDA300/50 of SOUTH >= 55 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
                      0);
@@ -184,6 +189,85 @@ static void test_reports(void **state)
     wishes.occupancy.days = 0;
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
                      ORL_ERR_INVALID);
+    orl_annual_wishes_done(&wishes);
+    free_result(&result);
+}
+
+/* The verdict on sDA300/50 >= 40 % by LEED, of the south and of both grids, and its note. */
+static void check_blinds(const struct orl_annual_result *result, struct orl_window_group *groups,
+                         enum orl_verdict south, const char *note)
+{
+    struct orl_annual_grid grids[2];
+    struct orl_annual_request request = make_request(grids);
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_error err = {0};
+    ask(&wishes, "sDA300/50 of south >= 40 %", "LEED v4.1, 1 point");
+    request.groups = groups;
+    request.n_groups = groups ? 1 : 0;
+    assert_int_equal(orl_annual_report_make(&request, result, &wishes, NULL, NULL, &report, &err),
+                     0);
+    assert_int_equal(report.n_verdicts, 1 + 3);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS); /* names no rule */
+    assert_string_equal(report.verdicts[0].note, "");
+    assert_int_equal(report.verdicts[2].verdict, ORL_VERDICT_FAIL); /* the north: no blinds help */
+    assert_string_equal(report.verdicts[2].note, "");
+    assert_int_equal(report.verdicts[3].verdict, south);
+    assert_string_equal(report.verdicts[3].note, note);
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+}
+
+static void test_blinds_of_rules(void **state)
+{
+    struct orl_window_group by_hand = {.control = {.kind = ORL_SHADES_NO_CONTROL}};
+    struct orl_annual_result result;
+    (void)state;
+    make_result(&result, false);
+    check_blinds(&result, &blinds, ORL_VERDICT_PASS, "");
+    check_blinds(&result, NULL, ORL_VERDICT_UNDECIDED,
+                 "not according to LM-83: no blinds modelled");
+    check_blinds(&result, &by_hand, ORL_VERDICT_UNDECIDED,
+                 "not according to LM-83: no blinds close by direct sunlight");
+    /* Where no sun comes in there is nothing for blinds to do. */
+    for (size_t i = 0; i < SENSORS * result.n_columns; i++)
+        result.direct[i] = fminf(result.direct[i], 999);
+    check_blinds(&result, NULL, ORL_VERDICT_PASS, "");
+    free_result(&result);
+}
+
+/* Of a file without a month no verdict is told, of one without two weeks it is. */
+static void test_few_hours(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = make_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_error err = {0};
+    (void)state;
+    make_result(&result, false);
+    ask(&wishes, "sDA300/50 of south >= 55 %", "EN 17037 minimum");
+    for (size_t i = 0; i < 14 * 24; i++)
+        result.steps[i].missing = true;
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
+                     0);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
+    assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3510, 0);
+    assert_near(report.hours_wanted[ORL_WHEN_OCCUPIED], 3650, 0);
+    orl_annual_report_done(&report);
+    for (size_t i = 0; i < 31 * 24; i++)
+        result.steps[i].missing = true;
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
+                     0);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_UNDECIDED);
+    assert_string_equal(report.verdicts[0].note,
+                        "the weather file has 3340 of 3650 occupied hours");
+    for (size_t i = 1; i < report.n_verdicts; i++) {
+        assert_int_equal(report.verdicts[i].verdict, ORL_VERDICT_UNDECIDED);
+        assert_non_null(strstr(report.verdicts[i].note, "of 4380 daylight hours"));
+    }
+    orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
     free_result(&result);
 }
@@ -412,6 +496,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_years),
         cmocka_unit_test(test_reports),
+        cmocka_unit_test(test_blinds_of_rules),
+        cmocka_unit_test(test_few_hours),
         cmocka_unit_test(test_daylight_factor),
         cmocka_unit_test(test_areas_and_files_of_occupancy),
         cmocka_unit_test_setup_teardown(test_arrays, scratch_set_up, scratch_tear_down),

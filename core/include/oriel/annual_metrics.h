@@ -285,6 +285,7 @@ struct orl_annual_rule {
     const char *name;   /* "LEED v4.1, 2 points" */
     const char *clause; /* where it is written, and what is assumed */
     const char *targets[ORL_RULE_TARGETS];
+    bool needs_blinds; /* LM-83's sDA: blinds close against direct sunlight */
 };
 
 /* Rules of EN 17037, LEED v4.1, WELL v2 and BREEAM by name ("EN 17037", "LEED", "WELL L01", "WELL

@@ -117,13 +117,24 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
 
 #define ORL_ALL_GRIDS SIZE_MAX
 
+enum { ORL_VERDICT_NOTE = 128 };
+
+/*
+ * A verdict is undecided, and its note says why, where the figure cannot tell: the weather file
+ * has less than ORL_HOURS_LEAST of the hours that the rule asks for; or a rule by LM-83 is met
+ * without the blinds that LM-83 closes in hours in which more than 2 % of the points have 1000 lx
+ * or more of direct sunlight (IES LM-83-12, 2.2.6). Blinds take light away: what fails without
+ * them fails.
+ */
 struct orl_annual_verdict {
     const struct orl_annual_rule *rule; /* of the wishes; or NULL: a target of the job's own */
     struct orl_annual_target target;
     size_t grid; /* or ORL_ALL_GRIDS */
     struct orl_annual_area area;
     enum orl_verdict verdict;
+    char note[ORL_VERDICT_NOTE]; /* "": nothing to add */
 };
+#define ORL_HOURS_LEAST 0.95
 
 /* Of a grid's area, what has a view out of minimum, medium and high level, or better. */
 struct orl_view_shares {
@@ -135,8 +146,9 @@ struct orl_annual_report {
     struct orl_annual_year year;
     unsigned char *marks;                             /* of each step: in use and measured */
     struct orl_annual_period periods[ORL_WHEN_COUNT]; /* by enum orl_annual_when */
-    double median_diffuse_lx;      /* as wished, or over EN 17037's daylight hours */
-    struct orl_annual_grid *grids; /* as in the request, or one of all sensors */
+    double hours_wanted[ORL_WHEN_COUNT]; /* of periods, those that are not measured included */
+    double median_diffuse_lx;            /* as wished, or over EN 17037's daylight hours */
+    struct orl_annual_grid *grids;       /* as in the request, or one of all sensors */
     size_t n_grids, n_sensors;
     double *area; /* of each sensor */
     struct orl_annual_metric *metrics;
