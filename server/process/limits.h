@@ -7,6 +7,8 @@
 
 #include <oriel/limits.h>
 
+#include "process/sanitized.h"
+
 #define ORL_SERVER_SCENE_BYTES (4UL << 30) /* the body of one scene upload */
 #define ORL_SERVER_ZIP_ENTRIES 4096U       /* of one zip, folders among them */
 #define ORL_SERVER_ZIP_RATIO 200UL         /* bytes unpacked to a byte of the zip, beyond ... */
@@ -33,7 +35,9 @@
 #define ORL_SERVER_KEPT_JOBS 10000U      /* that have ended (default) */
 #define ORL_SERVER_KEEP_ORPHANS_DAYS 30U /* that files stay which a start set aside (default) */
 #define ORL_SERVER_DRAIN_S 5U            /* that running jobs have to finish at a stop (default) */
-#define ORL_SERVER_STOP_S 5U             /* that a stop may take after that, else it is forced */
+/* That a stop may take after that, else it is forced. Sanitizers take seconds to map and to unmap
+ * gigabytes that are reserved and never touched. */
+#define ORL_SERVER_STOP_S (ORL_SANITIZED ? 60U : 5U)
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */
 #define ORL_SERVER_QUEUE 1024U      /* jobs waiting */

@@ -207,6 +207,9 @@ struct orl_scrubbing *orl_scrubbing_start(const struct orl_folders *folders,
     return scrubbing;
 }
 
+/* What a thread still uses as the process ends. */
+static struct orl_scrubbing *left_behind;
+
 void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
 {
     if (!scrubbing)
@@ -223,6 +226,7 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
     /* It may be in the midst of a large file on a slow disk: the process ends without it. */
     if (!ended) {
         pthread_detach(scrubbing->thread);
+        left_behind = scrubbing;
         return;
     }
     pthread_join(scrubbing->thread, NULL);

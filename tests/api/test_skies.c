@@ -310,7 +310,7 @@ static double skies_until_end(struct daemon_room *f, const char *job)
  * a busy machine needs for some of its skies. */
 static void test_timed_out_between_skies(void **state)
 {
-    static const char *const limits[] = {"2", "6", "20", "90"};
+    static const char *const limits[] = {"2", "8", "40", "240"};
     struct daemon_room *f = *state;
     struct reply reply;
     double done = 0;

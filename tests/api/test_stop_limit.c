@@ -13,6 +13,7 @@
 
 #include "health/blame.h"
 #include "process/limits.h"
+#include "process/sanitized.h"
 #include "support/daemon.h"
 #include "support/patience.h"
 #include "support/scene_text.h"
@@ -60,6 +61,8 @@ static void test_blocked_thread(void **state)
     struct daemon_room *f = *state;
     struct reply reply;
     char job[80], other[80];
+    if (ORL_SANITIZED)
+        skip(); /* which has to be loaded first */
     restart_hanging(&f->daemon, one);
     daemon_submit(&f->daemon, f->scene, 1000, 5, "blocked", job);
     wait_hanging(&f->daemon, job);
