@@ -209,6 +209,7 @@ static int decode_formats(const json_t *value, const char *path, void *into, str
     return orl_json_each(value, path, 4, decode_format, into, err);
 }
 
+static const char *const sun_methods[] = {"accurate", "radiance", NULL};
 static const char *const techniques[] = {"paths", "precomputed", NULL};
 
 /* What goes by paths alone. */
@@ -229,7 +230,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
 {
     struct orl_annual_request *request = &job->request;
     struct orl_annual_wishes *wishes = &job->wishes;
-    unsigned technique = ORL_ANNUAL_BY_PATHS;
+    unsigned technique = ORL_ANNUAL_BY_PATHS, sun_method = ORL_SUN_ACCURATE;
     const struct orl_json_list targets = {.items = &wishes->targets,
                                           .count = &wishes->n_targets,
                                           .size = sizeof *wishes->targets,
@@ -246,6 +247,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"weather", .text = &request->weather_file, .longest = FILE_MAX_BYTES, .required = true},
         {"north", .real = &request->north_deg, .least = -360, .most = 360},
         {"ground_reflectance", .real = &request->ground_reflectance, .least = 0, .most = 1},
+        {"sun", .word = &sun_method, .words = sun_methods},
         {"matrices", .decode = orl_annual_matrices_from_json, .into = request},
         {"shades", .decode = orl_annual_shades_from_json, .into = request},
         {"occupancy", .decode = decode_occupancy, .into = wishes},
@@ -269,6 +271,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {0}};
     int rc = orl_json_members(doc, "", members, err);
     request->technique = (enum orl_annual_technique)technique;
+    request->sun_method = (enum orl_sun_method)sun_method;
     request->coefficients = job->formats.coefficients;
     if (rc == 0)
         rc = check_precomputed(job, err);

@@ -4,7 +4,7 @@
  *     {"kind": "annual", "title": "The office" (optional),
  *      "scene": as in a job (job_json.h), without a sky of its own,
  *      "weather": "oakland.epw" (or .wea), "north": 0 (degrees, counter-clockwise from +Y),
- *      "ground_reflectance": 0.2,
+ *      "ground_reflectance": 0.2, "sun": "accurate" (or "radiance": as gendaylit places it),
  *      "grids": [{"name": "desks" (by default its file's name), "area": 20.5 (for all or none),
  *                 "sensors": {"file": "desks.pts"} or [[x, y, z, dx, dy, dz], ...]}],
  *      or "sensors" alone, as in a job,

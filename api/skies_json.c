@@ -108,6 +108,7 @@ static int decode_sequence(const json_t *doc, const char *path, struct sequence 
         {.name = "cie"},
         {.name = "weather"},
         {.name = "normalise"},
+        {.name = "sun"},
         {"from", .decode = decode_moment, .into = &seq->from_h, .required = true},
         {"to", .decode = decode_moment, .into = &seq->to_h, .required = true},
         {"step_h", .real = &seq->step_h, .least = 1.0 / 60, .most = 365 * day_h,
@@ -172,8 +173,8 @@ static int decode_hours(const json_t *doc, const char *path, struct orl_job *job
         rc = find_model(doc, path, &model, err);
     if (rc)
         return rc;
-    json_t *sky = json_pack("{s:O, s:O*}", model, json_object_get(doc, model), "normalise",
-                            json_object_get(doc, "normalise"));
+    json_t *sky = json_pack("{s:O, s:O*, s:O*}", model, json_object_get(doc, model), "normalise",
+                            json_object_get(doc, "normalise"), "sun", json_object_get(doc, "sun"));
     rc = sky ? orl_sky_from_json(sky, path, &shared, err)
              : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0)

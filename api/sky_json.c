@@ -167,11 +167,13 @@ static int decode_sky(const json_t *value, const char *path, struct orl_sky_requ
                       char **ret_name, struct orl_error *err)
 {
     static const char *const normalisations[] = {"flux", "gendaylit", NULL};
+    static const char *const sun_methods[] = {"accurate", "radiance", NULL};
     const struct orl_json_member members[] = {
         {"perez", .decode = decode_perez, .into = request},
         {"cie", .decode = decode_cie, .into = request},
         {"weather", .decode = decode_weather, .into = request},
         {"normalise", .word = &request->normalise, .words = normalisations},
+        {"sun", .word = &request->sun_method, .words = sun_methods},
         {ret_name ? "name" : NULL, .text = ret_name, .longest = NAME_MAX_BYTES},
         {0}};
     int given = 0;

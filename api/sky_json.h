@@ -7,7 +7,8 @@
  *     {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
  *     {"weather": {"file": "place.epw", "month": 3, "day": 22, "hour": 11.5}}
  *
- * and beside it "normalise": "flux" (the default) or "gendaylit". Longitude is in degrees EAST of
+ * and beside it "normalise": "flux" (the default) or "gendaylit", and "sun": "accurate" (the
+ * default) or "radiance". Longitude is in degrees EAST of
  * Greenwich, the time zone in hours EAST. Instead of time and site, perez and cie take sun_altitude
  * and sun_azimuth (degrees from south towards west). The other ways to say how bright a sky is are
  * in openapi.yaml; what they mean, and the bounds, in oriel/sky.h and orl_job_validate.

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/weather.h"
+#include "light/night_light.h"
 #include "run/stages.h"
 
 void orl_year_warn(struct orl_year *y, const char *format, ...)
@@ -98,6 +98,15 @@ int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err)
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
+/* Light measured while the sun is down is in no hour. */
+static void warn_night(struct orl_year *y, const struct orl_weather *weather)
+{
+    const struct orl_night_light night = orl_night_light_find(weather);
+    char text[640];
+    if (orl_night_light_describe(&night, text, sizeof text))
+        orl_year_warn(y, "%s", text);
+}
+
 int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
 {
     const struct orl_annual_request *request = y->request;
@@ -111,11 +120,14 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     files->close(files->ctx, &file);
     if (code < 0)
         return code;
+    weather.sun_method = request->sun_method;
     y->result->latitude_deg = weather.latitude_deg;
     y->result->longitude_deg = weather.longitude_deg;
     y->result->time_zone_h = weather.time_zone_h;
     code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
                           request->ground_reflectance, y->env->run->crew, err);
+    if (code == 0)
+        warn_night(y, &weather);
     orl_weather_done(&weather);
     if (code < 0)
         return code;

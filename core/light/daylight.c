@@ -39,8 +39,68 @@ static void add_when(struct orl_phrase *command, const struct orl_sky_request *r
     add_option(command, "-m", -15.0 * request->time_zone_h);
 }
 
-static int find_perez(const struct orl_sky_request *request, struct orl_text *text,
-                      struct orl_sky_numbers *ret_numbers, struct orl_error *err)
+const char *orl_sun_method_name(enum orl_sun_method method)
+{
+    return method == ORL_SUN_ACCURATE ? "accurate" : "radiance";
+}
+
+/* Half the sun's disc: so far below the horizon its centre is when the last of it sets. */
+static const double half_disc_rad = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
+
+/*
+ * The sun in the middle of the part of an interval that it is up in, which is the longest where
+ * there are several; at, its place in the middle of the interval, where there is none.
+ */
+static struct orl_sun_position sun_in_part(const struct orl_location *site,
+                                           const struct orl_moment *middle, double interval_h,
+                                           struct orl_sun_position at)
+{
+    enum { STEPS = 60 };
+    static const double fastest_rad = 15 * ORL_DEG_TO_RAD; /* in an hour */
+    struct orl_moment moment = *middle;
+    int length = 0, longest = 0, end = 0;
+    if (at.altitude_rad + 0.5 * interval_h * fastest_rad <= -half_disc_rad)
+        return at;
+    for (int i = 0; i < STEPS; i++) {
+        moment.hour = middle->hour + interval_h * ((i + 0.5) / STEPS - 0.5);
+        length = orl_sun_accurate(site, &moment).altitude_rad > -half_disc_rad ? length + 1 : 0;
+        if (length > longest) {
+            longest = length;
+            end = i + 1;
+        }
+    }
+    moment.hour = middle->hour + interval_h * ((end - 0.5 * longest) / STEPS - 0.5);
+    return longest > 0 ? orl_sun_accurate(site, &moment) : at;
+}
+
+/* Where the sun stands; where a sky needs no place, any will do. */
+static struct orl_sun_position sun_of(const struct orl_sky_request *request)
+{
+    const struct orl_location site = {request->latitude_deg * ORL_DEG_TO_RAD,
+                                      -request->longitude_deg * ORL_DEG_TO_RAD,
+                                      -15.0 * request->time_zone_h * ORL_DEG_TO_RAD};
+    struct orl_moment moment = {
+        .year = request->year, .month = request->month, .day = request->day, .hour = request->hour};
+    double declination, solar_hour;
+    if (!request->time_given)
+        return (struct orl_sun_position){
+            .altitude_rad =
+                (request->sun_given ? request->sun_altitude_deg : 45.0) * ORL_DEG_TO_RAD,
+            .azimuth_rad = request->sun_azimuth_deg * ORL_DEG_TO_RAD};
+    if (request->sun_method == ORL_SUN_ACCURATE) {
+        const struct orl_sun_position at = orl_sun_accurate(&site, &moment);
+        return request->interval_h > 0 && at.altitude_rad <= -half_disc_rad
+                   ? sun_in_part(&site, &moment, request->interval_h, at)
+                   : at;
+    }
+    moment.year = 0;
+    orl_sun_clock(&site, &moment, &declination, &solar_hour);
+    return orl_sun_at(&site, declination, solar_hour);
+}
+
+static int find_perez(const struct orl_sky_request *request, const struct orl_sun_position *placed,
+                      struct orl_text *text, struct orl_sky_numbers *ret_numbers,
+                      struct orl_error *err)
 {
     static const char *const options[] = {[ORL_SKY_NORMAL_W] = "-W",
                                           [ORL_SKY_NORMAL_LX] = "-L",
@@ -54,7 +114,7 @@ static int find_perez(const struct orl_sky_request *request, struct orl_text *te
     add_option(&command, options[request->input], request->first);
     if (request->input != ORL_SKY_GLOBAL_W)
         add_number(&command, request->second);
-    return orl_gendaylit_numbers(command.words, command.count, text, ret_numbers, err);
+    return orl_gendaylit_numbers(command.words, command.count, placed, text, ret_numbers, err);
 }
 
 /* The solid angle of a disc, without cancellation. */
@@ -64,8 +124,9 @@ static double disc_sr(double angle_deg)
     return 4 * ORL_PI * quarter * quarter;
 }
 
-static int find_cie(const struct orl_sky_request *request, struct orl_text *text,
-                    struct orl_sky_numbers *ret_numbers, struct orl_error *err)
+static int find_cie(const struct orl_sky_request *request, const struct orl_sun_position *placed,
+                    struct orl_text *text, struct orl_sky_numbers *ret_numbers,
+                    struct orl_error *err)
 {
     static const char *const types[] = {[ORL_SKY_CLEAR] = "+s",
                                         [ORL_SKY_OVERCAST] = "-c",
@@ -84,7 +145,7 @@ static int find_cie(const struct orl_sky_request *request, struct orl_text *text
     if (request->direct_normal_lx >= 0)
         add_option(&command, "-r",
                    request->direct_normal_lx / ORL_EFFICACY_LM_PER_W / disc_sr(gensky_disc_deg));
-    return orl_gensky_numbers(command.words, command.count, text, ret_numbers, err);
+    return orl_gensky_numbers(command.words, command.count, placed, text, ret_numbers, err);
 }
 
 /* ---- Normalisation ---- */
@@ -195,15 +256,15 @@ static void cut_by_horizon(struct orl_daylight *daylight)
 /* Its centre has set, its rim has not. The models take it for set a little early: they round. */
 static bool is_half_set(struct orl_vec3 sun)
 {
-    const double rounding = 1e-5, radius = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
-    return sun.z <= rounding && altitude_of(sun) > -radius;
+    const double rounding = 1e-5;
+    return sun.z <= rounding && altitude_of(sun) > -half_disc_rad;
 }
 
 /* ---- Entry points ---- */
 
 static void warn_site(const struct orl_sky_request *request, struct orl_text *text)
 {
-    const double hours = request->longitude_deg / 15.0 - request->time_zone_h;
+    const double hours = orl_sun_hours_apart(request->longitude_deg / 15.0, request->time_zone_h);
     if (request->time_given && fabs(hours) > 3.0)
         orl_text_warn(text,
                       "%.1f hours lie between longitude and time zone (both are counted east)",
@@ -215,29 +276,32 @@ static bool needs_sun(const struct orl_sky *pattern)
     return pattern->kind == ORL_SKY_PEREZ || pattern->n_args == 7;
 }
 
-static int find_numbers(const struct orl_sky_request *request, struct orl_text *text,
+/* placed: where the sun stands; NULL: where the programs place it. */
+static int find_numbers(const struct orl_sky_request *request,
+                        const struct orl_sun_position *placed, struct orl_text *text,
                         struct orl_sky_numbers *ret_numbers, struct orl_error *err)
 {
-    return request->model == ORL_SKY_BY_CIE ? find_cie(request, text, ret_numbers, err)
-                                            : find_perez(request, text, ret_numbers, err);
+    const int code = request->model == ORL_SKY_BY_CIE
+                         ? find_cie(request, placed, text, ret_numbers, err)
+                         : find_perez(request, placed, text, ret_numbers, err);
+    if (code == 0 && placed)
+        ret_numbers->sun = ret_numbers->true_sun;
+    return code;
 }
 
 /*
  * The models know no sun below the horizon. Until the last of it has set, the sky is that of a sun
  * on the horizon; the sun itself stays where it is.
  */
-static int find_half_set(const struct orl_sky_request *request, struct orl_text *text,
+static int find_half_set(const struct orl_sky_request *request,
+                         const struct orl_sun_position *placed, struct orl_text *text,
                          struct orl_sky_numbers *numbers, struct orl_error *err)
 {
     const struct orl_vec3 sun = numbers->sun;
-    struct orl_sky_request risen = *request;
-    int code;
-    risen.time_given = false;
-    risen.sun_given = true;
-    risen.sun_altitude_deg = 1e-6;
-    risen.sun_azimuth_deg = atan2(-sun.x, -sun.y) / ORL_DEG_TO_RAD;
+    struct orl_sun_position risen = *placed;
+    risen.altitude_rad = 1e-6 * ORL_DEG_TO_RAD;
     text->warnings[0] = '\0'; /* what the setting sun had the models say */
-    code = find_numbers(&risen, text, numbers, err);
+    const int code = find_numbers(request, &risen, text, numbers, err);
     numbers->sun = sun;
     return code;
 }
@@ -260,18 +324,46 @@ static void do_without_gradation(struct orl_sky_numbers *numbers, bool by_flux,
                                 : "the model of the sky has no answer here: it is black");
 }
 
+/* The sun is down: of light that the request has all the same, how much is left out. */
+static void warn_night(const struct orl_sky_request *request, struct orl_vec3 sun,
+                       struct orl_text *text)
+{
+    const bool measured = request->model == ORL_SKY_BY_PEREZ && request->input != ORL_SKY_INDICES;
+    const bool two = request->input != ORL_SKY_GLOBAL_W;
+    const char *unit = request->input == ORL_SKY_NORMAL_LX ? "lx" : "W/m2";
+    if (!measured || !(request->first > 0 || (two && request->second > 0))) {
+        orl_text_warn(text, "the sun is below the horizon: the sky is black");
+        return;
+    }
+    const double below_deg = -altitude_of(sun) / ORL_DEG_TO_RAD;
+    if (two)
+        orl_text_warn(text,
+                      "the sun is %.1f degrees below the horizon: the sky is black, and %g %s "
+                      "direct and %g %s diffuse are left out",
+                      below_deg, request->first, unit, request->second, unit);
+    else
+        orl_text_warn(text,
+                      "the sun is %.1f degrees below the horizon: the sky is black, and %g %s are "
+                      "left out",
+                      below_deg, request->first, unit);
+    if (request->time_given && below_deg > 1)
+        orl_text_warn(text, "check the signs of longitude and time zone (east is positive here and "
+                            "in EPW, west in WEA) and whether times are shifted");
+}
+
 /* All but the balance of sky and ground, which is for *ret_diffuse. */
 static int find_unbalanced(const struct orl_sky_request *request, struct orl_text *text,
                            struct orl_daylight *daylight, double *ret_diffuse,
                            struct orl_error *err)
 {
     const bool by_flux = request->normalise == ORL_SKY_FLUX;
+    const struct orl_sun_position placed = sun_of(request);
     struct orl_sky_numbers numbers;
-    int code = find_numbers(request, text, &numbers, err);
+    int code = find_numbers(request, by_flux ? &placed : NULL, text, &numbers, err);
     bool half_set = false;
     if (code == 0 && by_flux && needs_sun(&numbers.pattern) && is_half_set(numbers.sun)) {
         half_set = true;
-        code = find_half_set(request, text, &numbers, err);
+        code = find_half_set(request, &placed, text, &numbers, err);
     }
     if (code < 0)
         return code;
@@ -283,8 +375,9 @@ static int find_unbalanced(const struct orl_sky_request *request, struct orl_tex
     daylight->sun_angle_deg = numbers.sun_angle_deg;
     daylight->black = numbers.black;
     *ret_diffuse = numbers.diffuse;
-    if (!numbers.black && !half_set && needs_sun(&numbers.pattern) && numbers.sun.z <= 0) {
-        orl_text_warn(text, "the sun is below the horizon: the sky is black");
+    if (!half_set && needs_sun(&numbers.pattern) && numbers.sun.z <= 0 &&
+        (by_flux || !numbers.black)) {
+        warn_night(request, numbers.sun, text);
         daylight->black = true;
     }
     if (!daylight->black && by_flux) {
@@ -321,6 +414,8 @@ static int take_row(const struct orl_weather *weather, const struct orl_weather_
         orl_text_warn(text, "line %d of the weather file: negative light is taken as 0", row->line);
     request->model = ORL_SKY_BY_PEREZ;
     request->time_given = true;
+    request->year = row->year;
+    request->interval_h = weather->interval_h;
     request->month = row->month;
     request->day = row->day;
     request->hour = row->hour;
@@ -334,6 +429,22 @@ static int take_row(const struct orl_weather *weather, const struct orl_weather_
     if (code < 0)
         orl_error_at(err, NULL, row->line, NULL);
     return code;
+}
+
+double orl_daylight_altitude_of_row(const struct orl_weather *weather,
+                                    const struct orl_weather_row *row)
+{
+    const struct orl_sky_request request = {.time_given = true,
+                                            .sun_method = weather->sun_method,
+                                            .year = row->year,
+                                            .month = row->month,
+                                            .day = row->day,
+                                            .hour = row->hour,
+                                            .interval_h = weather->interval_h,
+                                            .latitude_deg = weather->latitude_deg,
+                                            .longitude_deg = weather->longitude_deg,
+                                            .time_zone_h = weather->time_zone_h};
+    return sun_of(&request).altitude_rad / ORL_DEG_TO_RAD;
 }
 
 static int request_of_row(const struct orl_sky_request *request, const struct orl_weather *weather,
@@ -363,6 +474,7 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
     struct orl_daylight daylight = {0};
     struct orl_sky_request request;
     orl_sky_request_init(&request);
+    request.sun_method = weather->sun_method;
     int code = take_row(weather, row, &request, &text, err);
     if (code == 0)
         code = find_unbalanced(&request, &text, &daylight, ret_diffuse, err);

@@ -39,6 +39,10 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
                         struct orl_daylight *ret_daylight, double *ret_diffuse,
                         struct orl_error *err);
 
+/* In degrees: of the sun's centre, as a row's sky has it. */
+double orl_daylight_altitude_of_row(const struct orl_weather *weather,
+                                    const struct orl_weather_row *row);
+
 /* Where the sun stands at a row of a weather file, whatever was measured there, as that row's sky
  * has it where it has a sun. */
 struct orl_daylight_sun {

@@ -181,6 +181,16 @@ static int read_periods(struct reader *reader, struct span line)
     return code;
 }
 
+/* Files of no particular year leave the field empty or write 0. */
+static int year_of(struct span field)
+{
+    double year = 0;
+    if (orl_number_read(field.at, field.length, &year) != ORL_NUMBER_OK || !(year > 0) ||
+        year > 9999)
+        return 0;
+    return (int)year;
+}
+
 static int read_epw_row(struct reader *reader, struct span line)
 {
     struct span fields[EPW_FIELDS_READ] = {0};
@@ -195,6 +205,7 @@ static int read_epw_row(struct reader *reader, struct span line)
     if (code < 0)
         return code;
     row.hour -= 0.5;
+    row.year = year_of(fields[0]);
     return keep_row(reader, &row);
 }
 
@@ -280,6 +291,22 @@ static int read_wea(struct reader *reader)
     return code;
 }
 
+/* ---- Intervals ------------------------------------------------------------------------------- */
+
+/* The least time between rows of one day that follow each other, at most an hour: files may leave
+ * the night out. */
+static double find_interval(const struct orl_weather *weather)
+{
+    double least = 1;
+    for (size_t i = 1; i < weather->n_rows; i++) {
+        const struct orl_weather_row *a = &weather->rows[i - 1], *b = &weather->rows[i];
+        const double step = b->hour - a->hour;
+        if (a->month == b->month && a->day == b->day && step > 1e-6)
+            least = fmin(least, step);
+    }
+    return least;
+}
+
 /* ---- Entry points ---------------------------------------------------------------------------- */
 
 int orl_weather_parse(const char *name, const char *text, size_t size,
@@ -302,6 +329,7 @@ int orl_weather_parse(const char *name, const char *text, size_t size,
         orl_weather_done(&reader.weather);
         return code;
     }
+    reader.weather.interval_h = find_interval(&reader.weather);
     *ret_weather = reader.weather;
     return 0;
 }

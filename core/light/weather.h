@@ -20,6 +20,7 @@
 #include <stddef.h>
 
 #include <oriel/error.h>
+#include <oriel/sky.h>
 
 /* What the two numbers of a row are; the values are WEA's weather_data_file_units. */
 enum orl_weather_units {
@@ -29,6 +30,7 @@ enum orl_weather_units {
 };
 
 struct orl_weather_row {
+    int year; /* 0: the file has none, as WEA */
     int month, day;
     int line; /* in the file, from 1 */
     bool missing;
@@ -39,6 +41,8 @@ struct orl_weather_row {
 struct orl_weather {
     double latitude_deg, longitude_deg, time_zone_h;
     enum orl_weather_units units;
+    double interval_h;              /* that a row stands for, about its hour */
+    enum orl_sun_method sun_method; /* of its reader: how rows' suns are placed */
     struct orl_weather_row *rows;
     size_t n_rows;
 };

@@ -46,6 +46,7 @@ struct finder {
     const struct orl_exposure_wish *wish;
     const struct orl_scene *scene;
     struct orl_location site;
+    enum orl_sun_method sun_method;
     struct orl_turn north;
     struct date days[MOST_DAYS];
     size_t n_days;
@@ -74,6 +75,15 @@ static bool is_seen(const struct orl_scene *scene, struct orl_vec3 origin, struc
     return false;
 }
 
+static struct orl_sun_position sun_at(const struct finder *f, const struct orl_moment *moment)
+{
+    double declination, hour;
+    if (f->sun_method == ORL_SUN_ACCURATE)
+        return orl_sun_accurate(&f->site, moment);
+    orl_sun_clock(&f->site, moment, &declination, &hour);
+    return orl_sun_at(&f->site, declination, hour);
+}
+
 static void count_minutes(void *arg, size_t index, uint32_t member)
 {
     const struct finder *f = arg;
@@ -85,9 +95,7 @@ static void count_minutes(void *arg, size_t index, uint32_t member)
     for (int i = 0; i < MINUTES; i++) {
         const struct orl_moment moment = {
             .month = date.month, .day = date.day, .hour = (i + 0.5) / 60};
-        double declination, hour;
-        orl_sun_clock(&f->site, &moment, &declination, &hour);
-        const struct orl_sun_position sun = orl_sun_at(&f->site, declination, hour);
+        const struct orl_sun_position sun = sun_at(f, &moment);
         if (sun.altitude_rad <= 0 ||
             sun.altitude_rad < f->wish->least_altitude_deg * ORL_DEG_TO_RAD)
             continue;
@@ -145,6 +153,7 @@ int orl_exposure_find(const struct orl_exposure_wish *wish, const struct orl_exp
                             .site = {.latitude_rad = site->latitude_deg * ORL_DEG_TO_RAD,
                                      .longitude_rad = -site->longitude_deg * ORL_DEG_TO_RAD,
                                      .meridian_rad = -15 * site->time_zone_h * ORL_DEG_TO_RAD},
+                            .sun_method = request->sun_method,
                             .north = orl_turn_by(request->north_deg)};
     int code = orl_open_scene(request, env, &scene, err);
     if (code < 0)

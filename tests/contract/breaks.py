@@ -25,7 +25,7 @@ def jobs(lit, dark, sheet, measured):
                          {"direct_horizontal_w_m2": 500, "diffuse_horizontal_w_m2": 120},
                          {"global_horizontal_w_m2": 600}, {"clearness": 4, "brightness": 0.2})]
     sun = {"sun_altitude": 40, "sun_azimuth": 10}
-    sky += [{"perez": {**sun, "global_horizontal_w_m2": 600}, "normalise": "gendaylit"},
+    sky += [{"perez": {**sun, "global_horizontal_w_m2": 600}, "normalise": "gendaylit", "sun": "radiance"},
             {"cie": {"type": "clear", **DAY, "hour": 12, **PLACE, "zenith_cd_m2": 8000,
                      "direct_normal_lx": 80000, "ground_reflectance": 0.2}},
             {"cie": {"type": "intermediate", **sun, "turbidity": 3}},
@@ -33,7 +33,7 @@ def jobs(lit, dark, sheet, measured):
             {"weather": {"file": "w.epw", **DAY, "hour": 11.5, "ground_reflectance": 0.2}}]
     several = [[{"name": "one", **sky[8]}, sky[9], {**sky[5], "name": "five"}],
                {"weather": {"file": "w.epw", "ground_reflectance": 0.2}, "normalise": "flux",
-                "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}, "step_h": 1},
+                "sun": "radiance", "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}, "step_h": 1},
                {"perez": {**PLACE, "global_horizontal_w_m2": 600},
                 "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}},
                {"cie": {"type": "clear", **PLACE},
@@ -82,7 +82,7 @@ def jobs(lit, dark, sheet, measured):
     yield {**study, "gather_samples": [8, 16], "sensors": SENSORS}
     yield {**study, "scene": dark, "sky": sky[8], "pixel_samples": [1, 2], "views": [VIEW]}
     year = {"kind": "annual", "priority": 5, "name": "n", "tags": ["a"], "scene": dark, "weather": "w.epw"}
-    yield {**year, "title": "t", "north": 10, "ground_reflectance": 0.3, "samples": 16, "seed": 3,
+    yield {**year, "title": "t", "north": 10, "ground_reflectance": 0.3, "sun": "radiance", "samples": 16, "seed": 3,
            "grids": [{"name": "a", "area": 2, "sensors": {"file": "s.txt"}},
                      {"name": "b", "area": 1, "sensors": SENSORS}],
            "occupancy": {"from": 9, "to": 17, "days": ["mon", "tue"], "first_day": "sun"},

@@ -15,6 +15,7 @@
 static const char good[] =
     "{\"kind\": \"annual\", \"title\": \"A room\", \"scene\": {\"files\": [\"a.rad\", \"b.rad\"]},"
     " \"weather\": \"place.epw\", \"north\": 30, \"ground_reflectance\": 0.1,"
+    " \"sun\": \"radiance\","
     " \"grids\": [{\"sensors\": {\"file\": \"grid/desks.pts\"}, \"area\": 20},"
     " {\"name\": \"wall\", \"sensors\": [[1, 2, 3, 0, 1, 0], [1, 2, 4, 0, 1, 0]], \"area\": 4}],"
     " \"occupancy\": {\"from\": 9, \"to\": 17.5, \"days\": [\"mon\", \"fri\"], \"first_day\": "
@@ -59,6 +60,7 @@ static void test_a_whole_document(void **state)
     assert_string_equal(job.request.scene_files[1], "b.rad");
     assert_string_equal(job.request.weather_file, "place.epw");
     assert_true(job.request.north_deg == 30 && job.request.ground_reflectance == 0.1);
+    assert_int_equal(job.request.sun_method, ORL_SUN_RADIANCE);
     assert_int_equal(job.request.samples, 64);
     assert_true(job.wishes.median_diffuse_lx == 14200);
     assert_int_equal(job.wishes.exposure.n_points, 2);
@@ -219,6 +221,7 @@ static void test_mistakes_are_named(void **state)
         {"\"weather\": \"place.epw\",", "", "weather"},
         {"\"north\": 30", "\"north\": 500", "north"},
         {"\"ground_reflectance\": 0.1", "\"ground_reflectance\": 2", "ground_reflectance"},
+        {"\"radiance\"", "\"exact\"", "sun"},
         {"\"files\": [\"a.rad\", \"b.rad\"]", "\"files\": []", "scene.files"},
         {", \"area\": 4", "", "grids"},
         {"\"area\": 4", "\"area\": 0", "grids[1].area"},

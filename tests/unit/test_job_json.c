@@ -161,6 +161,7 @@ static void test_skies(void **state)
         "\"time_zone\":2,\"direct_normal_w_m2\":800,\"diffuse_horizontal_w_m2\":120}}"));
     assert_int_equal(job.sky.model, ORL_SKY_BY_PEREZ);
     assert_int_equal(job.sky.normalise, ORL_SKY_FLUX);
+    assert_int_equal(job.sky.sun_method, ORL_SUN_ACCURATE);
     assert_int_equal(job.sky.input, ORL_SKY_NORMAL_W);
     assert_true(job.sky.time_given && !job.sky.sun_given);
     assert_true(job.sky.longitude_deg == 27.14 && job.sky.time_zone_h == 2);
@@ -180,7 +181,8 @@ static void test_skies(void **state)
     assert_int_equal(job.sky.input, ORL_SKY_ZENITH_CD_M2);
     orl_job_done(&job);
     job = decode_sky(SKY_JOB("{\"weather\":{\"file\":\"x.epw\",\"month\":3,\"day\":22,"
-                             "\"hour\":11.5,\"ground_reflectance\":0.3}}"));
+                             "\"hour\":11.5,\"ground_reflectance\":0.3},\"sun\":\"radiance\"}"));
+    assert_int_equal(job.sky.sun_method, ORL_SUN_RADIANCE);
     assert_int_equal(job.sky.model, ORL_SKY_BY_WEATHER);
     assert_string_equal(job.sky.weather_file, "x.epw");
     assert_true(job.sky.hour == 11.5 && job.sky.ground_reflectance == 0.3);
@@ -304,6 +306,8 @@ static const struct {
      ORL_ERR_INVALID, "sky.weather.file"},
     {"\"scene\":\"" ID "\",\"sky\":{\"weather\":{\"file\":\"x\",\"month\":1,\"day\":1}}",
      ORL_ERR_INVALID, "sky.weather.hour"},
+    {"\"scene\":\"" ID "\",\"sky\":{\"cie\":{\"type\":\"clear\"},\"sun\":\"best\"}",
+     ORL_ERR_INVALID, "sky.sun"},
     {"\"scene\":\"" ID "\",\"sky\":{\"cie\":{\"type\":\"clear\"},\"normalise\":\"yes\"}",
      ORL_ERR_INVALID, "sky.normalise"},
 };

@@ -55,9 +55,10 @@ const char *orl_annual_technique_name(enum orl_annual_technique technique);
 struct orl_annual_request {
     char **scene_files; /* names for the provider, as of a job */
     size_t n_scene_files;
-    char *weather_file;        /* EPW or WEA, for the provider */
-    double north_deg;          /* true north, counter-clockwise from +Y */
-    double ground_reflectance; /* of the ground outside, where the scene has none; 0..1 */
+    char *weather_file;             /* EPW or WEA, for the provider */
+    double north_deg;               /* true north, counter-clockwise from +Y */
+    double ground_reflectance;      /* of the ground outside, where the scene has none; 0..1 */
+    enum orl_sun_method sun_method; /* ORL_SUN_ACCURATE by default */
     struct orl_sensor *sensors;
     size_t n_sensors;
     struct orl_annual_grid *grids; /* may be none */

@@ -11,7 +11,8 @@
  * Normalisation: FLUX takes the diffuse flux given as what the sky delivers, by fine quadrature,
  * and lights the ground by sun and sky together: its radiance is reflectance * horizontal / pi. The
  * horizon cuts the sun's disc. Where the Perez model has no answer, the sky keeps its flux and
- * does without the model's change from zenith to horizon.
+ * does without the model's change from zenith to horizon. Models take a sun above 87 degrees as one
+ * of 87, and so does the sky; the sun itself stays in its place.
  * GENDAYLIT keeps the programs' own numbers: gendaylit divides by a mean over 145 patches, which
  * loses 0.7 to 2.7 % of the flux, and both take the ground's light from a CIE sky; the sun is whole
  * or down; what the model cannot say is black.
@@ -30,6 +31,16 @@ enum orl_sky_model {
 
 enum orl_sky_normalise { ORL_SKY_FLUX = 0, ORL_SKY_GENDAYLIT };
 
+/*
+ * How the sun is placed by time and site. ACCURATE: at most 0.01 degrees off, in the year of the
+ * weather file's row; of no year, in 2017. RADIANCE: by the fit of IES RP-21 that gendaylit and
+ * gensky use when no year is given, up to 1.1 degrees off. ORL_SKY_GENDAYLIT is always the latter.
+ * A weather row whose sun is down in the middle of its interval, and up in a part of it, has it in
+ * the middle of that part by ACCURATE, and none by RADIANCE.
+ */
+enum orl_sun_method { ORL_SUN_ACCURATE = 0, ORL_SUN_RADIANCE };
+const char *orl_sun_method_name(enum orl_sun_method method); /* "accurate", "radiance" */
+
 /* What first and second are. */
 enum orl_sky_input {
     ORL_SKY_NORMAL_W = 0, /* Perez: direct normal, diffuse horizontal irradiance */
@@ -47,13 +58,16 @@ enum orl_sky_cie { ORL_SKY_CLEAR = 1, ORL_SKY_OVERCAST, ORL_SKY_UNIFORM, ORL_SKY
 struct orl_sky_request {
     enum orl_sky_model model;
     enum orl_sky_normalise normalise;
+    enum orl_sun_method sun_method; /* where time and site place the sun */
     /* Where the sun is (Perez, CIE): said, or by time and place. Overcast needs neither, when its
      * brightness is given. Weather files know the place, and only the time is taken. */
     bool sun_given;
     double sun_altitude_deg, sun_azimuth_deg;
     bool time_given;
+    int year; /* 0: none is given */
     int month, day;
     double hour;
+    double interval_h; /* 0, or of a weather row: what was measured is the mean of so long */
     double latitude_deg, longitude_deg, time_zone_h;
     enum orl_sky_input input;
     double first, second;

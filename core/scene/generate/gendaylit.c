@@ -24,13 +24,15 @@ struct gendaylit {
     struct orl_location site;
     struct orl_moment moment;
     struct orl_sun_position sun;
+    const struct orl_sun_position *placed; /* where the caller has it; NULL: by the words */
     bool by_angle, with_sun, cloudy, quiet;
     enum input input;
     enum output output;
     double first, second; /* the numbers after -P, -W, -L, -G, -E */
     double ground_reflectance, dew_point_c, interval_min;
     /* found on the way */
-    struct orl_vec3 direction;
+    struct orl_vec3 direction, true_direction;
+    double height;     /* sine of the altitude by which level and normal irradiance differ */
     double zenith_deg; /* of the sun, at most 90 once the air mass is asked for */
     double clearness, brightness, water_cm;
     double direct_w, diffuse_w, direct_lx, diffuse_lx;
@@ -192,21 +194,26 @@ static bool place_sun(struct gendaylit *sky, struct orl_text *text)
 {
     const double highest = 87.0 * ORL_DEG_TO_RAD;
     bool up = true;
-    if (!sky->by_angle) {
+    if (sky->placed) {
+        sky->sun = *sky->placed;
+        up = sky->sun.altitude_rad > 0;
+    } else if (!sky->by_angle) {
         double declination, hour;
         orl_sun_clock(&sky->site, &sky->moment, &declination, &hour);
         up = sun_is_up(sky, &hour, text);
         sky->sun = orl_sun_at(&sky->site, declination, hour);
     }
-    if (!up)
+    if (!up && !sky->placed)
         orl_text_warn(text, "gendaylit: the sun is below the horizon: the sky is black");
+    sky->true_direction = orl_sun_direction(&sky->sun);
     if (up && !sky->cloudy && sky->sun.altitude_rad > highest) {
-        if (!sky->quiet)
+        if (!sky->quiet && !sky->placed)
             orl_text_warn(text, "gendaylit: the sun is too close to the zenith for this sky: its "
                                 "altitude is taken as 87 degrees");
         sky->sun.altitude_rad = highest;
     }
     sky->direction = orl_sun_direction(&sky->sun);
+    sky->height = sky->placed ? sky->true_direction.z : sin(sky->sun.altitude_rad);
     sky->zenith_deg = 90.0 - sky->sun.altitude_rad / ORL_DEG_TO_RAD;
     return up;
 }
@@ -273,7 +280,7 @@ static void irradiance_from_indices(struct gendaylit *sky)
 /* Splits global horizontal irradiance after Erbs 1982. */
 static void split_global(struct gendaylit *sky, struct orl_text *text)
 {
-    const double height = sin(sky->sun.altitude_rad), most = extraterrestrial(sky) * height;
+    const double height = sky->height, most = extraterrestrial(sky) * height;
     double global = sky->first, kt, fraction = 0.165;
     sky->diffuse_w = sky->direct_w = 0;
     if (sky->sun.altitude_rad <= 0)
@@ -372,7 +379,7 @@ static bool find_indices(struct gendaylit *sky, struct orl_text *text)
         sky->diffuse_lx = sky->second;
         return check_illuminance(sky, text) && irradiance_from_illuminance(sky);
     case INPUT_HORIZONTAL_W:
-        sky->direct_w = sky->sun.altitude_rad > 0 ? sky->first / sin(sky->sun.altitude_rad) : 0.0;
+        sky->direct_w = sky->sun.altitude_rad > 0 ? sky->first / sky->height : 0.0;
         sky->diffuse_w = sky->sun.altitude_rad > 0 ? sky->second : 0.0;
         break;
     case INPUT_GLOBAL_W:
@@ -460,6 +467,7 @@ static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *nu
                     .n_args = 10},
         .has_sun = sky->with_sun,
         .sun = d,
+        .true_sun = sky->true_direction,
         .sun_radiance = sky->with_sun && sky->clearness > 1.0 ? sky->solar : 0.0,
         .sun_measured = sky->solar,
         .black = c[1] > 0, /* grows without bound at the horizon */
@@ -471,10 +479,12 @@ static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *nu
         numbers->pattern.a[2] = numbers->pattern.a[3] = 0;
 }
 
-int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_text *text,
+int orl_gendaylit_numbers(const char *const *words, size_t count,
+                          const struct orl_sun_position *placed, struct orl_text *text,
                           struct orl_sky_numbers *ret_numbers, struct orl_error *err)
 {
     struct gendaylit sky = {.site = orl_location_default,
+                            .placed = placed,
                             .with_sun = true,
                             .ground_reflectance = 0.2,
                             .dew_point_c = 10.97353115};
@@ -489,8 +499,10 @@ int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_tex
     if (solve(&sky, text))
         give_numbers(&sky, ret_numbers);
     else
-        *ret_numbers = (struct orl_sky_numbers){
-            .pattern = {.kind = ORL_SKY_PEREZ, .n_args = 10}, .black = true, .sun = sky.direction};
+        *ret_numbers = (struct orl_sky_numbers){.pattern = {.kind = ORL_SKY_PEREZ, .n_args = 10},
+                                                .black = true,
+                                                .sun = sky.direction,
+                                                .true_sun = sky.true_direction};
     memcpy(ret_numbers->pattern.a + 7,
            (double[3]){sky.direction.x, sky.direction.y, sky.direction.z}, 3 * sizeof(double));
     ret_numbers->by_clock = !sky.by_angle && !sky.moment.solar;

@@ -148,10 +148,12 @@ int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct or
 
 void orl_text_warn_site(struct orl_text *text, const char *program, const struct orl_location *site)
 {
-    const double west_rad = site->longitude_rad - site->meridian_rad;
-    if (fabs(west_rad) > 45.0 * ORL_DEG_TO_RAD)
+    const double in_hours = 12.0 / ORL_PI;
+    const double west =
+        orl_sun_hours_apart(site->longitude_rad * in_hours, site->meridian_rad * in_hours);
+    if (fabs(west) > 3.0)
         orl_text_warn(text,
                       "%s: %.1f hours lie between the standard meridian and the longitude "
                       "(both are degrees west)",
-                      program, west_rad * 12.0 / ORL_PI);
+                      program, west);
 }

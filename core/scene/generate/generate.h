@@ -48,7 +48,8 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
 /*
  * The sky that the same words stand for, in full precision instead of printed digits. Radiances are
  * W/sr/m2 per channel. text gets the warnings only; what the site's longitude suggests is not among
- * them.
+ * them. placed is where the sun stands, whatever place the words give it; NULL: by the words, as
+ * the programs place it. Only the day of the year is taken from the words' time then.
  */
 struct orl_sky_numbers {
     struct orl_sky pattern; /* sky and ground, as skybright's arguments */
@@ -56,17 +57,20 @@ struct orl_sky_numbers {
     bool no_gradation;      /* black since the model has no answer; the pattern is one without its
                                change from zenith to horizon, of no particular brightness */
     bool has_sun;           /* one is to be written, be it of radiance 0 */
-    struct orl_vec3 sun;    /* towards its centre */
-    double sun_radiance;    /* 0 without a sun */
-    double sun_measured;    /* the radiance that the input asks for: gendaylit drops a faint sun */
-    double sun_angle_deg;   /* the whole disc's */
-    double diffuse;         /* W/m2 that the pattern's upper half is meant to give; -1: not given */
-    bool by_clock;          /* the sun was placed by standard time at the site */
+    struct orl_vec3 sun; /* towards its centre; at most 87 degrees high, as the programs have it */
+    struct orl_vec3 true_sun; /* the same without that bound, which only the pattern needs */
+    double sun_radiance;      /* 0 without a sun */
+    double sun_measured;  /* the radiance that the input asks for: gendaylit drops a faint sun */
+    double sun_angle_deg; /* the whole disc's */
+    double diffuse;       /* W/m2 that the pattern's upper half is meant to give; -1: not given */
+    bool by_clock;        /* the sun was placed by standard time at the site */
     struct orl_location site;
 };
-int orl_gendaylit_numbers(const char *const *words, size_t count, struct orl_text *text,
+int orl_gendaylit_numbers(const char *const *words, size_t count,
+                          const struct orl_sun_position *placed, struct orl_text *text,
                           struct orl_sky_numbers *ret_numbers, struct orl_error *err);
-int orl_gensky_numbers(const char *const *words, size_t count, struct orl_text *text,
+int orl_gensky_numbers(const char *const *words, size_t count,
+                       const struct orl_sun_position *placed, struct orl_text *text,
                        struct orl_sky_numbers *ret_numbers, struct orl_error *err);
 
 /* ---- What the generators share --------------------------------------------------------------- */

@@ -27,12 +27,13 @@ struct gensky {
     struct orl_location site;
     struct orl_moment moment;
     struct orl_sun_position sun;
+    const struct orl_sun_position *placed; /* where the caller has it; NULL: by the words */
     bool by_angle, zone_given;
     enum sky type;
     bool with_sun;
     enum given zenith_given, solar_given;
     double zenith, solar, turbidity, ground_reflectance;
-    struct orl_vec3 direction;
+    struct orl_vec3 direction, true_direction;
     double shape; /* A4: the CIE formula's value at the sun's zenith distance */
     double ground;
     double diffuse; /* horizontal irradiance as given (-B), or -1 */
@@ -159,14 +160,18 @@ static bool is_overcast(const struct gensky *sky)
 static void place_sun(struct gensky *sky, struct orl_text *text)
 {
     const double highest = 87.0 * ORL_DEG_TO_RAD;
-    if (!sky->by_angle) {
+    if (sky->placed) {
+        sky->sun = *sky->placed;
+    } else if (!sky->by_angle) {
         double declination, hour;
         orl_sun_clock(&sky->site, &sky->moment, &declination, &hour);
         sky->sun = orl_sun_at(&sky->site, declination, hour);
     }
+    sky->true_direction = orl_sun_direction(&sky->sun);
     if (!is_overcast(sky) && sky->sun.altitude_rad > highest) {
-        orl_text_warn(text, "gensky: the sun is too close to the zenith for this sky: its altitude "
-                            "is taken as 87 degrees");
+        if (!sky->placed)
+            orl_text_warn(text, "gensky: the sun is too close to the zenith for this sky: its "
+                                "altitude is taken as 87 degrees");
         sky->sun.altitude_rad = highest;
     }
     sky->direction = orl_sun_direction(&sky->sun);
@@ -228,10 +233,12 @@ static void find_brightness(struct gensky *sky)
     sky->ground *= sky->ground_reflectance;
 }
 
-int orl_gensky_numbers(const char *const *words, size_t count, struct orl_text *text,
+int orl_gensky_numbers(const char *const *words, size_t count,
+                       const struct orl_sun_position *placed, struct orl_text *text,
                        struct orl_sky_numbers *ret_numbers, struct orl_error *err)
 {
     struct gensky sky = {.site = orl_location_default,
+                         .placed = placed,
                          .type = SKY_CLEAR,
                          .with_sun = true,
                          .turbidity = 2.45,
@@ -251,6 +258,7 @@ int orl_gensky_numbers(const char *const *words, size_t count, struct orl_text *
                     .n_args = is_overcast(&sky) ? 3 : 7},
         .has_sun = sky.with_sun,
         .sun = sky.direction,
+        .true_sun = sky.true_direction,
         .sun_radiance = sky.with_sun ? sky.solar : 0.0,
         .sun_measured = sky.with_sun ? sky.solar : 0.0,
         .sun_angle_deg = 0.5,

@@ -30,6 +30,16 @@ static double wrapped(double value, double period)
     return value < 0 ? value + period : value;
 }
 
+double orl_sun_wrap_hour(double hour)
+{
+    return wrapped(hour, 24.0);
+}
+
+double orl_sun_hours_apart(double hours, double others)
+{
+    return wrapped(hours - others + 12.0, 24.0) - 12.0;
+}
+
 /* Days since noon UT on 1 January 2000, by the almanac's count from 1949. */
 static double almanac_days(const struct orl_location *site, const struct orl_moment *moment)
 {
@@ -56,7 +66,7 @@ static void almanac(const struct orl_location *site, double days, double *ret_de
     const double sidereal = 6.697375 + 0.0657098242 * days + hour_ut;
     const double local = sidereal - site->longitude_rad * 12.0 / ORL_PI;
     *ret_declination_rad = asin(sin(obliquity) * sin(longitude));
-    *ret_solar_hour = wrapped(local - ascension * 12.0 / ORL_PI + 12.0, 24.0);
+    *ret_solar_hour = orl_sun_wrap_hour(local - ascension * 12.0 / ORL_PI + 12.0);
 }
 
 void orl_sun_clock(const struct orl_location *site, const struct orl_moment *moment,
@@ -70,7 +80,7 @@ void orl_sun_clock(const struct orl_location *site, const struct orl_moment *mom
         *ret_declination_rad = orl_sun_declination(day);
         hour += time_shift(site, day);
     }
-    *ret_solar_hour = moment->solar ? moment->hour : hour;
+    *ret_solar_hour = moment->solar ? moment->hour : orl_sun_wrap_hour(hour);
 }
 
 struct orl_sun_position orl_sun_at(const struct orl_location *site, double declination_rad,

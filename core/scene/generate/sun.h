@@ -1,6 +1,7 @@
 /*
- * Where the sun stands, by the formulas that gensky and gendaylit use, so that their files and ours
- * agree: a plain Fourier fit by day of the year, or, when the year is given, Michalsky's algorithm.
+ * Where the sun stands: accurately, or by the formulas that gensky and gendaylit use, so that their
+ * files and ours agree. Those are a plain Fourier fit by day of the year, up to 1.1 degrees off,
+ * or, when the year is given, Michalsky's algorithm.
  *
  * Conventions: angles in radians; longitude and meridian are positive WEST of Greenwich; hours from
  * midnight; azimuth is measured from south, positive towards west; altitude from the horizon.
@@ -47,6 +48,25 @@ void orl_sun_clock(const struct orl_location *site, const struct orl_moment *mom
 /* Altitude and azimuth at a solar hour. */
 struct orl_sun_position orl_sun_at(const struct orl_location *site, double declination_rad,
                                    double solar_hour);
+
+/* An hour of the day within [0, 24). */
+double orl_sun_wrap_hour(double hour);
+
+/* By how many hours clocks differ, from -12 to 12, whatever their dates: those of -11 and +13 hours
+ * of Greenwich show the same. */
+double orl_sun_hours_apart(double hours, double others);
+
+/*
+ * At most 0.01 degrees from the true place between these years. A moment of no year, or of one
+ * outside, is taken in 2017, and 29 February in 2016: years in which the sun's declination on a
+ * date lies in the middle of its range, which is 0.4 degrees wide. The place is geometric:
+ * refraction by the air, which raises the sun by 0.57 degrees at the horizon, by 0.16 at 5 degrees
+ * and by 0.03 at 30 degrees, is left out, as Radiance, EnergyPlus and EN 17037 leave it out.
+ * moment->solar is not heeded.
+ */
+enum { ORL_SUN_FIRST_YEAR = 1950, ORL_SUN_LAST_YEAR = 2100 };
+struct orl_sun_position orl_sun_accurate(const struct orl_location *site,
+                                         const struct orl_moment *moment);
 
 /* The unit vector towards the sun. */
 struct orl_vec3 orl_sun_direction(const struct orl_sun_position *sun);

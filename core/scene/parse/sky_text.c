@@ -19,7 +19,7 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
 {
     struct orl_sky_numbers sky;
     const double *a = sky.pattern.a;
-    const int code = orl_gendaylit_numbers(words, count, text, &sky, err);
+    const int code = orl_gendaylit_numbers(words, count, NULL, text, &sky, err);
     if (code < 0)
         return code;
     if (sky.by_clock)
@@ -40,7 +40,7 @@ int orl_gensky(const char *const *words, size_t count, struct orl_text *text, st
 {
     struct orl_sky_numbers sky;
     const double *a = sky.pattern.a;
-    const int code = orl_gensky_numbers(words, count, text, &sky, err);
+    const int code = orl_gensky_numbers(words, count, NULL, text, &sky, err);
     if (code < 0)
         return code;
     if (sky.by_clock)

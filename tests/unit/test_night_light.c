@@ -1,0 +1,290 @@
+/*
+ * Rows of weather files against the sun: places at the date line, the Arctic, and light that a file
+ * has while the sun is down.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "light/daylight.h"
+#include "light/night_light.h"
+#include "scene/generate/generate.h"
+
+enum { YEAR_ROWS = 8760 };
+
+struct place {
+    const char *name;
+    double latitude_deg, longitude_deg, time_zone_h;
+};
+
+static const struct place tromso = {"Tromso", 69.65, 18.95, 1},
+                          athens = {"Athens", 37.98, 23.73, 2},
+                          samoa = {"Samoa", -13.83, -171.77, 13},
+                          denver = {"Denver", 39.74, -104.98, -7};
+
+static double altitude_deg(const struct place *place, const struct orl_weather_row *row)
+{
+    const struct orl_location site = {place->latitude_deg * ORL_DEG_TO_RAD,
+                                      -place->longitude_deg * ORL_DEG_TO_RAD,
+                                      -15 * place->time_zone_h * ORL_DEG_TO_RAD};
+    const struct orl_moment moment = {0, row->month, row->day, row->hour, false};
+    return orl_sun_accurate(&site, &moment).altitude_rad / ORL_DEG_TO_RAD;
+}
+
+/* The means of twelve clear moments of an hour, W/m2. */
+static void shine(const struct place *place, struct orl_weather_row *row)
+{
+    enum { MOMENTS = 12 };
+    for (int i = 0; i < MOMENTS; i++) {
+        struct orl_weather_row at = *row;
+        at.hour += (i + 0.5) / MOMENTS - 0.5;
+        const double up = sin(altitude_deg(place, &at) * ORL_DEG_TO_RAD);
+        row->direct += up > 0 ? 900 * up / (up + 0.15) / MOMENTS : 0;
+        row->diffuse += up > 0 ? (20 + 80 * up) / MOMENTS : 0;
+    }
+}
+
+/* A year of clear hours of a place, as a file of another site and of shifted times might have it.
+ */
+static struct orl_weather clear_year(const struct place *place)
+{
+    static struct orl_weather_row rows[YEAR_ROWS];
+    static const int lengths[12] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    size_t n = 0;
+    for (int month = 1; month <= 12; month++)
+        for (int day = 1; day <= lengths[month - 1]; day++)
+            for (int hour = 0; hour < 24; hour++) {
+                rows[n] = (struct orl_weather_row){
+                    .month = month, .day = day, .hour = hour + 0.5, .line = (int)n + 9};
+                shine(place, &rows[n++]);
+            }
+    return (struct orl_weather){.latitude_deg = place->latitude_deg,
+                                .longitude_deg = place->longitude_deg,
+                                .time_zone_h = place->time_zone_h,
+                                .units = ORL_WEATHER_NORMAL_W,
+                                .interval_h = 1,
+                                .rows = rows,
+                                .n_rows = n};
+}
+
+static struct orl_daylight sky_of(const struct orl_weather *weather, size_t row)
+{
+    struct orl_daylight sky = {0};
+    struct orl_error err = {0};
+    double diffuse;
+    if (orl_daylight_of_row(weather, &weather->rows[row], &sky, &diffuse, &err) < 0)
+        fail_msg("%s", err.message);
+    return sky;
+}
+
+/* Rows with light and a black sky. */
+static size_t count_dark(const struct orl_weather *weather, double least_w)
+{
+    size_t dark = 0;
+    for (size_t i = 0; i < weather->n_rows; i++) {
+        const struct orl_weather_row *row = &weather->rows[i];
+        if (row->direct + row->diffuse > least_w)
+            dark += sky_of(weather, i).black;
+    }
+    return dark;
+}
+
+/* ---- The Arctic ------------------------------------------------------------------------------ */
+
+/* Hours that the sun is up in a part of have their light; by Radiance's fit and the middle of the
+ * hour, some hundred are dark. */
+static void test_arctic(void **state)
+{
+    struct orl_weather weather = clear_year(&tromso);
+    (void)state;
+    assert_int_equal(count_dark(&weather, 0), 0);
+    weather.sun_method = ORL_SUN_RADIANCE;
+    print_message("# dark by Radiance's fit: %zu\n", count_dark(&weather, 0));
+    assert_true(count_dark(&weather, 0) > 100);
+}
+
+/* Such a sun stands in the middle of the part that it is up in: above the horizon, at a time of the
+ * row's hour; rows of ten minutes stay in theirs. */
+static void test_part_of_an_hour(void **state)
+{
+    struct orl_weather_row row = {.month = 3, .day = 21, .direct = 30, .diffuse = 10, .line = 9};
+    const struct orl_weather weather = {.latitude_deg = 37.98,
+                                        .longitude_deg = 23.73,
+                                        .time_zone_h = 2,
+                                        .units = ORL_WEATHER_NORMAL_W,
+                                        .interval_h = 1,
+                                        .rows = &row,
+                                        .n_rows = 1};
+    struct orl_weather short_rows = weather;
+    (void)state;
+    short_rows.interval_h = 1.0 / 6;
+    /* From when the sun is 2 degrees below: it rises within ten minutes, some 4 degrees an
+     * hour in azimuth and 12 in altitude. */
+    row.hour = 6;
+    while (altitude_deg(&athens, &row) < -2)
+        row.hour += 1.0 / 600;
+    const double later_deg = orl_daylight_altitude_of_row(&weather, &row);
+    assert_true(later_deg > 0.5 && later_deg < 3);
+    assert_false(sky_of(&weather, 0).black);
+    assert_true(orl_daylight_altitude_of_row(&short_rows, &row) < -1.9);
+    assert_true(sky_of(&short_rows, 0).black);
+}
+
+/* ---- The date line --------------------------------------------------------------------------- */
+
+/* By either method: as light as elsewhere, and no word about the site. */
+static void test_date_line(void **state)
+{
+    static const struct place places[] = {
+        {"Samoa", -13.83, -171.77, 13},    {"Tonga", -21.14, -175.2, 13},
+        {"Kiritimati", 1.87, -157.43, 14}, {"Chatham", -43.95, -176.56, 12.75},
+        {"Fiji", -18.14, 178.44, 12},      {"Baker Island", 0.2, -176.48, -12}};
+    (void)state;
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        struct orl_weather weather = clear_year(&places[i]);
+        size_t lit = 0;
+        for (int method = ORL_SUN_ACCURATE; method <= ORL_SUN_RADIANCE; method++) {
+            weather.sun_method = (enum orl_sun_method)method;
+            /* By RADIANCE hours are dark whose sun rises in their second half. */
+            if (count_dark(&weather, method == ORL_SUN_RADIANCE ? 300 : 0) > 0)
+                fail_msg("%s: dark", places[i].name);
+            for (size_t k = 0; k < 48; k++) {
+                const struct orl_daylight sky = sky_of(&weather, k);
+                assert_null(strstr(sky.warnings, "hours lie"));
+                lit += !sky.black;
+            }
+        }
+        assert_in_range(lit, 44, 68); /* of two days, by two methods */
+    }
+}
+
+/* Of commands in scenes likewise; a sign that is wrong is still told. */
+static void test_commands(void **state)
+{
+    static const char *const samoan[] = {"gendaylit", "1",  "15",   "12.5", "-a",  "-13.83", "-o",
+                                         "171.77",    "-m", "-195", "-W",   "700", "100"};
+    static const char *const wrong[] = {"gensky", "1",  "15",   "12.5", "-a",
+                                        "40",     "-o", "-105", "-m",   "105"};
+    struct orl_text text = {0};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(orl_gendaylit(samoan, 13, &text, &err), 0);
+    assert_string_equal(text.warnings, "");
+    assert_null(strstr(text.data, "10 0 0 0"));
+    orl_text_done(&text);
+    text = (struct orl_text){0};
+    assert_int_equal(orl_gensky(wrong, 10, &text, &err), 0);
+    assert_non_null(strstr(text.warnings, "10.0 hours lie between"));
+    orl_text_done(&text);
+}
+
+/* ---- Light by night -------------------------------------------------------------------------- */
+
+static struct orl_night_light find(const struct orl_weather *weather, char *text, size_t size)
+{
+    const struct orl_night_light night = orl_night_light_find(weather);
+    text[0] = '\0';
+    orl_night_light_describe(&night, text, size);
+    print_message("# %s\n", text[0] ? text : "nothing");
+    return night;
+}
+
+/* Against a count by the rows themselves. */
+static void test_count(void **state)
+{
+    static const struct place elsewhere = {"wrong sign", 39.74, 104.98, -7};
+    struct orl_weather weather = clear_year(&denver);
+    char text[640];
+    double lost = 0, total = 0;
+    size_t n = 0;
+    (void)state;
+    assert_int_equal(find(&weather, text, sizeof text).n_rows, 0);
+    assert_string_equal(text, "");
+    weather.longitude_deg = elsewhere.longitude_deg;
+    for (size_t i = 0; i < weather.n_rows; i++) {
+        const struct orl_weather_row *row = &weather.rows[i];
+        const double light = row->direct + row->diffuse;
+        total += light;
+        if (light == 0 || !sky_of(&weather, i).black)
+            continue;
+        lost += light;
+        n++;
+    }
+    const struct orl_night_light night = find(&weather, text, sizeof text);
+    assert_int_equal(night.n_rows, n);
+    assert_true(fabs(night.hours - (double)n) < 1e-9);
+    assert_true(fabs(night.lost - lost) < 1e-6 * lost && fabs(night.total - total) < 1e-6 * total);
+    assert_int_equal(night.cause, ORL_NIGHT_LONGITUDE);
+    assert_non_null(strstr(text, "sign of the longitude"));
+}
+
+static void test_causes(void **state)
+{
+    struct orl_weather weather = clear_year(&athens);
+    char text[640];
+    (void)state;
+    weather.time_zone_h = -2;
+    assert_int_equal(find(&weather, text, sizeof text).cause, ORL_NIGHT_TIME_ZONE);
+    assert_non_null(strstr(text, "sign of the time zone"));
+    weather.time_zone_h = 2;
+    for (int shift = -1; shift <= 1; shift += 2) {
+        for (size_t i = 0; i < weather.n_rows; i++)
+            weather.rows[i].hour += shift;
+        const struct orl_night_light night = find(&weather, text, sizeof text);
+        for (size_t i = 0; i < weather.n_rows; i++)
+            weather.rows[i].hour -= shift;
+        assert_int_equal(night.cause, ORL_NIGHT_SHIFT);
+        assert_true(night.shift_h == -shift);
+        assert_non_null(strstr(text, shift > 0 ? "1 h too late" : "1 h too early"));
+    }
+}
+
+/* Half an hour is told of rows of a quarter, which no part of an hour takes up. */
+static void test_half_an_hour(void **state)
+{
+    struct orl_weather weather = clear_year(&samoa);
+    char text[640];
+    (void)state;
+    weather.interval_h = 0.25;
+    for (size_t i = 0; i < weather.n_rows; i++) {
+        weather.rows[i].direct = weather.rows[i].diffuse = 0;
+        if (altitude_deg(&samoa, &weather.rows[i]) > 0)
+            weather.rows[i].direct = 300;
+        weather.rows[i].hour += 0.5;
+    }
+    assert_true(fabs(find(&weather, text, sizeof text).shift_h + 0.5) < 1e-9);
+    assert_non_null(strstr(text, "0.5 h too late"));
+}
+
+/* A single sky tells what it leaves out. */
+static void test_single_sky(void **state)
+{
+    struct orl_weather weather = clear_year(&athens);
+    struct orl_daylight sky;
+    (void)state;
+    weather.rows[1].direct = 120;
+    weather.rows[1].diffuse = 30;
+    sky = sky_of(&weather, 1);
+    assert_true(sky.black);
+    assert_non_null(strstr(sky.warnings, "120 W/m2 direct and 30 W/m2 diffuse are left out"));
+    assert_non_null(strstr(sky.warnings, "longitude"));
+    sky = sky_of(&weather, 2);
+    assert_true(sky.black && !strstr(sky.warnings, "left out"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_arctic),       cmocka_unit_test(test_part_of_an_hour),
+        cmocka_unit_test(test_date_line),    cmocka_unit_test(test_commands),
+        cmocka_unit_test(test_count),        cmocka_unit_test(test_causes),
+        cmocka_unit_test(test_half_an_hour), cmocka_unit_test(test_single_sky),
+    };
+    return cmocka_run_group_tests_name("night_light", tests, NULL, NULL);
+}
