@@ -11,7 +11,8 @@
 #include "scene/geometry/stand.h"
 
 enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS };
-enum orl_sun_row { ORL_SUN_STRAIGHT, ORL_SUN_MIRRORED, ORL_SUN_SQUARES, ORL_SUN_ROWS };
+/* By sun: direct sunlight (oriel/annual.h), what mirrors send, squares of both's standard error. */
+enum orl_sun_row { ORL_SUN_DIRECT, ORL_SUN_MIRRORED, ORL_SUN_SQUARES, ORL_SUN_ROWS };
 
 #define TRACING 0.85 /* of a block's time, more or less */
 
@@ -55,7 +56,7 @@ static void find_sun(void *arg, size_t index, uint32_t member)
 {
     struct orl_year *y = arg;
     const struct orl_sunlit_hours sun = {
-        sun_row_of(y, index, ORL_SUN_STRAIGHT),
+        sun_row_of(y, index, ORL_SUN_DIRECT),
         orl_year_is_sun_only(y) ? NULL : sun_row_of(y, index, ORL_SUN_MIRRORED),
         sun_row_of(y, index, ORL_SUN_SQUARES)};
     const uint64_t name = y->request->seed + y->first + index;
@@ -69,7 +70,7 @@ static void find_sun(void *arg, size_t index, uint32_t member)
     orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, y->env->run->crew,
                           &sun);
     if (y->has_panels)
-        orl_panels_add(&y->panels, &y->places[index], name, sun.mirrored, sun.squares);
+        orl_panels_add(&y->panels, &y->places[index], name, sun.straight, sun.squares);
 }
 
 static void fill_factors(void *arg, size_t index, uint32_t member)
@@ -108,9 +109,9 @@ static void multiply(void *arg, size_t tile, uint32_t member)
             continue;
         factors[lit] = &y->factors[i];
         rows[lit++] = (struct orl_annual_row){
-            sun_row_of(y, i, ORL_SUN_STRAIGHT), sun_row_of(y, i, ORL_SUN_MIRRORED),
-            sun_row_of(y, i, ORL_SUN_SQUARES),  row_of(y, i, ORL_YEAR_TOTAL),
-            row_of(y, i, ORL_YEAR_DIRECT),      row_of(y, i, ORL_YEAR_SE)};
+            sun_row_of(y, i, ORL_SUN_DIRECT),  sun_row_of(y, i, ORL_SUN_MIRRORED),
+            sun_row_of(y, i, ORL_SUN_SQUARES), row_of(y, i, ORL_YEAR_TOTAL),
+            row_of(y, i, ORL_YEAR_DIRECT),     row_of(y, i, ORL_YEAR_SE)};
     }
     orl_annual_multiply(factors, lit, &y->hours, &y->terms, tile, rows);
 }
@@ -311,10 +312,10 @@ static int find_dark(struct orl_year *y, size_t *ret_lit, struct orl_error *err)
     return code;
 }
 
-/* What falls on sensors straight is all there is. */
+/* Direct sunlight is all there is. */
 static int run_sun_only(struct orl_year *y, struct orl_error *err)
 {
-    int code = orl_year_need_scene(y, err);
+    int code = orl_year_need_panels(y, err);
     double since = orl_year_now(y);
     size_t lit = 0;
     if (code < 0)
@@ -324,14 +325,13 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
     if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_sun, y) < 0)
         code = orl_year_cancelled(err);
     for (size_t i = 0; i < y->count && code == 0; i++) {
-        const float *straight = sun_row_of(y, i, ORL_SUN_STRAIGHT);
+        const float *by_sun = sun_row_of(y, i, ORL_SUN_DIRECT);
         float *direct = row_of(y, i, ORL_YEAR_DIRECT);
         memset(row_of(y, i, ORL_YEAR_TOTAL), 0, y->hours.n_columns * sizeof(float));
         memset(row_of(y, i, ORL_YEAR_SE), 0, y->hours.n_columns * sizeof(float));
         for (size_t c = 0; c < y->hours.n_columns; c++) {
             const struct orl_column_sun *sun = &y->hours.sun_of_column[c];
-            direct[c] =
-                sun->normal_lx > 0 ? (float)(sun->normal_lx * (double)straight[sun->sun]) : 0;
+            direct[c] = sun->normal_lx > 0 ? (float)(sun->normal_lx * (double)by_sun[sun->sun]) : 0;
         }
     }
     orl_year_book(y, ORL_ANNUAL_SUN, &since);

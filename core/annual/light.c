@@ -162,7 +162,7 @@ int orl_year_need_scene(struct orl_year *y, struct orl_error *err)
 int orl_year_need_panels(struct orl_year *y, struct orl_error *err)
 {
     int code = orl_year_need_scene(y, err);
-    if (code < 0 || y->has_panels || orl_year_is_sun_only(y))
+    if (code < 0 || y->has_panels)
         return code;
     y->has_panels = true;
     code = orl_panels_init(&y->panels, y->world, &y->hours.suns, &y->scene.sobol, y->request->seed,

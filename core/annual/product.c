@@ -177,14 +177,14 @@ static void put_column(const struct orl_annual_row *row, size_t column,
                        const struct orl_column_sun *of, double indirect, double squares)
 {
     const double lx = of->normal_lx;
-    double straight = 0, mirrored = 0;
+    double direct = 0, mirrored = 0;
     if (lx > 0) {
-        straight = lx * (double)row->straight[of->sun];
+        direct = lx * (double)row->by_sun[of->sun];
         mirrored = lx * (double)row->mirrored[of->sun];
         squares += lx * lx * (double)row->squares[of->sun];
     }
-    row->direct[column] = (float)straight;
-    row->total[column] = (float)(indirect + straight + mirrored);
+    row->direct[column] = (float)direct;
+    row->total[column] = (float)(indirect + direct + mirrored);
     row->se[column] = (float)sqrt(squares);
 }
 

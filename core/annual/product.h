@@ -16,9 +16,10 @@ struct orl_annual_coefficients {
     size_t n_sun, n_beams;
 };
 
-/* What suns give straight is given, by sun (sunlight.h); the columns' light comes of it. */
+/* Direct sunlight, and what mirrors send, are given by sun (sunlight.h, panels.h); the columns'
+ * light comes of it. */
 struct orl_annual_row {
-    const float *straight, *mirrored, *squares;
+    const float *by_sun, *mirrored, *squares;
     float *total, *direct, *se;
 };
 

@@ -10,9 +10,21 @@
  * Conventions. Illuminances in lux (179 lm/W). Hours are those of the weather file, at the middle
  * of the interval that a row stands for: the sun of an EPW row of hour 12 (11:00 to 12:00) stands
  * where it does at 11:30, and so does that of its step here. Skies are those of a `render` job with
- * `sky.weather` and the same ground reflectance (oriel/sky.h, ORL_SKY_FLUX). Sensors are in scene
- * units, directions need not be unit. A scene has no distant sources of its own; its lamps are left
- * out, with a warning: what is computed is daylight.
+ * `sky.weather`, the same ground reflectance and sun (oriel/sky.h, ORL_SKY_FLUX). Sensors are in
+ * scene units, directions need not be unit. A scene has no distant sources of its own; its lamps
+ * are left out, with a warning: what is computed is daylight.
+ *
+ * Direct. This is the definition of direct sunlight for everything that reads it: ASE, LM-83's
+ * blinds and other controls by sun, hours of direct sunlight, .direct.ill. It is sunlight that
+ * reaches a sensor after any number of transmissions and no reflection: straight from the disc,
+ * through panes of glass, and through a pane described by a BSDF, into whatever direction that
+ * sends it (redirected and scattered light count). IES LM-83-12 has ASE by the beam of the sun
+ * alone, without light from other surfaces and with shades open, and no rule for glazing that
+ * scatters. Radiance's two-phase method with black surfaces, by which Honeybee finds ASE, counts
+ * the same. A matrix of Klems' basis spreads the sun over one of its cells, which is 10 to 15
+ * degrees wide: the flux of a patch of sun is right, its rim is blurred, and more sensors exceed
+ * 1000 lx than behind glass. Of clear panes, aBSDF, a tensor tree or glass keep the rim. What trans
+ * and other diffuse surfaces let through is not direct.
  *
  * Errors. se is the standard error of total, by how far independent batches of paths lie apart, and
  * groups of photons, and two ways of interpolating between the sun's nodes; of direct it is
@@ -164,9 +176,8 @@ struct orl_annual_result {
     size_t n_sensors;
     /*
      * [sensor * n_columns + column], lx. NULL where rows went to whoever asked (orl_annual_env).
-     * direct is what comes straight from the sun's disc, or through panes without being scattered
-     * or mirrored: ASE's light. total has it, too; but where there are shades, total is of the
-     * states of the hour, and direct of groups that all are open.
+     * total has direct (below), too; but where there are shades, total is of the states of the
+     * hour, and direct of groups that all are open.
      */
     float *total, *direct, *se;
     /* Of each sensor, lx: under the CIE's overcast sky of ORL_OVERCAST_LX on a level plane, and the

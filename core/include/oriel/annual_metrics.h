@@ -34,10 +34,10 @@
  * sDA     spatial DA: share of the area with DA(low) >= a share of the hours; sDA300/50 (IES
  *         LM-83-12: 8 to 18, every day, 3650 h; blinds move there, by 2.2.6, and do here where
  *         the year's shades are controlled so: oriel/annual_shades.h).
- * ASE     annual sunlight exposure: share of the area with direct sunlight (no bounce but what
- *         panes do) of more than 1000 lx in 250 h or more of the same hours, blinds open:
- *         ASE1000,250 (IES LM-83-12). Strictly more than 1000, at least 250. ClimateStudio and
- *         Honeybee have the same; some tools take suns from sky patches and are off by as much as
+ * ASE     annual sunlight exposure: share of the area with direct sunlight (oriel/annual.h defines
+ *         it) of more than 1000 lx in 250 h or more of the same hours, blinds open: ASE1000,250
+ *         (IES LM-83-12). Strictly more than 1000, at least 250. ClimateStudio and Honeybee have
+ *         the same; some tools take suns from sky patches and are off by as much as
  *         60 points.
  * EN      EN 17037:2018, 5.1 and A.2 by climate data: daylight provision. The 4380 hours of
  *         the year with the most daylight (global horizontal; half the steps of a leap year); in
@@ -56,7 +56,7 @@
  *         >= 55 (tier 1) or 75 % (tier 2), or EN 17037's minimum (tier 1: the target alone).
  * BREEAM  Hea 01, illuminance averages: the mean over a room, and its darkest point, reach so many
  * lux in so many hours of the year, of all 8760. mean illuminance, cumulative illuminance (lx h),
- * hours at or above, hours of direct sunlight above a threshold (0 lx: any of the disc is seen; EN
+ * hours at or above, hours of direct sunlight above a threshold (0 lx: any of it arrives; EN
  * 17037's exposure to sunlight and its view out are other matters: oriel/sun_exposure.h,
  * view_out.h).
  *
