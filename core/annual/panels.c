@@ -9,6 +9,9 @@
 enum { PARTS = ORL_PANEL_PARTS, DRAWS = ORL_PANEL_DRAWS, GROUPS = ORL_PANEL_GROUPS };
 enum { BLOCKS_A_SIDE = ORL_PANEL_SIDE / 2, POINTS = BLOCKS_A_SIDE * BLOCKS_A_SIDE / 2 };
 enum { MOST_PANES = 64 };
+/* Of a disc that lies in two cells: points that each point of a pane sees, and tries of each draw.
+ */
+enum { DISC_POINTS = 4, TRIES = 8 };
 
 /* ---- The panes ------------------------------------------------------------------------------- */
 
@@ -47,6 +50,30 @@ static int find_panes(struct orl_panels *panels)
     return code;
 }
 
+/* ---- One of several by weight ---------------------------------------------------------------- */
+
+/* Weighted reservoir sampling (Chao 1982) of one, with one number for all. */
+struct lot {
+    double sum, mark;
+};
+
+static struct lot lot_begin(uint64_t name)
+{
+    return (struct lot){0, (double)(name >> 11) * 0x1p-53};
+}
+
+/* Whether this one takes the place of those before. */
+static bool lot_takes(struct lot *lot, double weight)
+{
+    const double before = lot->sum;
+    if (!(weight > 0))
+        return false;
+    lot->sum = before + weight;
+    const double at = lot->mark * lot->sum;
+    lot->mark = at < weight ? at / weight : (at - weight) / before;
+    return at < weight;
+}
+
 /* ---- What is the same for all sensors -------------------------------------------------------- */
 
 struct maker {
@@ -61,6 +88,49 @@ static struct orl_sun disc_of(const struct orl_hour_sun *sun)
                             .cos_half_angle = cos(0.5 * sun->angle_rad)};
 }
 
+/* Whether the disc lies in cells of the BSDF that let through different shares. Then what few
+ * points of it send may be all there is. */
+static bool is_parted(const struct orl_panel_kind *k, const struct orl_hit *hit,
+                      const struct orl_sun *disc)
+{
+    enum { RIM = 8 };
+    static const double alike = 0.05;
+    double least = INFINITY, most = 0;
+    for (int i = 0; i <= RIM; i++) {
+        const double u[2] = {i < RIM ? 0.999 : 0, (i + 0.5) / RIM};
+        const double share = orl_luma(
+            orl_material_albedo(k->material, hit, orl_sun_sample(disc, u), ORL_LOBE_TRANSMITTED));
+        least = fmin(least, share);
+        most = fmax(most, share);
+    }
+    return most - least > alike * most;
+}
+
+/* A draw by numbers; false where nothing comes of it. */
+static bool try_draw(const struct orl_panel_kind *k, const struct orl_hit *hit,
+                     const struct orl_sun *disc, const double u[5], struct orl_vec3 *ret_towards,
+                     struct orl_panel_draw *ret_draw)
+{
+    const struct orl_vec3 from = orl_sun_sample(disc, u + 3);
+    if (!(orl_dot(from, k->inward) < 0))
+        return false;
+    const struct orl_scatter s =
+        orl_scatter_sample_at(k->material, hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
+    if (s.event != ORL_EVENT_GLOSSY && s.event != ORL_EVENT_DIFFUSE)
+        return false;
+    const double leaving = orl_dot(s.direction, k->inward);
+    const double density = orl_scatter_pdf(k->material, hit, from, ORL_TRANSPORT_LIGHT,
+                                           ORL_LOBE_TRANSMITTED, s.direction);
+    if (!(leaving > 1e-6) || !(density > 0))
+        return false;
+    *ret_towards = s.direction;
+    *ret_draw =
+        (struct orl_panel_draw){(float)(orl_luma(s.weight) * -orl_dot(from, k->inward) / leaving),
+                                (float)density,
+                                {(float)u[3], (float)u[4]}};
+    return true;
+}
+
 static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
 {
     struct orl_panels *panels = maker->panels;
@@ -71,28 +141,24 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
     memset(draws, 0, sizeof *draws);
     const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(which * ORL_PANEL_MOST_KINDS + kind));
+    draws->is_parted = is_parted(k, &hit, &disc);
+    const uint32_t tries = draws->is_parted ? TRIES : 1;
     for (uint32_t i = 0; i < DRAWS; i++) {
-        double u[5];
-        orl_sobol_point(maker->sobol, i, (uint32_t)name, 5, u);
-        const struct orl_vec3 from = orl_sun_sample(&disc, u + 3);
-        if (!(orl_dot(from, k->inward) < 0))
-            continue;
-        const struct orl_scatter s = orl_scatter_sample_at(
-            k->material, &hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
-        if (s.event != ORL_EVENT_GLOSSY && s.event != ORL_EVENT_DIFFUSE)
-            continue;
-        const double leaving = orl_dot(s.direction, k->inward);
-        const double density = orl_scatter_pdf(k->material, &hit, from, ORL_TRANSPORT_LIGHT,
-                                               ORL_LOBE_TRANSMITTED, s.direction);
-        if (!(leaving > 1e-6) || !(density > 0))
-            continue;
-        draws->towards[0][i] = (float)s.direction.x;
-        draws->towards[1][i] = (float)s.direction.y;
-        draws->towards[2][i] = (float)s.direction.z;
-        draws->at[i] = (struct orl_panel_draw){
-            (float)(orl_luma(s.weight) * -orl_dot(from, k->inward) / leaving),
-            (float)density,
-            {(float)u[3], (float)u[4]}};
+        struct lot lot = lot_begin(orl_mix64(name ^ i));
+        for (uint32_t j = 0; j < tries; j++) {
+            struct orl_panel_draw draw;
+            struct orl_vec3 towards;
+            double u[5];
+            orl_sobol_point(maker->sobol, i * tries + j, (uint32_t)name, 5, u);
+            if (!try_draw(k, &hit, &disc, u, &towards, &draw) ||
+                !lot_takes(&lot, (double)draw.light))
+                continue;
+            draws->towards[0][i] = (float)towards.x;
+            draws->towards[1][i] = (float)towards.y;
+            draws->towards[2][i] = (float)towards.z;
+            draws->at[i] = draw;
+        }
+        draws->at[i].light = (float)(lot.sum / tries);
     }
 }
 
@@ -196,12 +262,16 @@ static void look_at_points(struct before *b, uint64_t name)
     }
 }
 
-/* A point of an hour's disc; number: of the ray, among the hour's. */
-static struct orl_vec3 point_of_disc(const struct before *b, const struct orl_sun *disc,
-                                     size_t which, uint32_t number)
+/*
+ * A point of an hour's disc: number, of those about a sensor's pane in the hour. They lie evenly
+ * over the disc (Roberts 2018, by powers of the plastic number), turned by lot: of a sliver that
+ * lies in another cell of the BSDF some see more than nothing.
+ */
+static struct orl_vec3 point_of_disc(const struct orl_sun *disc, uint64_t lot, uint32_t number)
 {
-    const uint64_t lot = orl_mix64(b->name ^ orl_mix64((which << 8) + number));
-    const double u[2] = {(double)(uint32_t)lot * 0x1p-32, (double)(lot >> 32) * 0x1p-32};
+    const double x = (double)(uint32_t)lot * 0x1p-32 + number * 0.7548776662466927;
+    const double y = (double)(lot >> 32) * 0x1p-32 + number * 0.5698402909980532;
+    const double u[2] = {x - floor(x), y - floor(y)};
     return orl_sun_sample(disc, u);
 }
 
@@ -219,35 +289,51 @@ static uint32_t part_of_group(uint32_t group, uint64_t lot)
 }
 _Static_assert((int)POINTS == (int)GROUPS, "each group has one point");
 
+/* What a point of the pane sends to the sensor of some points of the disc, were nothing before it,
+ * and how likely the draws would have found it. */
+static double send_of(const struct before *b, const struct orl_hit *hit, const struct seen *s,
+                      struct orl_vec3 from)
+{
+    const struct orl_panel_kind *k = &b->panels->kinds[b->panel->kind];
+    const double onto = -orl_dot(from, k->inward);
+    const double f =
+        onto > 0 ? orl_luma(orl_scatter_eval_lobes(k->material, hit, from, s->towards)) : 0;
+    if (!(f > 0))
+        return 0;
+    const double of_draws = DRAWS * orl_scatter_pdf(k->material, hit, from, ORL_TRANSPORT_LIGHT,
+                                                    ORL_LOBE_TRANSMITTED, s->towards);
+    return f * onto * POINTS * s->density / (POINTS * s->density + of_draws);
+}
+
 /*
- * Points of the pane: to groups, of a sun that gives 1 to what faces it. Each with its own point of
- * the disc, as draws have theirs: over a disc that lies in two cells of a BSDF, what the one sends
- * is not what the other does.
+ * Points of the pane: to groups, of a sun that gives 1 to what faces it. Each with points of the
+ * disc of its own, as draws have theirs: over a disc that lies in two cells of a BSDF, what the one
+ * sends is not what the other does. One of them, drawn by what it sends, is looked for outside.
  */
 static void add_points(const struct before *b, size_t which, const struct orl_sun *disc,
-                       uint64_t lot, double groups[GROUPS])
+                       uint64_t number, double groups[GROUPS])
 {
     const struct orl_panels *panels = b->panels;
     const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
     const struct orl_hour_sun *sun = &panels->suns->at[which];
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
+    const struct orl_panel_draws *draws =
+        panels->draws + (size_t)b->panel->kind * panels->suns->count + which;
+    const uint32_t of_disc = draws->is_parted ? DISC_POINTS : 1;
+    const uint64_t turn = orl_mix64(b->name ^ orl_mix64(which << 8));
     for (uint32_t group = 0; group < GROUPS; group++) {
-        const uint32_t part = part_of_group(group, lot);
-        const struct seen *s = &b->seen[part];
+        const struct seen *s = &b->seen[part_of_group(group, number)];
+        struct orl_vec3 chosen = {0, 0, 0};
+        struct lot sent = lot_begin(orl_mix64(number ^ group));
         if (!(s->worth > 0))
             continue;
-        const struct orl_vec3 from = point_of_disc(b, disc, which, part);
-        const double onto = -orl_dot(from, k->inward);
-        const double f =
-            onto > 0 ? orl_luma(orl_scatter_eval_lobes(k->material, &hit, from, s->towards)) : 0;
-        const double lit = f > 0 ? share_there(panels, b->panel, from, s->point) : 0;
-        if (!(lit > 0))
-            continue;
-        const double of_draws =
-            DRAWS * orl_scatter_pdf(k->material, &hit, from, ORL_TRANSPORT_LIGHT,
-                                    ORL_LOBE_TRANSMITTED, s->towards);
-        const double weight = POINTS * s->density / (POINTS * s->density + of_draws);
-        groups[group] += weight * f * onto * s->worth * b->panel->area * lit;
+        for (uint32_t i = 0; i < of_disc; i++) {
+            const struct orl_vec3 from = point_of_disc(disc, turn, group * of_disc + i);
+            if (lot_takes(&sent, send_of(b, &hit, s, from)))
+                chosen = from;
+        }
+        const double lit = sent.sum > 0 ? share_there(panels, b->panel, chosen, s->point) : 0;
+        groups[group] += sent.sum / of_disc * s->worth * b->panel->area * lit;
     }
 }
 
