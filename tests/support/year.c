@@ -141,6 +141,7 @@ static struct orl_annual_request request_of(const struct year_run *run)
                                        .weather_file = weather_name,
                                        .north_deg = run->north_deg,
                                        .ground_reflectance = 0.2,
+                                       .sun_method = run->sun_method,
                                        .sensors = (struct orl_sensor *)(uintptr_t)run->sensors,
                                        .n_sensors = run->n_sensors,
                                        .grids = (struct orl_annual_grid *)(uintptr_t)run->grids,
@@ -247,6 +248,7 @@ static void job_of(const struct year_run *run, const struct orl_annual_step *ste
     ret_job->sky.day = step->day;
     ret_job->sky.hour = step->hour;
     ret_job->sky.ground_reflectance = 0.2;
+    ret_job->sky.sun_method = run->sun_method;
 }
 
 double year_dgp(const struct year_run *run, const struct orl_annual_step *step,

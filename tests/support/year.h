@@ -38,6 +38,7 @@ struct year_run {
     uint32_t photons; /* 0: by the scene */
     uint64_t seed;
     double north_deg;
+    enum orl_sun_method sun_method; /* of the year, and of hours by jobs of their own */
     bool coefficients;
     const struct orl_annual_env *env; /* whose callbacks are heeded; or NULL */
     struct year_progress *progress;   /* filled in; or NULL */

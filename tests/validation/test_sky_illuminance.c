@@ -180,6 +180,7 @@ static void test_weather_files(void **state)
                                                 .month = rows[i].month,
                                                 .day = rows[i].day,
                                                 .hour = rows[i].hour,
+                                                .sun_method = ORL_SUN_RADIANCE,
                                                 .ground_reflectance = 0.2,
                                                 .weather_file = names[file]};
             const struct scene_run run = {.scene = "# nothing\n",
