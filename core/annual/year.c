@@ -124,6 +124,7 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     y->result->latitude_deg = weather.latitude_deg;
     y->result->longitude_deg = weather.longitude_deg;
     y->result->time_zone_h = weather.time_zone_h;
+    y->result->first_weekday = weather.first_weekday;
     code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
                           request->ground_reflectance, y->env->run->crew, err);
     if (code == 0)
@@ -150,6 +151,7 @@ int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struc
     y->result->latitude_deg = r->latitude_deg;
     y->result->longitude_deg = r->longitude_deg;
     y->result->time_zone_h = r->time_zone_h;
+    y->result->first_weekday = r->first_weekday;
     y->hours.steps = malloc(steps + 1);
     y->hours.step_of_column = malloc(columns + 1);
     if (!y->hours.steps || !y->hours.step_of_column) {

@@ -164,14 +164,38 @@ static int read_location(struct reader *reader, struct span line)
     return code;
 }
 
-/* DATA PERIODS,how many,records an hour,... */
+/* What 1 January is, by the weekday of another date, as "7/ 1", of a year of 365 days. */
+static int weekday_of_new_year(struct span name, struct span date)
+{
+    static const char *const names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun"};
+    static const int before[12] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
+    struct span month_field = {0};
+    double month = 0, day = 0;
+    int weekday = 0;
+    while (weekday < 7 && !begins(name, names[weekday]))
+        weekday++;
+    if (weekday == 7 || !cut(&date, '/', &month_field))
+        return -1;
+    date = trimmed(date);
+    if (orl_number_read(month_field.at, month_field.length, &month) != ORL_NUMBER_OK ||
+        orl_number_read(date.at, date.length, &day) != ORL_NUMBER_OK || !(month >= 1) ||
+        month > 12 || !(day >= 1) || day > 31)
+        return -1;
+    const int days = before[(int)month - 1] + (int)day - 1;
+    return (weekday + 7 * 53 - days) % 7;
+}
+
+/* DATA PERIODS,how many,records an hour,name,weekday of the first date,first date,last date */
 static int read_periods(struct reader *reader, struct span line)
 {
-    struct span field;
+    struct span field, weekday = {0}, date = {0};
     double an_hour = 0;
     int code;
     if (!cut(&line, ',', &field) || !cut(&line, ',', &field) || !cut(&line, ',', &field))
         return fail(reader, ORL_ERR_SYNTAX, "DATA PERIODS ends before the records an hour");
+    struct span name;
+    if (cut(&line, ',', &name) && cut(&line, ',', &weekday) && cut(&line, ',', &date))
+        reader->weather.first_weekday = weekday_of_new_year(weekday, date);
     code = number(reader, field, "the records an hour", 1, 60, &an_hour);
     if (code == 0 && an_hour != 1) {
         fail(reader, ORL_ERR_UNSUPPORTED, "only EPW files of one record an hour are read");
@@ -313,7 +337,10 @@ int orl_weather_parse(const char *name, const char *text, size_t size,
                       struct orl_weather *ret_weather, struct orl_error *err)
 {
     struct orl_error local;
-    struct reader reader = {.name = name, .rest = {text, size}, .err = err ? err : &local};
+    struct reader reader = {.name = name,
+                            .rest = {text, size},
+                            .weather = {.first_weekday = -1},
+                            .err = err ? err : &local};
     struct span line = {0};
     int code;
     if (next_line(&reader, &line) && begins(line, "LOCATION,"))

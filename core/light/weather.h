@@ -41,6 +41,7 @@ struct orl_weather_row {
 struct orl_weather {
     double latitude_deg, longitude_deg, time_zone_h;
     enum orl_weather_units units;
+    int first_weekday;              /* of 1 January, 0 Monday ... 6 Sunday; -1: not said */
     double interval_h;              /* that a row stands for, about its hour */
     enum orl_sun_method sun_method; /* of its reader: how rows' suns are placed */
     struct orl_weather_row *rows;

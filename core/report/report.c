@@ -49,7 +49,10 @@ static int mark_occupied(const struct orl_report_making *m)
     struct orl_annual_report *report = m->report;
     struct orl_file file;
     if (!wishes->occupancy_file) {
-        orl_occupancy_mark(&wishes->occupancy, &report->year.steps, report->marks);
+        struct orl_occupancy use = wishes->occupancy;
+        if (use.first_day == ORL_FIRST_DAY_OF_WEATHER)
+            use.first_day = m->result->first_weekday >= 0 ? (unsigned)m->result->first_weekday : 0;
+        orl_occupancy_mark(&use, &report->year.steps, report->marks);
         return 0;
     }
     int code = m->files->open(m->files->ctx, wishes->occupancy_file, &file, m->err);

@@ -312,6 +312,39 @@ static void test_daylight_factor(void **state)
     free_result(&result);
 }
 
+/* A year of 365 days that begins on a Sunday has 260 days from Monday to Friday, one that begins on
+ * a Monday, as where nothing is known, 261. The weather file says, unless the occupancy does. */
+static void test_weekdays(void **state)
+{
+    static const struct {
+        int by_weather;
+        unsigned asked;
+        double hours;
+    } cases[] = {{6, ORL_FIRST_DAY_OF_WEATHER, 2600},
+                 {-1, ORL_FIRST_DAY_OF_WEATHER, 2610},
+                 {6, 0, 2610},
+                 {0, 6, 2600}};
+    const struct orl_annual_request request = {.n_sensors = SENSORS};
+    struct orl_annual_result result;
+    (void)state;
+    make_result(&result, false);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct orl_annual_wishes wishes;
+        struct orl_annual_report report;
+        ask(&wishes, "sDA300/50 >= 55 %", "LEED");
+        assert_int_equal(wishes.occupancy.first_day, ORL_FIRST_DAY_OF_WEATHER);
+        wishes.occupancy.days = 0x1f;
+        wishes.occupancy.first_day = cases[i].asked;
+        result.first_weekday = cases[i].by_weather;
+        assert_int_equal(
+            orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL), 0);
+        assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, cases[i].hours, 1e-9);
+        orl_annual_report_done(&report);
+        orl_annual_wishes_done(&wishes);
+    }
+    free_result(&result);
+}
+
 /* Grids of 1 and 3 by area: half of the sensors of the second weigh most. */
 static void test_areas_and_files_of_occupancy(void **state)
 {
@@ -499,6 +532,7 @@ int main(void)
         cmocka_unit_test(test_blinds_of_rules),
         cmocka_unit_test(test_few_hours),
         cmocka_unit_test(test_daylight_factor),
+        cmocka_unit_test(test_weekdays),
         cmocka_unit_test(test_areas_and_files_of_occupancy),
         cmocka_unit_test_setup_teardown(test_arrays, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_honeybees_folder, scratch_set_up, scratch_tear_down),

@@ -216,13 +216,43 @@ static void test_every_truncation(void **state)
     }
 }
 
+/* DATA PERIODS have the weekday of their first date: 1 July 2025 was a Tuesday, 1 January a
+ * Wednesday. */
+static void test_weekday_and_year(void **state)
+{
+    static const struct {
+        const char *periods;
+        int first_weekday;
+    } cases[] = {{"DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31\n", 6},
+                 {"DATA PERIODS,1,1,Data,monday,1/1,12/31\n", 0},
+                 {"DATA PERIODS,1,1,Data,Tuesday, 7/ 1,12/31\n", 2},
+                 {"DATA PERIODS,1,1,Data,Someday,1/1,12/31\n", -1},
+                 {"DATA PERIODS,1,1,Data,Sunday,13/1,12/31\n", -1},
+                 {"DATA PERIODS,1,1\n", -1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "%s%s%s", LOCATION, cases[i].periods,
+                 TO_DIRECT(7, 1, 12) "800,120,0,0,0\n");
+        struct orl_weather weather = parse_good(text);
+        assert_int_equal(weather.first_weekday, cases[i].first_weekday);
+        assert_int_equal(weather.rows[0].year, 2020);
+        orl_weather_done(&weather);
+    }
+    struct orl_weather wea = parse_good(WEA "3 22 11.500 800 120\n3 22 11.75 800 120\n");
+    assert_int_equal(wea.first_weekday, -1);
+    assert_int_equal(wea.rows[0].year, 0);
+    assert_true(fabs(wea.interval_h - 0.25) < 1e-9);
+    orl_weather_done(&wea);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_both_formats_agree), cmocka_unit_test(test_fixtures),
         cmocka_unit_test(test_nearest_row),        cmocka_unit_test(test_missing_values),
         cmocka_unit_test(test_half_hour_zone),     cmocka_unit_test(test_bad_files),
-        cmocka_unit_test(test_every_truncation),
+        cmocka_unit_test(test_every_truncation),   cmocka_unit_test(test_weekday_and_year),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

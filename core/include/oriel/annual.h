@@ -167,6 +167,7 @@ struct orl_annual_result {
     uint64_t seed;
     uint32_t threads, samples;
     double latitude_deg, longitude_deg, time_zone_h; /* of the weather file; both east */
+    int first_weekday; /* of 1 January by the file: 0 Monday ... 6 Sunday; -1: not said */
     char **scene_read; /* names of the files that the scene was read from, now or before */
     size_t n_scene_read;
     struct orl_annual_step *steps; /* all rows of the file */

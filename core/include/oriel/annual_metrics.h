@@ -88,10 +88,12 @@ int orl_annual_steps_check(const struct orl_annual_steps *steps, struct orl_erro
 struct orl_occupancy {
     double from_h, to_h; /* of a day, from <= middle of the step < to; over midnight if to < from */
     unsigned days;       /* bit 0 Monday ... bit 6 Sunday */
-    unsigned first_day;  /* what day 1 January is: 0 Monday ... 6 Sunday */
+    unsigned first_day;  /* what day 1 January is: 0 Monday ... 6 Sunday, or the next */
 };
-void orl_occupancy_init(struct orl_occupancy *occupancy); /* 8 to 18, every day */
-/* Marks of all steps: 1 in use, 0 not. */
+/* The weather file says what day 1 January is (EPW: DATA PERIODS); where it does not, a Monday. */
+enum { ORL_FIRST_DAY_OF_WEATHER = 7 };
+void orl_occupancy_init(struct orl_occupancy *occupancy); /* 8 to 18, every day; by the weather */
+/* Marks of all steps: 1 in use, 0 not. first_day of the weather counts as Monday. */
 void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_annual_steps *steps,
                         unsigned char *ret_marks);
 /*

@@ -9,7 +9,8 @@
 
 void orl_occupancy_init(struct orl_occupancy *occupancy)
 {
-    *occupancy = (struct orl_occupancy){.from_h = 8, .to_h = 18, .days = 0x7f};
+    *occupancy = (struct orl_occupancy){
+        .from_h = 8, .to_h = 18, .days = 0x7f, .first_day = ORL_FIRST_DAY_OF_WEATHER};
 }
 
 void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_annual_steps *steps,
