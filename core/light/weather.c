@@ -21,6 +21,7 @@ struct reader {
     int line;
     struct orl_weather weather;
     size_t room;
+    short years[12][31][24]; /* of rows by month, day and hour, where they have any */
     struct orl_error *err;
 };
 
@@ -215,6 +216,23 @@ static int year_of(struct span field)
     return (int)year;
 }
 
+/* A time has one row: of several years none could be told from the others. */
+static int check_year(struct reader *reader, const struct orl_weather_row *row)
+{
+    short *year = &reader->years[row->month - 1][row->day - 1][(int)row->hour % 24];
+    if (*year != 0 && row->year != 0 && *year != row->year) {
+        orl_error_set(reader->err, ORL_ERR_RANGE,
+                      "the file has rows of %d and of %d for month %d, day %d, hour %g", *year,
+                      row->year, row->month, row->day, row->hour);
+        orl_error_at(reader->err, reader->name, reader->line, NULL);
+        orl_error_hint(reader->err, "leave the rows of one year in it");
+        return ORL_ERR_RANGE;
+    }
+    if (row->year != 0)
+        *year = (short)row->year;
+    return 0;
+}
+
 static int read_epw_row(struct reader *reader, struct span line)
 {
     struct span fields[EPW_FIELDS_READ] = {0};
@@ -230,7 +248,8 @@ static int read_epw_row(struct reader *reader, struct span line)
         return code;
     row.hour -= 0.5;
     row.year = year_of(fields[0]);
-    return keep_row(reader, &row);
+    code = check_year(reader, &row);
+    return code < 0 ? code : keep_row(reader, &row);
 }
 
 static int read_epw(struct reader *reader, struct span line)

@@ -8,10 +8,11 @@
  * say 11.5 themselves. A day of 29 February is kept when the file has it.
  *
  * Invariants: every number is finite; months are 1..12, days exist in a leap year, hours lie in
- * [0, 24]. Values that the file marks as missing (9999 and above) are missing here, never numbers.
- * Errors: ORL_ERR_SYNTAX, _RANGE, _UNSUPPORTED (records shorter than an hour in EPW), _LIMIT, with
- * file and line. Threads: none kept; a parsed file is immutable.
- * References: EnergyPlus, "Auxiliary Programs", chapter on weather data; gendaymtx(1) of Radiance.
+ * [0, 24]. No two rows of an EPW are of one time in different years. Values that the file marks as
+ * missing (9999 and above) are missing here, never numbers. Errors: ORL_ERR_SYNTAX, _RANGE,
+ * _UNSUPPORTED (records shorter than an hour in EPW), _LIMIT, with file and line. Threads: none
+ * kept; a parsed file is immutable. References: EnergyPlus, "Auxiliary Programs", chapter on
+ * weather data; gendaymtx(1) of Radiance.
  */
 #ifndef ORL_LIGHT_WEATHER_H
 #define ORL_LIGHT_WEATHER_H

@@ -246,6 +246,31 @@ static void test_weekday_and_year(void **state)
     orl_weather_done(&wea);
 }
 
+/* A file of two years is refused, with the years; typical years, whose months are of several, are
+ * not. */
+static void test_two_years(void **state)
+{
+    static const char row[] = "%d,%d,22,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n";
+    static const struct {
+        int year, month, code;
+    } second[] = {{2021, 3, ORL_ERR_RANGE}, {2021, 4, 0}, {2020, 3, 0}, {0, 3, 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof second / sizeof *second; i++) {
+        char text[1024], rows[2][200];
+        struct orl_weather weather = {0};
+        struct orl_error err = {0};
+        snprintf(rows[0], sizeof rows[0], row, 2020, 3);
+        snprintf(rows[1], sizeof rows[1], row, second[i].year, second[i].month);
+        snprintf(text, sizeof text, "%s%s%s", EPW, rows[0], rows[1]);
+        assert_int_equal(parse(text, &weather, &err), second[i].code);
+        if (second[i].code < 0) {
+            assert_non_null(strstr(err.message, "2020 and of 2021"));
+            assert_int_equal(err.line, 4);
+        }
+        orl_weather_done(&weather);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -253,6 +278,7 @@ int main(void)
         cmocka_unit_test(test_nearest_row),        cmocka_unit_test(test_missing_values),
         cmocka_unit_test(test_half_hour_zone),     cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_every_truncation),   cmocka_unit_test(test_weekday_and_year),
+        cmocka_unit_test(test_two_years),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
