@@ -24,6 +24,7 @@ bool fuzz_scene(const uint8_t *data, size_t size);
 bool fuzz_bsdf(const uint8_t *data, size_t size);
 bool fuzz_job(const uint8_t *data, size_t size);
 bool fuzz_map(const uint8_t *data, size_t size);
+bool fuzz_scanner(const uint8_t *data, size_t size);
 bool fuzz_sensors(const uint8_t *data, size_t size);
 bool fuzz_view_file(const uint8_t *data, size_t size);
 bool fuzz_weather(const uint8_t *data, size_t size);

@@ -118,6 +118,13 @@ static void test_function(void **state)
     repeat_trifles(fuzz_function);
 }
 
+static void test_scanner(void **state)
+{
+    (void)state;
+    repeat_all("tests/fuzz/corpus/scanner", fuzz_scanner);
+    repeat_trifles(fuzz_scanner);
+}
+
 static void test_sensors(void **state)
 {
     (void)state;
@@ -275,17 +282,18 @@ int main(void)
         cmocka_unit_test(test_scene),     cmocka_unit_test(test_bsdf),
         cmocka_unit_test(test_job),       cmocka_unit_test(test_map),
         cmocka_unit_test(test_grid),      cmocka_unit_test(test_hdr),
-        cmocka_unit_test(test_sensors),   cmocka_unit_test(test_function),
-        cmocka_unit_test(test_weather),   cmocka_unit_test(test_zip),
-        cmocka_unit_test(test_mesh),      cmocka_unit_test(test_compiled),
-        cmocka_unit_test(test_framing),   cmocka_unit_test(test_multipart),
-        cmocka_unit_test(test_range),     cmocka_unit_test(test_route),
-        cmocka_unit_test(test_guard),     cmocka_unit_test(test_token),
-        cmocka_unit_test(test_view_file), cmocka_unit_test(test_annual),
-        cmocka_unit_test(test_bsdf_make), cmocka_unit_test(test_occupancy),
-        cmocka_unit_test(test_hbjson),    cmocka_unit_test(test_schedule),
-        cmocka_unit_test(test_mgf),       cmocka_unit_test(test_matrix),
-        cmocka_unit_test(test_rif),       cmocka_unit_test(test_gltf),
+        cmocka_unit_test(test_scanner),   cmocka_unit_test(test_sensors),
+        cmocka_unit_test(test_function),  cmocka_unit_test(test_weather),
+        cmocka_unit_test(test_zip),       cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_compiled),  cmocka_unit_test(test_framing),
+        cmocka_unit_test(test_multipart), cmocka_unit_test(test_range),
+        cmocka_unit_test(test_route),     cmocka_unit_test(test_guard),
+        cmocka_unit_test(test_token),     cmocka_unit_test(test_view_file),
+        cmocka_unit_test(test_annual),    cmocka_unit_test(test_bsdf_make),
+        cmocka_unit_test(test_occupancy), cmocka_unit_test(test_hbjson),
+        cmocka_unit_test(test_schedule),  cmocka_unit_test(test_mgf),
+        cmocka_unit_test(test_matrix),    cmocka_unit_test(test_rif),
+        cmocka_unit_test(test_gltf),
     };
     if (sodium_init() < 0)
         return 1;

@@ -1,0 +1,500 @@
+#include <oriel/scanner.h>
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/number.h"
+
+#define BLANK ORL_BYTE_BLANK
+#define LINE_END ORL_BYTE_LINE_END
+
+const unsigned char orl_byte_kinds[256] = {[' '] = BLANK,  ['\t'] = BLANK,    ['\v'] = BLANK,
+                                           ['\f'] = BLANK, ['\n'] = LINE_END, ['\r'] = LINE_END};
+
+enum { CTRL_Z = 0x1a, ESCAPE = 0x1b, LOOKED_AT = 4096, SHOWN = 40 };
+
+static bool is_blank(char c)
+{
+    return orl_byte_kind_of(c) == ORL_BYTE_BLANK;
+}
+
+static bool is_line_end(char c)
+{
+    return orl_byte_kind_of(c) == ORL_BYTE_LINE_END;
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* ---- What is no text ------------------------------------------------------------------------- */
+
+static int refuse(const char *name, struct orl_error *err, const char *what, const char *remedy)
+{
+    orl_error_set(err, ORL_ERR_SYNTAX, "%s", what);
+    orl_error_hint(err, "%s", remedy);
+    orl_error_at(err, name, 1, NULL);
+    return ORL_ERR_SYNTAX;
+}
+
+/* With its byte order mark, or without: every other byte of the first letters is 0 then. */
+static bool is_utf16(const unsigned char *b, size_t size)
+{
+    if (size >= 2 && ((b[0] == 0xff && b[1] == 0xfe) || (b[0] == 0xfe && b[1] == 0xff)))
+        return true;
+    return size >= 4 && ((b[0] == 0 && b[1] != 0 && b[2] == 0 && b[3] != 0) ||
+                         (b[0] != 0 && b[1] == 0 && b[2] != 0 && b[3] == 0));
+}
+
+static bool is_control(unsigned char c)
+{
+    return (c < ' ' && orl_byte_kinds[c] == ORL_BYTE_INK && c != ESCAPE && c != CTRL_Z);
+}
+
+static int check_text(const char *name, struct orl_slice text, struct orl_error *err)
+{
+    const unsigned char *const bytes = (const unsigned char *)text.text;
+    const size_t size = text.length < LOOKED_AT ? text.length : LOOKED_AT;
+    if (is_utf16(bytes, size))
+        return refuse(name, err, "the file is text in UTF-16, and UTF-8 is read",
+                      "save it as UTF-8");
+    for (size_t i = 0; i < size; i++)
+        if (is_control(bytes[i])) {
+            orl_error_set(err, ORL_ERR_SYNTAX, "this is not text: byte %zu is 0x%02x", i + 1,
+                          (unsigned)bytes[i]);
+            orl_error_hint(err, "save it as plain text, in UTF-8");
+            orl_error_at(err, name, 1, NULL);
+            return ORL_ERR_SYNTAX;
+        }
+    return 0;
+}
+
+static void skip_mark(struct orl_slice *text)
+{
+    if (text->length >= 3 && memcmp(text->text, "\xef\xbb\xbf", 3) == 0) {
+        text->text += 3;
+        text->length -= 3;
+    }
+}
+
+/* Blanks behind the text stay where no Ctrl-Z is before them. */
+static void cut_ctrl_z(struct orl_slice *text)
+{
+    size_t length = text->length;
+    for (size_t i = length; i > 0; i--) {
+        const char c = text->text[i - 1];
+        if (c == CTRL_Z)
+            length = i - 1;
+        else if (orl_byte_kind_of(c) == ORL_BYTE_INK)
+            break;
+    }
+    text->length = length;
+}
+
+int orl_text_trim(const char *name, struct orl_slice *text, struct orl_error *err)
+{
+    struct orl_slice rest = *text;
+    skip_mark(&rest);
+    cut_ctrl_z(&rest);
+    const int code = check_text(name, rest, err);
+    if (code == 0)
+        *text = rest;
+    return code;
+}
+
+int orl_scanner_init(struct orl_scanner *scanner, const char *name, const char *text, size_t size,
+                     unsigned options, struct orl_error *err)
+{
+    struct orl_slice whole = {text ? text : "", text ? size : 0};
+    int code = 0;
+    if (options & ORL_SCANNER_HEAD) {
+        skip_mark(&whole);
+        if (is_utf16((const unsigned char *)whole.text, whole.length))
+            code = check_text(name, whole, err);
+    } else {
+        code = orl_text_trim(name, &whole, err);
+    }
+    if (code < 0)
+        return code;
+    *scanner = (struct orl_scanner){.at = whole.text,
+                                    .end = whole.text + whole.length,
+                                    .begin = whole.text,
+                                    .name = name,
+                                    .line = 1,
+                                    .options = options,
+                                    .fresh = true};
+    return 0;
+}
+
+int orl_scanner_rest_is_text(struct orl_scanner *scanner, struct orl_error *err)
+{
+    struct orl_slice rest = {scanner->at, (size_t)(scanner->end - scanner->at)};
+    cut_ctrl_z(&rest);
+    const int code = check_text(scanner->name, rest, err);
+    if (code < 0)
+        return code;
+    scanner->end = rest.text + rest.length;
+    scanner->feed = NULL;
+    return 0;
+}
+
+/* ---- Lines ----------------------------------------------------------------------------------- */
+
+/* Where the line ends that `from` lies in. A feed that was found is kept, as a file whose lines end
+ * in "\r" alone would be searched to its end again for each. */
+static const char *find_line_end(struct orl_scanner *scanner, const char *from)
+{
+    const size_t left = (size_t)(scanner->end - from);
+    if (left == 0)
+        return scanner->end;
+    if (!scanner->feed || scanner->feed < from) {
+        const char *const feed = memchr(from, '\n', left);
+        scanner->feed = feed ? feed : scanner->end;
+    }
+    const char *const carriage = memchr(from, '\r', (size_t)(scanner->feed - from));
+    return carriage ? carriage : scanner->feed;
+}
+
+/* Behind the end of a line, which is there. */
+static const char *behind_line_end(const struct orl_scanner *scanner, const char *at)
+{
+    return *at == '\r' && scanner->end - at > 1 && at[1] == '\n' ? at + 2 : at + 1;
+}
+
+static void pass_line_end(struct orl_scanner *scanner, const char *at)
+{
+    scanner->at = scanner->begin = behind_line_end(scanner, at);
+    scanner->line++;
+}
+
+/* A backslash with nothing but blanks up to the line's end. */
+static const char *joint_end(const struct orl_scanner *scanner, const char *at)
+{
+    if (*at++ != '\\')
+        return NULL;
+    while (at < scanner->end && is_blank(*at))
+        at++;
+    return at == scanner->end || is_line_end(*at) ? at : NULL;
+}
+
+bool orl_scanner_pass(struct orl_scanner *scanner)
+{
+    if (*scanner->at == '#') {
+        if (!(scanner->options & ORL_SCANNER_REMARKS))
+            return false;
+        scanner->at = find_line_end(scanner, scanner->at);
+        return true;
+    }
+    if (!(scanner->options & ORL_SCANNER_JOINS))
+        return false;
+    const char *const end = joint_end(scanner, scanner->at);
+    if (!end)
+        return false;
+    if (end == scanner->end)
+        scanner->at = end;
+    else
+        pass_line_end(scanner, end);
+    return true;
+}
+
+const char *orl_scanner_word_end(struct orl_scanner *scanner, const char *word)
+{
+    const char *end = scanner->at;
+    if (scanner->options & ORL_SCANNER_CUTS) {
+        const char *const cut = memchr(word + 1, '#', (size_t)(end - word - 1));
+        end = cut ? cut : end;
+    }
+    if ((scanner->options & ORL_SCANNER_JOINS) && end - word > 1 && end[-1] == '\\' &&
+        joint_end(scanner, end - 1))
+        end--;
+    scanner->at = end;
+    return end;
+}
+
+bool orl_scanner_next_line(struct orl_scanner *scanner)
+{
+    if (scanner->fresh) {
+        scanner->fresh = false;
+        return scanner->at < scanner->end;
+    }
+    const bool at_end = scanner->at < scanner->end && is_line_end(*scanner->at);
+    const char *const end = at_end ? scanner->at : find_line_end(scanner, scanner->at);
+    if (end == scanner->end) {
+        scanner->at = end;
+        return false;
+    }
+    pass_line_end(scanner, end);
+    return scanner->at < scanner->end;
+}
+
+bool orl_scanner_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
+{
+    if (!orl_scanner_next_line(scanner))
+        return false;
+    const char *const end = find_line_end(scanner, scanner->at);
+    *ret_line = (struct orl_slice){scanner->at, (size_t)(end - scanner->at)};
+    scanner->at = end;
+    return true;
+}
+
+/* ---- Parts of a line ------------------------------------------------------------------------- */
+
+bool orl_slice_is(struct orl_slice span, const char *text)
+{
+    return span.length == strlen(text) && memcmp(span.text, text, span.length) == 0;
+}
+
+bool orl_slice_is_nocase(struct orl_slice span, const char *text)
+{
+    return span.length == strlen(text) && strncasecmp(span.text, text, span.length) == 0;
+}
+
+bool orl_slice_begins(struct orl_slice span, const char *text)
+{
+    const size_t length = strlen(text);
+    return span.length >= length && memcmp(span.text, text, length) == 0;
+}
+
+bool orl_slice_begins_nocase(struct orl_slice span, const char *text)
+{
+    const size_t length = strlen(text);
+    return span.length >= length && strncasecmp(span.text, text, length) == 0;
+}
+
+struct orl_slice orl_slice_trim(struct orl_slice span)
+{
+    while (span.length > 0 && orl_byte_kind_of(span.text[0]) != ORL_BYTE_INK) {
+        span.text++;
+        span.length--;
+    }
+    while (span.length > 0 && orl_byte_kind_of(span.text[span.length - 1]) != ORL_BYTE_INK)
+        span.length--;
+    return span;
+}
+
+struct orl_slice orl_slice_before(struct orl_slice span, char byte)
+{
+    const char *const at = span.length > 0 ? memchr(span.text, byte, span.length) : NULL;
+    return (struct orl_slice){span.text, at ? (size_t)(at - span.text) : span.length};
+}
+
+static void drop(struct orl_slice *span, size_t n)
+{
+    span->text += n;
+    span->length -= n;
+}
+
+static void skip_blanks(struct orl_slice *span)
+{
+    while (span->length > 0 && orl_byte_kind_of(*span->text) != ORL_BYTE_INK)
+        drop(span, 1);
+}
+
+struct orl_slice orl_slice_take_word(struct orl_slice *rest)
+{
+    skip_blanks(rest);
+    struct orl_slice word = {rest->text, 0};
+    while (word.length < rest->length && orl_byte_kind_of(word.text[word.length]) == ORL_BYTE_INK)
+        word.length++;
+    drop(rest, word.length);
+    return word;
+}
+
+int orl_slice_take_quoted(struct orl_slice *rest, struct orl_slice *ret_word)
+{
+    skip_blanks(rest);
+    if (rest->length == 0)
+        return 0;
+    const char quote = *rest->text;
+    if (quote != '"' && quote != '\'') {
+        *ret_word = orl_slice_take_word(rest);
+        return 1;
+    }
+    drop(rest, 1);
+    *ret_word = orl_slice_before(*rest, quote);
+    if (ret_word->length == rest->length)
+        return -1;
+    drop(rest, ret_word->length + 1);
+    return 1;
+}
+
+bool orl_slice_take_cell(struct orl_slice *rest, char separator, struct orl_slice *ret_cell)
+{
+    if (!rest->text)
+        return false;
+    struct orl_slice ahead = *rest;
+    while (ahead.length > 0 && *ahead.text != separator && is_blank(*ahead.text))
+        drop(&ahead, 1);
+    const bool opened = ahead.length > 1 && *ahead.text == '"';
+    if (opened)
+        drop(&ahead, 1);
+    const struct orl_slice quoted = orl_slice_before(ahead, '"');
+    const bool closed = opened && quoted.length < ahead.length;
+    if (closed)
+        drop(&ahead, quoted.length + 1);
+    else
+        ahead = *rest;
+    const struct orl_slice plain = orl_slice_before(ahead, separator);
+    *ret_cell = orl_slice_trim(closed ? quoted : plain);
+    if (plain.length == ahead.length)
+        *rest = (struct orl_slice){NULL, 0};
+    else
+        *rest = (struct orl_slice){plain.text + plain.length + 1, ahead.length - plain.length - 1};
+    return true;
+}
+
+/* ---- Cells ----------------------------------------------------------------------------------- */
+
+static bool is_mark(char c)
+{
+    return c == ',' || c == ';';
+}
+
+/* A semicolon, or blanks between two words without a comma beside them. */
+static bool is_spaced(struct orl_slice line)
+{
+    char before = ',';
+    for (size_t i = 0; i < line.length; i++) {
+        const char c = line.text[i];
+        if (c == ';')
+            return true;
+        if (is_blank(c))
+            continue;
+        if (i > 0 && is_blank(line.text[i - 1]) && before != ',' && c != ',')
+            return true;
+        before = c;
+    }
+    return false;
+}
+
+void orl_cells_init(struct orl_cells *cells, struct orl_slice line)
+{
+    line = orl_slice_trim(line);
+    *cells = (struct orl_cells){line.text, line.text + line.length, false, '\0'};
+    cells->spaced = line.length > 0 && memchr(line.text, ',', line.length) && is_spaced(line);
+}
+
+static const char *skip_blanks_to(const char *at, const char *end)
+{
+    while (at < end && is_blank(*at))
+        at++;
+    return at;
+}
+
+bool orl_cells_next(struct orl_cells *cells, struct orl_slice *ret_cell)
+{
+    const char *at = skip_blanks_to(cells->at, cells->end);
+    if (at == cells->end && !cells->before)
+        return false;
+    const char *const cell = at;
+    while (at < cells->end && !is_blank(*at) && !is_mark(*at))
+        at++;
+    if (cells->spaced && cells->before != ',' && at < cells->end && *at == ',') {
+        const char *word = at + 1;
+        while (word < cells->end && !is_blank(*word) && !is_mark(*word))
+            word++;
+        const bool ends = word == cells->end || *word != ',';
+        const struct orl_slice whole = {cell, (size_t)(word - cell)};
+        at = ends && orl_slice_is_decimal_comma(whole) ? word : at;
+    }
+    *ret_cell = (struct orl_slice){cell, (size_t)(at - cell)};
+    at = skip_blanks_to(at, cells->end);
+    cells->before = at < cells->end && is_mark(*at) ? *at++ : '\0';
+    cells->at = at;
+    return true;
+}
+
+/* ---- Numbers --------------------------------------------------------------------------------- */
+
+static const char *skip_digits(const char *at, const char *end)
+{
+    while (at < end && is_digit(*at))
+        at++;
+    return at;
+}
+
+bool orl_slice_is_decimal_comma(struct orl_slice span)
+{
+    const char *at = span.text, *const end = at + span.length;
+    at += at < end && (*at == '-' || *at == '+');
+    const char *const comma = skip_digits(at, end);
+    if (comma == end || *comma != ',')
+        return false;
+    const char *const last = skip_digits(comma + 1, end);
+    if (last == comma + 1)
+        return false;
+    if (last == end)
+        return true;
+    if (*last != 'e' && *last != 'E')
+        return false;
+    at = last + 1;
+    at += at < end && (*at == '-' || *at == '+');
+    return at < end && skip_digits(at, end) == end;
+}
+
+static int refuse_number(const struct orl_scanner *scanner, struct orl_slice span, const char *what,
+                         enum orl_number_fault fault, struct orl_error *err)
+{
+    const int shown = span.length < SHOWN ? (int)span.length : SHOWN;
+    const char *const colon = what ? ": " : "";
+    char place[32] = "";
+    const size_t column = orl_scanner_column(scanner, span);
+    what = what ? what : "";
+    if (column > 0)
+        snprintf(place, sizeof place, "column %zu: ", column);
+    if (span.length == 0)
+        return orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err,
+                                "%s%s%san empty cell; write its number", place, what, colon);
+    if (orl_slice_is_decimal_comma(span)) {
+        char point[SHOWN + 1];
+        snprintf(point, sizeof point, "%.*s", shown, span.text);
+        char *const comma = strchr(point, ',');
+        if (comma)
+            *comma = '.';
+        return orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err,
+                                "%s%s%s%.*s: a decimal comma; write %s", place, what, colon, shown,
+                                span.text, point);
+    }
+    return orl_scanner_fail(scanner, fault == ORL_NUMBER_INFINITE ? ORL_ERR_RANGE : ORL_ERR_SYNTAX,
+                            err, "%s%s%s'%.*s' is not a %snumber", place, what, colon, shown,
+                            span.text, fault == ORL_NUMBER_INFINITE ? "finite " : "");
+}
+
+int orl_scanner_number(const struct orl_scanner *scanner, struct orl_slice span, const char *what,
+                       double *ret_value, struct orl_error *err)
+{
+    const enum orl_number_fault fault =
+        span.length > 0 ? orl_number_read(span.text, span.length, ret_value) : ORL_NUMBER_NOT_ONE;
+    return fault == ORL_NUMBER_OK ? 0 : refuse_number(scanner, span, what, fault, err);
+}
+
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+size_t orl_scanner_column(const struct orl_scanner *scanner, struct orl_slice span)
+{
+    size_t column = 1;
+    if (!span.text || span.text < scanner->begin || span.text > scanner->end)
+        return 0;
+    for (const char *at = scanner->begin; at < span.text; at++) {
+        if (is_line_end(*at))
+            return 0;
+        column += ((unsigned char)*at & 0xc0) != 0x80; /* of a letter, its first byte */
+    }
+    return column;
+}
+
+int orl_scanner_fail(const struct orl_scanner *scanner, int code, struct orl_error *err,
+                     const char *format, ...)
+{
+    char message[ORL_ERROR_TEXT_MAX];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    orl_error_set(err, code, "%s", message);
+    orl_error_at(err, scanner->name, scanner->line, NULL);
+    return code;
+}
