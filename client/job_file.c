@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -255,70 +254,9 @@ int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job
     return 0;
 }
 
-/* Reads one "x y z dx dy dz" line (NUL-terminated). Returns 1 when it holds a sensor, 0 when it is
- * blank or a comment, -1 when it is neither. */
-static int read_sensor(const char *line, double ret_values[6])
+static int append_sensor(void *array, const double v[6])
 {
-    int count = 0;
-    char *end;
-
-    for (;; count++) {
-        line += strspn(line, " \t\r");
-        if (*line == '\0' || *line == '#')
-            break;
-        if (count == 6)
-            return -1;
-        ret_values[count] = strtod(line, &end);
-        if (end == line || !isfinite(ret_values[count]) || !strchr(" \t\r#", *end))
-            return -1;
-        line = end;
-    }
-    return count == 6 ? 1 : count == 0 ? 0 : -1;
-}
-
-static int append_sensor(json_t *array, const double v[6], struct orl_error *err)
-{
-    json_t *row = json_array();
-
-    for (int i = 0; i < 6; i++)
-        if (json_array_append_new(row, json_real(v[i])) != 0) {
-            json_decref(row);
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        }
-    if (json_array_append_new(array, row) != 0)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    return 0;
-}
-
-/* Every line of the text into the array. name is for messages. */
-static int read_sensors(const char *name, const struct orl_file *text, json_t *array,
-                        struct orl_error *err)
-{
-    const char *at = text->data, *const end = at + text->size;
-
-    for (int number = 1; at < end; number++) {
-        const char *newline = memchr(at, '\n', (size_t)(end - at));
-        const size_t length = (size_t)((newline ? newline : end) - at);
-        char line[512];
-        double values[6];
-        int found = -1, rc = 0;
-
-        if (length < sizeof line && !memchr(at, '\0', length)) {
-            memcpy(line, at, length);
-            line[length] = '\0';
-            found = read_sensor(line, values);
-        }
-        if (found < 0)
-            rc = orl_error_set(err, ORL_ERR_SYNTAX, "a sensor is six numbers: x y z dx dy dz");
-        else if (found > 0)
-            rc = append_sensor(array, values, err);
-        if (rc) {
-            orl_error_at(err, name, number, NULL);
-            return rc;
-        }
-        at += length + (newline ? 1 : 0);
-    }
-    return 0;
+    return json_array_append_new(array, json_pack("[ffffff]", v[0], v[1], v[2], v[3], v[4], v[5]));
 }
 
 /* "sensors" of holder. */
@@ -336,7 +274,7 @@ static int inline_sensors(json_t *holder, const struct orl_files *folder, struct
     if (rc)
         return rc;
     array = json_array();
-    rc = array ? read_sensors(name, &text, array, err)
+    rc = array ? orl_sensors_read(name, text.data, text.size, append_sensor, array, err)
                : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     folder->close(folder->ctx, &text);
     if (rc == 0 && json_object_set(holder, "sensors", array) != 0)

@@ -1,90 +1,97 @@
 #include <stdlib.h>
-#include <string.h>
 
 #include <oriel/coordinates.h>
 #include <oriel/limits.h>
+#include <oriel/scanner.h>
 
 #include "run/stages.h"
 
-/* Six numbers of one line, NUL-terminated; returns how many words there were, or -1. */
-static int parse_line(char *line, double values[6])
+enum { NUMBERS = 6, POLL_LINES = 4096 };
+
+/* The sensor of a line; *ret_any: it is not empty, nor a remark alone. */
+static int read_line(const struct orl_scanner *scanner, struct orl_slice line, double ret[NUMBERS],
+                     bool *ret_any, struct orl_error *err)
 {
-    char *save = NULL;
-    int n = 0;
-    for (char *word = strtok_r(line, " \t\r,", &save); word;
-         word = strtok_r(NULL, " \t\r,", &save)) {
-        char *end;
-        if (word[0] == '#')
-            break;
-        const double value = strtod(word, &end);
-        if (*end != '\0' || !isfinite(value))
-            return -1;
-        if (n < 6)
-            values[n] = value;
-        n++;
+    struct orl_cells cells;
+    struct orl_slice cell;
+    int n = 0, code = 0;
+    orl_cells_init(&cells, orl_slice_before(line, '#'));
+    for (; code == 0 && orl_cells_next(&cells, &cell); n++) {
+        double value = 0;
+        code = orl_scanner_number(scanner, cell, NULL, &value, err);
+        if (n < NUMBERS)
+            ret[n] = value;
     }
-    return n;
+    *ret_any = n > 0;
+    if (code < 0 || n == 0)
+        return code;
+    if (n != NUMBERS) {
+        orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err,
+                         "a sensor is six numbers, x y z dx dy dz, and this line has %d", n);
+        orl_error_hint(err, "separate them by spaces or commas, and write 0.5, not 0,5");
+        return ORL_ERR_SYNTAX;
+    }
+    code = orl_check_point(orl_v3(ret[0], ret[1], ret[2]), "sensor", err);
+    return code < 0 ? code : orl_check_direction(orl_v3(ret[3], ret[4], ret[5]), "sensor", err);
 }
 
-/* What is wrong with a sensor of so many words; 0: nothing. */
-static int judge(int n, const double v[6], struct orl_error *err)
+static int read_sensors(struct orl_scanner *scanner, const atomic_bool *cancel,
+                        int (*take)(void *ctx, const double v[NUMBERS]), void *ctx,
+                        size_t *ret_count, struct orl_error *err)
 {
-    if (n != 6)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "a sensor is six finite numbers: x y z dx dy dz");
-    const int code = orl_check_point(orl_v3(v[0], v[1], v[2]), "sensor", err);
-    return code < 0 ? code : orl_check_direction(orl_v3(v[3], v[4], v[5]), "sensor", err);
-}
-
-/* The next line from *at on, and its numbers; returns how many, 0 where there are none, or -1. */
-static int next_line(const char *text, size_t size, size_t *at, double ret_values[6])
-{
-    const char *newline = memchr(text + *at, '\n', size - *at);
-    const size_t length = newline ? (size_t)(newline - text) - *at : size - *at;
-    char buffer[1024];
-    const size_t taken = length < sizeof buffer - 1 ? length : sizeof buffer - 1;
-    memcpy(buffer, text + *at, taken);
-    buffer[taken] = '\0';
-    *at += length + 1;
-    return length > taken || memchr(buffer, '\0', taken) ? -1 : parse_line(buffer, ret_values);
-}
-
-/* Every sensor of the file goes to take, which may fail for want of memory. */
-static int read_sensors(const char *name, const char *text, size_t size, const atomic_bool *cancel,
-                        int (*take)(void *ctx, const double v[6]), void *ctx, size_t *ret_count,
-                        struct orl_error *err)
-{
-    enum { POLL_LINES = 4096 };
+    struct orl_slice line;
     size_t count = 0;
-    int line = 0, code = 0;
-    for (size_t at = 0; at < size && code == 0;) {
-        double v[6] = {0};
-        const int n = next_line(text, size, &at, v);
-        if (line++ % POLL_LINES == 0 && orl_is_cancelled(cancel))
-            code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading sensors");
-        if (n == 0 || code < 0)
+    while (orl_scanner_line(scanner, &line)) {
+        double v[NUMBERS] = {0};
+        bool any = false;
+        if (scanner->line % POLL_LINES == 1 && orl_is_cancelled(cancel))
+            return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading sensors");
+        int code = read_line(scanner, line, v, &any, err);
+        if (code == 0 && !any)
             continue;
-        code = judge(n, v, err);
         if (code == 0 && count >= ORL_LIMIT_SENSORS)
             code = orl_error_set(err, ORL_ERR_LIMIT, "more than %lu sensors", ORL_LIMIT_SENSORS);
-        else if (code == 0 && take && take(ctx, v) < 0)
+        if (code == 0 && take && take(ctx, v) < 0)
             code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for sensors");
+        if (code < 0) {
+            orl_error_at(err, scanner->name, scanner->line, NULL);
+            return code;
+        }
         count++;
     }
+    *ret_count = count;
+    return 0;
+}
+
+static int read_file(const char *name, const char *text, size_t size, const atomic_bool *cancel,
+                     int (*take)(void *ctx, const double v[NUMBERS]), void *ctx, size_t *ret_count,
+                     struct orl_error *err)
+{
+    struct orl_scanner scanner;
+    size_t count = 0;
+    int code = orl_scanner_init(&scanner, name, text, size, 0, err);
+    if (code == 0)
+        code = read_sensors(&scanner, cancel, take, ctx, &count, err);
     if (code == 0 && count == 0) {
-        line = 0;
         code = orl_error_set(err, ORL_ERR_SYNTAX, "the sensor file holds no sensors");
+        orl_error_at(err, name, 0, NULL);
     }
-    if (code < 0)
-        orl_error_at(err, name, line, NULL);
-    else
+    if (code == 0)
         *ret_count = count;
     return code;
+}
+
+int orl_sensors_read(const char *name, const char *text, size_t size,
+                     int (*take)(void *ctx, const double v[6]), void *ctx, struct orl_error *err)
+{
+    size_t count;
+    return read_file(name, text, size, NULL, take, ctx, &count, err);
 }
 
 int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,
                       struct orl_error *err)
 {
-    return read_sensors(name, text, size, NULL, NULL, NULL, ret_count, err);
+    return read_file(name, text, size, NULL, NULL, NULL, ret_count, err);
 }
 
 struct sensors {
@@ -111,7 +118,7 @@ static int parse(const char *name, const char *text, size_t size, const atomic_b
                  struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
 {
     struct sensors all = {NULL, 0};
-    const int code = read_sensors(name, text, size, cancel, add_sensor, &all, ret_count, err);
+    const int code = read_file(name, text, size, cancel, add_sensor, &all, ret_count, err);
     if (code < 0)
         free(all.list);
     else

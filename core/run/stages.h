@@ -94,7 +94,7 @@ void orl_run_warn(struct orl_run_state *state, const char *format, ...)
 void orl_run_warn_once(struct orl_run_state *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Parses "x y z dx dy dz" lines; '#' starts a comment. Fills an array the caller frees. */
+/* Reads a file of sensors, as orl_sensors_read, into an array that the caller frees. */
 int orl_sensors_parse(const char *name, const char *text, size_t size,
                       struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
 /* Reads the sensors of a file. Polls cancel, or NULL: ORL_ERR_CANCELLED. */

@@ -438,6 +438,14 @@ void orl_scene_summary_done(struct orl_scene_summary *summary);
 int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
                          bool *ret_main, struct orl_error *err);
 
+/*
+ * Reads a file of sensors, which is what `oriel run`, `oriel submit` and the daemon read one by:
+ * lines of six numbers, x y z dx dy dz, between blanks, commas or semicolons; '#' begins a remark.
+ * take is given each, and returns a negative number where it has no memory for it: ORL_ERR_NOMEM.
+ */
+int orl_sensors_read(const char *name, const char *text, size_t size,
+                     int (*take)(void *ctx, const double v[6]), void *ctx, struct orl_error *err);
+
 /* Whether a job would take these bytes for sensors, and how many there are; or for a weather file.
  * Errors: those of the job, with file and line. Of sensors nothing is kept in memory. */
 int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,

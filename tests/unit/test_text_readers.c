@@ -1,0 +1,242 @@
+/*
+ * Text files as people have them, given to every reader of text: a byte order mark, lines that end
+ * as on Windows or on old Macs, UTF-16, Latin-1, a decimal comma, an empty cell, no end of the last
+ * line, a trailing Ctrl-Z. Each is read with the same values as the plain file, or refused by line
+ * with what to do about it.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/run.h>
+
+enum { VALUES_BYTES = 4096, TEXT_BYTES = 4096 };
+
+/* What a reader made of a file, as text that can be compared. */
+struct values {
+    char text[VALUES_BYTES];
+    size_t length;
+};
+
+static void note(struct values *values, double value)
+{
+    const size_t left = sizeof values->text - values->length;
+    const int n = snprintf(values->text + values->length, left, "%.17g ", value);
+    assert_true(n > 0 && (size_t)n < left);
+    values->length += (size_t)n;
+}
+
+static void note_all(struct values *values, const double *from, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        note(values, from[i]);
+}
+
+/* A file that is wrong: what it says, the line that is named, and what the message has. */
+struct fault {
+    const char *text;
+    int line;
+    const char *message;
+};
+
+struct reader {
+    const char *name;
+    int (*read)(const char *text, size_t size, struct values *values, struct orl_error *err);
+    const char *text;   /* lines end in "\n"; the last one as well */
+    const char *latin1; /* the same values, with bytes of Latin-1 in remarks or names */
+    struct fault decimal_comma, empty_cell;
+};
+
+/* ---- Readers --------------------------------------------------------------------------------- */
+
+static int note_sensor(void *ctx, const double v[6])
+{
+    note_all(ctx, v, 6);
+    return 0;
+}
+
+static int read_sensors(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    return orl_sensors_read("a.pts", text, size, note_sensor, values, err);
+}
+
+static const struct reader readers[] = {
+    {"sensors",
+     read_sensors,
+     "# desks\n0 0.5 0.8 0 0 1\n1,0.5,0.8,0,0,1\n",
+     "# Schreibtische f\xfcr zwei\n0 0.5 0.8 0 0 1\n1,0.5,0.8,0,0,1 # \xe9\n",
+     {"0 0 0 0 0 1\n0,5 0,8 0,0\n", 2, "column 1: 0,5: a decimal comma; write 0.5"},
+     {"0,0,0,0,0,1\n0,,0,0.8,0,0,1\n", 2, "column 3: an empty cell"}},
+    {"sensors, by semicolons",
+     read_sensors,
+     "0;0.5;0.8;0;0;1\n",
+     "0;0.5;0.8;0;0;1#\xe9\n",
+     {"0;0,5;0,8;0;0;1\n", 1, "column 3: 0,5: a decimal comma; write 0.5"},
+     {"0;0.5;0.8;0;0;\n", 1, "column 15: an empty cell"}},
+};
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+/* In a block of its exact size, so that AddressSanitizer sees what is read beyond its end. */
+static int read_bytes(const struct reader *reader, const char *bytes, size_t size,
+                      struct values *ret_values, struct orl_error *err)
+{
+    char *const exact = malloc(size ? size : 1);
+    assert_non_null(exact);
+    memcpy(exact, bytes, size);
+    *ret_values = (struct values){.length = 0};
+    memset(err, 0, sizeof *err);
+    const int code = reader->read(exact, size, ret_values, err);
+    free(exact);
+    return code;
+}
+
+static void assert_same(const struct reader *reader, const char *what, const char *bytes,
+                        size_t size)
+{
+    struct values plain, values;
+    struct orl_error err;
+    if (read_bytes(reader, reader->text, strlen(reader->text), &plain, &err) < 0)
+        fail_msg("%s: line %d: %s", reader->name, err.line, err.message);
+    assert_true(plain.length > 0);
+    if (read_bytes(reader, bytes, size, &values, &err) < 0)
+        fail_msg("%s, %s: line %d: %s", reader->name, what, err.line, err.message);
+    if (strcmp(plain.text, values.text) != 0)
+        fail_msg("%s, %s: %s, not %s", reader->name, what, values.text, plain.text);
+}
+
+static void assert_refused(const struct reader *reader, const char *what, const char *bytes,
+                           size_t size, int line, const char *message)
+{
+    struct values values;
+    struct orl_error err;
+    char said[1200];
+    const int code = read_bytes(reader, bytes, size, &values, &err);
+    snprintf(said, sizeof said, "%s (%s)", err.message, err.hint);
+    if (code >= 0 || err.line != line || !strstr(said, message))
+        fail_msg("%s, %s: code %d, line %d: %s; not line %d: %s", reader->name, what, code,
+                 err.line, said, line, message);
+}
+
+/* Each "\n" replaced; returns the size. */
+static size_t with_line_ends(const char *text, const char *line_end, char ret_text[TEXT_BYTES])
+{
+    size_t size = 0;
+    for (; *text; text++) {
+        assert_true(size + 2 < TEXT_BYTES);
+        if (*text == '\n')
+            size += (size_t)snprintf(ret_text + size, TEXT_BYTES - size, "%s", line_end);
+        else
+            ret_text[size++] = *text;
+    }
+    return size;
+}
+
+static size_t as_utf16(const char *text, bool marked, char ret_text[TEXT_BYTES])
+{
+    size_t size = 0;
+    if (marked) {
+        memcpy(ret_text, "\xff\xfe", 2);
+        size = 2;
+    }
+    for (; *text; text++) {
+        assert_true(size + 2 < TEXT_BYTES);
+        ret_text[size++] = *text;
+        ret_text[size++] = '\0';
+    }
+    return size;
+}
+
+#define EACH_READER(reader)                                                                        \
+    for (const struct reader *reader = readers;                                                    \
+         reader < readers + sizeof readers / sizeof *readers; reader++)
+
+static void test_a_byte_order_mark_is_skipped(void **state)
+{
+    char bytes[TEXT_BYTES];
+    (void)state;
+    EACH_READER(reader)
+    {
+        const int n = snprintf(bytes, sizeof bytes, "\xef\xbb\xbf%s", reader->text);
+        assert_same(reader, "byte order mark", bytes, (size_t)n);
+    }
+}
+
+static void test_lines_end_in_any_way(void **state)
+{
+    char bytes[TEXT_BYTES];
+    (void)state;
+    EACH_READER(reader)
+    {
+        assert_same(reader, "CRLF", bytes, with_line_ends(reader->text, "\r\n", bytes));
+        assert_same(reader, "CR alone", bytes, with_line_ends(reader->text, "\r", bytes));
+        assert_same(reader, "no last line end", reader->text, strlen(reader->text) - 1);
+    }
+}
+
+static void test_ctrl_z_ends_a_file(void **state)
+{
+    char bytes[TEXT_BYTES];
+    (void)state;
+    EACH_READER(reader)
+    {
+        int n = snprintf(bytes, sizeof bytes, "%s\x1a", reader->text);
+        assert_same(reader, "Ctrl-Z", bytes, (size_t)n);
+        n = snprintf(bytes, sizeof bytes, "%s\x1a\r\n", reader->text);
+        assert_same(reader, "Ctrl-Z on a line", bytes, (size_t)n);
+    }
+}
+
+static void test_latin1_is_read_where_text_is_free(void **state)
+{
+    (void)state;
+    EACH_READER(reader)
+    if (reader->latin1)
+        assert_same(reader, "Latin-1", reader->latin1, strlen(reader->latin1));
+}
+
+static void test_utf16_is_refused_with_the_remedy(void **state)
+{
+    char bytes[TEXT_BYTES];
+    (void)state;
+    EACH_READER(reader)
+    {
+        size_t n = as_utf16(reader->text, true, bytes);
+        assert_refused(reader, "UTF-16", bytes, n, 1, "save it as UTF-8");
+        n = as_utf16(reader->text, false, bytes);
+        assert_refused(reader, "UTF-16 without mark", bytes, n, 1, "save it as UTF-8");
+    }
+}
+
+static void test_bad_numbers_are_refused_by_line(void **state)
+{
+    (void)state;
+    EACH_READER(reader)
+    {
+        const struct fault *fault = &reader->decimal_comma;
+        if (fault->text)
+            assert_refused(reader, "decimal comma", fault->text, strlen(fault->text), fault->line,
+                           fault->message);
+        fault = &reader->empty_cell;
+        if (fault->text)
+            assert_refused(reader, "empty cell", fault->text, strlen(fault->text), fault->line,
+                           fault->message);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_byte_order_mark_is_skipped),
+                                       cmocka_unit_test(test_lines_end_in_any_way),
+                                       cmocka_unit_test(test_ctrl_z_ends_a_file),
+                                       cmocka_unit_test(test_latin1_is_read_where_text_is_free),
+                                       cmocka_unit_test(test_utf16_is_refused_with_the_remedy),
+                                       cmocka_unit_test(test_bad_numbers_are_refused_by_line)};
+    return cmocka_run_group_tests_name("text_readers", tests, NULL, NULL);
+}
