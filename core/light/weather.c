@@ -3,22 +3,14 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include <oriel/limits.h>
+#include <oriel/scanner.h>
 
 #include "base/number.h"
 
-/* A piece of the file: a line, or a field of one. */
-struct span {
-    const char *at;
-    size_t length;
-};
-
 struct reader {
-    const char *name;
-    struct span rest; /* what is not read yet */
-    int line;
+    struct orl_scanner scanner;
     struct orl_weather weather;
     size_t room;
     short years[12][31][24]; /* of rows by month, day and hour, where they have any */
@@ -27,69 +19,32 @@ struct reader {
 
 static int fail(struct reader *reader, int code, const char *what)
 {
-    orl_error_set(reader->err, code, "%s", what);
-    orl_error_at(reader->err, reader->name, reader->line, NULL);
-    return code;
+    return orl_scanner_fail(&reader->scanner, code, reader->err, "%s", what);
 }
 
 /* ---- Lines and fields ------------------------------------------------------------------------ */
 
-static struct span trimmed(struct span s)
-{
-    static const char blanks[] = " \t\r";
-    while (s.length > 0 && memchr(blanks, s.at[0], sizeof blanks - 1))
-        s.at++, s.length--;
-    while (s.length > 0 && memchr(blanks, s.at[s.length - 1], sizeof blanks - 1))
-        s.length--;
-    return s;
-}
-
-/* Cuts what lies before the separator off the front of rest; false when rest is used up. */
-static bool cut(struct span *rest, char separator, struct span *ret_piece)
-{
-    const char *end;
-    if (!rest->at)
-        return false;
-    end = rest->length > 0 ? memchr(rest->at, separator, rest->length) : NULL;
-    *ret_piece = (struct span){rest->at, end ? (size_t)(end - rest->at) : rest->length};
-    *rest = end ? (struct span){end + 1, rest->length - ret_piece->length - 1} : (struct span){0};
-    *ret_piece = trimmed(*ret_piece);
-    return true;
-}
-
 /* The next line that is not blank. */
-static bool next_line(struct reader *reader, struct span *ret_line)
+static bool next_line(struct reader *reader, struct orl_slice *ret_line)
 {
     do {
-        if (!cut(&reader->rest, '\n', ret_line))
+        if (!orl_scanner_line(&reader->scanner, ret_line))
             return false;
-        reader->line++;
+        *ret_line = orl_slice_trim(*ret_line);
     } while (ret_line->length == 0);
     return true;
 }
 
-static bool begins(struct span s, const char *word)
-{
-    const size_t length = strlen(word);
-    return s.length >= length && strncasecmp(s.at, word, length) == 0;
-}
-
-static int number(struct reader *reader, struct span field, const char *what, double low,
+static int number(struct reader *reader, struct orl_slice field, const char *what, double low,
                   double high, double *ret_value)
 {
     double value = 0;
-    if (orl_number_read(field.at, field.length, &value) != ORL_NUMBER_OK) {
-        orl_error_set(reader->err, ORL_ERR_SYNTAX, "%s: '%.*s' is not a finite number", what,
-                      field.length < 40 ? (int)field.length : 40, field.at ? field.at : "");
-        orl_error_at(reader->err, reader->name, reader->line, NULL);
-        return ORL_ERR_SYNTAX;
-    }
-    if (!(value >= low && value <= high)) {
-        orl_error_set(reader->err, ORL_ERR_RANGE, "%s is %g, and must lie between %g and %g", what,
-                      value, low, high);
-        orl_error_at(reader->err, reader->name, reader->line, NULL);
-        return ORL_ERR_RANGE;
-    }
+    const int code = orl_scanner_number(&reader->scanner, field, what, &value, reader->err);
+    if (code < 0)
+        return code;
+    if (!(value >= low && value <= high))
+        return orl_scanner_fail(&reader->scanner, ORL_ERR_RANGE, reader->err,
+                                "%s is %g, and must lie between %g and %g", what, value, low, high);
     *ret_value = value;
     return 0;
 }
@@ -97,13 +52,13 @@ static int number(struct reader *reader, struct span field, const char *what, do
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 /* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
-static int read_row(struct reader *reader, const struct span fields[5], double first_hour,
+static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
                     struct orl_weather_row *ret_row)
 {
     static const signed char days[12] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     static const double missing = 9999; /* as both formats mark it */
     double month = 0, day = 0;
-    struct orl_weather_row row = {.line = reader->line};
+    struct orl_weather_row row = {.line = reader->scanner.line};
     int code = number(reader, fields[0], "the month", 1, 12, &month);
     if (code == 0)
         code = number(reader, fields[1], "the day", 1, days[(int)month - 1], &day);
@@ -146,16 +101,16 @@ static int keep_row(struct reader *reader, const struct orl_weather_row *row)
 
 /* ---- EPW ------------------------------------------------------------------------------------- */
 
-enum { EPW_FIELDS_READ = 16, EPW_HEADER_LINES = 8 };
+enum { EPW_FIELDS_READ = 16, EPW_FIELDS = 35, EPW_HEADER_LINES = 8 };
 
 /* LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation */
-static int read_location(struct reader *reader, struct span line)
+static int read_location(struct reader *reader, struct orl_slice line)
 {
     struct orl_weather *weather = &reader->weather;
-    struct span fields[9] = {0};
+    struct orl_slice fields[9] = {0};
     int code;
     for (int i = 0; i < 9; i++)
-        if (!cut(&line, ',', &fields[i]))
+        if (!orl_slice_take_cell(&line, ',', &fields[i]))
             return fail(reader, ORL_ERR_SYNTAX, "LOCATION ends before the time zone");
     code = number(reader, fields[6], "the latitude", -90, 90, &weather->latitude_deg);
     if (code == 0)
@@ -166,20 +121,20 @@ static int read_location(struct reader *reader, struct span line)
 }
 
 /* What 1 January is, by the weekday of another date, as "7/ 1", of a year of 365 days. */
-static int weekday_of_new_year(struct span name, struct span date)
+static int weekday_of_new_year(struct orl_slice name, struct orl_slice date)
 {
     static const char *const names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun"};
     static const int before[12] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
-    struct span month_field = {0};
+    struct orl_slice fields[2] = {{NULL, 0}};
     double month = 0, day = 0;
     int weekday = 0;
-    while (weekday < 7 && !begins(name, names[weekday]))
+    while (weekday < 7 && !orl_slice_begins_nocase(name, names[weekday]))
         weekday++;
-    if (weekday == 7 || !cut(&date, '/', &month_field))
+    if (weekday == 7 || !orl_slice_take_cell(&date, '/', &fields[0]) ||
+        !orl_slice_take_cell(&date, '/', &fields[1]))
         return -1;
-    date = trimmed(date);
-    if (orl_number_read(month_field.at, month_field.length, &month) != ORL_NUMBER_OK ||
-        orl_number_read(date.at, date.length, &day) != ORL_NUMBER_OK || !(month >= 1) ||
+    if (orl_number_read(fields[0].text, fields[0].length, &month) != ORL_NUMBER_OK ||
+        orl_number_read(fields[1].text, fields[1].length, &day) != ORL_NUMBER_OK || !(month >= 1) ||
         month > 12 || !(day >= 1) || day > 31)
         return -1;
     const int days = before[(int)month - 1] + (int)day - 1;
@@ -187,15 +142,16 @@ static int weekday_of_new_year(struct span name, struct span date)
 }
 
 /* DATA PERIODS,how many,records an hour,name,weekday of the first date,first date,last date */
-static int read_periods(struct reader *reader, struct span line)
+static int read_periods(struct reader *reader, struct orl_slice line)
 {
-    struct span field, weekday = {0}, date = {0};
+    struct orl_slice field, name, weekday = {NULL, 0}, date = {NULL, 0};
     double an_hour = 0;
     int code;
-    if (!cut(&line, ',', &field) || !cut(&line, ',', &field) || !cut(&line, ',', &field))
+    if (!orl_slice_take_cell(&line, ',', &field) || !orl_slice_take_cell(&line, ',', &field) ||
+        !orl_slice_take_cell(&line, ',', &field))
         return fail(reader, ORL_ERR_SYNTAX, "DATA PERIODS ends before the records an hour");
-    struct span name;
-    if (cut(&line, ',', &name) && cut(&line, ',', &weekday) && cut(&line, ',', &date))
+    if (orl_slice_take_cell(&line, ',', &name) && orl_slice_take_cell(&line, ',', &weekday) &&
+        orl_slice_take_cell(&line, ',', &date))
         reader->weather.first_weekday = weekday_of_new_year(weekday, date);
     code = number(reader, field, "the records an hour", 1, 60, &an_hour);
     if (code == 0 && an_hour != 1) {
@@ -207,10 +163,10 @@ static int read_periods(struct reader *reader, struct span line)
 }
 
 /* Files of no particular year leave the field empty or write 0. */
-static int year_of(struct span field)
+static int year_of(struct orl_slice field)
 {
     double year = 0;
-    if (orl_number_read(field.at, field.length, &year) != ORL_NUMBER_OK || !(year > 0) ||
+    if (orl_number_read(field.text, field.length, &year) != ORL_NUMBER_OK || !(year > 0) ||
         year > 9999)
         return 0;
     return (int)year;
@@ -224,7 +180,7 @@ static int check_year(struct reader *reader, const struct orl_weather_row *row)
         orl_error_set(reader->err, ORL_ERR_RANGE,
                       "the file has rows of %d and of %d for month %d, day %d, hour %g", *year,
                       row->year, row->month, row->day, row->hour);
-        orl_error_at(reader->err, reader->name, reader->line, NULL);
+        orl_error_at(reader->err, reader->scanner.name, reader->scanner.line, NULL);
         orl_error_hint(reader->err, "leave the rows of one year in it");
         return ORL_ERR_RANGE;
     }
@@ -233,16 +189,33 @@ static int check_year(struct reader *reader, const struct orl_weather_row *row)
     return 0;
 }
 
-static int read_epw_row(struct reader *reader, struct span line)
+/* What is left of a row has no more fields than there are: decimal commas would make more. */
+static int check_fields(struct reader *reader, struct orl_slice rest)
 {
-    struct span fields[EPW_FIELDS_READ] = {0};
+    struct orl_slice field;
+    int n = EPW_FIELDS_READ;
+    while (orl_slice_take_cell(&rest, ',', &field))
+        if (++n > EPW_FIELDS && field.length > 0) {
+            fail(reader, ORL_ERR_SYNTAX, "the row has more than the 35 fields of an EPW file");
+            orl_error_hint(reader->err, "decimal commas would do that: write 21.5, not 21,5");
+            return ORL_ERR_SYNTAX;
+        }
+    return 0;
+}
+
+static int read_epw_row(struct reader *reader, struct orl_slice line)
+{
+    struct orl_slice fields[EPW_FIELDS_READ] = {0};
     struct orl_weather_row row;
     int code;
     for (int i = 0; i < EPW_FIELDS_READ; i++)
-        if (!cut(&line, ',', &fields[i]))
+        if (!orl_slice_take_cell(&line, ',', &fields[i]))
             return fail(reader, ORL_ERR_SYNTAX,
                         "the row ends before the diffuse horizontal irradiance, its 16th field");
-    const struct span five[5] = {fields[1], fields[2], fields[3], fields[14], fields[15]};
+    code = check_fields(reader, line);
+    if (code < 0)
+        return code;
+    const struct orl_slice five[5] = {fields[1], fields[2], fields[3], fields[14], fields[15]};
     code = read_row(reader, five, 1, &row);
     if (code < 0)
         return code;
@@ -252,11 +225,11 @@ static int read_epw_row(struct reader *reader, struct span line)
     return code < 0 ? code : keep_row(reader, &row);
 }
 
-static int read_epw(struct reader *reader, struct span line)
+static int read_epw(struct reader *reader, struct orl_slice line)
 {
     int code = read_location(reader, line), lines = 1;
     reader->weather.units = ORL_WEATHER_NORMAL_W;
-    while (code == 0 && !begins(line, "DATA PERIODS,")) {
+    while (code == 0 && !orl_slice_begins_nocase(line, "DATA PERIODS,")) {
         if (lines++ == EPW_HEADER_LINES || !next_line(reader, &line))
             return fail(reader, ORL_ERR_SYNTAX, "the header has no line DATA PERIODS");
     }
@@ -283,16 +256,15 @@ static int read_wea_header(struct reader *reader)
                         {"weather_data_file_units", 1, 3}};
     double values[WEA_KEYS] = {0};
     for (int i = 0; i < WEA_KEYS; i++) {
-        struct span line, value;
+        struct orl_slice line, value;
         int code;
-        if (!next_line(reader, &line) || !begins(line, keys[i].key)) {
-            orl_error_set(reader->err, ORL_ERR_SYNTAX, "'%s' and its value are expected here",
-                          keys[i].key);
-            orl_error_at(reader->err, reader->name, reader->line, NULL);
-            return ORL_ERR_SYNTAX;
-        }
-        value = (struct span){line.at + strlen(keys[i].key), line.length - strlen(keys[i].key)};
-        code = number(reader, trimmed(value), keys[i].key, keys[i].low, keys[i].high, &values[i]);
+        if (!next_line(reader, &line) || !orl_slice_begins_nocase(line, keys[i].key))
+            return orl_scanner_fail(&reader->scanner, ORL_ERR_SYNTAX, reader->err,
+                                    "'%s' and its value are expected here", keys[i].key);
+        value =
+            (struct orl_slice){line.text + strlen(keys[i].key), line.length - strlen(keys[i].key)};
+        code = number(reader, orl_slice_trim(value), keys[i].key, keys[i].low, keys[i].high,
+                      &values[i]);
         if (code < 0)
             return code;
     }
@@ -305,21 +277,16 @@ static int read_wea_header(struct reader *reader)
     return 0;
 }
 
-static int read_wea_row(struct reader *reader, struct span line)
+static int read_wea_row(struct reader *reader, struct orl_slice line)
 {
-    struct span fields[5] = {0};
+    struct orl_slice fields[5] = {0};
     struct orl_weather_row row;
     int code;
     for (int i = 0; i < 5; i++) {
-        const char *at = line.at;
-        size_t n = 0;
-        while (n < line.length && at[n] != ' ' && at[n] != '\t')
-            n++;
-        if (n == 0)
+        fields[i] = orl_slice_take_word(&line);
+        if (fields[i].length == 0)
             return fail(reader, ORL_ERR_SYNTAX,
                         "a row is: month, day, hour, direct and diffuse light");
-        fields[i] = (struct span){at, n};
-        line = trimmed((struct span){at + n, line.length - n});
     }
     code = read_row(reader, fields, 0, &row);
     return code < 0 ? code : keep_row(reader, &row);
@@ -327,7 +294,7 @@ static int read_wea_row(struct reader *reader, struct span line)
 
 static int read_wea(struct reader *reader)
 {
-    struct span line;
+    struct orl_slice line;
     int code = read_wea_header(reader);
     while (code == 0 && next_line(reader, &line))
         code = read_wea_row(reader, line);
@@ -352,23 +319,30 @@ static double find_interval(const struct orl_weather *weather)
 
 /* ---- Entry points ---------------------------------------------------------------------------- */
 
+static int refuse_head(struct reader *reader, struct orl_slice line)
+{
+    fail(reader, ORL_ERR_SYNTAX, "a weather file begins with LOCATION (EPW) or place (WEA)");
+    if (orl_slice_begins_nocase(line, "LOCATION;"))
+        orl_error_hint(reader->err, "this EPW file has semicolons: save it with commas between its "
+                                    "fields and points in its numbers");
+    return ORL_ERR_SYNTAX;
+}
+
 int orl_weather_parse(const char *name, const char *text, size_t size,
                       struct orl_weather *ret_weather, struct orl_error *err)
 {
     struct orl_error local;
-    struct reader reader = {.name = name,
-                            .rest = {text, size},
-                            .weather = {.first_weekday = -1},
-                            .err = err ? err : &local};
-    struct span line = {0};
-    int code;
-    if (next_line(&reader, &line) && begins(line, "LOCATION,"))
+    struct reader reader = {.weather = {.first_weekday = -1}, .err = err ? err : &local};
+    struct orl_slice line = {NULL, 0};
+    int code = orl_scanner_init(&reader.scanner, name, text, size, 0, reader.err);
+    if (code < 0)
+        return code;
+    if (next_line(&reader, &line) && orl_slice_begins_nocase(line, "LOCATION,"))
         code = read_epw(&reader, line);
-    else if (begins(line, "place"))
+    else if (orl_slice_begins_nocase(line, "place"))
         code = read_wea(&reader);
     else
-        code = fail(&reader, ORL_ERR_SYNTAX,
-                    "a weather file begins with LOCATION (EPW) or place (WEA)");
+        code = refuse_head(&reader, line);
     if (code == 0 && reader.weather.n_rows == 0)
         code = fail(&reader, ORL_ERR_SYNTAX, "the weather file has no rows");
     if (code < 0) {

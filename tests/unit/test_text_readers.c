@@ -16,6 +16,8 @@
 
 #include <oriel/run.h>
 
+#include "light/weather.h"
+
 enum { VALUES_BYTES = 4096, TEXT_BYTES = 4096 };
 
 /* What a reader made of a file, as text that can be compared. */
@@ -66,6 +68,29 @@ static int read_sensors(const char *text, size_t size, struct values *values, st
     return orl_sensors_read("a.pts", text, size, note_sensor, values, err);
 }
 
+static int read_weather(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    struct orl_weather weather = {0};
+    const int code = orl_weather_parse("a.epw", text, size, &weather, err);
+    note(values, weather.latitude_deg);
+    note(values, weather.longitude_deg);
+    for (size_t i = 0; i < weather.n_rows; i++) {
+        const struct orl_weather_row *row = &weather.rows[i];
+        note_all(values, (const double[]){row->month, row->day, row->hour, row->line}, 4);
+        note_all(values, (const double[]){row->direct, row->diffuse}, 2);
+    }
+    orl_weather_done(&weather);
+    return code;
+}
+
+#define EPW(city)                                                                                  \
+    "LOCATION," city ",-,TST,made up,000000,38.42,27.14,2.0,25.0\n"                                \
+    "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
+#define EPW_TO_DIRECT "2020,3,22,12,0,flags,9,7,87,101300,0,0,305,0,"
+#define WEA(place)                                                                                 \
+    "place " place "\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\nsite_elevation 25\n"        \
+    "weather_data_file_units 1\n"
+
 static const struct reader readers[] = {
     {"sensors",
      read_sensors,
@@ -79,6 +104,28 @@ static const struct reader readers[] = {
      "0;0.5;0.8;0;0;1#\xe9\n",
      {"0;0,5;0,8;0;0;1\n", 1, "column 3: 0,5: a decimal comma; write 0.5"},
      {"0;0.5;0.8;0;0;\n", 1, "column 15: an empty cell"}},
+    {"EPW",
+     read_weather,
+     EPW("Zurich") EPW_TO_DIRECT "800.5,120,0\n",
+     EPW("Z\xfcrich") EPW_TO_DIRECT "800.5,120,0\n",
+     {EPW("A") "2020,3,22,12,0,flags,9,7,87,101300,0,0,305,0,800,5,1,2,3,4,5,6,7,8,9,1,2,3,4,5,6,7,"
+               "8,9,0,1\n",
+      3, "write 21.5, not 21,5"},
+     {EPW("A") EPW_TO_DIRECT ",120,0\n", 3, "column 46: direct light: an empty cell"}},
+    {"EPW of a spreadsheet",
+     read_weather,
+     EPW("Zurich") EPW_TO_DIRECT "800.5,120,0\n",
+     NULL,
+     {"LOCATION;A;-;TST;made up;000000;38,42;27,14;2,0;25,0\n", 1, "save it with commas"},
+     {NULL, 0, NULL}},
+    {"WEA",
+     read_weather,
+     WEA("Zurich") "3 22 11.500 800.5 120\n",
+     WEA("Z\xfcrich") "3 22 11.500 800.5 120\n",
+     {WEA("A") "3 22 11,500 800.5 120\n", 7,
+      "column 6: the hour: 11,500: a decimal comma; write "
+      "11.500"},
+     {WEA("A") "3 22 11.500 800.5\n", 7, "a row is: month, day, hour, direct and diffuse"}},
 };
 
 /* ---- Files ----------------------------------------------------------------------------------- */
