@@ -137,9 +137,9 @@ static void test_occupancy_files(void **state)
     assert_int_equal(err.line, 3);
     assert_int_equal(orl_occupancy_read("x", "1,2\n", 4, &hourly, marks, &err), ORL_ERR_SYNTAX);
     /* A first row that is not finite is no heading. */
-    assert_int_equal(orl_occupancy_read("x", "nan\n1\n", 6, &hourly, marks, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(orl_occupancy_read("x", "nan\n1\n", 6, &hourly, marks, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 1);
-    assert_int_equal(orl_occupancy_read("x", "-inf\n1\n", 7, &hourly, marks, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(orl_occupancy_read("x", "-inf\n1\n", 7, &hourly, marks, &err), ORL_ERR_RANGE);
     assert_int_equal(orl_occupancy_read("x", "1\n1,1,1.5,1\n", 12, &hourly, marks, &err),
                      ORL_ERR_SYNTAX);
     assert_int_equal(err.line, 2);

@@ -14,6 +14,8 @@
 
 #include <cmocka.h>
 
+#include <oriel/annual_metrics.h>
+#include <oriel/annual_report.h>
 #include <oriel/run.h>
 
 #include "light/weather.h"
@@ -83,6 +85,36 @@ static int read_weather(const char *text, size_t size, struct values *values, st
     return code;
 }
 
+/* Of a year of two steps. */
+static int read_occupancy(const char *text, size_t size, struct values *values,
+                          struct orl_error *err)
+{
+    static const struct orl_annual_steps two = {2, 1};
+    unsigned char marks[2] = {0};
+    const int code = orl_occupancy_read("use.csv", text, size, &two, marks, err);
+    note_all(values, (const double[]){marks[0], marks[1]}, 2);
+    return code;
+}
+
+static int read_schedule(const char *text, size_t size, struct values *values,
+                         struct orl_error *err)
+{
+    static char name[] = "s.csv", south[] = "south", open[] = "open", shut[] = "shut";
+    static const char *const names[] = {name};
+    const struct orl_file contents[] = {{text, size, NULL}};
+    struct orl_memory_files memory = {names, contents, 1};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_shade_state states[2] = {{.name = open}, {.name = shut}};
+    struct orl_window_group group = {
+        .name = south, .states = states, .n_states = 2, .schedule_file = name};
+    struct orl_annual_request request = {.groups = &group, .n_groups = 1};
+    const int code = orl_annual_schedules_read(&request, &files, err);
+    for (size_t i = 0; i < group.n_series; i++)
+        note(values, group.series[i]);
+    free(group.series);
+    return code;
+}
+
 #define EPW(city)                                                                                  \
     "LOCATION," city ",-,TST,made up,000000,38.42,27.14,2.0,25.0\n"                                \
     "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
@@ -126,6 +158,30 @@ static const struct reader readers[] = {
       "column 6: the hour: 11,500: a decimal comma; write "
       "11.500"},
      {WEA("A") "3 22 11.500 800.5\n", 7, "a row is: month, day, hour, direct and diffuse"}},
+    {"occupancy",
+     read_occupancy,
+     "# use\n1,1,0.5,0\n1,1,1.5,0.2\n",
+     "# f\xfcr\n1,1,0.5,0\n1,1,1.5,0.2\n",
+     {"0\n0,5\n", 2, "column 1: 0,5: a decimal comma; write 0.5"},
+     {"1,1,0.5,0\n1,,1.5,0.2\n", 2, "column 3: an empty cell"}},
+    {"occupancy, by semicolons",
+     read_occupancy,
+     "1;1;0.5;0\n1;1;1.5;0.2\n",
+     "m\xe4rz;1;1;1\n1;1;0.5;0\n1;1;1.5;0.2\n",
+     {"1;1;0,5;0\n", 1, "column 5: 0,5: a decimal comma; write 0.5"},
+     {NULL, 0, NULL}},
+    {"schedule",
+     read_schedule,
+     "month,south\n1,open\n1,1\n",
+     "m\xe4rz,south\n1,open\n# \xe9\n1,1\n",
+     {"0\n0,5\n", 2, "this is a decimal comma"},
+     {"month,south\n1,open\n1,\n", 3, "this is an empty cell"}},
+    {"schedule, by semicolons",
+     read_schedule,
+     "month;\"south\"\n1,5;open\n1,5;1\n",
+     NULL,
+     {NULL, 0, NULL},
+     {NULL, 0, NULL}},
 };
 
 /* ---- Files ----------------------------------------------------------------------------------- */

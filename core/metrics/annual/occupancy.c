@@ -2,7 +2,8 @@
 #include <oriel/annual_metrics.h>
 
 #include <math.h>
-#include <string.h>
+
+#include <oriel/scanner.h>
 
 #include "base/number.h"
 #include "metrics/annual/calendar.h"
@@ -30,39 +31,19 @@ void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_
 enum { MOST_FIELDS = 4 };
 
 struct reading {
-    const char *name;
+    struct orl_scanner scanner;
     const struct orl_annual_steps *steps;
     unsigned char *marks;
     struct orl_annual_steps lines; /* the year in steps of a line each */
     uint32_t count;
     int fields; /* of a line, all alike; 0: none was read yet */
-    int line;   /* in the file */
     bool has_words;
     struct orl_error *err;
 };
 
 static int complain(const struct reading *r, int code, const char *what)
 {
-    orl_error_set(r->err, code, "%s", what);
-    orl_error_at(r->err, r->name, r->line, NULL);
-    return code;
-}
-
-/* The numbers of a line, between commas, semicolons or space; -1: something else. */
-static int split(const char *text, size_t size, double ret_values[MOST_FIELDS])
-{
-    static const char between[] = ",; \t\r";
-    int n = 0;
-    for (size_t at = 0; at < size;) {
-        size_t length = 0;
-        while (at + length < size && !memchr(between, text[at + length], sizeof between - 1))
-            length++;
-        if (length > 0 && (n == MOST_FIELDS ||
-                           orl_number_read(text + at, length, &ret_values[n++]) != ORL_NUMBER_OK))
-            return -1;
-        at += length + 1;
-    }
-    return n;
+    return orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
 }
 
 /* How fine the file is, by its first line's hour: 0.5, or 0.25 for half hours. */
@@ -93,27 +74,52 @@ static int check_time(struct reading *r, const double values[MOST_FIELDS])
 }
 
 /* The first field is a number, maybe "nan" or "inf", or a misspelt one. */
-static bool begins_number(const char *text, size_t size)
+static bool begins_number(struct orl_slice line)
 {
-    const char c = text[0];
+    struct orl_cells cells;
+    struct orl_slice cell = {NULL, 0};
     double value;
-    size_t length = 0;
-    while (length < size && !strchr(", \t\r;", text[length]))
-        length++;
-    return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' || c == ' ' || c == '\t' ||
-           orl_number_read(text, length, &value) != ORL_NUMBER_NOT_ONE;
+    orl_cells_init(&cells, line);
+    if (!orl_cells_next(&cells, &cell) || cell.length == 0)
+        return true;
+    const char c = cell.text[0];
+    return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' ||
+           orl_number_read(cell.text, cell.length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
-static int read_line(struct reading *r, const char *text, size_t size)
+/* The numbers of a line, between commas, semicolons or space; how many, or an error. */
+static int split(struct reading *r, struct orl_slice line, double ret_values[MOST_FIELDS])
+{
+    struct orl_cells cells;
+    struct orl_slice cell;
+    double value = 0;
+    int n = 0;
+    if (orl_slice_is_decimal_comma(line))
+        return orl_scanner_number(&r->scanner, line, NULL, &value, r->err);
+    orl_cells_init(&cells, line);
+    for (; orl_cells_next(&cells, &cell); n++) {
+        const int code = orl_scanner_number(&r->scanner, cell, NULL, &value, r->err);
+        if (code < 0)
+            return code;
+        if (n < MOST_FIELDS)
+            ret_values[n] = value;
+    }
+    return n;
+}
+
+static int read_line(struct reading *r, struct orl_slice line)
 {
     double values[MOST_FIELDS];
-    const int n = split(text, size, values);
-    if (n == 0 || (size > 0 && text[0] == '#'))
+    line = orl_slice_trim(line);
+    if (line.length == 0 || line.text[0] == '#')
         return 0;
-    if (n < 0 && r->count == 0 && !r->has_words && !begins_number(text, size)) {
+    if (r->count == 0 && !r->has_words && !begins_number(line)) {
         r->has_words = true;
         return 0;
     }
+    const int n = split(r, line, values);
+    if (n < 0)
+        return n;
     if (n != 1 && n != MOST_FIELDS)
         return complain(r, ORL_ERR_SYNTAX, "one number is wanted, or \"month,day,hour,value\"");
     if (r->fields != 0 && n != r->fields)
@@ -139,7 +145,7 @@ static int complain_count(const struct reading *r)
 {
     orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, and the year %u steps", r->count,
                   r->steps->count);
-    orl_error_at(r->err, r->name, 0, NULL);
+    orl_error_at(r->err, r->scanner.name, 0, NULL);
     orl_error_hint(r->err, "a line for each hour of the weather file's year is wanted: %u",
                    r->steps->count / r->steps->per_hour);
     return ORL_ERR_RANGE;
@@ -149,16 +155,11 @@ int orl_occupancy_read(const char *name, const char *text, size_t size,
                        const struct orl_annual_steps *steps, unsigned char *ret_marks,
                        struct orl_error *err)
 {
-    struct reading r = {.name = name, .steps = steps, .marks = ret_marks, .err = err};
-    int code = 0;
-    const bool marked = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0; /* UTF-8's mark */
-    for (size_t at = marked ? 3 : 0; at < size && code == 0;) {
-        const char *end = memchr(text + at, '\n', size - at);
-        const size_t length = end ? (size_t)(end - (text + at)) : size - at;
-        r.line++;
-        code = read_line(&r, text + at, length);
-        at += length + 1;
-    }
+    struct reading r = {.steps = steps, .marks = ret_marks, .err = err};
+    struct orl_slice line;
+    int code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
+    while (code == 0 && orl_scanner_line(&r.scanner, &line))
+        code = read_line(&r, line);
     if (code < 0)
         return code;
     if (r.count != steps->count && r.count * (uint64_t)steps->per_hour != steps->count)
