@@ -7,14 +7,12 @@
 
 #include <oriel/crew.h>
 #include <oriel/limits.h>
-
-#include "base/number.h"
+#include <oriel/scanner.h>
 
 enum format { FORMAT_NONE, FORMAT_ASCII, FORMAT_FLOAT, FORMAT_DOUBLE };
 
 struct reader {
-    const char *name, *at, *end;
-    int line;
+    struct orl_scanner scanner;
     size_t rows, columns, parts; /* parts: of a value */
     enum format format;
     bool swapped;
@@ -49,37 +47,31 @@ void orl_rgb_matrix_done(struct orl_rgb_matrix *matrix)
 
 static int fail(const struct reader *r, int code, const char *what)
 {
-    orl_error_set(r->err, code, "%s", what);
-    orl_error_at(r->err, r->name, r->line, "matrix");
+    orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
+    orl_error_at(r->err, NULL, 0, "matrix");
     return code;
 }
 
-/* A number behind a key, of as many as there are wanted; false: another key. */
-static bool read_key(const char *line, size_t length, const char *key, double *ret_values, size_t n)
+/* A number behind a key, of as many as there are wanted, NAN for what is none; false: another key.
+ */
+static bool read_key(const struct reader *r, struct orl_slice line, const char *key,
+                     double *ret_values, size_t n)
 {
-    const size_t k = strlen(key);
-    const char *at = line + k, *end = line + length;
-    double value = NAN;
-    if (length < k || memcmp(line, key, k) != 0)
+    if (!orl_slice_begins(line, key))
         return false;
-    for (size_t i = 0; i < n; i++) {
-        while (at < end && (*at == ' ' || *at == '\t'))
-            at++;
-        const char *from = at;
-        while (at < end && *at != ' ' && *at != '\t')
-            at++;
-        if (orl_number_read(from, (size_t)(at - from), &value) != ORL_NUMBER_OK)
-            value = NAN;
-        ret_values[i] = value;
-    }
+    line.text += strlen(key);
+    line.length -= strlen(key);
+    for (size_t i = 0; i < n; i++)
+        if (orl_scanner_number(&r->scanner, orl_slice_take_word(&line), key, &ret_values[i], NULL))
+            ret_values[i] = NAN;
     return true;
 }
 
-static int read_format(struct reader *r, const char *word, size_t length)
+static int read_format(struct reader *r, struct orl_slice word)
 {
     static const char *const names[] = {"ascii", "float", "double"};
     for (int i = 0; i < 3; i++)
-        if (length == strlen(names[i]) && memcmp(word, names[i], length) == 0) {
+        if (orl_slice_is(word, names[i])) {
             r->format = (enum format)(i + 1);
             return 0;
         }
@@ -91,22 +83,17 @@ static bool is_count(double value)
     return value >= 1 && value <= 1e9 && value == floor(value);
 }
 
-static int read_line(struct reader *r, const char *line, size_t length)
+static int read_line(struct reader *r, struct orl_slice line)
 {
     static const char format[] = "FORMAT=";
     double value[3] = {0};
-    if (length >= sizeof format - 1 && memcmp(line, format, sizeof format - 1) == 0) {
-        line += sizeof format - 1;
-        length -= sizeof format - 1;
-        for (; length > 0 && *line == ' '; line++)
-            length--;
-        while (length > 0 && line[length - 1] == ' ') /* gendaymtx has room for its length there */
-            length--;
-        return read_format(r, line, length);
+    if (orl_slice_begins(line, format)) { /* gendaymtx has room for its length behind it */
+        line.text += sizeof format - 1;
+        line.length -= sizeof format - 1;
+        return read_format(r, orl_slice_trim(line));
     }
-    if (read_key(line, length, "EXPOSURE=", value, 1) ||
-        read_key(line, length, "COLORCORR=", value, 3)) {
-        const bool all = line[0] == 'E';
+    if (read_key(r, line, "EXPOSURE=", value, 1) || read_key(r, line, "COLORCORR=", value, 3)) {
+        const bool all = line.text[0] == 'E';
         for (int i = 0; i < 3; i++)
             r->exposure[i] *= value[all ? 0 : i];
         bool sound = true;
@@ -114,7 +101,7 @@ static int read_line(struct reader *r, const char *line, size_t length)
             sound = sound && r->exposure[i] > 0 && isfinite(r->exposure[i]);
         return sound ? 0 : fail(r, ORL_ERR_RANGE, "an exposure is above 0, and finite");
     }
-    if (read_key(line, length, "BigEndian=", value, 1)) {
+    if (read_key(r, line, "BigEndian=", value, 1)) {
         const bool big = value[0] > 0;
         r->swapped = big != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
         return 0;
@@ -122,7 +109,7 @@ static int read_line(struct reader *r, const char *line, size_t length)
     size_t *const counts[] = {&r->rows, &r->columns, &r->parts};
     static const char *const keys[] = {"NROWS=", "NCOLS=", "NCOMP="};
     for (int i = 0; i < 3; i++)
-        if (read_key(line, length, keys[i], value, 1)) {
+        if (read_key(r, line, keys[i], value, 1)) {
             if (!is_count(value[0]))
                 return fail(r, ORL_ERR_SYNTAX, "NROWS, NCOLS and NCOMP are whole numbers, from 1");
             *counts[i] = (size_t)value[0];
@@ -132,25 +119,17 @@ static int read_line(struct reader *r, const char *line, size_t length)
 
 static int read_header(struct reader *r)
 {
-    static const char magic[] = "#?";
-    if (r->end - r->at < 2 || memcmp(r->at, magic, 2) != 0)
+    struct orl_slice line = {NULL, 0};
+    int code = 0;
+    if (!orl_scanner_line(&r->scanner, &line) || !orl_slice_begins(line, "#?"))
         return fail(r, ORL_ERR_SYNTAX, "a matrix begins with \"#?RADIANCE\"");
-    for (;;) {
-        const char *newline = memchr(r->at, '\n', (size_t)(r->end - r->at));
-        if (!newline)
-            return fail(r, ORL_ERR_SYNTAX, "the matrix ends within its header");
-        size_t length = (size_t)(newline - r->at);
-        const char *line = r->at;
-        r->line++;
-        r->at = newline + 1;
-        if (length > 0 && line[length - 1] == '\r')
-            length--;
-        if (length == 0)
-            break;
-        const int code = read_line(r, line, length);
-        if (code < 0)
-            return code;
-    }
+    while (code == 0 && line.length > 0)
+        code = orl_scanner_line(&r->scanner, &line)
+                   ? read_line(r, line)
+                   : fail(r, ORL_ERR_SYNTAX, "the matrix ends within its header");
+    if (code < 0)
+        return code;
+    orl_scanner_next_line(&r->scanner); /* to the first value */
     if (r->format == FORMAT_NONE || r->columns == 0)
         return fail(r, ORL_ERR_SYNTAX, "the header of a matrix says NCOLS and FORMAT");
     return r->parts == 1 || r->parts == 3
@@ -160,22 +139,13 @@ static int read_header(struct reader *r)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-static bool is_space(char c)
-{
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
-static void skip_space(struct reader *r)
-{
-    for (; r->at < r->end && is_space(*r->at); r->at++)
-        r->line += *r->at == '\n';
-}
-
 static size_t count_words(const struct reader *r)
 {
+    struct orl_scanner ahead = r->scanner;
+    struct orl_slice word;
     size_t n = 0;
-    for (const char *at = r->at; at < r->end; at++)
-        n += !is_space(*at) && (at + 1 == r->end || is_space(at[1]));
+    while (orl_scanner_word(&ahead, &word))
+        n++;
     return n;
 }
 
@@ -183,7 +153,7 @@ static size_t count_words(const struct reader *r)
 static int find_rows(struct reader *r)
 {
     const size_t bytes = r->format == FORMAT_DOUBLE ? sizeof(double) : sizeof(float);
-    const size_t row = r->columns * r->parts, left = (size_t)(r->end - r->at);
+    const size_t row = r->columns * r->parts, left = (size_t)(r->scanner.end - r->scanner.at);
     const size_t n = r->format == FORMAT_ASCII ? count_words(r) : left / bytes;
     if (r->rows == 0 && (n % row != 0 || (r->format != FORMAT_ASCII && left % bytes != 0)))
         return fail(r, ORL_ERR_SYNTAX, "its size is not that of whole rows");
@@ -194,21 +164,13 @@ static int find_rows(struct reader *r)
     return r->rows < n / row ? fail(r, ORL_ERR_SYNTAX, "it goes on after its last row") : 0;
 }
 
-/* The next number; false: it is none. */
-static bool take(struct reader *r, double *ret_value)
+static int read_binary(struct reader *r, double *ret_value)
 {
     unsigned char bytes[sizeof(double)], turned[sizeof(double)];
     const size_t size = r->format == FORMAT_DOUBLE ? sizeof(double) : sizeof(float);
     float single;
-    if (r->format == FORMAT_ASCII) {
-        skip_space(r);
-        const char *from = r->at;
-        while (r->at < r->end && !is_space(*r->at))
-            r->at++;
-        return orl_number_read(from, (size_t)(r->at - from), ret_value) == ORL_NUMBER_OK;
-    }
-    memcpy(bytes, r->at, size);
-    r->at += size;
+    memcpy(bytes, r->scanner.at, size);
+    r->scanner.at += size;
     for (size_t i = 0; i < size; i++)
         turned[i] = bytes[r->swapped ? size - 1 - i : i];
     if (r->format == FORMAT_DOUBLE) {
@@ -217,16 +179,30 @@ static bool take(struct reader *r, double *ret_value)
         memcpy(&single, turned, sizeof single);
         *ret_value = (double)single;
     }
-    return isfinite(*ret_value);
+    return isfinite(*ret_value) ? 0 : fail(r, ORL_ERR_RANGE, "a value is no finite number");
+}
+
+static int read_text(struct reader *r, double *ret_value)
+{
+    struct orl_slice word = {NULL, 0};
+    if (!orl_scanner_word(&r->scanner, &word))
+        return fail(r, ORL_ERR_SYNTAX, "it ends before its last value");
+    const int code = orl_scanner_number(&r->scanner, word, NULL, ret_value, r->err);
+    if (code < 0)
+        orl_error_at(r->err, NULL, 0, "matrix");
+    return code;
 }
 
 static int read_values(struct reader *r, struct orl_rgb_matrix *matrix)
 {
+    int code = 0;
     for (size_t i = 0; i < matrix->rows * matrix->columns; i++)
         for (size_t k = 0; k < 3; k++) {
             double value = 0;
-            if (k < r->parts && !take(r, &value))
-                return fail(r, ORL_ERR_RANGE, "a value is no finite number");
+            if (k < r->parts)
+                code = r->format == FORMAT_ASCII ? read_text(r, &value) : read_binary(r, &value);
+            if (code < 0)
+                return code;
             float *at = &matrix->values[3 * i + k];
             *at = k < r->parts ? (float)(value / r->exposure[k]) : at[-1];
             if (!isfinite(*at))
@@ -238,14 +214,13 @@ static int read_values(struct reader *r, struct orl_rgb_matrix *matrix)
 int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
                         struct orl_rgb_matrix *ret_matrix, struct orl_error *err)
 {
-    struct reader r = {.name = name,
-                       .at = text,
-                       .end = text + size,
-                       .parts = 3,
-                       .exposure = {1, 1, 1},
-                       .err = err};
+    struct reader r = {.parts = 3, .exposure = {1, 1, 1}, .err = err};
     struct orl_rgb_matrix matrix = {.rows = 0};
-    int code = read_header(&r);
+    int code = orl_scanner_init(&r.scanner, name, text, size, ORL_SCANNER_HEAD, err);
+    if (code == 0)
+        code = read_header(&r);
+    if (code == 0 && r.format == FORMAT_ASCII)
+        code = orl_scanner_rest_is_text(&r.scanner, err);
     if (code == 0)
         code = find_rows(&r);
     if (code == 0) {

@@ -113,7 +113,7 @@ static void test_what_is_wrong(void **state)
         {TOP "NCOLS=1\nNROWS=1\nFORMAT=ascii\n\n1 2 3 4 5 6", "goes on", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 3 4", "whole rows", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\nFORMAT=ascii\n\n", "before its last", ORL_ERR_SYNTAX},
-        {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 x", "finite", ORL_ERR_RANGE},
+        {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 x", "'x' is not a number", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 nan", "finite", ORL_ERR_RANGE},
         {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 1e39", "too large", ORL_ERR_RANGE},
         {TOP "EXPOSURE=0\nNCOLS=1\nFORMAT=ascii\n\n1 2 3", "above 0", ORL_ERR_RANGE},

@@ -18,6 +18,7 @@
 #include <oriel/annual_report.h>
 #include <oriel/run.h>
 
+#include "annual/matrix_file.h"
 #include "light/weather.h"
 
 enum { VALUES_BYTES = 4096, TEXT_BYTES = 4096 };
@@ -115,6 +116,17 @@ static int read_schedule(const char *text, size_t size, struct values *values,
     return code;
 }
 
+static int read_matrix(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    struct orl_rgb_matrix matrix = {.rows = 0};
+    const int code = orl_rgb_matrix_read("a.mtx", text, size, &matrix, err);
+    note_all(values, (const double[]){(double)matrix.rows, (double)matrix.columns}, 2);
+    for (size_t i = 0; i < 3 * matrix.rows * matrix.columns; i++)
+        note(values, (double)matrix.values[i]);
+    orl_rgb_matrix_done(&matrix);
+    return code;
+}
+
 #define EPW(city)                                                                                  \
     "LOCATION," city ",-,TST,made up,000000,38.42,27.14,2.0,25.0\n"                                \
     "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
@@ -182,6 +194,13 @@ static const struct reader readers[] = {
      NULL,
      {NULL, 0, NULL},
      {NULL, 0, NULL}},
+    {"matrix",
+     read_matrix,
+     "#?RADIANCE\nNROWS=2\nNCOLS=1\nNCOMP=3\nFORMAT=ascii\n\n1 2.5 3\n4\t5 6\n",
+     "#?RADIANCE\nrcontrib f\xfcr\nNROWS=2\nNCOLS=1\nNCOMP=3\nFORMAT=ascii\n\n1 2.5 3\n4\t5 6\n",
+     {"#?RADIANCE\nNCOLS=1\nFORMAT=ascii\n\n1 2 3\n4 0,5 6\n", 6,
+      "column 3: 0,5: a decimal comma; write 0.5"},
+     {"#?RADIANCE\nNCOLS=1\nFORMAT=ascii\n\n1 2 3\n4 ,, 6\n", 6, "column 3: ',,' is not"}},
 };
 
 /* ---- Files ----------------------------------------------------------------------------------- */
