@@ -20,6 +20,9 @@
 
 #include "annual/matrix_file.h"
 #include "light/weather.h"
+#include "scene/grid/ies.h"
+#include "scene/parse/stl.h"
+#include "scene/parse/wavefront.h"
 
 enum { VALUES_BYTES = 4096, TEXT_BYTES = 4096 };
 
@@ -127,6 +130,62 @@ static int read_matrix(const char *text, size_t size, struct values *values, str
     return code;
 }
 
+static int read_grid(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    struct orl_grid *grid = NULL;
+    const int code = orl_grid_read_data("a.dat", text, size, &grid, err);
+    for (size_t i = 0; grid && i < grid->n_values; i++)
+        note(values, (double)grid->values[i]);
+    for (size_t i = 0; grid && i < grid->n_axes; i++)
+        note_all(values, (const double[]){grid->axes[i].origin, grid->axes[i].size}, 2);
+    orl_grid_free(grid);
+    return code;
+}
+
+static int read_ies(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    struct orl_ies ies = {0};
+    const int code = orl_ies_read("a.ies", text, size, &ies, err);
+    note_all(values, (const double[]){ies.year, ies.factor, ies.length, ies.width}, 4);
+    for (uint32_t i = 0; code == 0 && i < ies.n_vertical; i++)
+        note_all(values, (const double[]){ies.vertical[i], (double)ies.candela[i]}, 2);
+    if (code == 0)
+        orl_ies_done(&ies);
+    return code;
+}
+
+static int note_face(void *ctx, const struct orl_wavefront_face *face, struct orl_error *err)
+{
+    (void)err;
+    note(ctx, face->line);
+    for (size_t i = 0; i < face->n_corners; i++)
+        note_all(ctx, (const double[]){face->corners[i].x, face->corners[i].y, face->corners[i].z},
+                 3);
+    return 0;
+}
+
+static int read_obj(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    const struct orl_wavefront_sink sink = {note_face, values};
+    struct orl_wavefront_rest rest;
+    return orl_wavefront_read("a.obj", text, size, &sink, &rest, err);
+}
+
+static int note_facet(void *ctx, const struct orl_vec3 corners[3], int line, struct orl_error *err)
+{
+    (void)err;
+    note(ctx, line);
+    for (size_t i = 0; i < 3; i++)
+        note_all(ctx, (const double[]){corners[i].x, corners[i].y, corners[i].z}, 3);
+    return 0;
+}
+
+static int read_stl(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    const struct orl_stl_sink sink = {note_facet, values};
+    return orl_stl_read("a.stl", text, size, &sink, err);
+}
+
 #define EPW(city)                                                                                  \
     "LOCATION," city ",-,TST,made up,000000,38.42,27.14,2.0,25.0\n"                                \
     "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
@@ -134,6 +193,11 @@ static int read_matrix(const char *text, size_t size, struct values *values, str
 #define WEA(place)                                                                                 \
     "place " place "\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\nsite_elevation 25\n"        \
     "weather_data_file_units 1\n"
+
+#define IES(lamp) "IESNA91\n[LAMP] " lamp "\nTILT=NONE\n"
+#define STL(name, x)                                                                               \
+    "solid " name "\nfacet normal 0 0 1\nouter loop\nvertex 0 0.5 0\nvertex " x                    \
+    " 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
 
 static const struct reader readers[] = {
     {"sensors",
@@ -201,6 +265,34 @@ static const struct reader readers[] = {
      {"#?RADIANCE\nNCOLS=1\nFORMAT=ascii\n\n1 2 3\n4 0,5 6\n", 6,
       "column 3: 0,5: a decimal comma; write 0.5"},
      {"#?RADIANCE\nNCOLS=1\nFORMAT=ascii\n\n1 2 3\n4 ,, 6\n", 6, "column 3: ',,' is not"}},
+    {"data file",
+     read_grid,
+     "# a lamp\n1\n0 90 3\n0.5 1 2 # end\n",
+     "# f\xfcr\n1\n0 90 3\n0.5 1 2# \xe9\n",
+     {"1\n0 90 3\n0,5 1 2\n", 3, "column 1: here a number is expected: 0,5: a decimal comma"},
+     {"1\n0 90 3\n0.5 , 2\n", 3, "column 5: here a number is expected: ',' is not a number"}},
+    {"IES",
+     read_ies,
+     IES("a") "1 1000 1 2 1 1 2 .3 .6 0\n1,1,40\n0,90\n0\n1.5,\n0.5\n",
+     IES("f\xfcr") "1 1000 1 2 1 1 2 .3 .6 0\n1 1 40\n0 90\n0\n1.5 0.5\n",
+     {IES("a") "1 1000 1 2 1 1 2 0,3 .6 0\n1 1 40\n0 90\n0\n1 0\n", 4,
+      "column 18: here a number is expected: 0,3: a decimal comma; write 0.3"},
+     {IES("a") "1 1000 1 2 1 1 2 .3 .6 0\n1 1 40\n0,,90\n0\n1 0\n", 6,
+      "column 3: here a number is expected: an empty cell"}},
+    {"OBJ",
+     read_obj,
+     "# a\nv 0 0 0.5\nv 1 0 0 # b\nv 0 1 \\\n 0\ng x\nf 1 2 3\n",
+     "# \xfc\nv 0 0 0.5\nv 1 0 0 # \xe9\nv 0 1 \\\n 0\ng \xe4\nf 1 2 3\n",
+     {"v 0 0 0\nv 0,5 0 0\n", 2,
+      "column 3: a vertex, or normal, is three numbers: 0,5: a decimal "
+      "comma; write 0.5"},
+     {"v 0 0 0\nv 0 0\n", 2, "a vertex, or normal, is three numbers"}},
+    {"STL",
+     read_stl,
+     STL("a", "1.5"),
+     STL("f\xfcr", "1.5"),
+     {STL("a", "1,5"), 5, "column 8: a vertex is three numbers: 1,5: a decimal comma; write 1.5"},
+     {STL("a", ""), 6, "column 1: a vertex is three numbers: 'vertex' is not a number"}},
 };
 
 /* ---- Files ----------------------------------------------------------------------------------- */

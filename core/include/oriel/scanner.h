@@ -102,7 +102,7 @@ static inline bool orl_scanner_word_of_line(struct orl_scanner *scanner, struct 
     while (at < end && orl_byte_kind_of(*at) == ORL_BYTE_INK)
         at++;
     scanner->at = at;
-    if (scanner->options & (ORL_SCANNER_JOINS | ORL_SCANNER_CUTS))
+    if (at[-1] == '\\' || (scanner->options & ORL_SCANNER_CUTS))
         at = orl_scanner_word_end(scanner, word);
     *ret_word = (struct orl_slice){word, (size_t)(at - word)};
     return true;
