@@ -2,22 +2,11 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { HEADER_BYTES = 80, TRIANGLE_BYTES = 50, WORD_BYTES = 64 };
+#include <oriel/scanner.h>
 
-struct reading {
-    const char *at, *end, *file;
-    int line;
-};
-
-static int fail(const struct reading *r, const char *what, struct orl_error *err)
-{
-    orl_error_set(err, ORL_ERR_SYNTAX, "%s", what);
-    orl_error_at(err, r->file, r->line, NULL);
-    return ORL_ERR_SYNTAX;
-}
+enum { HEADER_BYTES = 80, TRIANGLE_BYTES = 50 };
 
 /* ---- Binary ---------------------------------------------------------------------------------- */
 
@@ -43,111 +32,107 @@ static bool is_binary(const char *data, size_t size)
            (size - HEADER_BYTES - 4) % TRIANGLE_BYTES == 0;
 }
 
-static int read_binary(struct reading *r, const struct orl_stl_sink *sink, struct orl_error *err)
+static int read_binary(const char *file, const char *data, const struct orl_stl_sink *sink,
+                       struct orl_error *err)
 {
-    const uint32_t count = read_u32(r->at + HEADER_BYTES);
-    const char *at = r->at + HEADER_BYTES + 4;
+    const uint32_t count = read_u32(data + HEADER_BYTES);
+    const char *at = data + HEADER_BYTES + 4;
     int code = 0;
     for (uint32_t i = 0; i < count && code == 0; i++, at += TRIANGLE_BYTES) {
         struct orl_vec3 corners[3];
-        r->line = i < INT_MAX ? (int)i + 1 : INT_MAX;
+        const int number = i < INT_MAX ? (int)i + 1 : INT_MAX;
         for (int k = 0; k < 3; k++) {
             const char *corner = at + 12 + 12 * (size_t)k; /* behind the normal */
             corners[k] = orl_v3(read_float(corner), read_float(corner + 4), read_float(corner + 8));
-            if (!isfinite(corners[k].x + corners[k].y + corners[k].z))
-                return fail(r, "a corner is not finite", err);
+            if (!isfinite(corners[k].x + corners[k].y + corners[k].z)) {
+                orl_error_set(err, ORL_ERR_SYNTAX, "a corner is not finite");
+                orl_error_at(err, file, number, NULL);
+                return ORL_ERR_SYNTAX;
+            }
         }
-        code = sink->add(sink->ctx, corners, r->line, err);
+        code = sink->add(sink->ctx, corners, number, err);
     }
     return code;
 }
 
 /* ---- Text ------------------------------------------------------------------------------------ */
 
-static bool is_space(char c)
+static int fail(const struct orl_scanner *scanner, const char *what, struct orl_error *err)
 {
-    return c == ' ' || (c >= '\t' && c <= '\r');
+    return orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err, "%s", what);
 }
 
-static bool next_word(struct reading *r, char ret_word[WORD_BYTES])
+static int read_corner(struct orl_scanner *scanner, struct orl_vec3 *ret_corner,
+                       struct orl_error *err)
 {
-    size_t length = 0;
-    for (; r->at < r->end && is_space(*r->at); r->at++)
-        r->line += *r->at == '\n';
-    for (; r->at < r->end && !is_space(*r->at); r->at++)
-        if (length + 1 < WORD_BYTES)
-            ret_word[length++] = *r->at;
-    ret_word[length] = '\0';
-    return length > 0;
-}
-
-static bool next_number(struct reading *r, double *ret_number)
-{
-    char word[WORD_BYTES], *end;
-    if (!next_word(r, word))
-        return false;
-    *ret_number = strtod(word, &end);
-    return *end == '\0' && isfinite(*ret_number);
-}
-
-static int read_corner(struct reading *r, struct orl_vec3 *ret_corner, struct orl_error *err)
-{
+    static const char what[] = "a vertex is three numbers";
     double place[3];
-    for (int k = 0; k < 3; k++)
-        if (!next_number(r, &place[k]))
-            return fail(r, "a vertex is three numbers", err);
+    struct orl_slice word;
+    for (int k = 0; k < 3; k++) {
+        if (!orl_scanner_word(scanner, &word))
+            return fail(scanner, what, err);
+        const int code = orl_scanner_number(scanner, word, what, &place[k], err);
+        if (code < 0)
+            return code;
+    }
     *ret_corner = orl_v3(place[0], place[1], place[2]);
     return 0;
 }
 
+static bool is_next(struct orl_scanner *scanner, const char *text)
+{
+    struct orl_slice word;
+    return orl_scanner_word(scanner, &word) && orl_slice_is(word, text);
+}
+
 /* Behind "loop": "vertex x y z", three times, then "endloop". */
-static int read_loop(struct reading *r, const struct orl_stl_sink *sink, struct orl_error *err)
+static int read_loop(struct orl_scanner *scanner, const struct orl_stl_sink *sink,
+                     struct orl_error *err)
 {
     struct orl_vec3 corners[3];
-    char word[WORD_BYTES];
-    const int line = r->line;
+    const int line = scanner->line;
     int code = 0;
     for (int k = 0; k < 3 && code == 0; k++) {
-        if (!next_word(r, word) || strcmp(word, "vertex") != 0)
-            return fail(r, "a facet has three lines 'vertex x y z'", err);
-        code = read_corner(r, &corners[k], err);
+        if (!is_next(scanner, "vertex"))
+            return fail(scanner, "a facet has three lines 'vertex x y z'", err);
+        code = read_corner(scanner, &corners[k], err);
     }
-    if (code == 0 && (!next_word(r, word) || strcmp(word, "endloop") != 0))
-        return fail(r, "a facet has three lines 'vertex x y z', then 'endloop'", err);
+    if (code == 0 && !is_next(scanner, "endloop"))
+        return fail(scanner, "a facet has three lines 'vertex x y z', then 'endloop'", err);
     return code ? code : sink->add(sink->ctx, corners, line, err);
 }
 
-static void skip_line(struct reading *r)
+static int read_text(struct orl_scanner *scanner, const struct orl_stl_sink *sink,
+                     struct orl_error *err)
 {
-    const char *end = memchr(r->at, '\n', (size_t)(r->end - r->at));
-    r->at = end ? end : r->end;
-}
-
-static int read_text(struct reading *r, const struct orl_stl_sink *sink, struct orl_error *err)
-{
-    char word[WORD_BYTES];
+    struct orl_slice word;
     int code = 0;
-    while (code == 0 && next_word(r, word)) {
-        if (strcmp(word, "loop") == 0)
-            code = read_loop(r, sink, err);
-        else if (strcmp(word, "solid") == 0 || strcmp(word, "endsolid") == 0 ||
-                 strcmp(word, "facet") == 0)
-            skip_line(r); /* a name, or a normal */
-        else if (strcmp(word, "outer") != 0 && strcmp(word, "endfacet") != 0)
-            code = fail(r, "'facet', 'outer loop' or 'endsolid' is wanted here", err);
+    while (code == 0 && orl_scanner_word(scanner, &word)) {
+        if (orl_slice_is(word, "loop"))
+            code = read_loop(scanner, sink, err);
+        else if (orl_slice_is(word, "solid") || orl_slice_is(word, "endsolid") ||
+                 orl_slice_is(word, "facet"))
+            orl_scanner_next_line(scanner); /* past a name, or a normal */
+        else if (!orl_slice_is(word, "outer") && !orl_slice_is(word, "endfacet"))
+            code = fail(scanner, "'facet', 'outer loop' or 'endsolid' is wanted here", err);
     }
     return code;
 }
 
 bool orl_stl_is(const char *data, size_t size)
 {
-    return is_binary(data, size) ||
-           (size > 5 && memcmp(data, "solid", 5) == 0 && is_space(data[5]));
+    struct orl_scanner scanner;
+    if (is_binary(data, size))
+        return true;
+    return orl_scanner_init(&scanner, NULL, data, size, 0, NULL) == 0 && is_next(&scanner, "solid");
 }
 
 int orl_stl_read(const char *file, const char *data, size_t size, const struct orl_stl_sink *sink,
                  struct orl_error *err)
 {
-    struct reading r = {.at = data, .end = data + size, .file = file, .line = 1};
-    return is_binary(data, size) ? read_binary(&r, sink, err) : read_text(&r, sink, err);
+    struct orl_scanner scanner;
+    if (is_binary(data, size))
+        return read_binary(file, data, sink, err);
+    const int code = orl_scanner_init(&scanner, file, data, size, 0, err);
+    return code < 0 ? code : read_text(&scanner, sink, err);
 }
