@@ -6,61 +6,35 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/scanner.h>
+
 #include "base/number.h"
 #include "scene/grid/ies.h"
 
 struct reading {
-    const char *name;
-    const char *at, *end;
-    int line;
+    struct orl_scanner scanner;
     struct orl_grid *grid;
 };
 
 static int fail(const struct reading *r, int code, struct orl_error *err, const char *what)
 {
-    orl_error_set(err, code, "%s", what);
-    orl_error_at(err, r->name, r->line, NULL);
-    return code;
-}
-
-static bool is_space(char c)
-{
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
-/* The next word; of length 0 at the end. */
-static const char *next_word(struct reading *r, size_t *ret_length)
-{
-    for (; r->at < r->end && (is_space(*r->at) || *r->at == '#'); r->at++) {
-        if (*r->at == '#')
-            while (r->at + 1 < r->end && r->at[1] != '\n')
-                r->at++;
-        r->line += *r->at == '\n';
-    }
-    const char *const word = r->at;
-    while (r->at < r->end && !is_space(*r->at) && *r->at != '#')
-        r->at++;
-    *ret_length = (size_t)(r->at - word);
-    return word;
+    return orl_scanner_fail(&r->scanner, code, err, "%s", what);
 }
 
 static int read_number(struct reading *r, double *ret_value, struct orl_error *err)
 {
-    size_t length;
-    const char *const word = next_word(r, &length);
-    if (length == 0)
+    struct orl_slice word;
+    if (!orl_scanner_word(&r->scanner, &word))
         return fail(r, ORL_ERR_SYNTAX, err, "the data file ends before its numbers do");
-    if (orl_number_read(word, length, ret_value) != ORL_NUMBER_OK)
-        return fail(r, ORL_ERR_SYNTAX, err, "here a number is expected");
-    return 0;
+    return orl_scanner_number(&r->scanner, word, "here a number is expected", ret_value, err);
 }
 
 static int read_count(struct reading *r, int least, int most, int *ret_count, struct orl_error *err)
 {
-    size_t length;
-    const char *const word = next_word(r, &length);
-    if (orl_number_read_int(word, length, ret_count) != ORL_NUMBER_OK || *ret_count < least ||
-        *ret_count > most)
+    struct orl_slice word = {NULL, 0};
+    if (!orl_scanner_word(&r->scanner, &word) ||
+        orl_number_read_int(word.text, word.length, ret_count) != ORL_NUMBER_OK ||
+        *ret_count < least || *ret_count > most)
         return fail(r, ORL_ERR_SYNTAX, err,
                     least == 1 ? "a data file begins with the number of its axes, 1 to 5"
                                : "here the number of an axis' points is expected, at least 2");
@@ -70,7 +44,8 @@ static int read_count(struct reading *r, int least, int most, int *ret_count, st
 /* Each number takes two bytes of the file: what is longer than it says is not worth memory. */
 static bool may_hold(const struct reading *r, size_t numbers)
 {
-    return numbers <= ORL_GRID_VALUES && numbers <= (size_t)(r->end - r->at) / 2 + 1;
+    return numbers <= ORL_GRID_VALUES &&
+           numbers <= (size_t)(r->scanner.end - r->scanner.at) / 2 + 1;
 }
 
 static int read_places(struct reading *r, struct orl_grid_axis *axis, struct orl_error *err)
@@ -149,11 +124,15 @@ int orl_grid_read_data(const char *name, const char *text, size_t size, struct o
         orl_ies_done(&ies);
         return made;
     }
-    struct reading r = {.name = name, .at = text, .end = text + size, .line = 1};
+    struct reading r = {.grid = NULL};
+    int code =
+        orl_scanner_init(&r.scanner, name, text, size, ORL_SCANNER_REMARKS | ORL_SCANNER_CUTS, err);
+    if (code < 0)
+        return code;
     r.grid = calloc(1, sizeof *r.grid);
     if (!r.grid)
         return fail(&r, ORL_ERR_NOMEM, err, "out of memory for a data file");
-    const int code = read_grid(&r, err);
+    code = read_grid(&r, err);
     if (code < 0)
         orl_grid_free(r.grid);
     else

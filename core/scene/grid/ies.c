@@ -4,62 +4,59 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/scanner.h>
 #include <oriel/vec.h>
-
-#include "base/number.h"
 
 static const double feet_m = 0.3048;
 
 struct reading {
-    const char *name, *at, *end;
-    int line;
+    struct orl_scanner scanner;
+    struct orl_cells cells; /* what is left of the line at hand, of numbers */
+    bool separated;         /* the line before ended in a comma */
     struct orl_ies *ies;
 };
 
 static int fail(const struct reading *r, int code, const char *what, struct orl_error *err)
 {
-    orl_error_set(err, code, "%s", what);
-    orl_error_at(err, r->name, r->line, NULL);
-    return code;
+    return orl_scanner_fail(&r->scanner, code, err, "%s", what);
 }
 
 /* ---- Its head -------------------------------------------------------------------------------- */
 
-/* The line at hand, without its end; goes to the next one. */
-static const char *next_line(struct reading *r, size_t *ret_length)
+static bool next_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
 {
-    const char *const line = r->at;
-    const char *const feed = memchr(line, '\n', (size_t)(r->end - line));
-    const char *const end = feed ? feed : r->end;
-    *ret_length = (size_t)(end - line);
-    while (*ret_length > 0 && (line[*ret_length - 1] == '\r' || line[*ret_length - 1] == ' '))
-        --*ret_length;
-    r->at = feed ? feed + 1 : r->end;
-    r->line++;
-    return line;
+    if (!orl_scanner_line(scanner, ret_line))
+        return false;
+    while (ret_line->length > 0 && ret_line->text[ret_line->length - 1] == ' ')
+        ret_line->length--;
+    return true;
 }
 
-static bool begins(const char *line, size_t length, const char *with)
+/* Without so many bytes, and the blanks behind them. */
+static struct orl_slice behind(struct orl_slice line, size_t bytes)
 {
-    const size_t n = strlen(with);
-    return length >= n && memcmp(line, with, n) == 0;
+    line.text += bytes;
+    line.length -= bytes;
+    for (; line.length > 0 && (*line.text == ' ' || *line.text == '\t'); line.length--)
+        line.text++;
+    return line;
 }
 
 bool orl_ies_is(const char *text, size_t size)
 {
-    struct reading r = {.at = text, .end = text + size};
-    for (int lines = 0; r.at < r.end && lines < 1000; lines++) {
-        size_t length;
-        const char *const line = next_line(&r, &length);
-        if (begins(line, length, "TILT="))
+    struct orl_scanner scanner;
+    struct orl_slice line;
+    if (orl_scanner_init(&scanner, NULL, text, size, ORL_SCANNER_HEAD, NULL) < 0)
+        return false;
+    for (int lines = 0; lines < 1000 && next_line(&scanner, &line); lines++)
+        if (orl_slice_begins(line, "TILT="))
             return true;
-    }
     return false;
 }
 
 /* What the first line says of the standard's year: those that mean the same are one. ret_keywords:
  * whether the lines that follow begin with words between []. */
-static int year_of(const char *line, size_t length, bool *ret_keywords)
+static int year_of(struct orl_slice line, bool *ret_keywords)
 {
     static const struct {
         const char *head;
@@ -70,7 +67,7 @@ static int year_of(const char *line, size_t length, bool *ret_keywords)
                  {"IESNA91", 1986}};
     *ret_keywords = true;
     for (size_t i = 0; i < sizeof heads / sizeof *heads; i++)
-        if (begins(line, length, heads[i].head))
+        if (orl_slice_begins(line, heads[i].head))
             return heads[i].year;
     *ret_keywords = false;
     return 1986;
@@ -80,73 +77,75 @@ bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const cha
                        size_t *ret_length)
 {
     static const char *const keys[] = {"[LAMP]", "[LAMPCAT]"};
-    struct reading r = {.at = text, .end = text + size};
+    struct orl_scanner scanner;
+    struct orl_slice line = {"", 0};
     bool keywords;
-    size_t length;
-    const char *line = next_line(&r, &length);
-    year_of(line, length, &keywords);
-    for (r.at = *at; r.at < r.end;) {
-        line = next_line(&r, &length);
-        *at = r.at;
-        if (begins(line, length, "TILT="))
+    if (orl_scanner_init(&scanner, NULL, text, size, ORL_SCANNER_HEAD, NULL) < 0)
+        return false;
+    struct orl_scanner first = scanner;
+    next_line(&first, &line);
+    year_of(line, &keywords);
+    if (*at != text) {
+        scanner.at = *at;
+        scanner.fresh = false;
+    }
+    while (next_line(&scanner, &line)) {
+        *at = scanner.at;
+        if (orl_slice_begins(line, "TILT="))
             return false;
-        for (; length > 0 && (*line == ' ' || *line == '\t'); length--)
-            line++;
+        line = behind(line, 0);
         for (size_t i = 0; i < sizeof keys / sizeof *keys && keywords; i++)
-            if (begins(line, length, keys[i])) {
-                *ret_words = line + strlen(keys[i]);
-                *ret_length = length - strlen(keys[i]);
+            if (orl_slice_begins(line, keys[i])) {
+                *ret_words = line.text + strlen(keys[i]);
+                *ret_length = line.length - strlen(keys[i]);
                 return true;
             }
-        *ret_words = line;
-        *ret_length = length;
-        if (!keywords && length > 0)
+        *ret_words = line.text;
+        *ret_length = line.length;
+        if (!keywords && line.length > 0)
             return true;
     }
     return false;
 }
 
 /* The name behind a keyword, if it is that of the luminaire's geometry. */
-static int read_keyword(struct reading *r, const char *line, size_t length, struct orl_error *err)
+static int read_keyword(struct reading *r, struct orl_slice line, struct orl_error *err)
 {
     static const char key[] = "[LUMINOUSGEOMETRY]";
-    for (; length > 0 && (*line == ' ' || *line == '\t'); length--)
-        line++;
-    if (!begins(line, length, key))
+    line = behind(line, 0);
+    if (!orl_slice_begins(line, key))
         return 0;
-    line += sizeof key - 1;
-    length -= sizeof key - 1;
-    for (; length > 0 && (*line == ' ' || *line == '\t'); length--)
-        line++;
-    if (length >= sizeof r->ies->geometry || memchr(line, '\0', length))
+    line = behind(line, sizeof key - 1);
+    if (line.length >= sizeof r->ies->geometry || memchr(line.text, '\0', line.length))
         return fail(r, ORL_ERR_SYNTAX, "behind [LUMINOUSGEOMETRY] a file is expected", err);
-    memcpy(r->ies->geometry, line, length);
-    r->ies->geometry[length] = '\0';
+    memcpy(r->ies->geometry, line.text, line.length);
+    r->ies->geometry[line.length] = '\0';
     return 0;
 }
 
 /* Whether the lamp's tilt is in the file, at which r is then. */
 static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
 {
+    static const char tilt[] = "TILT=";
     bool keywords = false;
-    for (size_t length; r->at < r->end;) {
-        const char *line = next_line(r, &length);
-        if (r->line == 1)
-            r->ies->year = year_of(line, length, &keywords);
-        if (!begins(line, length, "TILT=")) {
-            const int code = keywords ? read_keyword(r, line, length, err) : 0;
+    struct orl_slice line;
+    while (next_line(&r->scanner, &line)) {
+        if (r->scanner.line == 1)
+            r->ies->year = year_of(line, &keywords);
+        if (!orl_slice_begins(line, tilt)) {
+            const int code = keywords ? read_keyword(r, line, err) : 0;
             if (code < 0)
                 return code;
             continue;
         }
-        for (line += 5, length -= 5; length > 0 && *line == ' '; length--)
-            line++;
-        *ret_tilted = length == 7 && memcmp(line, "INCLUDE", 7) == 0;
-        if (*ret_tilted || (length == 4 && memcmp(line, "NONE", 4) == 0))
+        line = behind(line, sizeof tilt - 1);
+        *ret_tilted = orl_slice_is(line, "INCLUDE");
+        if (*ret_tilted || orl_slice_is(line, "NONE"))
             return 0;
-        if (length == 0 || length >= sizeof r->ies->tilt_file || memchr(line, '\0', length))
+        if (line.length == 0 || line.length >= sizeof r->ies->tilt_file ||
+            memchr(line.text, '\0', line.length))
             return fail(r, ORL_ERR_SYNTAX, "behind TILT= NONE, INCLUDE or a file is expected", err);
-        memcpy(r->ies->tilt_file, line, length);
+        memcpy(r->ies->tilt_file, line.text, line.length);
         return 0;
     }
     return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is no IES file", err);
@@ -154,18 +153,41 @@ static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
 
 /* ---- Its numbers ----------------------------------------------------------------------------- */
 
+/* The next of this line or a later one; false: there is none. A comma at the end of a line is the
+ * same separator as the line's end. */
+static bool next_cell(struct reading *r, struct orl_slice *ret_cell)
+{
+    struct orl_slice line;
+    for (;;) {
+        const bool first = r->cells.at && !r->cells.before;
+        if (orl_cells_next(&r->cells, ret_cell)) {
+            const bool last = r->cells.at == r->cells.end && !r->cells.before;
+            const bool double_comma = !last && (!first || r->separated);
+            r->separated = ret_cell->length == 0 && last;
+            if (ret_cell->length > 0 || double_comma)
+                return true;
+            continue;
+        }
+        if (!orl_scanner_line(&r->scanner, &line))
+            return false;
+        orl_cells_init(&r->cells, line);
+    }
+}
+
 static int read_number(struct reading *r, double *ret, struct orl_error *err)
 {
-    while (r->at < r->end && strchr(" \t\r\n,", *r->at) && *r->at)
-        r->line += *r->at++ == '\n';
-    const char *const word = r->at;
-    while (r->at < r->end && *r->at && !strchr(" \t\r\n,", *r->at))
-        r->at++;
-    if (r->at == word)
+    struct orl_slice cell;
+    if (!next_cell(r, &cell))
         return fail(r, ORL_ERR_SYNTAX, "the file ends before its numbers do", err);
-    if (orl_number_read(word, (size_t)(r->at - word), ret) != ORL_NUMBER_OK || fabs(*ret) > 1e12)
-        return fail(r, ORL_ERR_SYNTAX, "here a number is expected", err);
-    return 0;
+    const int code = orl_scanner_number(&r->scanner, cell, "here a number is expected", ret, err);
+    if (code < 0)
+        return code;
+    return fabs(*ret) <= 1e12 ? 0 : fail(r, ORL_ERR_SYNTAX, "here a number is expected", err);
+}
+
+static size_t bytes_left(const struct reading *r)
+{
+    return (size_t)(r->scanner.end - (r->cells.at ? r->cells.at : r->scanner.at));
 }
 
 /* Each number takes two bytes of the file. */
@@ -174,7 +196,7 @@ static int read_count(struct reading *r, double least, uint32_t *ret, struct orl
     double value = 0;
     const int code = read_number(r, &value, err);
     if (code == 0 &&
-        !(value >= least && value <= (double)(r->end - r->at) / 2 + 1 && value == floor(value)))
+        !(value >= least && value <= (double)bytes_left(r) / 2 + 1 && value == floor(value)))
         return fail(r, ORL_ERR_SYNTAX, "this is no number of angles, or of more than follow", err);
     *ret = code == 0 ? (uint32_t)value : 0;
     return code;
@@ -258,15 +280,16 @@ static int read_tilt(struct reading *r, struct orl_error *err)
 int orl_ies_read_tilt(const char *name, const char *text, size_t size, struct orl_ies *ies,
                       struct orl_error *err)
 {
-    struct reading r = {.name = name, .at = text, .end = text + size, .line = 1, .ies = ies};
-    return read_tilt(&r, err);
+    struct reading r = {.ies = ies};
+    const int code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
+    return code < 0 ? code : read_tilt(&r, err);
 }
 
 static int read_candela(struct reading *r, struct orl_error *err)
 {
     struct orl_ies *const ies = r->ies;
     const size_t n = (size_t)ies->n_vertical * ies->n_horizontal;
-    if (n > (size_t)(r->end - r->at) / 2 + 1)
+    if (n > bytes_left(r) / 2 + 1)
         return fail(r, ORL_ERR_SYNTAX, "it has fewer numbers than angles", err);
     ies->candela = malloc(n * sizeof *ies->candela);
     int code = ies->candela ? 0 : fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire", err);
@@ -284,10 +307,11 @@ int orl_ies_read(const char *name, const char *text, size_t size, struct orl_ies
                  struct orl_error *err)
 {
     *ret_ies = (struct orl_ies){.year = 1986};
-    struct reading r = {.name = name, .at = text, .end = text + size, .ies = ret_ies};
+    struct reading r = {.ies = ret_ies};
     bool tilted = false;
-    int code = read_head(&r, &tilted, err);
-    r.line++;
+    int code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
+    if (code == 0)
+        code = read_head(&r, &tilted, err);
     if (code == 0 && tilted)
         code = read_tilt(&r, err);
     if (code == 0)
