@@ -54,8 +54,8 @@ static int fail(const struct reader *r, int code, const char *what)
 
 /* A number behind a key, of as many as there are wanted, NAN for what is none; false: another key.
  */
-static bool read_key(const struct reader *r, struct orl_slice line, const char *key,
-                     double *ret_values, size_t n)
+static inline bool read_key(const struct reader *r, struct orl_slice line, const char *key,
+                            double *ret_values, size_t n)
 {
     if (!orl_slice_begins(line, key))
         return false;
@@ -139,22 +139,13 @@ static int read_header(struct reader *r)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-static size_t count_words(const struct reader *r)
-{
-    struct orl_scanner ahead = r->scanner;
-    struct orl_slice word;
-    size_t n = 0;
-    while (orl_scanner_word(&ahead, &word))
-        n++;
-    return n;
-}
-
 /* As many rows as there are, where the header does not say. */
 static int find_rows(struct reader *r)
 {
     const size_t bytes = r->format == FORMAT_DOUBLE ? sizeof(double) : sizeof(float);
     const size_t row = r->columns * r->parts, left = (size_t)(r->scanner.end - r->scanner.at);
-    const size_t n = r->format == FORMAT_ASCII ? count_words(r) : left / bytes;
+    const size_t n =
+        r->format == FORMAT_ASCII ? orl_scanner_count_words(&r->scanner) : left / bytes;
     if (r->rows == 0 && (n % row != 0 || (r->format != FORMAT_ASCII && left % bytes != 0)))
         return fail(r, ORL_ERR_SYNTAX, "its size is not that of whole rows");
     if (r->rows == 0)

@@ -13,7 +13,7 @@
 const unsigned char orl_byte_kinds[256] = {[' '] = BLANK,  ['\t'] = BLANK,    ['\v'] = BLANK,
                                            ['\f'] = BLANK, ['\n'] = LINE_END, ['\r'] = LINE_END};
 
-enum { CTRL_Z = 0x1a, ESCAPE = 0x1b, LOOKED_AT = 4096, SHOWN = 40 };
+enum { CTRL_Z = 0x1a, ESCAPE = 0x1b, LOOKED_AT = 4096, NEAR = 16, SHOWN = 40 };
 
 static bool is_blank(char c)
 {
@@ -148,10 +148,14 @@ int orl_scanner_rest_is_text(struct orl_scanner *scanner, struct orl_error *err)
 static const char *find_line_end(struct orl_scanner *scanner, const char *from)
 {
     const size_t left = (size_t)(scanner->end - from);
-    if (left == 0)
-        return scanner->end;
+    const char *const near = from + (left < NEAR ? left : NEAR);
+    for (; from < near; from++) /* most lines are too short for memchr to be worth its call */
+        if (is_line_end(*from))
+            return from;
+    if (from == scanner->end)
+        return from;
     if (!scanner->feed || scanner->feed < from) {
-        const char *const feed = memchr(from, '\n', left);
+        const char *const feed = memchr(from, '\n', (size_t)(scanner->end - from));
         scanner->feed = feed ? feed : scanner->end;
     }
     const char *const carriage = memchr(from, '\r', (size_t)(scanner->feed - from));
@@ -232,7 +236,9 @@ bool orl_scanner_next_line(struct orl_scanner *scanner)
 
 bool orl_scanner_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
 {
-    if (!orl_scanner_next_line(scanner))
+    if (!scanner->fresh && scanner->end - scanner->at > 1 && *scanner->at == '\n')
+        pass_line_end(scanner, scanner->at); /* the usual case */
+    else if (!orl_scanner_next_line(scanner))
         return false;
     const char *const end = find_line_end(scanner, scanner->at);
     *ret_line = (struct orl_slice){scanner->at, (size_t)(end - scanner->at)};
@@ -240,22 +246,23 @@ bool orl_scanner_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
     return true;
 }
 
-/* ---- Parts of a line ------------------------------------------------------------------------- */
-
-bool orl_slice_is(struct orl_slice span, const char *text)
+size_t orl_scanner_count_words(const struct orl_scanner *scanner)
 {
-    return span.length == strlen(text) && memcmp(span.text, text, span.length) == 0;
+    size_t n = 0;
+    bool ink = false;
+    for (const char *at = scanner->at; at < scanner->end; at++) {
+        const bool is_ink = orl_byte_kind_of(*at) == ORL_BYTE_INK;
+        n += is_ink && !ink;
+        ink = is_ink;
+    }
+    return n;
 }
+
+/* ---- Parts of a line ------------------------------------------------------------------------- */
 
 bool orl_slice_is_nocase(struct orl_slice span, const char *text)
 {
     return span.length == strlen(text) && strncasecmp(span.text, text, span.length) == 0;
-}
-
-bool orl_slice_begins(struct orl_slice span, const char *text)
-{
-    const size_t length = strlen(text);
-    return span.length >= length && memcmp(span.text, text, length) == 0;
 }
 
 bool orl_slice_begins_nocase(struct orl_slice span, const char *text)
@@ -321,28 +328,38 @@ int orl_slice_take_quoted(struct orl_slice *rest, struct orl_slice *ret_word)
     return 1;
 }
 
+/* A text between double quotes at the head of a cell, which may hold separators; false: there is
+ * none. rest is what follows it. */
+static bool take_quotes(struct orl_slice *rest, struct orl_slice *ret_text)
+{
+    struct orl_slice ahead = *rest;
+    if (ahead.length < 2 || *ahead.text != '"')
+        return false;
+    drop(&ahead, 1);
+    *ret_text = orl_slice_before(ahead, '"');
+    if (ret_text->length == ahead.length)
+        return false;
+    drop(&ahead, ret_text->length + 1);
+    *rest = ahead;
+    return true;
+}
+
 bool orl_slice_take_cell(struct orl_slice *rest, char separator, struct orl_slice *ret_cell)
 {
     if (!rest->text)
         return false;
-    struct orl_slice ahead = *rest;
-    while (ahead.length > 0 && *ahead.text != separator && is_blank(*ahead.text))
-        drop(&ahead, 1);
-    const bool opened = ahead.length > 1 && *ahead.text == '"';
-    if (opened)
-        drop(&ahead, 1);
-    const struct orl_slice quoted = orl_slice_before(ahead, '"');
-    const bool closed = opened && quoted.length < ahead.length;
-    if (closed)
-        drop(&ahead, quoted.length + 1);
-    else
-        ahead = *rest;
-    const struct orl_slice plain = orl_slice_before(ahead, separator);
-    *ret_cell = orl_slice_trim(closed ? quoted : plain);
-    if (plain.length == ahead.length)
-        *rest = (struct orl_slice){NULL, 0};
-    else
-        *rest = (struct orl_slice){plain.text + plain.length + 1, ahead.length - plain.length - 1};
+    struct orl_slice text = {NULL, 0};
+    while (rest->length > 0 && *rest->text != separator && is_blank(*rest->text))
+        drop(rest, 1);
+    const bool quoted = take_quotes(rest, &text);
+    const char *at = rest->text, *const end = at + rest->length;
+    while (at < end && *at != separator)
+        at++;
+    if (!quoted)
+        text = (struct orl_slice){rest->text, (size_t)(at - rest->text)};
+    *ret_cell = orl_slice_trim(text);
+    *rest = at == end ? (struct orl_slice){NULL, 0}
+                      : (struct orl_slice){at + 1, (size_t)(end - at - 1)};
     return true;
 }
 
@@ -353,7 +370,7 @@ static bool is_mark(char c)
     return c == ',' || c == ';';
 }
 
-/* A semicolon, or blanks between two words without a comma beside them. */
+/* Blanks alone, or semicolons, separate some of the words. */
 static bool is_spaced(struct orl_slice line)
 {
     char before = ',';
@@ -373,8 +390,15 @@ static bool is_spaced(struct orl_slice line)
 void orl_cells_init(struct orl_cells *cells, struct orl_slice line)
 {
     line = orl_slice_trim(line);
-    *cells = (struct orl_cells){line.text, line.text + line.length, false, '\0'};
-    cells->spaced = line.length > 0 && memchr(line.text, ',', line.length) && is_spaced(line);
+    *cells = (struct orl_cells){line, line.text, line.text + line.length, '\0'};
+}
+
+/* The end of the word that begins at `at`. */
+static const char *skip_word(const char *at, const char *end)
+{
+    while (at < end && !is_blank(*at) && !is_mark(*at))
+        at++;
+    return at;
 }
 
 static const char *skip_blanks_to(const char *at, const char *end)
@@ -384,22 +408,25 @@ static const char *skip_blanks_to(const char *at, const char *end)
     return at;
 }
 
+/* The end of a cell that goes on behind the comma that it has come to, if it is one with what
+ * follows: a number with a decimal comma. */
+static const char *pass_decimal_comma(const struct orl_cells *cells, const char *cell,
+                                      const char *comma)
+{
+    const char *const end = skip_word(comma + 1, cells->end);
+    const struct orl_slice whole = {cell, (size_t)(end - cell)};
+    const bool alone = cells->before != ',' && (end == cells->end || *end != ',');
+    return alone && orl_slice_is_decimal_comma(whole) && is_spaced(cells->line) ? end : comma;
+}
+
 bool orl_cells_next(struct orl_cells *cells, struct orl_slice *ret_cell)
 {
-    const char *at = skip_blanks_to(cells->at, cells->end);
-    if (at == cells->end && !cells->before)
+    const char *const cell = skip_blanks_to(cells->at, cells->end);
+    if (cell == cells->end && !cells->before)
         return false;
-    const char *const cell = at;
-    while (at < cells->end && !is_blank(*at) && !is_mark(*at))
-        at++;
-    if (cells->spaced && cells->before != ',' && at < cells->end && *at == ',') {
-        const char *word = at + 1;
-        while (word < cells->end && !is_blank(*word) && !is_mark(*word))
-            word++;
-        const bool ends = word == cells->end || *word != ',';
-        const struct orl_slice whole = {cell, (size_t)(word - cell)};
-        at = ends && orl_slice_is_decimal_comma(whole) ? word : at;
-    }
+    const char *at = skip_word(cell, cells->end);
+    if (at < cells->end && *at == ',')
+        at = pass_decimal_comma(cells, cell, at);
     *ret_cell = (struct orl_slice){cell, (size_t)(at - cell)};
     at = skip_blanks_to(at, cells->end);
     cells->before = at < cells->end && is_mark(*at) ? *at++ : '\0';

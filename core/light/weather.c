@@ -192,14 +192,15 @@ static int check_year(struct reader *reader, const struct orl_weather_row *row)
 /* What is left of a row has no more fields than there are: decimal commas would make more. */
 static int check_fields(struct reader *reader, struct orl_slice rest)
 {
-    struct orl_slice field;
     int n = EPW_FIELDS_READ;
-    while (orl_slice_take_cell(&rest, ',', &field))
-        if (++n > EPW_FIELDS && field.length > 0) {
+    for (size_t i = 0; i < rest.length; i++) {
+        n += rest.text[i] == ',';
+        if (n >= EPW_FIELDS && rest.text[i] != ',') {
             fail(reader, ORL_ERR_SYNTAX, "the row has more than the 35 fields of an EPW file");
             orl_error_hint(reader->err, "decimal commas would do that: write 21.5, not 21,5");
             return ORL_ERR_SYNTAX;
         }
+    }
     return 0;
 }
 

@@ -22,6 +22,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include <oriel/error.h>
 
@@ -117,11 +118,22 @@ static inline bool orl_scanner_word(struct orl_scanner *scanner, struct orl_slic
     return true;
 }
 
+/* How many words are left, remarks and joints not heeded. */
+size_t orl_scanner_count_words(const struct orl_scanner *scanner);
+
 /* ---- Parts of a line ------------------------------------------------------------------------- */
 
-bool orl_slice_is(struct orl_slice span, const char *text);
+static inline bool orl_slice_is(struct orl_slice span, const char *text)
+{
+    return span.length == strlen(text) && memcmp(span.text, text, span.length) == 0;
+}
+
+static inline bool orl_slice_begins(struct orl_slice span, const char *text)
+{
+    return span.length >= strlen(text) && memcmp(span.text, text, strlen(text)) == 0;
+}
+
 bool orl_slice_is_nocase(struct orl_slice span, const char *text);
-bool orl_slice_begins(struct orl_slice span, const char *text);
 bool orl_slice_begins_nocase(struct orl_slice span, const char *text);
 /* Without blanks at both ends. */
 struct orl_slice orl_slice_trim(struct orl_slice span);
@@ -149,8 +161,8 @@ bool orl_slice_take_cell(struct orl_slice *rest, char separator, struct orl_slic
  * refuse.
  */
 struct orl_cells {
+    struct orl_slice line;
     const char *at, *end;
-    bool spaced; /* blanks alone, or semicolons, separate some of the words */
     char before; /* the comma or semicolon in front of the next cell, or NUL */
 };
 void orl_cells_init(struct orl_cells *cells, struct orl_slice line);

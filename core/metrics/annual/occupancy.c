@@ -94,8 +94,6 @@ static int split(struct reading *r, struct orl_slice line, double ret_values[MOS
     struct orl_slice cell;
     double value = 0;
     int n = 0;
-    if (orl_slice_is_decimal_comma(line))
-        return orl_scanner_number(&r->scanner, line, NULL, &value, r->err);
     orl_cells_init(&cells, line);
     for (; orl_cells_next(&cells, &cell); n++) {
         const int code = orl_scanner_number(&r->scanner, cell, NULL, &value, r->err);
@@ -104,6 +102,8 @@ static int split(struct reading *r, struct orl_slice line, double ret_values[MOS
         if (n < MOST_FIELDS)
             ret_values[n] = value;
     }
+    if (n == 2 && orl_slice_is_decimal_comma(line))
+        return orl_scanner_number(&r->scanner, line, NULL, &value, r->err);
     return n;
 }
 
