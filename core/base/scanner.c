@@ -474,7 +474,8 @@ static int refuse_number(const struct orl_scanner *scanner, struct orl_slice spa
         snprintf(place, sizeof place, "column %zu: ", column);
     if (span.length == 0)
         return orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err,
-                                "%s%s%san empty cell; write its number", place, what, colon);
+                                "%s%s%san empty cell; write its number", place, what,
+                                *what ? " is missing: " : "");
     if (orl_slice_is_decimal_comma(span)) {
         char point[SHOWN + 1];
         snprintf(point, sizeof point, "%.*s", shown, span.text);

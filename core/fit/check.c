@@ -6,24 +6,20 @@
 #include "base/number.h"
 #include "fit/rows.h"
 
-/* The first line that is no remark, without its end; of length 0: there is none. */
-static struct orl_fit_word first_line(const char *text, size_t size)
+/* The first line that is no remark; of length 0: there is none. */
+static struct orl_slice first_line(struct orl_scanner scanner)
 {
-    struct orl_fit_lines lines = {.at = text, .end = text + size};
-    const struct orl_fit_reading reading = {.reversed = false};
-    struct orl_fit_word line = {text, 0};
-    bool more = true;
-    lines.reading = &reading;
-    while (orl_fit_next_line(&lines, &line, &more, NULL) == 0 && more) {
-        struct orl_fit_word rest = line;
-        const struct orl_fit_word word = orl_fit_take_word(&rest);
+    struct orl_slice line = {"", 0};
+    while (orl_scanner_line(&scanner, &line)) {
+        struct orl_slice rest = line;
+        const struct orl_slice word = orl_slice_take_word(&rest);
         if (word.length > 0 && word.text[0] != '#')
             return line;
     }
-    return (struct orl_fit_word){text, 0};
+    return (struct orl_slice){"", 0};
 }
 
-static bool has(struct orl_fit_word line, const char *name)
+static bool has(struct orl_slice line, const char *name)
 {
     const size_t length = strlen(name);
     for (size_t i = 0; i + length <= line.length; i++)
@@ -33,7 +29,7 @@ static bool has(struct orl_fit_word line, const char *name)
 }
 
 /* How much of its beginning is made of these. */
-static size_t length_of(struct orl_fit_word word, const char *of)
+static size_t length_of(struct orl_slice word, const char *of)
 {
     size_t n = 0;
     while (n < word.length && word.text[n] != '\0' && strchr(of, word.text[n]))
@@ -42,7 +38,7 @@ static size_t length_of(struct orl_fit_word word, const char *of)
 }
 
 /* A number, possibly misspelt or not finite ("nan", "inf"). */
-static bool is_number(struct orl_fit_word word)
+static bool is_number(struct orl_slice word)
 {
     double value;
     const bool of_digits =
@@ -52,32 +48,28 @@ static bool is_number(struct orl_fit_word word)
 
 /* Two numbers and a third word, which may be a mark for a missing value. The second word of a
  * scene's primitive is its type, and no number. */
-static bool is_row(struct orl_fit_word line)
+static bool is_row(struct orl_slice line)
 {
     for (int i = 0; i < 2; i++)
-        if (!is_number(orl_fit_take_word(&line)))
+        if (!is_number(orl_slice_take_word(&line)))
             return false;
-    return orl_fit_take_word(&line).length > 0;
+    return orl_slice_take_word(&line).length > 0;
 }
 
 /* A header of pab-opto's text, which tells a file without rows: "#format: theta phi DSF". */
-static bool has_format(const char *text, size_t size)
+static bool has_format(struct orl_scanner scanner)
 {
-    struct orl_fit_lines lines = {.at = text, .end = text + size};
-    const struct orl_fit_reading reading = {.reversed = false};
-    struct orl_fit_word line;
-    bool more = true;
-    lines.reading = &reading;
-    while (orl_fit_next_line(&lines, &line, &more, NULL) == 0 && more) {
+    struct orl_slice line;
+    while (orl_scanner_line(&scanner, &line)) {
         if (line.length > 0 && line.text[0] != '#')
             return false;
         if (line.length == 0)
             continue;
         line.text++;
         line.length--;
-        if (orl_fit_word_is(orl_fit_take_word(&line), "format:") &&
-            orl_fit_word_is(orl_fit_take_word(&line), "theta") &&
-            orl_fit_word_is(orl_fit_take_word(&line), "phi"))
+        if (orl_slice_is_nocase(orl_slice_take_word(&line), "format:") &&
+            orl_slice_is_nocase(orl_slice_take_word(&line), "theta") &&
+            orl_slice_is_nocase(orl_slice_take_word(&line), "phi"))
             return true;
     }
     return false;
@@ -85,10 +77,11 @@ static bool has_format(const char *text, size_t size)
 
 bool orl_bsdf_is_measured(const char *text, size_t size)
 {
-    const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-    const struct orl_fit_word line = first_line(text + mark, size - mark);
-    return is_row(line) || (has(line, "theta_in") && has(line, "theta_out")) ||
-           has_format(text + mark, size - mark);
+    struct orl_scanner scanner;
+    if (orl_scanner_init(&scanner, NULL, text, size, 0, NULL) < 0)
+        return false;
+    const struct orl_slice line = first_line(scanner);
+    return is_row(line) || (has(line, "theta_in") && has(line, "theta_out")) || has_format(scanner);
 }
 
 int orl_bsdf_measurements_check(const char *const *files, size_t count,

@@ -1,39 +1,31 @@
 /* Which of the two formats a file is in. */
 #include "fit/rows.h"
 
-#include <string.h>
-
 #include "base/number.h"
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
-}
-
 /* The word at the front is a number, maybe "nan" or "inf". */
-static bool begins_number(const char *text, size_t size)
+static bool begins_number(struct orl_slice line)
 {
     double value;
     size_t length = 0;
-    while (length < size && !is_blank(text[length]) && !strchr("\n,;", text[length]))
+    while (length < line.length && orl_byte_kind_of(line.text[length]) == ORL_BYTE_INK &&
+           line.text[length] != ',' && line.text[length] != ';')
         length++;
-    return orl_number_read(text, length, &value) != ORL_NUMBER_NOT_ONE;
+    return orl_number_read(line.text, length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
 /* A CSV is told by a first line of words. */
-static bool is_csv(const char *text, size_t size)
+static bool is_csv(const struct orl_scanner *scanner)
 {
-    for (size_t i = 0; i < size; i++) {
-        const char c = text[i];
-        if (c == '#') {
-            const char *end = memchr(text + i, '\n', size - i);
-            if (!end)
-                return false;
-            i = (size_t)(end - text);
-        } else if (c != '\n' && !is_blank(c)) {
-            const bool is_word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '"';
-            return is_word && !begins_number(text + i, size - i);
-        }
+    struct orl_scanner ahead = *scanner;
+    struct orl_slice line;
+    while (orl_scanner_line(&ahead, &line)) {
+        line = orl_slice_trim(line);
+        if (line.length == 0 || *line.text == '#')
+            continue;
+        const char c = *line.text;
+        const bool is_word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '"';
+        return is_word && !begins_number(line);
     }
     return false;
 }
@@ -42,13 +34,10 @@ int orl_fit_read(const char *name, uint32_t file, const char *text, size_t size,
                  const struct orl_fit_reading *reading, struct orl_fit_data *data,
                  struct orl_error *err)
 {
-    static const char mark[] = "\xef\xbb\xbf";
-    struct orl_fit_lines lines = {.name = name, .file = file, .at = text, .reading = reading};
-    if (size >= 3 && memcmp(text, mark, 3) == 0) {
-        lines.at += 3;
-        size -= 3;
-    }
-    lines.end = lines.at + size;
-    const bool csv = is_csv(lines.at, size);
+    struct orl_fit_lines lines = {.file = file, .reading = reading};
+    const int code = orl_scanner_init(&lines.scanner, name, text, size, 0, err);
+    if (code < 0)
+        return code;
+    const bool csv = is_csv(&lines.scanner);
     return csv ? orl_fit_read_csv(&lines, data, err) : orl_fit_read_pab(&lines, data, err);
 }

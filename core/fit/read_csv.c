@@ -15,7 +15,7 @@ struct table {
     bool has[KINDS];
 };
 
-static char separator_of(struct orl_fit_word line)
+static char separator_of(struct orl_slice line)
 {
     static const char separators[] = {';', '\t', ','};
     for (size_t i = 0; i < sizeof separators; i++)
@@ -24,31 +24,11 @@ static char separator_of(struct orl_fit_word line)
     return ',';
 }
 
-/* Takes the next field, without blanks and quotes around it. */
-static bool take_field(struct orl_fit_word *line, char separator, struct orl_fit_word *ret_field)
-{
-    if (!line->text)
-        return false;
-    const char *end = memchr(line->text, separator, line->length);
-    struct orl_fit_word field = {line->text, end ? (size_t)(end - line->text) : line->length};
-    line->length -= end ? field.length + 1 : field.length;
-    line->text = end ? end + 1 : NULL;
-    while (field.length > 0 && strchr(" \t\"", field.text[0]) && field.text[0]) {
-        field.text++;
-        field.length--;
-    }
-    while (field.length > 0 && strchr(" \t\"", field.text[field.length - 1]) &&
-           field.text[field.length - 1])
-        field.length--;
-    *ret_field = field;
-    return true;
-}
-
-static int read_name(const struct orl_fit_lines *lines, struct orl_fit_word field,
-                     struct table *table, struct orl_error *err)
+static int read_name(const struct orl_fit_lines *lines, struct orl_slice field, struct table *table,
+                     struct orl_error *err)
 {
     for (int kind = 0; kind < KINDS; kind++) {
-        if (!orl_fit_word_is(field, names[kind]))
+        if (!orl_slice_is_nocase(field, names[kind]))
             continue;
         if (table->has[kind])
             return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "the column %s comes twice",
@@ -63,12 +43,12 @@ static int read_name(const struct orl_fit_lines *lines, struct orl_fit_word fiel
                         (int)(field.length < 40 ? field.length : 40), field.text);
 }
 
-static int read_names(const struct orl_fit_lines *lines, struct orl_fit_word line,
-                      struct table *table, struct orl_error *err)
+static int read_names(const struct orl_fit_lines *lines, struct orl_slice line, struct table *table,
+                      struct orl_error *err)
 {
-    struct orl_fit_word field;
+    struct orl_slice field;
     table->separator = separator_of(line);
-    while (take_field(&line, table->separator, &field)) {
+    while (orl_slice_take_cell(&line, table->separator, &field)) {
         const int code = read_name(lines, field, table, err);
         if (code < 0)
             return code;
@@ -82,13 +62,13 @@ static int read_names(const struct orl_fit_lines *lines, struct orl_fit_word lin
     return 0;
 }
 
-static int read_row(const struct orl_fit_lines *lines, struct orl_fit_word line,
+static int read_row(const struct orl_fit_lines *lines, struct orl_slice line,
                     const struct table *table, struct orl_fit_data *data, struct orl_error *err)
 {
     double values[KINDS] = {[UP] = 90};
-    struct orl_fit_word field;
+    struct orl_slice field;
     size_t column = 0;
-    for (; take_field(&line, table->separator, &field); column++) {
+    for (; orl_slice_take_cell(&line, table->separator, &field); column++) {
         if (column >= table->n_columns)
             continue;
         const int kind = table->kinds[column];
@@ -108,12 +88,12 @@ static int read_row(const struct orl_fit_lines *lines, struct orl_fit_word line,
 int orl_fit_read_csv(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err)
 {
     struct table table = {0};
-    struct orl_fit_word line;
+    struct orl_slice line;
     bool more, any = false;
     int code;
     while ((code = orl_fit_next_line(lines, &line, &more, err)) == 0 && more) {
-        struct orl_fit_word rest = line;
-        const struct orl_fit_word first = orl_fit_take_word(&rest);
+        struct orl_slice rest = line;
+        const struct orl_slice first = orl_slice_take_word(&rest);
         if (first.length == 0 || first.text[0] == '#')
             continue;
         if (table.n_columns == 0) {

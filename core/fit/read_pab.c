@@ -10,26 +10,26 @@ struct header {
     int values; /* in a row */
 };
 
-static int read_angle(const struct orl_fit_lines *lines, struct orl_fit_word *line,
-                      const char *what, double *into, bool *has, struct orl_error *err)
+static int read_angle(const struct orl_fit_lines *lines, struct orl_slice *line, const char *what,
+                      double *into, bool *has, struct orl_error *err)
 {
-    const int code = orl_fit_number(lines, orl_fit_take_word(line), what, into, err);
+    const int code = orl_fit_number(lines, orl_slice_take_word(line), what, into, err);
     if (code == 0)
         *has = true;
     return code;
 }
 
-static int read_format(const struct orl_fit_lines *lines, struct orl_fit_word line,
+static int read_format(const struct orl_fit_lines *lines, struct orl_slice line,
                        struct header *header, struct orl_error *err)
 {
     static const char *const bsdf[] = {"BSDF", "BRDF", "BTDF"};
-    const bool angles = orl_fit_word_is(orl_fit_take_word(&line), "theta") &&
-                        orl_fit_word_is(orl_fit_take_word(&line), "phi");
-    const struct orl_fit_word kind = orl_fit_take_word(&line);
-    header->is_dsf = orl_fit_word_is(kind, "DSF");
+    const bool angles = orl_slice_is_nocase(orl_slice_take_word(&line), "theta") &&
+                        orl_slice_is_nocase(orl_slice_take_word(&line), "phi");
+    const struct orl_slice kind = orl_slice_take_word(&line);
+    header->is_dsf = orl_slice_is_nocase(kind, "DSF");
     bool known = header->is_dsf;
     for (size_t i = 0; i < sizeof bsdf / sizeof *bsdf; i++)
-        known = known || orl_fit_word_is(kind, bsdf[i]);
+        known = known || orl_slice_is_nocase(kind, bsdf[i]);
     header->has_format = true;
     return angles && known ? 0
                            : orl_fit_fail(lines, ORL_ERR_UNSUPPORTED, err,
@@ -37,13 +37,13 @@ static int read_format(const struct orl_fit_lines *lines, struct orl_fit_word li
                                           "BSDF, BRDF, BTDF in place of DSF");
 }
 
-static int read_colorimetry(const struct orl_fit_lines *lines, struct orl_fit_word word,
+static int read_colorimetry(const struct orl_fit_lines *lines, struct orl_slice word,
                             struct header *header, struct orl_fit_data *data, struct orl_error *err)
 {
-    if (orl_fit_word_is(word, "CIE-XYZ")) {
+    if (orl_slice_is_nocase(word, "CIE-XYZ")) {
         header->values = 3;
         data->color_left_out = true;
-    } else if (orl_fit_word_is(word, "CIE-Y")) {
+    } else if (orl_slice_is_nocase(word, "CIE-Y")) {
         header->values = 1;
     } else {
         return orl_fit_fail(lines, ORL_ERR_UNSUPPORTED, err,
@@ -53,7 +53,7 @@ static int read_colorimetry(const struct orl_fit_lines *lines, struct orl_fit_wo
 }
 
 /* The name between quotes. */
-static void read_name(struct orl_fit_word line, struct orl_fit_data *data)
+static void read_name(struct orl_slice line, struct orl_fit_data *data)
 {
     const char *first = memchr(line.text, '"', line.length);
     if (!first)
@@ -67,26 +67,26 @@ static void read_name(struct orl_fit_word line, struct orl_fit_data *data)
 }
 
 /* Lines that mean nothing here are the instrument's own. */
-static int read_header(const struct orl_fit_lines *lines, struct orl_fit_word line,
-                       struct header *h, struct orl_fit_data *data, struct orl_error *err)
+static int read_header(const struct orl_fit_lines *lines, struct orl_slice line, struct header *h,
+                       struct orl_fit_data *data, struct orl_error *err)
 {
     bool ignored;
     line.text++;
     line.length--;
-    const struct orl_fit_word key = orl_fit_take_word(&line);
-    if (orl_fit_word_is(key, "format:"))
+    const struct orl_slice key = orl_slice_take_word(&line);
+    if (orl_slice_is_nocase(key, "format:"))
         return read_format(lines, line, h, err);
-    if (orl_fit_word_is(key, "colorimetry:"))
-        return read_colorimetry(lines, orl_fit_take_word(&line), h, data, err);
-    if (orl_fit_word_is(key, "sample_name"))
+    if (orl_slice_is_nocase(key, "colorimetry:"))
+        return read_colorimetry(lines, orl_slice_take_word(&line), h, data, err);
+    if (orl_slice_is_nocase(key, "sample_name"))
         read_name(line, data);
-    if (orl_fit_word_is(key, "upphi"))
+    if (orl_slice_is_nocase(key, "upphi"))
         return read_angle(lines, &line, "upphi", &h->angles.up_deg, &ignored, err);
-    if (orl_fit_word_is(key, "intheta"))
+    if (orl_slice_is_nocase(key, "intheta"))
         return read_angle(lines, &line, "intheta", &h->angles.theta_in, &h->has_theta, err);
-    if (orl_fit_word_is(key, "inphi"))
+    if (orl_slice_is_nocase(key, "inphi"))
         return read_angle(lines, &line, "inphi", &h->angles.phi_in, &h->has_phi, err);
-    if (!orl_fit_word_is(key, "incident_angle"))
+    if (!orl_slice_is_nocase(key, "incident_angle"))
         return 0;
     const int code = read_angle(lines, &line, "the first incident_angle", &h->angles.theta_in,
                                 &h->has_theta, err);
@@ -109,16 +109,17 @@ static int check_header(const struct orl_fit_lines *lines, const struct header *
     return 0;
 }
 
-static int read_row(const struct orl_fit_lines *lines, struct orl_fit_word line, struct header *h,
+static int read_row(const struct orl_fit_lines *lines, struct orl_slice line, struct header *h,
                     struct orl_fit_data *data, struct orl_error *err)
 {
     double values[3] = {0};
-    int code = orl_fit_number(lines, orl_fit_take_word(&line), "theta", &h->angles.theta_out, err);
+    int code =
+        orl_fit_number(lines, orl_slice_take_word(&line), "theta", &h->angles.theta_out, err);
     if (code == 0)
-        code = orl_fit_number(lines, orl_fit_take_word(&line), "phi", &h->angles.phi_out, err);
+        code = orl_fit_number(lines, orl_slice_take_word(&line), "phi", &h->angles.phi_out, err);
     for (int i = 0; i < h->values && code == 0; i++)
-        code = orl_fit_number(lines, orl_fit_take_word(&line), "the value", &values[i], err);
-    if (code == 0 && orl_fit_take_word(&line).length > 0)
+        code = orl_fit_number(lines, orl_slice_take_word(&line), "the value", &values[i], err);
+    if (code == 0 && orl_slice_take_word(&line).length > 0)
         code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "a row is theta, phi and %s",
                             h->values == 3 ? "three values" : "one value");
     if (code == 0)
@@ -129,17 +130,17 @@ static int read_row(const struct orl_fit_lines *lines, struct orl_fit_word line,
 int orl_fit_read_pab(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err)
 {
     struct header header = {.values = 1};
-    struct orl_fit_word line;
+    struct orl_slice line;
     bool more, in_rows = false;
     int code;
     while ((code = orl_fit_next_line(lines, &line, &more, err)) == 0 && more) {
-        struct orl_fit_word rest = line;
+        struct orl_slice rest = line;
         const bool is_header = line.length > 0 && line.text[0] == '#';
         if (is_header && in_rows)
             continue; /* remarks */
         if (is_header) {
             code = read_header(lines, line, &header, data, err);
-        } else if (orl_fit_take_word(&rest).length > 0) {
+        } else if (orl_slice_take_word(&rest).length > 0) {
             code = in_rows ? 0 : check_header(lines, &header, err);
             in_rows = true;
             if (code == 0)

@@ -6,10 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "base/grow.h"
-#include "base/number.h"
 #include "bsdf/scan.h"
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
@@ -24,69 +22,25 @@ int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    orl_error_set(err, code, "%s", message);
-    orl_error_at(err, lines->name, (int)lines->number, NULL);
-    return code;
+    return orl_scanner_fail(&lines->scanner, code, err, "%s", message);
 }
 
-int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_fit_word *ret_line, bool *ret_more,
+int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, bool *ret_more,
                       struct orl_error *err)
 {
-    if (lines->number % LINES_A_POLL == 0 && orl_is_cancelled(lines->reading->cancel))
+    if (lines->scanner.line % LINES_A_POLL == 1 && orl_is_cancelled(lines->reading->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
-    *ret_more = lines->at < lines->end;
-    if (!*ret_more)
-        return 0;
-    const size_t left = (size_t)(lines->end - lines->at);
-    const char *line = lines->at, *end = memchr(line, '\n', left);
-    size_t length = end ? (size_t)(end - line) : left;
-    lines->at = end ? end + 1 : lines->end;
-    lines->number++;
-    if (length > 0 && line[length - 1] == '\r')
-        length--;
-    *ret_line = (struct orl_fit_word){line, length};
+    *ret_more = orl_scanner_line(&lines->scanner, ret_line);
     return 0;
 }
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
-}
-
-struct orl_fit_word orl_fit_take_word(struct orl_fit_word *line)
-{
-    while (line->length > 0 && is_blank(*line->text)) {
-        line->text++;
-        line->length--;
-    }
-    struct orl_fit_word word = {line->text, 0};
-    while (word.length < line->length && !is_blank(word.text[word.length]))
-        word.length++;
-    line->text += word.length;
-    line->length -= word.length;
-    return word;
-}
-
-bool orl_fit_word_is(struct orl_fit_word word, const char *text)
-{
-    return word.length == strlen(text) && strncasecmp(word.text, text, word.length) == 0;
-}
-
-int orl_fit_number(const struct orl_fit_lines *lines, struct orl_fit_word word, const char *what,
+int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, const char *what,
                    double *ret_value, struct orl_error *err)
 {
     double value;
-    if (word.length == 0)
-        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "%s is missing", what);
-    switch (orl_number_read(word.text, word.length, &value)) {
-    case ORL_NUMBER_NOT_ONE:
-        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "%s is no number: \"%.*s\"", what,
-                            (int)(word.length < 40 ? word.length : 40), word.text);
-    case ORL_NUMBER_INFINITE:
-        return orl_fit_fail(lines, ORL_ERR_RANGE, err, "%s is not finite", what);
-    case ORL_NUMBER_OK:
-        break;
-    }
+    const int code = orl_scanner_number(&lines->scanner, word, what, &value, err);
+    if (code < 0)
+        return code;
     if (!(fabs(value) <= ORL_BSDF_VALUE_MAX))
         return orl_fit_fail(lines, ORL_ERR_RANGE, err, "%s is beyond all bounds", what);
     *ret_value = value;
@@ -209,9 +163,10 @@ int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data
     struct orl_fit_scan *scan = &data->scans[data->last];
     if (!orl_grow(&scan->rows, &scan->room, scan->n_rows, sizeof *scan->rows))
         return orl_fit_fail(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
-    scan->rows[scan->n_rows++] = (struct orl_fit_row){
-        (float)d.x,  (float)d.y,   (float)d.z, (float)(is_dsf ? value / d.z : value),
-        lines->file, lines->number};
+    scan->rows[scan->n_rows++] =
+        (struct orl_fit_row){(float)d.x,  (float)d.y,
+                             (float)d.z,  (float)(is_dsf ? value / d.z : value),
+                             lines->file, (uint32_t)lines->scanner.line};
     return 0;
 }
 

@@ -17,6 +17,7 @@
 #include <oriel/crew.h>
 #include <oriel/error.h>
 #include <oriel/files.h>
+#include <oriel/scanner.h>
 #include <oriel/vec.h>
 
 struct orl_fit_row {
@@ -63,31 +64,20 @@ void orl_fit_data_done(struct orl_fit_data *data); /* zeroed is allowed */
 
 /* One file's text, line by line. */
 struct orl_fit_lines {
-    const char *name;
+    struct orl_scanner scanner;
     uint32_t file;
-    const char *at, *end;
-    uint32_t number; /* of the line last read, from 1 */
     const struct orl_fit_reading *reading;
 };
 
-/* A part of a line. */
-struct orl_fit_word {
-    const char *text;
-    size_t length;
-};
-
-/* The next line without its end; *ret_more is false after the last. 0 or ORL_ERR_CANCELLED. */
-int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_fit_word *ret_line, bool *ret_more,
+/* The next line; *ret_more is false after the last. 0 or ORL_ERR_CANCELLED. */
+int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, bool *ret_more,
                       struct orl_error *err);
-/* Takes the next word off a line's front, by white space; of length 0 when there is none. */
-struct orl_fit_word orl_fit_take_word(struct orl_fit_word *line);
-bool orl_fit_word_is(struct orl_fit_word word, const char *text); /* without regard to case */
 
 /* Fails at the line that was read last. */
 int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *err,
                  const char *format, ...) __attribute__((format(printf, 4, 5)));
 /* A number, or an error that calls it by what. */
-int orl_fit_number(const struct orl_fit_lines *lines, struct orl_fit_word word, const char *what,
+int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, const char *what,
                    double *ret_value, struct orl_error *err);
 
 /* Angles as filed, in degrees. up_deg: the azimuth that is up. */

@@ -103,12 +103,12 @@ static void what_is_wrong_is_told_with_its_line(void **state)
         int code, line;
         const char *says;
     } cases[] = {
-        {"", ORL_ERR_SYNTAX, 0, "no row"},
+        {"", ORL_ERR_SYNTAX, 1, "no row"},
         {"#format: theta phi DSF\n1 2 3\n", ORL_ERR_SYNTAX, 2, "incident_angle"},
         {"#intheta 3\n#inphi 3\n1 2 3\n", ORL_ERR_SYNTAX, 3, "#format"},
         {"#format: x y z\n", ORL_ERR_UNSUPPORTED, 1, "format"},
         {"#format: theta phi DSF\n#incident_angle 3\n", ORL_ERR_SYNTAX, 2, "second"},
-        {"#format: theta phi DSF\n#incident_angle 3 x\n", ORL_ERR_SYNTAX, 2, "no number"},
+        {"#format: theta phi DSF\n#incident_angle 3 x\n", ORL_ERR_SYNTAX, 2, "'x' is not a number"},
         {"#format: theta phi DSF\n#incident_angle 90 0\n1 2 3\n", ORL_ERR_RANGE, 3, "not 90"},
         {"#format: theta phi DSF\n#incident_angle 3 0\n1 2\n", ORL_ERR_SYNTAX, 3, "missing"},
         {"#format: theta phi DSF\n#incident_angle 3 0\n1 2 3 4\n", ORL_ERR_SYNTAX, 3, "a row is"},
@@ -228,7 +228,7 @@ static void first_rows_are_rows_of_numbers(void **state)
         assert_int_equal(orl_fit_read("m.txt", 0, text, strlen(text), &reading, &data, &err),
                          ORL_ERR_RANGE);
         assert_int_equal(err.line, 3);
-        assert_non_null(strstr(err.message, "not finite"));
+        assert_non_null(strstr(err.message, "is not a finite number"));
         orl_fit_data_done(&data);
         orl_fit_read("m.txt", 0, texts[i], strlen(texts[i]), &reading, &data, &err);
         assert_null(strstr(err.message, "column"));

@@ -272,7 +272,7 @@ static void test_errors(void **state)
     check_refused("6 1", ORL_ERR_SYNTAX, "number of its axes", 1);
     check_refused("1\n0 1 1\n1", ORL_ERR_SYNTAX, "at least 2", 2);
     check_refused("1\n0 1 2\n1\n\n", ORL_ERR_SYNTAX, "ends before", 5);
-    check_refused("1\n0 1 2\n1\nx", ORL_ERR_SYNTAX, "number is expected", 4);
+    check_refused("1\n0 1 2\n1\nx", ORL_ERR_SYNTAX, "is not a number", 4);
     check_refused("1\n0 0 3\n0 2 1 1 2 3", ORL_ERR_SYNTAX, "not in order", 3);
     check_refused("1\n0 1 2000000000\n1", ORL_ERR_SYNTAX, "more points", 2);
     check_refused("3 0 1 2 0 1 2 0 1 2\n1 2 3 4 5 6 7 8", ORL_ERR_SYNTAX, "3 coordinates", 0);

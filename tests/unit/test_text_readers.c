@@ -19,6 +19,7 @@
 #include <oriel/run.h>
 
 #include "annual/matrix_file.h"
+#include "fit/rows.h"
 #include "light/weather.h"
 #include "scene/grid/ies.h"
 #include "scene/parse/stl.h"
@@ -186,6 +187,25 @@ static int read_stl(const char *text, size_t size, struct values *values, struct
     return orl_stl_read("a.stl", text, size, &sink, err);
 }
 
+static int read_measured(const char *text, size_t size, struct values *values,
+                         struct orl_error *err)
+{
+    const struct orl_fit_reading reading = {.reversed = false};
+    struct orl_fit_data data = {0};
+    const int code = orl_fit_read("a.txt", 0, text, size, &reading, &data, err);
+    for (size_t i = 0; i < data.n_scans; i++)
+        for (size_t k = 0; k < data.scans[i].n_rows; k++) {
+            const struct orl_fit_row *row = &data.scans[i].rows[k];
+            note_all(values, (const double[]){data.scans[i].theta_deg, row->line}, 2);
+            note_all(values, (const double[]){(double)row->x, (double)row->value}, 2);
+        }
+    orl_fit_data_done(&data);
+    return code;
+}
+
+#define PAB(rows) "#format: theta phi DSF\n#incident_angle 30 180\n" rows
+#define FIT_COLUMNS "theta_in,phi_in,theta_out,phi_out,bsdf\n"
+
 #define EPW(city)                                                                                  \
     "LOCATION," city ",-,TST,made up,000000,38.42,27.14,2.0,25.0\n"                                \
     "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
@@ -219,7 +239,7 @@ static const struct reader readers[] = {
      {EPW("A") "2020,3,22,12,0,flags,9,7,87,101300,0,0,305,0,800,5,1,2,3,4,5,6,7,8,9,1,2,3,4,5,6,7,"
                "8,9,0,1\n",
       3, "write 21.5, not 21,5"},
-     {EPW("A") EPW_TO_DIRECT ",120,0\n", 3, "column 46: direct light: an empty cell"}},
+     {EPW("A") EPW_TO_DIRECT ",120,0\n", 3, "column 46: direct light is missing: an empty cell"}},
     {"EPW of a spreadsheet",
      read_weather,
      EPW("Zurich") EPW_TO_DIRECT "800.5,120,0\n",
@@ -269,16 +289,28 @@ static const struct reader readers[] = {
      read_grid,
      "# a lamp\n1\n0 90 3\n0.5 1 2 # end\n",
      "# f\xfcr\n1\n0 90 3\n0.5 1 2# \xe9\n",
-     {"1\n0 90 3\n0,5 1 2\n", 3, "column 1: here a number is expected: 0,5: a decimal comma"},
-     {"1\n0 90 3\n0.5 , 2\n", 3, "column 5: here a number is expected: ',' is not a number"}},
+     {"1\n0 90 3\n0,5 1 2\n", 3, "column 1: 0,5: a decimal comma"},
+     {"1\n0 90 3\n0.5 , 2\n", 3, "column 5: ',' is not a number"}},
     {"IES",
      read_ies,
      IES("a") "1 1000 1 2 1 1 2 .3 .6 0\n1,1,40\n0,90\n0\n1.5,\n0.5\n",
      IES("f\xfcr") "1 1000 1 2 1 1 2 .3 .6 0\n1 1 40\n0 90\n0\n1.5 0.5\n",
      {IES("a") "1 1000 1 2 1 1 2 0,3 .6 0\n1 1 40\n0 90\n0\n1 0\n", 4,
-      "column 18: here a number is expected: 0,3: a decimal comma; write 0.3"},
-     {IES("a") "1 1000 1 2 1 1 2 .3 .6 0\n1 1 40\n0,,90\n0\n1 0\n", 6,
-      "column 3: here a number is expected: an empty cell"}},
+      "column 18: 0,3: a decimal comma; write 0.3"},
+     {IES("a") "1 1000 1 2 1 1 2 .3 .6 0\n1 1 40\n0,,90\n0\n1 0\n", 6, "column 3: an empty cell"}},
+    {"measurements of pab-opto",
+     read_measured,
+     PAB("60 0 0.5\n# more\n45.5 10 1e-3\n"),
+     PAB("60 0 0.5\n# f\xfcr\n45.5 10 1e-3\n"),
+     {PAB("60 0 0,5\n"), 3, "column 6: the value: 0,5: a decimal comma; write 0.5"},
+     {PAB("60 0\n"), 3, "the value is missing: an empty cell"}},
+    {"measurements as CSV",
+     read_measured,
+     FIT_COLUMNS "30,180,60,0,0.5\n30,180,45.5,10,1e-3\n",
+     FIT_COLUMNS "30,180,60,0,0.5\n30,180,45.5,10,1e-3\n# \xe9\n",
+     {"theta_in;phi_in;theta_out;phi_out;bsdf\n30;180;60;0;0,5\n", 2,
+      "column 13: bsdf: 0,5: a decimal comma; write 0.5"},
+     {FIT_COLUMNS "30,180,,0,0.5\n", 2, "column 8: theta_out is missing: an empty cell"}},
     {"OBJ",
      read_obj,
      "# a\nv 0 0 0.5\nv 1 0 0 # b\nv 0 1 \\\n 0\ng x\nf 1 2 3\n",

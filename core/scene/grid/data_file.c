@@ -26,7 +26,7 @@ static int read_number(struct reading *r, double *ret_value, struct orl_error *e
     struct orl_slice word;
     if (!orl_scanner_word(&r->scanner, &word))
         return fail(r, ORL_ERR_SYNTAX, err, "the data file ends before its numbers do");
-    return orl_scanner_number(&r->scanner, word, "here a number is expected", ret_value, err);
+    return orl_scanner_number(&r->scanner, word, NULL, ret_value, err);
 }
 
 static int read_count(struct reading *r, int least, int most, int *ret_count, struct orl_error *err)

@@ -179,7 +179,7 @@ static int read_number(struct reading *r, double *ret, struct orl_error *err)
     struct orl_slice cell;
     if (!next_cell(r, &cell))
         return fail(r, ORL_ERR_SYNTAX, "the file ends before its numbers do", err);
-    const int code = orl_scanner_number(&r->scanner, cell, "here a number is expected", ret, err);
+    const int code = orl_scanner_number(&r->scanner, cell, NULL, ret, err);
     if (code < 0)
         return code;
     return fabs(*ret) <= 1e12 ? 0 : fail(r, ORL_ERR_SYNTAX, "here a number is expected", err);
