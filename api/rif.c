@@ -1,17 +1,20 @@
 #include "rif.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#include <oriel/scanner.h>
+
 enum { LINE_SIZE = 8192, LEAST_LETTERS = 3, SIDE = 512, MOST_SIDE = 16384 };
 
 struct reading {
-    const char *name;
-    int line;
+    struct orl_scanner scanner;
+    int line;                    /* where the assignment at hand begins */
     json_t *lists[4];            /* owned: materials, illum, scene; the last is of views */
     json_t *left_out, *commands; /* owned */
     int width, height;
@@ -21,12 +24,13 @@ struct reading {
 };
 enum { MATERIALS, ILLUM, SCENE, VIEWS };
 
-static int fail(const struct reading *r, int code, const char *what, const char *word,
+static int fail(const struct reading *r, int code, const char *what, struct orl_slice word,
                 const char *mend)
 {
-    orl_error_set(r->err, code, "%s: %.200s", what, word);
+    const int length = word.length < 200 ? (int)word.length : 200;
+    orl_error_set(r->err, code, "%s: %.*s", what, length, word.length > 0 ? word.text : "");
     orl_error_hint(r->err, "%s", mend);
-    orl_error_at(r->err, r->name, r->line, NULL);
+    orl_error_at(r->err, r->scanner.name, r->line, NULL);
     return code;
 }
 
@@ -35,32 +39,25 @@ static int no_memory(const struct reading *r)
     return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
 }
 
-static int leave_out(struct reading *r, const char *what, const char *why)
+static json_t *text_of(struct orl_slice span)
 {
-    return json_array_append_new(r->left_out, json_pack("{s:s, s:s}", "file", what, "why", why))
+    return json_stringn(span.text ? span.text : "", span.length);
+}
+
+static int leave_out(struct reading *r, struct orl_slice what, const char *why)
+{
+    return json_array_append_new(r->left_out,
+                                 json_pack("{s:o, s:s}", "file", text_of(what), "why", why))
                ? fail(r, ORL_ERR_SYNTAX, "a name is no UTF-8", what, "Rename it")
                : 0;
 }
 
-/* The next word of *text, cut off there, or NULL. */
-static char *next_word(char **text)
-{
-    static const char space[] = " \t\r\n";
-    char *word = *text + strspn(*text, space);
-    char *end = word + strcspn(word, space);
-    if (!*word)
-        return NULL;
-    *text = *end ? end + 1 : end;
-    *end = '\0';
-    return word;
-}
-
 /* A command becomes a scene file of one line, whose name no file of the folder has. */
-static int add_command(struct reading *r, json_t *list, const char *command)
+static int add_command(struct reading *r, json_t *list, struct orl_slice command)
 {
     char name[64];
     snprintf(name, sizeof name, "+command-%zu.rad", json_array_size(r->commands) + 1);
-    json_t *text = json_sprintf("%s\n", command);
+    json_t *text = json_sprintf("%.*s\n", (int)command.length, command.text);
     if (!text)
         return fail(r, ORL_ERR_SYNTAX, "a command is no UTF-8", command, "Write it in ASCII");
     return json_array_append_new(r->commands,
@@ -70,57 +67,47 @@ static int add_command(struct reading *r, json_t *list, const char *command)
                : 0;
 }
 
-static int add_file(struct reading *r, json_t *list, const char *file)
+static int add_file(struct reading *r, json_t *list, struct orl_slice file)
 {
-    const size_t length = strlen(file);
-    if (length == 0)
-        return fail(r, ORL_ERR_SYNTAX, "a file has no name", "\"\"", "Name it, or leave it out");
-    if (file[0] == '!')
+    if (file.length == 0)
+        return fail(r, ORL_ERR_SYNTAX, "a file has no name", (struct orl_slice){"\"\"", 2},
+                    "Name it, or leave it out");
+    if (file.text[0] == '!')
         return add_command(r, list, file);
-    if (length > 4 && strcmp(file + length - 4, ".oct") == 0)
+    if (file.length > 4 && memcmp(file.text + file.length - 4, ".oct", 4) == 0)
         return fail(r, ORL_ERR_UNSUPPORTED, "the scene is an octree", file,
                     "Name the scene files that it was made of");
-    return json_array_append_new(list, json_string(file))
+    return json_array_append_new(list, text_of(file))
                ? fail(r, ORL_ERR_SYNTAX, "a name is no UTF-8", file, "Rename it")
                : 0;
 }
 
 /* Words, some in quotes. */
-static int add_files(struct reading *r, json_t *list, char *value)
+static int add_files(struct reading *r, json_t *list, struct orl_slice value)
 {
-    int rc = 0;
-    while (rc == 0) {
-        value += strspn(value, " \t\r\n");
-        const char quote = *value == '"' || *value == '\'' ? *value : '\0';
-        char *word = quote ? value + 1 : next_word(&value);
-        if (!word)
-            return 0;
-        if (quote) {
-            value = strchr(word, quote);
-            if (!value)
-                return fail(r, ORL_ERR_SYNTAX, "a quote is open", word, "Close it on its line");
-            *value++ = '\0';
-        }
+    struct orl_slice word = {NULL, 0};
+    int rc = 0, found = 1;
+    while (rc == 0 && (found = orl_slice_take_quoted(&value, &word)) == 1)
         rc = add_file(r, list, word);
-    }
-    return rc;
+    return found < 0 ? fail(r, ORL_ERR_SYNTAX, "a quote is open", word, "Close it on its line")
+                     : rc;
 }
 
-static int leave_objects(struct reading *r, char *value)
+static int leave_objects(struct reading *r, struct orl_slice value)
 {
-    char *word;
+    struct orl_slice word;
     int rc = 0;
-    while (rc == 0 && (word = next_word(&value)) != NULL)
+    while (rc == 0 && (word = orl_slice_take_word(&value)).length > 0)
         rc = leave_out(r, word, "an object: the scene's files name it where it is wanted");
     return rc;
 }
 
 /* What jobs call views by. */
-static void clean_name(const char *word, size_t number, char ret_name[64])
+static void clean_name(struct orl_slice word, size_t number, char ret_name[64])
 {
     size_t i = 0;
-    for (; word && word[i] && i < 60; i++) {
-        const unsigned char c = (unsigned char)word[i];
+    for (; i < word.length && i < 60; i++) {
+        const unsigned char c = (unsigned char)word.text[i];
         ret_name[i] = c < 0x80 && (isalnum(c) || strchr("-_", c)) ? (char)c : '_';
     }
     ret_name[i] = '\0';
@@ -128,83 +115,101 @@ static void clean_name(const char *word, size_t number, char ret_name[64])
         snprintf(ret_name, 64, "view%zu", number);
 }
 
-/* "[NAME] [OPTION ...]" */
-static int add_view(struct reading *r, char *value)
+static bool begins_option(struct orl_slice value)
 {
-    char name[64], *word = NULL;
-    value += strspn(value, " \t");
-    if (*value != '-')
-        word = next_word(&value);
-    value += strspn(value, " \t");
-    for (char *end = value + strlen(value); end > value && strchr(" \t\r", end[-1]);)
-        *--end = '\0';
-    clean_name(word, json_array_size(r->lists[VIEWS]) + 1, name);
-    if (*value != '-')
-        return leave_out(r, name, "a view that rad works out from its ZONE");
-    json_t *view = NULL;
-    if (strncmp(value, "-vf ", 4) == 0) {
-        char *rest = value + 4, *file = next_word(&rest);
-        rest += strspn(rest, " \t");
-        view =
-            json_pack("{s:s, s:s*, s:s*}", "name", name, "file", file, "view", *rest ? rest : NULL);
-    } else {
-        view = json_pack("{s:s, s:s}", "name", name, "view", value);
-    }
-    return json_array_append_new(r->lists[VIEWS], view)
-               ? fail(r, ORL_ERR_SYNTAX, "a view is no UTF-8", name, "Rename its file")
-               : 0;
+    return value.length > 0 && *value.text == '-';
 }
 
-static bool is_blank(const char *text)
+/* "[NAME] [OPTION ...]" */
+static int add_view(struct reading *r, struct orl_slice value)
 {
-    return text[strspn(text, " \t\r")] == '\0';
+    struct orl_slice word = {NULL, 0}, rest;
+    char name[64];
+    value = orl_slice_trim(value);
+    if (!begins_option(value))
+        word = orl_slice_take_word(&value);
+    value = orl_slice_trim(value);
+    clean_name(word, json_array_size(r->lists[VIEWS]) + 1, name);
+    const struct orl_slice called = {name, strlen(name)};
+    if (!begins_option(value))
+        return leave_out(r, called, "a view that rad works out from its ZONE");
+    json_t *view = json_pack("{s:s}", "name", name);
+    int rc = view ? 0 : -1;
+    rest = value;
+    if (orl_slice_is(orl_slice_take_word(&rest), "-vf")) {
+        word = orl_slice_take_word(&rest);
+        value = orl_slice_trim(rest);
+        if (rc == 0 && word.length > 0)
+            rc = json_object_set_new(view, "file", text_of(word));
+    }
+    if (rc == 0 && value.length > 0)
+        rc = json_object_set_new(view, "view", text_of(value));
+    if (rc == 0)
+        return json_array_append_new(r->lists[VIEWS], view) ? no_memory(r) : 0;
+    json_decref(view);
+    return fail(r, ORL_ERR_SYNTAX, "a view is no UTF-8", called, "Rename its file");
+}
+
+static int fail_size(const struct reading *r, struct orl_slice value)
+{
+    return fail(r, ORL_ERR_SYNTAX, "this is no resolution", value,
+                "One or two numbers from 1 to 16384 are wanted, or a third: pixels' aspect");
 }
 
 /* "WIDTH [HEIGHT [ASPECT]]" */
-static int set_size(struct reading *r, char *value)
+static int set_size(struct reading *r, struct orl_slice value)
 {
-    char *end;
-    const long width = strtol(value, &end, 10);
-    const long height = is_blank(end) ? width : strtol(end, &end, 10);
-    const double aspect = is_blank(end) ? 1 : strtod(end, &end);
-    if (width < 1 || width > MOST_SIDE || height < 1 || height > MOST_SIDE || !is_blank(end) ||
-        !(aspect == 0 || (aspect >= 1e-3 && aspect <= 1e3)))
-        return fail(r, ORL_ERR_SYNTAX, "this is no resolution", value,
-                    "One or two numbers from 1 to 16384 are wanted, or a third: pixels' aspect");
-    r->width = (int)width;
-    r->height = (int)height;
-    r->aspect = aspect;
+    double sizes[3] = {0, 0, 1};
+    struct orl_slice rest = value, word;
+    int n = 0;
+    for (; (word = orl_slice_take_word(&rest)).length > 0; n++) {
+        if (orl_slice_is_decimal_comma(word))
+            return fail(r, ORL_ERR_SYNTAX, "this is a decimal comma", word, "Write a point");
+        if (n == 3 || orl_scanner_number(&r->scanner, word, NULL, &sizes[n], NULL) < 0)
+            return fail_size(r, value);
+    }
+    if (n == 1)
+        sizes[1] = sizes[0];
+    for (int i = 0; i < 2; i++)
+        if (!(sizes[i] >= 1 && sizes[i] <= MOST_SIDE && sizes[i] == floor(sizes[i])))
+            return fail_size(r, value);
+    if (!(sizes[2] == 0 || (sizes[2] >= 1e-3 && sizes[2] <= 1e3)))
+        return fail_size(r, value);
+    r->width = (int)sizes[0];
+    r->height = (int)sizes[1];
+    r->aspect = sizes[2];
     return 0;
 }
 
 /* Options of rpict: what this program heeds of them. */
-static int heed_options(struct reading *r, char *value)
+static int heed_options(struct reading *r, struct orl_slice value)
 {
-    for (char *word; (word = next_word(&value)) != NULL;)
-        if (strcmp(word, "-bv-") == 0 || strcmp(word, "-bv+") == 0)
-            r->backs_unseen = word[3] == '-';
+    struct orl_slice word;
+    while ((word = orl_slice_take_word(&value)).length > 0)
+        if (orl_slice_is(word, "-bv-") || orl_slice_is(word, "-bv+"))
+            r->backs_unseen = word.text[3] == '-';
     return 0;
 }
 
-static bool is_named(const char *word, const char *name)
+static bool is_named(struct orl_slice word, const char *name)
 {
-    const size_t length = strlen(word);
-    return length >= LEAST_LETTERS && length <= strlen(name) &&
-           strncasecmp(word, name, length) == 0;
+    return word.length >= LEAST_LETTERS && word.length <= strlen(name) &&
+           strncasecmp(word.text, name, word.length) == 0;
 }
 
-static int read_assignment(struct reading *r, char *line)
+static int read_assignment(struct reading *r, struct orl_slice line)
 {
-    char *value = strchr(line, '='), *name;
-    line += strspn(line, " \t\r");
-    if (!*line)
+    line = orl_slice_trim(line);
+    if (line.length == 0)
         return 0;
-    if (!value)
+    struct orl_slice before = orl_slice_before(line, '=');
+    if (before.length == line.length)
         return fail(r, ORL_ERR_SYNTAX, "the line assigns nothing", line,
                     "Lines are NAME= value, or begin with '#'");
-    *value++ = '\0';
-    name = next_word(&line);
-    if (!name)
+    const struct orl_slice value = orl_slice_trim(
+        (struct orl_slice){line.text + before.length + 1, line.length - before.length - 1});
+    const struct orl_slice name = orl_slice_take_word(&before);
+    if (name.length == 0)
         return fail(r, ORL_ERR_SYNTAX, "a name is missing before the value", value,
                     "Lines are NAME= value, or begin with '#'");
     return is_named(name, "materials")    ? add_files(r, r->lists[MATERIALS], value)
@@ -217,31 +222,33 @@ static int read_assignment(struct reading *r, char *line)
                                                                  : 0;
 }
 
-/* One line with those that go on, without comments. Returns what follows it. */
-static const char *take_line(struct reading *r, const char *at, const char *end, char *ret_line,
-                             int *rc)
+/* The next line with those that a backslash joins to it, without remarks, which go on over all of
+ * them. 1, 0 at the end, or an error. */
+static int take_line(struct reading *r, char *buffer, struct orl_slice *ret_line)
 {
+    struct orl_slice line;
     size_t length = 0;
-    bool comment = false;
-    for (; at < end; at++) {
-        if (*at == '\\' && at + 1 < end && (at[1] == '\n' || at[1] == '\r')) {
-            at += at[1] == '\r' && at + 2 < end;
-            at++;
-            r->line++;
-            ret_line[length < LINE_SIZE - 1 ? length++ : length] = ' ';
-            continue;
-        }
-        if (*at == '\n')
-            break;
-        comment = comment || *at == '#';
-        if (!comment && length < LINE_SIZE - 1)
-            ret_line[length++] = *at ? *at : ' ';
-        else if (!comment)
-            *rc = fail(r, ORL_ERR_SYNTAX, "a line is longer than bytes may be", "8191",
-                       "Assign materials, illum, scene or view several times");
+    bool remark = false, joined = true;
+    if (!orl_scanner_line(&r->scanner, &line))
+        return 0;
+    r->line = r->scanner.line;
+    while (joined) {
+        joined = line.length > 0 && line.text[line.length - 1] == '\\';
+        line.length -= joined;
+        const struct orl_slice plain =
+            remark ? (struct orl_slice){"", 0} : orl_slice_before(line, '#');
+        remark = remark || plain.length < line.length;
+        if (length + plain.length + 1 >= LINE_SIZE)
+            return fail(r, ORL_ERR_SYNTAX, "a line is longer than bytes may be",
+                        (struct orl_slice){"8191", 4},
+                        "Assign materials, illum, scene or view several times");
+        for (size_t i = 0; i < plain.length; i++)
+            buffer[length++] = plain.text[i] ? plain.text[i] : ' ';
+        buffer[length++] = ' ';
+        joined = joined && orl_scanner_line(&r->scanner, &line);
     }
-    ret_line[length] = '\0';
-    return at < end ? at + 1 : end;
+    *ret_line = (struct orl_slice){buffer, length};
+    return 1;
 }
 
 static json_t *make_project(struct reading *r)
@@ -269,24 +276,22 @@ static json_t *make_project(struct reading *r)
 int orl_rif_read(const char *name, const char *text, size_t size, json_t **ret_project,
                  struct orl_error *err)
 {
-    struct reading r = {.name = name, .width = SIDE, .height = SIDE, .aspect = 1, .err = err};
-    char *line = malloc(LINE_SIZE);
-    int rc = line ? 0 : no_memory(&r);
+    struct reading r = {.width = SIDE, .height = SIDE, .aspect = 1, .err = err};
+    struct orl_slice line = {NULL, 0};
+    char *buffer = malloc(LINE_SIZE);
+    int rc = buffer ? orl_scanner_init(&r.scanner, name, text, size, 0, err) : no_memory(&r);
     for (size_t i = 0; i < 4; i++)
         r.lists[i] = json_array();
     r.left_out = json_array();
     r.commands = json_array();
-    for (const char *at = text; at < text + size && rc == 0;) {
-        r.line++;
-        const int first = r.line;
-        at = take_line(&r, at, text + size, line, &rc);
-        const int last = r.line;
-        r.line = first;
-        rc = rc ? rc : read_assignment(&r, line);
-        r.line = last;
+    for (int more = 1; rc == 0 && more == 1;) {
+        more = take_line(&r, buffer, &line);
+        rc = more == 1 ? read_assignment(&r, line) : more;
+        r.line = more == 1 && rc == 0 ? r.scanner.line : r.line;
     }
     if (rc == 0 && json_array_size(r.lists[SCENE]) == 0)
-        rc = fail(&r, ORL_ERR_SYNTAX, "no scene files are named", name,
+        rc = fail(&r, ORL_ERR_SYNTAX, "no scene files are named",
+                  (struct orl_slice){name, strlen(name)},
                   "rad then takes an octree that is there: name the files that it was made of");
     if (rc == 0 && !(*ret_project = make_project(&r)))
         rc = no_memory(&r);
@@ -294,6 +299,6 @@ int orl_rif_read(const char *name, const char *text, size_t size, json_t **ret_p
         json_decref(r.lists[i]);
     json_decref(r.left_out);
     json_decref(r.commands);
-    free(line);
+    free(buffer);
     return rc;
 }
