@@ -21,6 +21,8 @@
 #include "annual/matrix_file.h"
 #include "fit/rows.h"
 #include "light/weather.h"
+#include "rif.h"
+#include "scene/generate/mgf.h"
 #include "scene/grid/ies.h"
 #include "scene/parse/stl.h"
 #include "scene/parse/wavefront.h"
@@ -203,6 +205,31 @@ static int read_measured(const char *text, size_t size, struct values *values,
     return code;
 }
 
+static int read_mgf(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    const struct orl_mgf mgf = {.text = {"a.mgf", "", 1, text, size}, .unit_m = 1, .emission = 1};
+    struct orl_text scene = {.data = NULL};
+    const int code = orl_mgf_write(&mgf, &scene, err);
+    const int n = snprintf(values->text, sizeof values->text, "%s", scene.data ? scene.data : "");
+    assert_true(n >= 0 && (size_t)n < sizeof values->text);
+    values->length = (size_t)n;
+    orl_text_done(&scene);
+    return code;
+}
+
+static int read_rif(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    json_t *project = NULL;
+    const int code = orl_rif_read("a.rif", text, size, &project, err);
+    char *const dump = json_dumps(project, JSON_COMPACT);
+    const int n = snprintf(values->text, sizeof values->text, "%s", dump ? dump : "");
+    assert_true(n >= 0 && (size_t)n < sizeof values->text);
+    values->length = (size_t)n;
+    free(dump);
+    json_decref(project);
+    return code;
+}
+
 #define PAB(rows) "#format: theta phi DSF\n#incident_angle 30 180\n" rows
 #define FIT_COLUMNS "theta_in,phi_in,theta_out,phi_out,bsdf\n"
 
@@ -311,6 +338,19 @@ static const struct reader readers[] = {
      {"theta_in;phi_in;theta_out;phi_out;bsdf\n30;180;60;0;0,5\n", 2,
       "column 13: bsdf: 0,5: a decimal comma; write 0.5"},
      {FIT_COLUMNS "30,180,,0,0.5\n", 2, "column 8: theta_out is missing: an empty cell"}},
+    {"MGF",
+     read_mgf,
+     "# a\nm w =\n\trd 0.5\nv a =\n\tp 0 0 0\nv b =\n\tp 1.5 0 0\nv c =\n\tp 0 1 0\nf a b \\\nc\n",
+     "# f\xfcr\nm w =\n\trd 0.5\nv a =\n\tp 0 0 0\nv b =\n\tp 1.5 0 0\nv c =\n\tp 0 1 0\nf a b "
+     "c\n",
+     {"v a =\n\tp 0 0,5 0\n", 2, "0,5: a decimal comma"},
+     {"v a =\n\tp 0 0\n", 2, "it takes 3 words, not 2"}},
+    {"rif",
+     read_rif,
+     "# a\nscene= a.rad \\\n 'b c.rad' # b\nRES= 400 300 0.5\nview= up -vp 0 0.5 0\n",
+     "# f\xfcr\nscene= a.rad \\\n 'b c.rad' # \xe9\nRES= 400 300 0.5\nview= up -vp 0 0.5 0\n",
+     {"scene= a.rad\nRES= 400 300 0,5\n", 2, "this is a decimal comma: 0,5 (Write a point)"},
+     {"scene= a.rad\nscene= \"\"\n", 2, "a file has no name"}},
     {"OBJ",
      read_obj,
      "# a\nv 0 0 0.5\nv 1 0 0 # b\nv 0 1 \\\n 0\ng x\nf 1 2 3\n",

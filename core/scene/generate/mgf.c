@@ -162,7 +162,7 @@ static int use_copy(struct orl_mgf_reader *r, const struct orl_mgf_frame *frame)
 
 /* By words; of what lies between start, behind that line, and its end. */
 static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_t n,
-                       const char *start, int line)
+                       const struct orl_scanner *start)
 {
     struct orl_mgf_frame *frame = &r->frames[r->n_frames];
     struct orl_error why = {0};
@@ -172,8 +172,7 @@ static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_
                             ORL_MGF_DEPTH);
     *frame = (struct orl_mgf_frame){.most = ORL_LIMIT_XFORM_ARRAY,
                                     .outer = r->xform,
-                                    .start = start,
-                                    .line = line,
+                                    .start = *start,
                                     .n_objects = r->n_objects};
     for (size_t i = 0; i < r->n_frames; i++)
         frame->most -= r->frames[i].n_copies < frame->most ? r->frames[i].n_copies : frame->most;
@@ -192,8 +191,7 @@ static int end_xform(struct orl_mgf_reader *r, bool *ret_ended)
     struct orl_mgf_frame *frame = &r->frames[r->n_frames - 1];
     *ret_ended = ++frame->copy == frame->n_copies;
     if (!*ret_ended) {
-        r->at = frame->start;
-        r->line = frame->line;
+        r->scanner = frame->start;
         return use_copy(r, frame);
     }
     pop_objects(r, frame->n_objects);
@@ -207,7 +205,7 @@ static int read_xform(struct orl_mgf_reader *r)
 {
     bool ended;
     if (r->n_words > 1)
-        return begin_xform(r, r->words + 1, r->n_words - 1, r->at, r->line);
+        return begin_xform(r, r->words + 1, r->n_words - 1, &r->scanner);
     if (r->n_frames == r->texts[r->n_texts - 1].n_frames)
         return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no transform has been begun");
     return end_xform(r, &ended);
@@ -240,21 +238,32 @@ static int open_text(struct orl_mgf_reader *r, struct orl_mgf_text *ret_text)
     return 0;
 }
 
+static int begin_text(const struct orl_mgf_reader *r, const struct orl_mgf_text *text,
+                      struct orl_scanner *ret_scanner)
+{
+    const int code = orl_scanner_init(ret_scanner, text->file, text->data, text->size,
+                                      ORL_SCANNER_JOINS, r->err);
+    ret_scanner->line = text->line;
+    return code;
+}
+
 /* "i file [transform]" */
 static int include(struct orl_mgf_reader *r)
 {
-    struct orl_mgf_place place = {.placed = r->n_words > 2, .back = r->at, .back_line = r->line};
+    struct orl_mgf_place place = {.placed = r->n_words > 2, .back = r->scanner};
+    struct orl_scanner scanner;
     if (!r->mgf->open)
         return refuse(r);
     int code = r->n_words > 1 ? open_text(r, &place.text) : orl_mgf_takes(r, 1, 1);
+    if (code == 0)
+        code = begin_text(r, &place.text, &scanner);
     if (code == 0 && place.placed)
-        code = begin_xform(r, r->words + 2, r->n_words - 2, place.text.data, place.text.line - 1);
+        code = begin_xform(r, r->words + 2, r->n_words - 2, &scanner);
     if (code < 0)
         return code;
     place.n_frames = r->n_frames;
     r->texts[r->n_texts++] = place;
-    r->at = place.text.data;
-    r->line = place.text.line - 1;
+    r->scanner = scanner;
     return 0;
 }
 
@@ -272,8 +281,7 @@ static int leave_text(struct orl_mgf_reader *r, bool *ret_ended)
     *ret_ended = r->n_texts == 1;
     if (code < 0 || *ret_ended || !ended)
         return code;
-    r->at = place->back;
-    r->line = place->back_line;
+    r->scanner = place->back;
     r->n_texts--;
     return 0;
 }
@@ -323,48 +331,42 @@ static int read_entity(struct orl_mgf_reader *r)
     return 0;
 }
 
-static bool is_space(char c)
+/* Behind the words that there are, each ended by NUL. Names that could not stand in scene text are
+ * refused. */
+static int add_word(struct orl_mgf_reader *r, struct orl_slice word, size_t *used)
 {
-    return c == ' ' || (c >= '\t' && c <= '\r');
+    char *const copy = r->buffer + *used;
+    if (*used + word.length + 2 > WORDS_BYTES || r->n_words == ORL_MGF_WORDS)
+        return orl_mgf_fail(r, ORL_ERR_LIMIT, "the line is too long");
+    for (size_t i = 0; i < word.length; i++) {
+        if (word.text[i] == '\'' || word.text[i] == '\0')
+            return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no name may hold this sign");
+        copy[i] = word.text[i];
+    }
+    copy[word.length] = '\0';
+    r->words[r->n_words++] = copy;
+    *used += word.length + 1;
+    return 0;
 }
 
-/* The entity at hand, with lines that a backslash joins, into words; none at the end, or of a
- * comment or an empty line. Names that could not stand in scene text are refused. */
+/* The entity at hand, with lines that a backslash joins, into words; none of a comment or an empty
+ * line. */
 static int read_words(struct orl_mgf_reader *r)
 {
-    const struct orl_mgf_text *const text = &r->texts[r->n_texts - 1].text;
-    const char *const end = text->data + text->size;
-    const char *const start = r->at;
-    size_t length = 0;
-    bool in_word = false;
+    const char *const start = r->scanner.at;
+    struct orl_slice word;
+    size_t used = 0;
+    bool remark = false;
+    int code = 0;
     r->n_words = 0;
-    for (r->line++; r->at < end && *r->at != '\n'; r->at++) {
-        if (*r->at == '\\' && end - r->at > 1 && r->at[1] == '\n') {
-            r->at++, r->line++;
-            in_word = false;
-        } else if (is_space(*r->at)) {
-            in_word = false;
-        } else if (*r->at == '\'' || *r->at == '\0') {
-            if (r->n_words > 0 && r->words[0][0] == '#')
-                continue;
-            return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no name may hold this sign");
-        } else {
-            if (length + 3 > WORDS_BYTES || (!in_word && r->n_words == ORL_MGF_WORDS))
-                return orl_mgf_fail(r, ORL_ERR_LIMIT, "the line is too long");
-            if (!in_word && length > 0)
-                r->buffer[length++] = '\0';
-            if (!in_word)
-                r->words[r->n_words++] = r->buffer + length;
-            r->buffer[length++] = *r->at;
-            in_word = true;
-        }
+    r->line = r->scanner.line;
+    while (code == 0 && orl_scanner_word_of_line(&r->scanner, &word)) {
+        r->line = r->scanner.line;
+        remark = remark || (r->n_words == 0 && word.text[0] == '#');
+        code = remark ? 0 : add_word(r, word, &used);
     }
-    r->buffer[length] = '\0';
-    r->at += r->at < end;
-    r->n_read += (size_t)(r->at - start);
-    if (r->n_words > 0 && r->words[0][0] == '#')
-        r->n_words = 0;
-    return 0;
+    r->n_read += (size_t)(r->scanner.at - start) + 1;
+    return code;
 }
 
 static int read_all(struct orl_mgf_reader *r)
@@ -372,9 +374,7 @@ static int read_all(struct orl_mgf_reader *r)
     bool ended = false;
     int code = 0;
     while (code == 0 && !ended) {
-        const struct orl_mgf_text *const text = &r->texts[r->n_texts - 1].text;
-        const bool at_end = r->at == text->data + text->size;
-        code = at_end ? leave_text(r, &ended) : read_words(r);
+        code = orl_scanner_next_line(&r->scanner) ? read_words(r) : leave_text(r, &ended);
         if (code == 0 && (r->n_read > ORL_LIMIT_SCENE_TEXT || r->text->size > ORL_LIMIT_FILE_BYTES))
             code = orl_mgf_fail(r, ORL_ERR_LIMIT, "the geometry, with its repeats, is too large");
         if (code == 0 && r->n_words > 0)
@@ -410,15 +410,15 @@ int orl_mgf_write(const struct orl_mgf *mgf, struct orl_text *text, struct orl_e
                                      .err = err ? err : &own,
                                      .texts[0].text = mgf->text,
                                      .n_texts = 1,
-                                     .at = mgf->text.data,
-                                     .line = mgf->text.line - 1,
                                      .buffer = buffer,
                                      .xform = orl_xform_identity};
         for (int i = 0; i < 3; i++)
             r->xform.row[i] = orl_scale(r->xform.row[i], mgf->unit_m);
         r->xform.scale = mgf->unit_m;
         orl_mgf_context_init(r);
-        code = read_all(r);
+        code = begin_text(r, &mgf->text, &r->scanner);
+        if (code == 0)
+            code = read_all(r);
         if (code == 0)
             warn(r);
         for (size_t i = 0; i < r->n_frames; i++)

@@ -38,8 +38,12 @@ int orl_mgf_takes(struct orl_mgf_reader *r, size_t least, size_t most)
 int orl_mgf_number(struct orl_mgf_reader *r, size_t i, double *ret_value)
 {
     const char *word = i < r->n_words ? r->words[i] : "";
-    if (orl_number_read(word, strlen(word), ret_value) == ORL_NUMBER_OK)
+    const struct orl_slice span = {word, strlen(word)};
+    if (orl_number_read(span.text, span.length, ret_value) == ORL_NUMBER_OK)
         return 0;
+    if (orl_slice_is_decimal_comma(span))
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "%.60s: a decimal comma; write it with a point",
+                            word);
     return orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' stands where a number should", word);
 }
 

@@ -9,6 +9,8 @@
 
 #include <oriel/limits.h>
 
+#include <oriel/scanner.h>
+
 #include "scene/generate/mgf.h"
 #include "scene/generate/xform.h"
 
@@ -57,17 +59,15 @@ struct orl_mgf_frame {
     size_t n_copies, copy, most; /* most: copies that it may make */
     size_t n_objects;            /* where it began */
     struct orl_xform outer;
-    const char *start; /* of what is repeated */
-    int line;
+    struct orl_scanner start; /* of what is repeated */
 };
 
 /* A text under way, by itself or within those before it. */
 struct orl_mgf_place {
     struct orl_mgf_text text;
-    size_t n_frames;  /* transforms when it began, that of all of it included */
-    bool placed;      /* by such a one */
-    const char *back; /* where the one before goes on */
-    int back_line;
+    size_t n_frames;         /* transforms when it began, that of all of it included */
+    bool placed;             /* by such a one */
+    struct orl_scanner back; /* where the one before goes on */
 };
 
 struct orl_mgf_reader {
@@ -76,9 +76,9 @@ struct orl_mgf_reader {
     struct orl_error *err;
     struct orl_mgf_place texts[ORL_LIMIT_INCLUDE_DEPTH];
     size_t n_texts;
-    const char *at; /* in the last of them */
-    int line;
-    char *buffer; /* the words of the entity at hand */
+    struct orl_scanner scanner; /* of the last of them */
+    int line;                   /* of the entity at hand, the last of those it is joined of */
+    char *buffer;               /* the words of the entity at hand */
     const char *words[ORL_MGF_WORDS];
     size_t n_words;
     void *named[ORL_MGF_KINDS]; /* trees of items, by tsearch(3) */
