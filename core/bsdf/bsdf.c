@@ -135,6 +135,7 @@ static void describe(struct orl_bsdf *bsdf, struct orl_crew *crew)
     struct orl_bsdf_info *info = &bsdf->info;
     memcpy(info->name, bsdf->document.name, sizeof info->name);
     info->thickness_m = bsdf->document.thickness_m;
+    info->skipped_bytes = bsdf->document.skipped_bytes;
     info->bytes = sizeof *bsdf;
     for (int i = 0; i < ORL_PART_COUNT; i++)
         if (bsdf->document.parts[i].present)

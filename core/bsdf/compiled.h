@@ -14,7 +14,7 @@
 
 #include <oriel/bsdf.h>
 
-enum { ORL_COMPILED_VERSION = 2, ORL_COMPILED_DIGEST = 32 };
+enum { ORL_COMPILED_VERSION = 3, ORL_COMPILED_DIGEST = 32 };
 
 /* Writes the whole file, not synced. content: SHA-256 of the XML. ORL_ERR_IO, _NOMEM. */
 int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_COMPILED_DIGEST],

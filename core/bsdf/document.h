@@ -50,8 +50,9 @@ size_t orl_component_clamped(enum orl_structure structure, const struct orl_comp
 void orl_component_done(struct orl_component *component); /* half-built is allowed */
 
 struct orl_document {
-    char name[128];     /* of the material, "" when not given */
-    double thickness_m; /* 0 when not given */
+    char name[128];       /* of the material, "" when not given */
+    double thickness_m;   /* 0 when not given */
+    size_t skipped_bytes; /* of text that stands before the XML */
     enum orl_structure structure;
     bool by_rows; /* MATRIX: Rows rather than Columns */
     struct orl_component parts[ORL_PART_COUNT];

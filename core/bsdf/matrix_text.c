@@ -35,9 +35,12 @@ static int drain(struct orl_matrix_text *text, struct orl_error *err)
             return code;
         if (code != ORL_TOKEN_NUMBER)
             return orl_error_set(err, ORL_ERR_SYNTAX, "a brace in the data of a matrix");
-        if (text->count == wanted(text->matrix))
-            return orl_error_set(err, ORL_ERR_SYNTAX, "more than the %zu values of the matrix",
-                                 text->count);
+        if (text->count == wanted(text->matrix)) {
+            orl_error_set(err, ORL_ERR_SYNTAX, "more than the %zu values of the matrix",
+                          text->count);
+            orl_error_hint(err, "decimal commas would do that: write 0.5, not 0,5");
+            return ORL_ERR_SYNTAX;
+        }
         text->matrix->values[place_of(text)] = orl_bsdf_value(number, &text->matrix->clamped);
         text->count++;
     }

@@ -5,6 +5,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include <oriel/scanner.h>
+
 void orl_scan_init(struct orl_scan *scan)
 {
     memset(scan, 0, sizeof *scan);
@@ -113,6 +115,9 @@ static int refuse(const char *text, size_t length, struct orl_error *err)
     if (length - skip >= 3 &&
         (!strncasecmp(text + skip, "nan", 3) || !strncasecmp(text + skip, "inf", 3)))
         return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is not a finite number", shown, text);
+    if (orl_slice_is_decimal_comma((struct orl_slice){text, length}))
+        return orl_error_set(err, ORL_ERR_SYNTAX, "%.*s: a decimal comma; write it with a point",
+                             shown, text);
     return orl_error_set(err, ORL_ERR_SYNTAX, "'%.*s' is not a number", shown, text);
 }
 

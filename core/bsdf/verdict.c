@@ -86,6 +86,11 @@ static void judge_values(struct orl_bsdf_check *c)
             "the "
             "same luminance.",
             c->info.out_of_gamut);
+    if (c->info.skipped_bytes > 0)
+        say(c, ORL_BSDF_WARNING,
+            "%zu bytes of text before the XML are passed over: a program's message, maybe. Other "
+            "programs may refuse the file.",
+            c->info.skipped_bytes);
     if (c->info.clamped > 0)
         say(c, c->info.clamped * 1000 > c->info.values ? ORL_BSDF_WARNING : ORL_BSDF_NOTE,
             "%zu of %zu values are negative; they are read as zero.", c->info.clamped,

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include <oriel/crew.h>
+#include <oriel/scanner.h>
 
 enum { SLICE_LEAST = 1 << 16, SLICE_MOST = 1 << 20, SLICE_OF_TOKEN = 1 << 28 };
 
@@ -144,8 +145,33 @@ static void refuse_xml(struct orl_xml_reader *r, bool last)
     const enum XML_Error error = XML_GetErrorCode(r->parser);
     FAIL(r, error == XML_ERROR_NO_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_SYNTAX, "XML: %s",
          XML_ErrorString(error));
-    if (last)
+    if (error == XML_ERROR_INVALID_TOKEN)
+        orl_error_hint(r->err, "letters beyond ASCII must be in UTF-8: save the file as UTF-8");
+    else if (last)
         orl_error_hint(r->err, "the file may be cut short");
+}
+
+/*
+ * Where the XML begins: what programs say of themselves before it, as genBSDF does, is passed over.
+ * A byte order mark is expat's. Nothing is passed over in UTF-16 whose mark lacks, which has zeros.
+ */
+static size_t find_xml(const struct orl_bsdf_xml *xml)
+{
+    const char *const data = xml->data;
+    if (xml->size == 0 || (unsigned char)*data >= 0xef || *data == '\0')
+        return 0;
+    const char *const first = memchr(data, '<', xml->size);
+    return first ? (size_t)(first - data) : 0;
+}
+
+/* Old programs mark the end by Ctrl-Z. */
+static size_t find_end(const struct orl_bsdf_xml *xml)
+{
+    size_t end = xml->size;
+    while (end > 0 &&
+           (xml->data[end - 1] == 0x1a || orl_byte_kind_of(xml->data[end - 1]) != ORL_BYTE_INK))
+        end--;
+    return end < xml->size && memchr(xml->data + end, 0x1a, xml->size - end) ? end : xml->size;
 }
 
 /* Hands a slice of the file to expat; its own errors get their line here. */
@@ -182,9 +208,11 @@ static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml
  */
 static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
-    size_t at = 0, slice = SLICE_LEAST, told = 0;
+    size_t at = find_xml(xml), slice = SLICE_LEAST, told = 0;
     XML_Index reached = -1;
     bool last = false;
+    r->document->skipped_bytes = at;
+    r->passed_lines = orl_count_lines(xml->data, xml->data + at);
     while (r->code == 0 && !last) {
         const size_t length = xml->size - at < slice ? xml->size - at : slice;
         last = length == xml->size - at;
@@ -227,6 +255,7 @@ static int check_complete(const struct orl_document *d, const char *file, struct
 int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_document,
                       struct orl_error *err)
 {
+    struct orl_bsdf_xml whole = *xml;
     struct orl_error ignored;
     struct orl_xml_reader *r = calloc(1, sizeof *r);
     struct orl_document *document = calloc(1, sizeof *document);
@@ -246,8 +275,9 @@ int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_d
     XML_SetElementHandler(r->parser, on_start, on_end);
     XML_SetCharacterDataHandler(r->parser, on_text);
     XML_SetStartDoctypeDeclHandler(r->parser, on_doctype);
-    r->blocks.xml = xml;
-    parse(r, xml);
+    whole.size = find_end(xml);
+    r->blocks.xml = &whole;
+    parse(r, &whole);
     /* What was put off comes before whatever parsing has failed at. */
     code = r->code == ORL_ERR_CANCELLED ? r->code : orl_blocks_read(&r->blocks, err);
     if (code == 0)

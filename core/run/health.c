@@ -37,6 +37,11 @@ void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *sc
         h->bsdf_values += info.values;
         h->bsdf_clamped += info.clamped;
         h->bsdf_rescaled += most > 1;
+        if (info.skipped_bytes > 0)
+            orl_run_warn(state,
+                         "BSDF '%.100s': its file has %zu bytes of text before the XML, which are "
+                         "passed over",
+                         m->name, info.skipped_bytes);
         if (most > 1 + tolerance)
             orl_run_warn(state,
                          "BSDF '%.100s': reflectance and transmittance add up to %.3f for some "

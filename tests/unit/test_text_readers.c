@@ -16,6 +16,7 @@
 
 #include <oriel/annual_metrics.h>
 #include <oriel/annual_report.h>
+#include <oriel/bsdf.h>
 #include <oriel/run.h>
 
 #include "annual/matrix_file.h"
@@ -230,6 +231,36 @@ static int read_rif(const char *text, size_t size, struct values *values, struct
     return code;
 }
 
+static int read_xml(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    struct orl_bsdf *bsdf = NULL;
+    struct orl_bsdf_info info;
+    const int code = orl_bsdf_load_xml("a.xml", text, size, &bsdf, err);
+    if (code < 0)
+        return code;
+    orl_bsdf_describe(bsdf, &info);
+    note_all(values, (const double[]){info.max_albedo[0], info.max_albedo[1]}, 2);
+    note_all(values, (const double[]){info.thickness_m, (double)info.values}, 2);
+    note(values, (double)info.skipped_bytes);
+    orl_bsdf_unref(bsdf);
+    return code;
+}
+
+/* A basis of one ring of two cells. */
+#define XML(name, thickness, values)                                                               \
+    "<WindowElement><Optical><Layer><Material><Name>" name                                         \
+    "</Name>\n<Thickness unit=\"Meter\">" thickness                                                \
+    "</Thickness></Material>\n<DataDefinition><IncidentDataStructure>Columns"                      \
+    "</IncidentDataStructure>\n<AngleBasis><AngleBasisName>two</AngleBasisName>\n"                 \
+    "<AngleBasisBlock><Theta>0</Theta><nPhis>2</nPhis><ThetaBounds>\n<LowerTheta>0</LowerTheta>"   \
+    "<UpperTheta>90</UpperTheta>\n</ThetaBounds></AngleBasisBlock></AngleBasis></"                 \
+    "DataDefinition>\n"                                                                            \
+    "<WavelengthData><Wavelength unit=\"Integral\">Visible</Wavelength>\n<WavelengthDataBlock>"    \
+    "<WavelengthDataDirection>Transmission Front</WavelengthDataDirection>\n<ColumnAngleBasis>two" \
+    "</ColumnAngleBasis><RowAngleBasis>two</RowAngleBasis>\n<ScatteringData>" values               \
+    "</ScatteringData></WavelengthDataBlock></WavelengthData>\n</Layer></Optical></"               \
+    "WindowElement>\n"
+
 #define PAB(rows) "#format: theta phi DSF\n#incident_angle 30 180\n" rows
 #define FIT_COLUMNS "theta_in,phi_in,theta_out,phi_out,bsdf\n"
 
@@ -351,6 +382,12 @@ static const struct reader readers[] = {
      "# f\xfcr\nscene= a.rad \\\n 'b c.rad' # \xe9\nRES= 400 300 0.5\nview= up -vp 0 0.5 0\n",
      {"scene= a.rad\nRES= 400 300 0,5\n", 2, "this is a decimal comma: 0,5 (Write a point)"},
      {"scene= a.rad\nscene= \"\"\n", 2, "a file has no name"}},
+    {"BSDF XML",
+     read_xml,
+     XML("a", "0.5", "0.1,\n0.2, 0.1\n0.05"),
+     XML("a<!-- f\xc3\xbcr -->", "0.5", "0.1,\n0.2, 0.1\n0.05"),
+     {XML("a", "0.5", "0,1 0,2 0,1 0,05"), 11, "write 0.5, not 0,5"},
+     {XML("a", "0.5", "0.1,0.2,0.1,"), 11, "3 values where the matrix has 4"}},
     {"OBJ",
      read_obj,
      "# a\nv 0 0 0.5\nv 1 0 0 # b\nv 0 1 \\\n 0\ng x\nf 1 2 3\n",
@@ -487,13 +524,17 @@ static void test_latin1_is_read_where_text_is_free(void **state)
         assert_same(reader, "Latin-1", reader->latin1, strlen(reader->latin1));
 }
 
-static void test_utf16_is_refused_with_the_remedy(void **state)
+static void test_utf16_is_refused_with_the_remedy_or_read(void **state)
 {
     char bytes[TEXT_BYTES];
     (void)state;
     EACH_READER(reader)
     {
         size_t n = as_utf16(reader->text, true, bytes);
+        if (reader->read == read_xml) { /* XML says itself what it is in */
+            assert_same(reader, "UTF-16", bytes, n);
+            continue;
+        }
         assert_refused(reader, "UTF-16", bytes, n, 1, "save it as UTF-8");
         n = as_utf16(reader->text, false, bytes);
         assert_refused(reader, "UTF-16 without mark", bytes, n, 1, "save it as UTF-8");
@@ -516,13 +557,42 @@ static void test_bad_numbers_are_refused_by_line(void **state)
     }
 }
 
+/* A program's own message, in front of the XML that it writes. */
+static void test_text_before_xml_is_passed_over(void **state)
+{
+    static const char message[] = "genBSDF: 145 rays\nand more\n",
+                      xml[] = "<?xml version=\"1.0\"?>\n" XML("a", "0.5", "0.1 0.2 0.1 0.05");
+    struct orl_bsdf *bsdf = NULL;
+    struct orl_bsdf_check check;
+    struct orl_error err = {0};
+    char text[TEXT_BYTES];
+    (void)state;
+    const int n = snprintf(text, sizeof text, "%s%s", message, xml);
+    if (orl_bsdf_load_xml("a.xml", text, (size_t)n, &bsdf, &err) < 0)
+        fail_msg("line %d: %s", err.line, err.message);
+    orl_bsdf_examine(bsdf, &check);
+    orl_bsdf_unref(bsdf);
+    assert_int_equal(check.info.skipped_bytes, sizeof message - 1);
+    bool warned = false;
+    for (size_t i = 0; i < check.n_verdicts; i++)
+        warned = warned || (check.verdicts[i].level == ORL_BSDF_WARNING &&
+                            strstr(check.verdicts[i].text, "27 bytes of text before the XML"));
+    assert_true(warned);
+    /* Lines still count from the file's first. */
+    snprintf(text, sizeof text, "%s%s", message, XML("a", "x", "0.1 0.2 0.1 0.05"));
+    assert_true(orl_bsdf_load_xml("a.xml", text, strlen(text), &bsdf, &err) < 0);
+    assert_int_equal(err.line, 4);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_byte_order_mark_is_skipped),
-                                       cmocka_unit_test(test_lines_end_in_any_way),
-                                       cmocka_unit_test(test_ctrl_z_ends_a_file),
-                                       cmocka_unit_test(test_latin1_is_read_where_text_is_free),
-                                       cmocka_unit_test(test_utf16_is_refused_with_the_remedy),
-                                       cmocka_unit_test(test_bad_numbers_are_refused_by_line)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_byte_order_mark_is_skipped),
+        cmocka_unit_test(test_lines_end_in_any_way),
+        cmocka_unit_test(test_ctrl_z_ends_a_file),
+        cmocka_unit_test(test_latin1_is_read_where_text_is_free),
+        cmocka_unit_test(test_utf16_is_refused_with_the_remedy_or_read),
+        cmocka_unit_test(test_bad_numbers_are_refused_by_line),
+        cmocka_unit_test(test_text_before_xml_is_passed_over)};
     return cmocka_run_group_tests_name("text_readers", tests, NULL, NULL);
 }

@@ -184,8 +184,9 @@ struct orl_bsdf_info {
     bool colored;                 /* some component has colour */
     bool
         color_left_out; /* some component has one channel of colour only, or of other cells: grey */
-    size_t out_of_gamut; /* values whose colour RGB cannot show: moved to its edge */
-    size_t clamped;      /* negative luminances set to zero */
+    size_t out_of_gamut;  /* values whose colour RGB cannot show: moved to its edge */
+    size_t clamped;       /* negative luminances set to zero */
+    size_t skipped_bytes; /* of text that stands before the XML, and was passed over */
 };
 void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_info);
 
@@ -197,7 +198,7 @@ void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_in
 
 enum {
     ORL_BSDF_CHECK_DIRECTIONS = 21, /* 0, and 15 to 75 degrees at four azimuths */
-    ORL_BSDF_VERDICTS_MAX = 20,
+    ORL_BSDF_VERDICTS_MAX = 21,
     ORL_BSDF_VERDICT_TEXT = 256,
 };
 
