@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/scanner.h>
+
 enum { VALUE_SIZE = 64 << 10, NAME_SIZE = 64, DEEPEST = 8, SIDE = 800, MOST_SIDE = 16384 };
 
 struct reading {
@@ -58,18 +60,15 @@ static void lower(char *text)
         *text = (char)tolower((unsigned char)*text);
 }
 
-/* A line without its end, in *ret_line of VALUE_SIZE; what follows. */
-static const char *take_line(const char *at, const char *end, char *ret_line, bool *too_long)
+/* Copies a line into ret_line, of VALUE_SIZE; false: it is too long. */
+static bool copy_line(struct orl_slice line, char *ret_line)
 {
-    size_t length = 0;
-    for (; at < end && *at != '\n'; at++) {
-        if (length < VALUE_SIZE - 1)
-            ret_line[length++] = *at ? *at : ' ';
-        else
-            *too_long = true;
-    }
-    ret_line[length] = '\0';
-    return at < end ? at + 1 : end;
+    if (line.length >= VALUE_SIZE)
+        return false;
+    for (size_t i = 0; i < line.length; i++)
+        ret_line[i] = line.text[i] ? line.text[i] : ' ';
+    ret_line[line.length] = '\0';
+    return true;
 }
 
 struct entry {
@@ -129,15 +128,14 @@ static int read_entry(struct reading *r, struct entry *at, char *line, int numbe
 static int read_sections(struct reading *r, const char *text, size_t size)
 {
     struct entry at = {.line = 0};
-    int rc = 0, number = 0;
-    for (const char *next = text; next < text + size && rc == 0;) {
-        bool too_long = false;
-        next = take_line(next, text + size, r->spare, &too_long);
-        number++;
-        rc = too_long ? fail(r, ORL_ERR_LIMIT, number, "a line is longer than 64 KiB", at.key,
-                             "Name fewer files")
-                      : read_entry(r, &at, r->spare, number);
-    }
+    struct orl_scanner scanner;
+    struct orl_slice line;
+    int rc = orl_scanner_init(&scanner, r->name, text, size, 0, r->err);
+    while (rc == 0 && orl_scanner_line(&scanner, &line))
+        rc = copy_line(line, r->spare)
+                 ? read_entry(r, &at, r->spare, scanner.line)
+                 : fail(r, ORL_ERR_LIMIT, scanner.line, "a line is longer than 64 KiB", at.key,
+                        "Name fewer files");
     return rc;
 }
 

@@ -1,5 +1,6 @@
 /* Which files of a folder are the scene, and which are only named by others. */
 #include <oriel/run.h>
+#include <oriel/scanner.h>
 
 #include <stdint.h>
 #include <string.h>
@@ -62,42 +63,19 @@ static void read_word(struct reading *r, const char *word, size_t length)
     strike(r, holder, folder, word, length);
 }
 
-/* The line's length; one that ends in a backslash goes on. */
-static size_t measure_line(const char *line, size_t size)
-{
-    for (size_t at = 0; at < size; at++) {
-        const char *end = memchr(line + at, '\n', size - at);
-        if (!end)
-            return size;
-        at = (size_t)(end - line);
-        const size_t last = at > 0 && line[at - 1] == '\r' ? at - 1 : at;
-        if (last == 0 || line[last - 1] != '\\')
-            return at;
-    }
-    return size;
-}
-
-static void read_command(struct reading *r, const char *line, size_t size)
-{
-    static const char space[] = " \t\r\n\\";
-    for (size_t at = 0; at < size;) {
-        size_t length = 0;
-        while (at + length < size && !memchr(space, line[at + length], sizeof space - 1))
-            length++;
-        if (length > 0)
-            read_word(r, line + at, length);
-        at += length + 1;
-    }
-}
-
+/* Lines with '!' in front, and those that a backslash joins to them. What is no text has none. */
 static void read_commands(struct reading *r, const struct orl_file *text)
 {
-    for (size_t at = 0; at < text->size;) {
-        const char *line = text->data + at;
-        const size_t length = measure_line(line, text->size - at);
-        if (line[0] == '!')
-            read_command(r, line + 1, length - 1);
-        at += length + 1;
+    struct orl_scanner scanner;
+    struct orl_slice word;
+    if (orl_scanner_init(&scanner, NULL, text->data, text->size, ORL_SCANNER_JOINS, NULL) < 0)
+        return;
+    while (orl_scanner_next_line(&scanner)) {
+        const bool is_command = *scanner.at == '!';
+        scanner.at += is_command;
+        while (orl_scanner_word_of_line(&scanner, &word))
+            if (is_command)
+                read_word(r, word.text, word.length);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <oriel/limits.h>
+#include <oriel/scanner.h>
 
 #include "run/stages.h"
 
@@ -52,21 +53,21 @@ static bool read_line(const char *text, struct view_line *line)
     return options;
 }
 
-/* The next view of a file from *at on; false: there is none. */
-static bool next_view(const char *text, size_t size, size_t *at, struct view_line *line)
+/* The next view of a file; false: there is none. Files may be pictures, with views in their heads.
+ */
+static bool next_view(struct orl_scanner *scanner, struct view_line *line)
 {
-    while (*at < size) {
-        const char *newline = memchr(text + *at, '\n', size - *at);
-        const size_t length = newline ? (size_t)(newline - text) - *at : size - *at;
-        char buffer[LINE_MAX_BYTES];
-        const bool fits = length < sizeof buffer && !memchr(text + *at, '\0', length);
-        if (fits) {
-            memcpy(buffer, text + *at, length);
-            buffer[length] = '\0';
-        }
-        *at += length + 1;
-        line->number++;
-        if (fits && read_line(buffer, line))
+    struct orl_slice text;
+    char buffer[LINE_MAX_BYTES];
+    while (orl_scanner_line(scanner, &text)) {
+        while (text.length > 0 && text.text[text.length - 1] == 0x1a) /* Ctrl-Z, behind the last */
+            text.length--;
+        if (text.length >= sizeof buffer || memchr(text.text, '\0', text.length))
+            continue;
+        memcpy(buffer, text.text, text.length);
+        buffer[text.length] = '\0';
+        line->number = scanner->line;
+        if (read_line(buffer, line))
             return true;
     }
     return false;
@@ -80,13 +81,12 @@ static bool is_entry(const struct view_line *line, int which, const char *entry)
     return !entry || strcmp(line->name, entry) == 0 || strcmp(number, entry) == 0;
 }
 
-static int find_view(const char *text, size_t size, const char *entry, struct view_line *ret_found,
+static int find_view(struct orl_scanner *scanner, const char *entry, struct view_line *ret_found,
                      struct orl_error *err)
 {
     struct view_line line = {.number = 0};
-    size_t at = 0;
     int count = 0, found = 0;
-    while (next_view(text, size, &at, &line)) {
+    while (next_view(scanner, &line)) {
         count++;
         if (is_entry(&line, count, entry) && found++ == 0)
             *ret_found = line;
@@ -110,8 +110,13 @@ int orl_view_file_read(const char *name, const char *text, size_t size, const ch
 {
     struct view_line *found = calloc(1, sizeof *found);
     struct orl_view view;
+    struct orl_scanner scanner;
     char *copy = NULL;
-    int code = found ? find_view(text, size, entry, found, err) : ORL_ERR_NOMEM;
+    int code = ORL_ERR_NOMEM;
+    if (found)
+        code = orl_scanner_init(&scanner, name, text, size, ORL_SCANNER_HEAD, err);
+    if (found && code == 0)
+        code = find_view(&scanner, entry, found, err);
     if (code == 0)
         code = orl_view_parse(found->text, &view, err);
     if (code < 0)

@@ -6,6 +6,7 @@
 
 #include <oriel/coordinates.h>
 #include <oriel/limits.h>
+#include <oriel/scanner.h>
 
 /* One word of the options, NUL-terminated in word; returns where the next begins, NULL at the end.
  */
@@ -39,6 +40,8 @@ static const char *parse_numbers(const char *text, const char *option, double *v
         if (strlen(word) == sizeof word - 1 || *end != '\0' || !isfinite(values[i])) {
             orl_error_set(err, ORL_ERR_SYNTAX, "view option %s: '%s' is not a finite number",
                           option, word);
+            if (orl_slice_is_decimal_comma((struct orl_slice){word, strlen(word)}))
+                orl_error_hint(err, "this is a decimal comma: write a point");
             return NULL;
         }
     }
