@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/scanner.h>
+
 #include "scene/material/text.h"
 #include "scene/parse/material_readers.h"
 
@@ -17,33 +19,23 @@ struct font {
 /* ---- Fonts ------------------------------------------------------------------------------------
  */
 
-/* Where the reading of a font file has come to. */
-struct numbers {
-    const char *at, *end;
-    int line;
-};
-
 /* The next integer from 0 to most; -1 at the end, -2 where there is something else. */
-static int next_number(struct numbers *n, int most)
+static int next_number(struct orl_scanner *numbers, int most)
 {
+    struct orl_slice word;
     int value = 0;
-    while (n->at < n->end && strchr(" \t\r\n#", *n->at)) {
-        if (*n->at == '#')
-            while (n->at < n->end && *n->at != '\n')
-                n->at++;
-        else if (*n->at++ == '\n')
-            n->line++;
-    }
-    if (n->at == n->end)
+    if (!orl_scanner_word(numbers, &word))
         return -1;
-    if (*n->at < '0' || *n->at > '9')
-        return -2;
-    while (n->at < n->end && *n->at >= '0' && *n->at <= '9' && value <= most)
-        value = 10 * value + (*n->at++ - '0');
-    return value > most || (n->at < n->end && !strchr(" \t\r\n#", *n->at)) ? -2 : value;
+    for (size_t i = 0; i < word.length && value <= most; i++) {
+        if (word.text[i] < '0' || word.text[i] > '9')
+            return -2;
+        value = 10 * value + (word.text[i] - '0');
+    }
+    return value > most ? -2 : value;
 }
 
-static bool read_corners(struct numbers *numbers, struct orl_glyph *glyph, unsigned char *corners)
+static bool read_corners(struct orl_scanner *numbers, struct orl_glyph *glyph,
+                         unsigned char *corners)
 {
     for (int i = 0; i < 2 * glyph->n; i++) {
         const int value = next_number(numbers, ORL_GLYPH_SIDE);
@@ -59,7 +51,7 @@ static bool read_corners(struct numbers *numbers, struct orl_glyph *glyph, unsig
 }
 
 /* One letter; false: it is none. */
-static bool read_glyph(struct numbers *numbers, struct orl_arena *arena, int code,
+static bool read_glyph(struct orl_scanner *numbers, struct orl_arena *arena, int code,
                        struct font *font, bool *ret_memory)
 {
     const int n = next_number(numbers, MOST_CORNERS), middle = (ORL_GLYPH_SIDE + 1) / 2;
@@ -79,8 +71,12 @@ static bool read_glyph(struct numbers *numbers, struct orl_arena *arena, int cod
 static int read_font(struct orl_parser *parser, const struct orl_source *source, struct font *font,
                      struct orl_error *err)
 {
-    struct numbers numbers = {source->file.data, source->file.data + source->file.size, 1};
-    int code, letters = 0, width = 0;
+    struct orl_scanner numbers;
+    int code = orl_scanner_init(&numbers, source->name, source->file.data, source->file.size,
+                                ORL_SCANNER_REMARKS | ORL_SCANNER_CUTS, err);
+    if (code < 0)
+        return code;
+    int letters = 0, width = 0;
     while ((code = next_number(&numbers, CODES - 1)) != -1) {
         bool memory;
         if (!read_glyph(&numbers, parser->out->arena, code, font, &memory)) {
