@@ -21,10 +21,13 @@
 
 #include "annual/matrix_file.h"
 #include "fit/rows.h"
+#include "frads.h"
 #include "light/weather.h"
 #include "rif.h"
+#include "run/stages.h"
 #include "scene/generate/mgf.h"
 #include "scene/grid/ies.h"
+#include "scene/parse/parse.h"
 #include "scene/parse/stl.h"
 #include "scene/parse/wavefront.h"
 
@@ -261,6 +264,48 @@ static int read_xml(const char *text, size_t size, struct values *values, struct
     "</ScatteringData></WavelengthDataBlock></WavelengthData>\n</Layer></Optical></"               \
     "WindowElement>\n"
 
+static int read_scene(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    static const char *const names[] = {"a.rad"};
+    const struct orl_file contents[] = {{text, size, NULL}};
+    struct orl_memory_files memory = {names, contents, 1};
+    const struct orl_files files = orl_files_from_memory(&memory);
+    struct orl_description description = {0};
+    const int code = orl_scene_parse(names, 1, &files, &description, err);
+    for (uint32_t i = 0; code == 0 && i < description.n_surfaces; i++) {
+        const struct orl_vec3 *v = description.surfaces[i].vertices;
+        for (uint32_t k = 0; v && k < description.surfaces[i].n_vertices; k++)
+            note_all(values, (const double[]){v[k].x, v[k].y, v[k].z}, 3);
+        note(values, description.surfaces[i].line);
+    }
+    orl_description_done(&description);
+    return code;
+}
+
+static int read_view(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    char *view = NULL;
+    const int code = orl_view_file_read("a.vf", text, size, "1", &view, err);
+    const int n = snprintf(values->text, sizeof values->text, "%s", view ? view : "");
+    assert_true(n >= 0 && (size_t)n < sizeof values->text);
+    values->length = (size_t)n;
+    free(view);
+    return code;
+}
+
+static int read_frads(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    json_t *project = NULL;
+    const int code = orl_frads_read("a.cfg", text, size, &project, err);
+    char *const dump = json_dumps(project, JSON_COMPACT);
+    const int n = snprintf(values->text, sizeof values->text, "%s", dump ? dump : "");
+    assert_true(n >= 0 && (size_t)n < sizeof values->text);
+    values->length = (size_t)n;
+    free(dump);
+    json_decref(project);
+    return code;
+}
+
 #define PAB(rows) "#format: theta phi DSF\n#incident_angle 30 180\n" rows
 #define FIT_COLUMNS "theta_in,phi_in,theta_out,phi_out,bsdf\n"
 
@@ -388,6 +433,25 @@ static const struct reader readers[] = {
      XML("a<!-- f\xc3\xbcr -->", "0.5", "0.1,\n0.2, 0.1\n0.05"),
      {XML("a", "0.5", "0,1 0,2 0,1 0,05"), 11, "write 0.5, not 0,5"},
      {XML("a", "0.5", "0.1,0.2,0.1,"), 11, "3 values where the matrix has 4"}},
+    {"scene",
+     read_scene,
+     "void plastic w\n0\n0\n5 .5 .5 .5 0 0\n# b\nw polygon p 0 0 9 0 0 0.5 1 0 0 0 1 0\n"
+     "!genbox w b 1 2 \\\n 3.5\n",
+     NULL,
+     {"void plastic w 0 0 5\n.5 0,5 .5 0 0\n", 2, "this is a decimal comma: write a point"},
+     {"void plastic w 0 0 5\n.5 .5 .5 0 , 0\n", 2, ","}},
+    {"view file",
+     read_view,
+     "rvu -vtv -vp 0 0.5 0 -vd 0 1 0\n",
+     "# f\xfcr\nrvu -vtv -vp 0 0.5 0 -vd 0 1 0\n",
+     {"rvu -vtv -vp 0 0,5 0\n", 1, "this is a decimal comma"},
+     {"rvu -vtv -vp 0 0.5\n", 1, "needs 3 numbers"}},
+    {"frads",
+     read_frads,
+     "[Model]\nname = a\nscene = a.rad\n b.rad\n",
+     "# f\xfcr\n[Model]\nname = a\nscene = a.rad\n b.rad\n",
+     {NULL, 0, NULL},
+     {NULL, 0, NULL}},
     {"OBJ",
      read_obj,
      "# a\nv 0 0 0.5\nv 1 0 0 # b\nv 0 1 \\\n 0\ng x\nf 1 2 3\n",

@@ -1,18 +1,18 @@
 #include "scene/parse/lexer.h"
 
 #include <stdlib.h>
-#include <string.h>
+
+#include <oriel/scanner.h>
 
 void orl_lexer_init(struct orl_lexer *lexer, const char *file, const char *text, size_t size)
 {
-    static const char byte_order_mark[] = "\xef\xbb\xbf";
-    lexer->at = text ? text : ""; /* of a command that writes nothing */
-    lexer->end = lexer->at + size;
+    struct orl_slice whole = {text ? text : "", size}; /* a command may write nothing */
+    orl_text_trim(file, &whole, NULL); /* what is no text is refused where the first such byte is */
+    lexer->at = whole.text;
+    lexer->end = whole.text + whole.length;
     lexer->file = file;
     lexer->line = 1;
     lexer->frozen = false;
-    if (size >= 3 && memcmp(lexer->at, byte_order_mark, 3) == 0)
-        lexer->at += 3;
 }
 
 static bool is_blank(char c)
@@ -28,9 +28,10 @@ static bool is_quote(char c)
 /* Steps over one character and counts lines. */
 static void step(struct orl_lexer *lexer)
 {
-    if (*lexer->at == '\n' && !lexer->frozen)
+    const char c = *lexer->at++;
+    const bool is_end = c == '\n' || (c == '\r' && (lexer->at == lexer->end || *lexer->at != '\n'));
+    if (is_end && !lexer->frozen)
         lexer->line++;
-    lexer->at++;
 }
 
 static void skip_blanks(struct orl_lexer *lexer)
@@ -49,18 +50,24 @@ enum orl_next orl_lexer_next(struct orl_lexer *lexer)
             return ORL_NEXT_COMMAND;
         if (*lexer->at != '#')
             return ORL_NEXT_PRIMITIVE;
-        lexer->at = memchr(lexer->at, '\n', (size_t)(lexer->end - lexer->at));
-        if (!lexer->at)
-            lexer->at = lexer->end;
+        while (lexer->at < lexer->end && *lexer->at != '\n' && *lexer->at != '\r')
+            lexer->at++;
     }
 }
 
-/* The end of the command's last line: the first newline that no backslash precedes. */
+/* Whether a line ends at such a place behind a command's '!', and no backslash joins the next. */
+static bool ends_line(const struct orl_lexer *lexer, const char *at)
+{
+    if (*at == '\r') /* alone */
+        return (at + 1 == lexer->end || at[1] != '\n') && at[-1] != '\\';
+    return *at == '\n' && at[-1] != '\\' &&
+           !(at[-1] == '\r' && at - lexer->at > 1 && at[-2] == '\\');
+}
+
 static const char *command_end(const struct orl_lexer *lexer)
 {
     const char *at = lexer->at;
-    while (at < lexer->end && (*at != '\n' || at[-1] == '\\' ||
-                               (at[-1] == '\r' && at - lexer->at > 1 && at[-2] == '\\')))
+    while (at < lexer->end && !ends_line(lexer, at))
         at++;
     return at;
 }
@@ -101,7 +108,9 @@ static int bad_byte(const struct orl_lexer *lexer, struct orl_error *err)
     orl_error_set(err, ORL_ERR_SYNTAX, "this is not text: it has a byte 0x%02x",
                   (unsigned)(unsigned char)*lexer->at);
     orl_error_at(err, lexer->file, lexer->line, NULL);
-    orl_error_hint(err, "scene files are plain text; octrees and archives are not read");
+    orl_error_hint(err,
+                   "scene files are plain text: save it as UTF-8; octrees and archives are not "
+                   "read");
     return ORL_ERR_SYNTAX;
 }
 

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/scanner.h>
+
 #include "base/number.h"
 
 enum { HEAD_WORDS = 3 };
@@ -193,6 +195,8 @@ static int read_reals(struct orl_primitive *primitive, struct orl_lexer *lexer,
         orl_error_hint(err, "argument %zu of %zu; is the count before the numbers right?%s", i + 1,
                        primitive->n_reals,
                        *text == '#' ? " Comments may stand between primitives only." : "");
+        if (orl_slice_is_decimal_comma((struct orl_slice){word.text, word.length}))
+            orl_error_hint(err, "this is a decimal comma: write a point");
         return ORL_ERR_SYNTAX;
     }
     return 0;
