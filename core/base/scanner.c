@@ -13,7 +13,7 @@
 const unsigned char orl_byte_kinds[256] = {[' '] = BLANK,  ['\t'] = BLANK,    ['\v'] = BLANK,
                                            ['\f'] = BLANK, ['\n'] = LINE_END, ['\r'] = LINE_END};
 
-enum { CTRL_Z = 0x1a, ESCAPE = 0x1b, LOOKED_AT = 4096, NEAR = 16, SHOWN = 40 };
+enum { CTRL_Z = 0x1a, ESCAPE = 0x1b, LOOKED_AT = 4096, NEAR = 16, STRETCH = 4096, SHOWN = 40 };
 
 static bool is_blank(char c)
 {
@@ -137,29 +137,33 @@ int orl_scanner_rest_is_text(struct orl_scanner *scanner, struct orl_error *err)
     if (code < 0)
         return code;
     scanner->end = rest.text + rest.length;
-    scanner->feed = NULL;
     return 0;
 }
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
-/* Where the line ends that `from` lies in. A feed that was found is kept, as a file whose lines end
- * in "\r" alone would be searched to its end again for each. */
-static const char *find_line_end(struct orl_scanner *scanner, const char *from)
+/* Most lines are too short for memchr to be worth its calls; of the others a stretch is searched at
+ * a time, as a file whose lines end in "\r" alone would be searched to its end for each. */
+const char *orl_line_end(const char *at, const char *end)
 {
-    const size_t left = (size_t)(scanner->end - from);
-    const char *const near = from + (left < NEAR ? left : NEAR);
-    for (; from < near; from++) /* most lines are too short for memchr to be worth its call */
-        if (is_line_end(*from))
-            return from;
-    if (from == scanner->end)
-        return from;
-    if (!scanner->feed || scanner->feed < from) {
-        const char *const feed = memchr(from, '\n', (size_t)(scanner->end - from));
-        scanner->feed = feed ? feed : scanner->end;
+    const char *const near = end - at < NEAR ? end : at + NEAR;
+    for (; at < near; at++)
+        if (is_line_end(*at))
+            return at;
+    while (at < end) {
+        const size_t stretch = end - at < STRETCH ? (size_t)(end - at) : STRETCH;
+        const char *const feed = memchr(at, '\n', stretch);
+        const char *const carriage = memchr(at, '\r', feed ? (size_t)(feed - at) : stretch);
+        if (carriage || feed)
+            return carriage ? carriage : feed;
+        at += stretch;
     }
-    const char *const carriage = memchr(from, '\r', (size_t)(scanner->feed - from));
-    return carriage ? carriage : scanner->feed;
+    return end;
+}
+
+static const char *find_line_end(const struct orl_scanner *scanner, const char *from)
+{
+    return orl_line_end(from, scanner->end);
 }
 
 /* Behind the end of a line, which is there. */
@@ -389,7 +393,6 @@ static bool is_spaced(struct orl_slice line)
 
 void orl_cells_init(struct orl_cells *cells, struct orl_slice line)
 {
-    line = orl_slice_trim(line);
     *cells = (struct orl_cells){line, line.text, line.text + line.length, '\0'};
 }
 

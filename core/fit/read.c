@@ -3,29 +3,27 @@
 
 #include "base/number.h"
 
-/* The word at the front is a number, maybe "nan" or "inf". */
-static bool begins_number(struct orl_slice line)
+/* The front of the word is a number, maybe "nan" or "inf". */
+static bool begins_number(struct orl_slice word)
 {
     double value;
     size_t length = 0;
-    while (length < line.length && orl_byte_kind_of(line.text[length]) == ORL_BYTE_INK &&
-           line.text[length] != ',' && line.text[length] != ';')
+    while (length < word.length && word.text[length] != ',' && word.text[length] != ';')
         length++;
-    return orl_number_read(line.text, length, &value) != ORL_NUMBER_NOT_ONE;
+    return orl_number_read(word.text, length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
 /* A CSV is told by a first line of words. */
 static bool is_csv(const struct orl_scanner *scanner)
 {
     struct orl_scanner ahead = *scanner;
-    struct orl_slice line;
-    while (orl_scanner_line(&ahead, &line)) {
-        line = orl_slice_trim(line);
-        if (line.length == 0 || *line.text == '#')
+    struct orl_slice word;
+    while (orl_scanner_next_line(&ahead)) {
+        if (!orl_scanner_word_of_line(&ahead, &word) || *word.text == '#')
             continue;
-        const char c = *line.text;
+        const char c = *word.text;
         const bool is_word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '"';
-        return is_word && !begins_number(line);
+        return is_word && !begins_number(word);
     }
     return false;
 }

@@ -42,7 +42,6 @@ enum orl_scanner_option {
 struct orl_scanner {
     const char *at, *end;
     const char *begin; /* of the line at hand */
-    const char *feed;  /* the next "\n" from at on, or end; where at has passed it, unknown */
     const char *name;  /* of the file, for messages; borrowed */
     int line;          /* the line at hand */
     unsigned options;  /* of enum orl_scanner_option */
@@ -67,6 +66,9 @@ bool orl_scanner_next_line(struct orl_scanner *scanner);
 
 /* Goes to the next line and takes all of it, without its end; false: there is none. */
 bool orl_scanner_line(struct orl_scanner *scanner, struct orl_slice *ret_line);
+
+/* Where the line ends that `at` lies in: at its "\n" or "\r", or at end. */
+const char *orl_line_end(const char *at, const char *end);
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 

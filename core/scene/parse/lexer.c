@@ -50,8 +50,7 @@ enum orl_next orl_lexer_next(struct orl_lexer *lexer)
             return ORL_NEXT_COMMAND;
         if (*lexer->at != '#')
             return ORL_NEXT_PRIMITIVE;
-        while (lexer->at < lexer->end && *lexer->at != '\n' && *lexer->at != '\r')
-            lexer->at++;
+        lexer->at = orl_line_end(lexer->at, lexer->end);
     }
 }
 
