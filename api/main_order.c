@@ -4,6 +4,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include <oriel/scanner.h>
+
 enum { MOST_DEFINERS = 16, DEEPEST = 8 };
 
 struct word {
@@ -60,41 +62,6 @@ static void add(struct order *order, struct words *words, const struct word *wor
 
 /* ---- A text ---------------------------------------------------------------------------------- */
 
-struct text {
-    const char *at, *end;
-};
-
-static bool is_space(char c)
-{
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
-static bool next_word(struct text *text, struct word *ret_word)
-{
-    while (text->at < text->end && is_space(*text->at))
-        text->at++;
-    ret_word->at = text->at;
-    while (text->at < text->end && !is_space(*text->at))
-        text->at++;
-    ret_word->size = (size_t)(text->at - ret_word->at);
-    return ret_word->size > 0;
-}
-
-/* To the line's end; a command goes on behind a backslash. */
-static struct text take_line(struct text *text, bool of_command)
-{
-    struct text line = {text->at, text->end};
-    while (text->at < text->end) {
-        const char *end = memchr(text->at, '\n', (size_t)(text->end - text->at));
-        line.end = end ? end : text->end;
-        text->at = end ? end + 1 : text->end;
-        const char *last = line.end > line.at && line.end[-1] == '\r' ? line.end - 1 : line.end;
-        if (!of_command || !end || last == line.at || last[-1] != '\\')
-            break;
-    }
-    return line;
-}
-
 static void look_at_file(struct order *order, size_t index, unsigned depth);
 
 /* By its last part: which folder it is in does not matter for the order. */
@@ -112,13 +79,19 @@ static void look_at_named(struct order *order, const struct word *word, unsigned
     }
 }
 
-static void look_at_command(struct order *order, struct text line, unsigned depth)
+/* Behind its first word, which has the mark in front; lines go on behind a backslash. */
+static void look_at_command(struct order *order, struct orl_scanner *scanner,
+                            struct orl_slice first, unsigned depth)
 {
     static const char *const skies[] = {"gensky", "gendaylit", NULL};
     static const struct word sky = {"skyfunc", 7, 0};
-    struct word word, before = {"", 0, 0};
-    line.at++; /* the mark */
-    for (size_t i = 0; next_word(&line, &word); i++) {
+    const unsigned options = scanner->options;
+    struct orl_slice next = {first.text + 1, first.length - 1};
+    struct word before = {"", 0, 0};
+    scanner->options = ORL_SCANNER_JOINS;
+    bool more = next.length > 0 || orl_scanner_word_of_line(scanner, &next);
+    for (size_t i = 0; more; i++) {
+        const struct word word = {next.text, next.length, 0};
         const bool file = word.size > 4 && strncasecmp(word.at + word.size - 4, ".rad", 4) == 0;
         if (i == 0 && is_one_of(&word, skies))
             add(order, &order->defined, &sky);
@@ -128,56 +101,58 @@ static void look_at_command(struct order *order, struct text line, unsigned dept
                  (i == 1 && before.size > 3 && memcmp(before.at, "gen", 3) == 0))
             add(order, &order->used, &word);
         before = word;
+        more = orl_scanner_word_of_line(scanner, &next);
     }
+    scanner->options = options;
 }
 
 /* The next word of a primitive, behind comments and, where one may begin, commands. */
-static bool next_of_scene(struct order *order, struct text *text, bool first, unsigned depth,
-                          struct word *ret_word)
+static bool next_of_scene(struct order *order, struct orl_scanner *scanner, bool first,
+                          unsigned depth, struct word *ret_word)
 {
-    for (;;) {
-        while (text->at < text->end && is_space(*text->at))
-            text->at++;
-        if (text->at < text->end && *text->at == '#')
-            take_line(text, false);
-        else if (first && text->at < text->end && *text->at == '!')
-            look_at_command(order, take_line(text, true), depth);
-        else
-            return next_word(text, ret_word);
+    struct orl_slice next;
+    while (orl_scanner_word(scanner, &next)) {
+        if (first && *next.text == '!') {
+            look_at_command(order, scanner, next, depth);
+            continue;
+        }
+        *ret_word = (struct word){next.text, next.length, 0};
+        return true;
     }
+    return false;
 }
 
 /* The three lists of arguments; of some types the first word names a modifier. */
-static void skip_arguments(struct order *order, struct text *text, bool names_modifier)
+static void skip_arguments(struct order *order, struct orl_scanner *scanner, bool names_modifier)
 {
     struct word word;
-    for (int list = 0; list < 3 && next_of_scene(order, text, false, 0, &word); list++) {
+    for (int list = 0; list < 3 && next_of_scene(order, scanner, false, 0, &word); list++) {
         unsigned long left = 0;
         for (size_t i = 0; i < word.size && i < 9 && word.at[i] >= '0' && word.at[i] <= '9'; i++)
             left = 10 * left + (unsigned long)(word.at[i] - '0');
         for (bool named = names_modifier && list == 0;
-             left > 0 && next_of_scene(order, text, false, 0, &word); left--, named = false)
+             left > 0 && next_of_scene(order, scanner, false, 0, &word); left--, named = false)
             if (named)
                 add(order, &order->used, &word);
     }
 }
 
-static void look_at_text(struct order *order, struct text text, unsigned depth)
+static void look_at_text(struct order *order, struct orl_scanner *scanner, unsigned depth)
 {
     static const char *const surfaces[] = {"polygon", "sphere",   "bubble", "cone",
                                            "cup",     "cylinder", "tube",   "ring",
                                            "source",  "instance", "mesh",   NULL};
     static const char *const others[] = {"illum", "mirror", "antimatter", NULL};
     struct word modifier, type, name;
-    while (next_of_scene(order, &text, true, depth, &modifier) &&
-           next_of_scene(order, &text, false, depth, &type) &&
-           next_of_scene(order, &text, false, depth, &name)) {
+    while (next_of_scene(order, scanner, true, depth, &modifier) &&
+           next_of_scene(order, scanner, false, depth, &type) &&
+           next_of_scene(order, scanner, false, depth, &name)) {
         add(order, &order->used, &modifier);
         if (!is_one_of(&type, surfaces))
             add(order, &order->defined, &name);
         if (!is_word(&type, "alias"))
-            skip_arguments(order, &text, is_one_of(&type, others));
-        else if (next_of_scene(order, &text, false, depth, &name))
+            skip_arguments(order, scanner, is_one_of(&type, others));
+        else if (next_of_scene(order, scanner, false, depth, &name))
             add(order, &order->used, &name);
     }
 }
@@ -190,7 +165,9 @@ static void look_at_file(struct order *order, size_t index, unsigned depth)
         return; /* which is told when the scene is read */
     order->opened[index] = true;
     const struct orl_file *file = &order->texts[index];
-    look_at_text(order, (struct text){file->data, file->data + file->size}, depth);
+    struct orl_scanner scanner; /* what is no text is told when the scene is read */
+    if (orl_scanner_init(&scanner, NULL, file->data, file->size, ORL_SCANNER_REMARKS, NULL) == 0)
+        look_at_text(order, &scanner, depth);
 }
 
 /* ---- Who needs whom -------------------------------------------------------------------------- */

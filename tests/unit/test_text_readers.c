@@ -27,6 +27,8 @@
 #include "run/stages.h"
 #include "scene/generate/mgf.h"
 #include "scene/grid/ies.h"
+#include "scene/parse/lamps.h"
+#include "scene/parse/material_rules.h"
 #include "scene/parse/parse.h"
 #include "scene/parse/stl.h"
 #include "scene/parse/wavefront.h"
@@ -306,6 +308,31 @@ static int read_frads(const char *text, size_t size, struct values *values, stru
     return code;
 }
 
+static int read_lamps(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    struct orl_lamp_table table = {.name = "a.tab", .text = text, .size = size, .steps = 1 << 20};
+    struct orl_lamp lamp = {.x = 0};
+    const int code = orl_lamp_find(&table, "halogen", 7, &lamp, err);
+    note_all(values, (const double[]){lamp.x, lamp.y, lamp.share}, 3);
+    return code < 0 ? code : 0;
+}
+
+static int read_rules(const char *text, size_t size, struct values *values, struct orl_error *err)
+{
+    static const char red[] = "red";
+    struct orl_material_rules *rules = NULL;
+    const int code = orl_material_rules_read("a.map", text, size, &rules, err);
+    if (code < 0)
+        return code;
+    for (uint64_t number = 1; number <= 3; number++) {
+        struct orl_wavefront_face face = {.number = number};
+        const char *const name = orl_material_rules_choose(rules, &face);
+        note(values, name && strcmp(name, red) == 0);
+    }
+    orl_material_rules_free(rules);
+    return 0;
+}
+
 #define PAB(rows) "#format: theta phi DSF\n#incident_angle 30 180\n" rows
 #define FIT_COLUMNS "theta_in,phi_in,theta_out,phi_out,bsdf\n"
 
@@ -446,6 +473,18 @@ static const struct reader readers[] = {
      "# f\xfcr\nrvu -vtv -vp 0 0.5 0 -vd 0 1 0\n",
      {"rvu -vtv -vp 0 0,5 0\n", 1, "this is a decimal comma"},
      {"rvu -vtv -vp 0 0.5\n", 1, "needs 3 numbers"}},
+    {"table of lamps",
+     read_lamps,
+     "# lamps\n/tube/ .4 .4 1\n/halogen/ 0.45 0.4 0.9\n",
+     "# f\xfcr\n/r\xf6hre/ .4 .4 1\n/halogen/ 0.45 0.4 0.9\n",
+     {"/halogen/ 0,5 0.4 0.9\n", 1, "0,5: a decimal comma; write 0.5"},
+     {"/halogen/ 0.45 0.4\n", 1, "x, y and the share of its light"}},
+    {"rules of materials",
+     read_rules,
+     "# rules\nred (Face [1:2]);\nblue;\n",
+     "# f\xfcr\nred (Face [1:2]);\nblue;\n",
+     {NULL, 0, NULL},
+     {"red;\n();\n", 2, "a rule begins with a material"}},
     {"frads",
      read_frads,
      "[Model]\nname = a\nscene = a.rad\n b.rad\n",

@@ -3,7 +3,8 @@
 #include <ctype.h>
 #include <string.h>
 
-#include "base/number.h"
+#include <oriel/scanner.h>
+
 #include "scene/material/observer.h"
 
 /* Text from a place on, up to its end. */
@@ -152,12 +153,6 @@ static int fail(const struct orl_lamp_table *table, int line, int code, const ch
     return code;
 }
 
-static void skip_spaces(struct span *span)
-{
-    while (span->at < span->end && isspace((unsigned char)*span->at))
-        span->at++;
-}
-
 /* The next such character that no backslash stands before, or the end. */
 static const char *find_end(struct span span, char c)
 {
@@ -168,13 +163,14 @@ static const char *find_end(struct span span, char c)
 }
 
 /* 1: an entry, 0: nothing but space and comment. Patterns are short: they are tried in depth. */
-static int read_entry(const struct orl_lamp_table *table, int number, struct span line,
+static int read_entry(const struct orl_lamp_table *table, int number, struct orl_slice text,
                       struct entry *ret, struct orl_error *err)
 {
     enum { LONGEST = 250 };
-    skip_spaces(&line);
-    if (line.at == line.end || *line.at == '#')
+    text = orl_slice_trim(text);
+    if (text.length == 0 || *text.text == '#')
         return 0;
+    struct span line = {text.text, text.text + text.length};
     const char delimiter = *line.at++;
     ret->pattern = (struct span){line.at, find_end(line, delimiter)};
     if (ret->pattern.end == line.end)
@@ -182,7 +178,8 @@ static int read_entry(const struct orl_lamp_table *table, int number, struct spa
     if (ret->pattern.end - ret->pattern.at > LONGEST)
         return fail(table, number, ORL_ERR_LIMIT, "a lamp's pattern is too long", err);
     ret->rest = (struct span){ret->pattern.end + 1, line.end};
-    skip_spaces(&ret->rest);
+    while (ret->rest.at < line.end && orl_byte_kind_of(*ret->rest.at) == ORL_BYTE_BLANK)
+        ret->rest.at++;
     return 1;
 }
 
@@ -190,17 +187,17 @@ static int read_entry(const struct orl_lamp_table *table, int number, struct spa
 static int read_lamp(const struct orl_lamp_table *table, int line, struct span rest,
                      struct orl_lamp *ret, struct orl_error *err)
 {
+    static const char what[] = "behind a lamp's pattern x, y and the share of its light are "
+                               "expected, or another's name between ()";
+    const struct orl_scanner scanner = {.name = table->name, .line = line};
     double *const numbers[] = {&ret->x, &ret->y, &ret->share};
+    struct orl_slice left = {rest.at, (size_t)(rest.end - rest.at)};
     for (int i = 0; i < 3; i++) {
-        skip_spaces(&rest);
-        const char *const word = rest.at;
-        while (rest.at < rest.end && !isspace((unsigned char)*rest.at))
-            rest.at++;
-        if (orl_number_read(word, (size_t)(rest.at - word), numbers[i]) != ORL_NUMBER_OK)
-            return fail(table, line, ORL_ERR_SYNTAX,
-                        "behind a lamp's pattern x, y and the share of its light are expected, or "
-                        "another's name between ()",
-                        err);
+        const struct orl_slice word = orl_slice_take_word(&left);
+        const int code = word.length > 0 ? orl_scanner_number(&scanner, word, what, numbers[i], err)
+                                         : fail(table, line, ORL_ERR_SYNTAX, what, err);
+        if (code < 0)
+            return code;
     }
     const double x = ret->x, y = ret->y, share = ret->share;
     if (!(x >= 0 && y >= 1e-3 && x + y <= 1 && share >= 0 && share <= 1e6))
@@ -215,12 +212,14 @@ static int read_lamp(const struct orl_lamp_table *table, int line, struct span r
 static int find_entry(struct orl_lamp_table *table, struct span words, int before,
                       struct entry *ret, struct orl_error *err)
 {
-    struct span text = {table->text, table->text + table->size};
-    for (int number = 1; text.at < text.end && number < before; number++) {
-        const char *const feed = memchr(text.at, '\n', (size_t)(text.end - text.at));
-        const struct span line = {text.at, feed ? feed : text.end};
-        const int code = read_entry(table, number, line, ret, err);
-        text.at = feed ? feed + 1 : text.end;
+    struct orl_scanner scanner;
+    struct orl_slice line;
+    int code = orl_scanner_init(&scanner, table->name, table->text, table->size, 0, err);
+    if (code < 0)
+        return code;
+    while (orl_scanner_line(&scanner, &line) && scanner.line < before) {
+        const int number = scanner.line;
+        code = read_entry(table, number, line, ret, err);
         if (code < 0)
             return code;
         if (code > 0 && is_in(ret->pattern, words, &table->steps))

@@ -1,8 +1,9 @@
 #include "scene/parse/material_rules.h"
 
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <oriel/scanner.h>
 
 #include "base/grow.h"
 
@@ -28,33 +29,30 @@ struct orl_material_rules {
     size_t count, room;
 };
 
-struct reading {
-    const char *at, *end, *file;
-    int line;
-};
-
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-static int fail(const struct reading *r, const char *what, struct orl_error *err)
+static int fail(const struct orl_scanner *r, const char *what, struct orl_error *err)
 {
-    orl_error_set(err, ORL_ERR_SYNTAX, "%s", what);
-    orl_error_at(err, r->file, r->line, NULL);
-    return ORL_ERR_SYNTAX;
+    return orl_scanner_fail(r, ORL_ERR_SYNTAX, err, "%s", what);
 }
 
-static char peek(struct reading *r)
+/* The next character that is neither blank nor of a remark; NUL at the end. */
+static char peek(struct orl_scanner *r)
 {
-    while (r->at < r->end && (isspace((unsigned char)*r->at) || *r->at == '#')) {
-        if (*r->at == '#')
-            while (r->at < r->end && *r->at != '\n')
-                r->at++;
+    for (r->fresh = false; r->at < r->end;) {
+        if (orl_byte_kind_of(*r->at) == ORL_BYTE_BLANK)
+            r->at++;
+        else if (*r->at == '#')
+            r->at = orl_line_end(r->at, r->end);
+        else if (orl_byte_kind_of(*r->at) == ORL_BYTE_INK)
+            return *r->at;
         else
-            r->line += *r->at++ == '\n';
+            orl_scanner_next_line(r);
     }
-    return r->at < r->end ? *r->at : '\0';
+    return '\0';
 }
 
-static bool take(struct reading *r, char wanted)
+static bool take(struct orl_scanner *r, char wanted)
 {
     if (peek(r) != wanted || r->at == r->end)
         return false;
@@ -63,7 +61,7 @@ static bool take(struct reading *r, char wanted)
 }
 
 /* A word, or what quotes hold. */
-static bool take_name(struct reading *r, char ret_name[ORL_WAVEFRONT_NAME])
+static bool take_name(struct orl_scanner *r, char ret_name[ORL_WAVEFRONT_NAME])
 {
     const bool quoted = take(r, '"');
     size_t length = 0;
@@ -71,7 +69,8 @@ static bool take_name(struct reading *r, char ret_name[ORL_WAVEFRONT_NAME])
         peek(r);
     for (; r->at < r->end && length + 1 < ORL_WAVEFRONT_NAME; r->at++) {
         const char c = *r->at;
-        if (quoted ? c == '"' || c == '\n' : isspace((unsigned char)c) || strchr("();\"[]:", c))
+        if (quoted ? c == '"' || orl_byte_kind_of(c) == ORL_BYTE_LINE_END
+                   : orl_byte_kind_of(c) != ORL_BYTE_INK || strchr("();\"[]:", c))
             break;
         ret_name[length++] = c;
     }
@@ -79,7 +78,7 @@ static bool take_name(struct reading *r, char ret_name[ORL_WAVEFRONT_NAME])
     return quoted ? r->at < r->end && *r->at++ == '"' : length > 0;
 }
 
-static bool take_whole(struct reading *r, long long *ret_number)
+static bool take_whole(struct orl_scanner *r, long long *ret_number)
 {
     char text[ORL_WAVEFRONT_NAME], *end;
     if (!take_name(r, text))
@@ -88,7 +87,7 @@ static bool take_whole(struct reading *r, long long *ret_number)
     return *end == '\0';
 }
 
-static int read_condition(struct reading *r, struct rule *rule, struct orl_error *err)
+static int read_condition(struct orl_scanner *r, struct rule *rule, struct orl_error *err)
 {
     char name[ORL_WAVEFRONT_NAME];
     int q = 0;
@@ -111,7 +110,7 @@ static int read_condition(struct reading *r, struct rule *rule, struct orl_error
     return take(r, ')') ? 0 : fail(r, "a condition ends with ')'", err);
 }
 
-static int read_rule(struct reading *r, struct rule *rule, struct orl_error *err)
+static int read_rule(struct orl_scanner *r, struct rule *rule, struct orl_error *err)
 {
     int code = 0;
     *rule = (struct rule){.material = ""};
@@ -124,7 +123,7 @@ static int read_rule(struct reading *r, struct rule *rule, struct orl_error *err
     return code;
 }
 
-static int add_rule(struct orl_material_rules *rules, struct reading *r, struct orl_error *err)
+static int add_rule(struct orl_material_rules *rules, struct orl_scanner *r, struct orl_error *err)
 {
     if (rules->count == MOST_RULES)
         return fail(r, "there are more than 10000 rules", err);
@@ -136,11 +135,11 @@ static int add_rule(struct orl_material_rules *rules, struct reading *r, struct 
 int orl_material_rules_read(const char *file, const char *text, size_t size,
                             struct orl_material_rules **ret_rules, struct orl_error *err)
 {
-    struct reading r = {.at = text, .end = text + size, .file = file, .line = 1};
+    struct orl_scanner r;
     struct orl_material_rules *rules = calloc(1, sizeof *rules);
-    int code = 0;
     if (!rules)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    int code = orl_scanner_init(&r, file, text, size, 0, err);
     while (code == 0 && peek(&r))
         code = add_rule(rules, &r, err);
     if (code < 0)
