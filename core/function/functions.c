@@ -2,6 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/scanner.h>
+
 #include "base/grow.h"
 #include "function/builtins.h"
 #include "function/definitions.h"
@@ -102,7 +104,10 @@ static int read_file(struct orl_functions *functions, const struct orl_files *fi
     if (files)
         code = files->open(files->ctx, name, &file, err);
     if (code == 0) {
-        code = orl_functions_define(functions, context, name, 1, file.data, file.size, err);
+        struct orl_slice text = {file.data, file.size};
+        code = orl_text_trim(name, &text, err);
+        if (code == 0)
+            code = orl_functions_define(functions, context, name, 1, text.text, text.length, err);
         if (files->close)
             files->close(files->ctx, &file);
         return code;
