@@ -445,6 +445,7 @@ void orl_child_check(int fd)
                                       (uint32_t)get_number(request, "cpu_s")};
     orl_heed_terminate(on_terminate);
     int rc = orl_opened_open(request, &check.files, &err);
+    orl_unzip_prepare();
     if (rc == 0)
         rc = orl_confine(&bounds, &err);
     if (rc == 0)

@@ -3,6 +3,7 @@
 #include <archive.h>
 #include <archive_entry.h>
 #include <locale.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -255,6 +256,20 @@ int orl_unzip_settle(struct orl_bundle *files, orl_unzip_guesser guess, void *ct
     return rc ? rc : orl_bundle_move(files, bundle, err);
 }
 
+/* libarchive converts names to the encoding of the thread's locale. */
+static locale_t utf8;
+static pthread_once_t utf8_is_made = PTHREAD_ONCE_INIT;
+
+static void make_utf8(void)
+{
+    utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", (locale_t)0);
+}
+
+void orl_unzip_prepare(void)
+{
+    pthread_once(&utf8_is_made, make_utf8);
+}
+
 int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *folders,
                       const struct orl_incoming_sink *sink, uint64_t before,
                       struct orl_bundle *ret_files, struct orl_error *err)
@@ -265,8 +280,7 @@ int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *
     int rc = count_entries(archive, err);
     if (rc)
         return rc;
-    /* The library gives names in the thread's own encoding. */
-    const locale_t utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", (locale_t)0);
+    orl_unzip_prepare();
     const locale_t own = utf8 ? uselocale(utf8) : (locale_t)0;
     u.archive = archive_read_new();
     u.buffer = malloc(CHUNK);
@@ -277,10 +291,8 @@ int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *
     else
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     archive_read_free(u.archive);
-    if (utf8) {
+    if (utf8)
         uselocale(own);
-        freelocale(utf8);
-    }
     free(u.buffer);
     if (rc)
         orl_bundle_done(&u.files);

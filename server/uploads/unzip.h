@@ -27,6 +27,10 @@ int orl_unzip(const struct orl_file *archive, const struct orl_folders *folders,
 /* ---- In two steps: the first reads what a stranger has sent -----------------------------------
  */
 
+/* Opens what names in other scripts take, a file of the system's: to be called before the process
+ * may open none any more. */
+void orl_unzip_prepare(void);
+
 /* The entries, in the archive's order, by its own names: to tmp/, or to the sink. before: bytes of
  * the upload's other files. */
 int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *folders,

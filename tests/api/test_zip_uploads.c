@@ -83,6 +83,28 @@ static void test_same_scene_as_by_parts(void **state)
     assert_string_equal(within, by_zip);
 }
 
+/* Names of entries in UTF-8, by the flag that says so and without it, as by older programs. */
+static void test_names_of_many_scripts(void **state)
+{
+    enum { IN_UTF8 = 1 << 11 };
+    for (int flagged = 0; flagged < 2; flagged++) {
+        const struct zip_entry entries[] = {
+            {.name = "b\xc3\xbcro/\xe9\x83\xa8\xe5\xb1\x8b.rad",
+             .data = room_scene,
+             .size = strlen(room_scene),
+             .flags = flagged ? IN_UTF8 : 0},
+            {.name = "a.rad", .data = room_sky, .size = strlen(room_sky)}};
+        struct reply reply;
+        char id[65], path[80];
+        post_zip(*state, "", entries, 2, &reply);
+        expect_created(&reply, !flagged, id);
+        snprintf(path, sizeof path, "/v1/scenes/%s", id);
+        daemon_get(*state, path, &reply);
+        assert_string_equal(reply_text(&reply, "summary.unread.0"), entries[0].name);
+        reply_done(&reply);
+    }
+}
+
 /* Without one at the top it is those of the one folder that has some, as with a zip of a folder
  * within a folder; of several the answer asks which. */
 static void test_scene_in_a_folder(void **state)
@@ -271,8 +293,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_scene_as_by_parts), cmocka_unit_test(test_main_files),
         cmocka_unit_test(test_scene_in_a_folder),      cmocka_unit_test(test_order_of_reading),
-        cmocka_unit_test(test_entries_refused),        cmocka_unit_test(test_archives_refused),
-        cmocka_unit_test(test_bombs_refused),
+        cmocka_unit_test(test_names_of_many_scripts),  cmocka_unit_test(test_entries_refused),
+        cmocka_unit_test(test_archives_refused),       cmocka_unit_test(test_bombs_refused),
     };
     return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
 }
