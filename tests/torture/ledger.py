@@ -208,7 +208,8 @@ class _Database:
                 raise Failure("%s is damaged" % path)
 
     def check_no_orphans(self, files, running):
-        """files: those that a start should have looked at."""
+        """files: those that a start should have looked at. Of a job that goes on at the next start its
+        finished sensors and their key stay, whose names begin with '+'."""
         known = {"oriel.db", "oriel.db-wal", "oriel.db-shm", "oriel.lock", "oriel.running", "oriel.id", "oriel.reserve", "oriel.key",
                  "blobs", "maps", "partial", "results", "tmp"}
         waiting = {job for job, (state, _) in self.jobs.items() if state in ("queued", "running")}
@@ -217,6 +218,7 @@ class _Database:
             owned = (path in known or parts[0] == "orphans" or path.startswith("oriel.db.before-") or path in self.blobs or path in self.maps or
                      parts[0] == "results" and parts[1] in self.results or
                      running and parts[0] in ("partial", "results") and parts[1] in waiting or
+                     parts[0] == "partial" and len(parts) == 3 and parts[1] in waiting and parts[2][0] == "+" or
                      parts[0] == "blobs" and len(parts) == 2)
             if not owned:
                 raise Failure("nothing knows of %s" % path)
