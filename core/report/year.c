@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "metrics/annual/calendar.h"
+#include "scene/generate/sun.h"
+
 static const double doubtful_deg = 3;
 enum { MONTHS = 12 };
 static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
@@ -63,6 +66,42 @@ static int enter(const struct orl_annual_result *result, size_t i, struct orl_an
     return 0;
 }
 
+/* ---- Nights ---------------------------------------------------------------------------------- */
+
+static bool is_night(const struct orl_annual_result *result, const struct orl_annual_steps *steps,
+                     uint32_t step)
+{
+    static const double set_rad = -0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
+    const struct orl_location site = {result->latitude_deg * ORL_DEG_TO_RAD,
+                                      -result->longitude_deg * ORL_DEG_TO_RAD,
+                                      -15 * result->time_zone_h * ORL_DEG_TO_RAD};
+    const struct orl_calendar_day day = orl_calendar_day_of(steps, step);
+    const struct orl_moment moment = {
+        .month = day.month, .day = day.day, .hour = orl_calendar_hour_of(steps, step)};
+    return orl_sun_accurate(&site, &moment).altitude_rad < set_rad;
+}
+
+/*
+ * Files that leave nights out: a step without a row in which the sun is down is dark, and as good
+ * as measured, on a day that has other rows, and on one without a sunrise.
+ */
+static void fill_nights(const struct orl_annual_result *result, struct orl_annual_year *year)
+{
+    const uint32_t a_day = 24 * year->steps.per_hour;
+    for (uint32_t first = 0; first < year->steps.count; first += a_day) {
+        bool rows = false, sunny = false;
+        for (uint32_t i = first; i < first + a_day; i++) {
+            rows = rows || year->measured[i];
+            sunny = sunny || !is_night(result, &year->steps, i);
+        }
+        for (uint32_t i = first; (rows || !sunny) && i < first + a_day; i++)
+            if (!year->measured[i] && is_night(result, &year->steps, i)) {
+                year->measured[i] = 1;
+                year->n_missing--;
+            }
+    }
+}
+
 int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annual_year *ret_year,
                          struct orl_error *err)
 {
@@ -84,6 +123,8 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
     }
     for (size_t i = 0; i < result->n_steps && code == 0; i++)
         code = enter(result, i, &year, &next, err);
+    if (code == 0 && year.n_missing > 0)
+        fill_nights(result, &year);
     if (code < 0)
         orl_annual_year_done(&year);
     else

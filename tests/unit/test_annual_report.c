@@ -107,14 +107,15 @@ static void test_years(void **state)
     assert_int_equal(year.step_of_column[result.n_columns - 1], 8783 - 6);
     orl_annual_year_done(&year);
     /* Hours that were not measured, and a file that ends early. */
-    result.steps[5].missing = true;
+    result.steps[8].missing = true;
+    result.steps[5].missing = true;          /* of a night: dark for sure */
     result.steps[29].sun_altitude_deg = 3.5; /* and dark: hard to believe */
     result.steps[12].sun_altitude_deg = 40;
     result.n_steps -= 24;
     assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
     assert_int_equal(year.n_missing, 25);
     assert_int_equal(year.n_doubtful, 1);
-    assert_true(!year.measured[5] && year.measured[6] && !year.measured[8783]);
+    assert_true(year.measured[5] && !year.measured[8] && !year.measured[8783]);
     orl_annual_year_done(&year);
     result.steps[100].hour = result.steps[99].hour;
     assert_int_equal(orl_annual_year_make(&result, &year, &err), ORL_ERR_RANGE);
@@ -125,6 +126,36 @@ static void test_years(void **state)
     assert_int_equal(orl_annual_step_of(&year, &result.steps[8759]), 8759);
     orl_annual_year_done(&year);
     free_result(&result);
+}
+
+/* A file of the sun's hours alone: nights without rows are dark, and a year is whole. Of a place
+ * beyond the polar circle days without a sunrise have no rows at all. */
+static void test_nights_left_out(void **state)
+{
+    static const double latitudes[] = {0, 70};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        struct orl_annual_result result;
+        struct orl_annual_year year;
+        struct orl_error err = {0};
+        size_t kept = 0;
+        make_result(&result, false);
+        result.latitude_deg = latitudes[k];
+        for (size_t i = 0; i < result.n_steps; i++) {
+            const struct orl_annual_step step = result.steps[i];
+            const bool polar_night = k == 1 && (step.month == 12 || step.month == 1);
+            if (step.column != ORL_ANNUAL_DARK && !(polar_night && step.day > 12 && step.day < 20))
+                result.steps[kept++] = step;
+        }
+        result.n_steps = kept;
+        assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+        if (k == 0)
+            assert_int_equal(year.n_missing, 0);
+        for (size_t i = 0; i < 24; i++) /* 15 December */
+            assert_true(year.measured[348 * 24 + i]);
+        orl_annual_year_done(&year);
+        free_result(&result);
+    }
 }
 
 /* ---- Reports --------------------------------------------------------------------------------- */
@@ -531,6 +562,7 @@ int main(void)
         cmocka_unit_test(test_reports),
         cmocka_unit_test(test_blinds_of_rules),
         cmocka_unit_test(test_few_hours),
+        cmocka_unit_test(test_nights_left_out),
         cmocka_unit_test(test_daylight_factor),
         cmocka_unit_test(test_weekdays),
         cmocka_unit_test(test_areas_and_files_of_occupancy),

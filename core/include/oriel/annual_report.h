@@ -21,11 +21,13 @@
 
 struct orl_annual_year {
     struct orl_annual_steps steps;
-    unsigned char *measured;  /* of each step; owned, as what follows */
-    uint32_t *step_of_column; /* of the result's arrays, ascending */
-    double *global_lx;        /* of each step; 0 where it is dark or not known */
-    double *diffuse_lx;       /* likewise */
-    size_t n_columns, n_missing;
+    /* Of each step: it has a row, or it needs none, since the sun is down, and other steps of that
+     * day have rows or the sun does not rise. Owned, as what follows. */
+    unsigned char *measured;
+    uint32_t *step_of_column;    /* of the result's arrays, ascending */
+    double *global_lx;           /* of each step; 0 where it is dark or not known */
+    double *diffuse_lx;          /* likewise */
+    size_t n_columns, n_missing; /* steps that are not measured */
     size_t
         n_doubtful; /* steps with the sun 3 degrees up or more, and no light in the file at all */
 };
