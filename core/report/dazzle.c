@@ -1,4 +1,6 @@
 /* Glare over a year: what is told of seats by the hours that they are in use. */
+#include "report/making.h"
+
 #include <oriel/annual_report.h>
 
 #include <stdlib.h>
@@ -75,6 +77,14 @@ static bool is_same_day(const struct orl_annual_result *result, size_t a, size_t
            result->steps[a].day == result->steps[b].day;
 }
 
+/* DGP is cut off at 1, as when the sun's disc is in view: then more light at the eye is worse. */
+static bool is_worse(const struct orl_seat_hour *a, const struct orl_seat_hour *b)
+{
+    if (a->dgp.value != b->dgp.value)
+        return a->dgp.value > b->dgp.value;
+    return a->eye_lx > b->eye_lx;
+}
+
 /* Keeps the worst of a day, and so many days. */
 static void offer(const struct telling *t, size_t column, struct orl_seat_glare *glare)
 {
@@ -86,14 +96,14 @@ static void offer(const struct telling *t, size_t column, struct orl_seat_glare 
     size_t at = glare->n_worst;
     for (size_t i = 0; i < glare->n_worst; i++)
         if (is_same_day(t->result, glare->worst[i].step, hour.step)) {
-            if (glare->worst[i].dgp.value >= hour.dgp.value)
+            if (!is_worse(&hour, &glare->worst[i]))
                 return;
             memmove(&glare->worst[i], &glare->worst[i + 1],
                     (--glare->n_worst - i) * sizeof *glare->worst);
             at = glare->n_worst;
             break;
         }
-    while (at > 0 && glare->worst[at - 1].dgp.value < hour.dgp.value)
+    while (at > 0 && is_worse(&hour, &glare->worst[at - 1]))
         at--;
     if (at == ORL_GLARE_WORST)
         return;
@@ -134,12 +144,12 @@ static struct orl_annual_value autonomy_of(const struct orl_seat_glare *seats, s
         sum.low += seats[i].lowest >= ORL_PROTECTED_MEDIUM;
         sum.high += seats[i].highest >= ORL_PROTECTED_MEDIUM;
     }
-    const double percent = 100 / (double)n;
-    return (struct orl_annual_value){sum.value * percent, sum.low * percent, sum.high * percent};
+    return (struct orl_annual_value){100 * (sum.value / (double)n), 100 * (sum.low / (double)n),
+                                     100 * (sum.high / (double)n)};
 }
 
-static int tell_all(const struct orl_annual_result *result, struct orl_annual_report *report,
-                    struct orl_error *err)
+int orl_report_seats(const struct orl_annual_result *result, struct orl_annual_report *report,
+                     struct orl_error *err)
 {
     struct telling t = {.report = report, .result = result};
     for (uint32_t i = 0; i < report->year.steps.count; i++)
@@ -178,5 +188,5 @@ int orl_annual_report_dazzle(const struct orl_annual_request *request,
     if (code < 0)
         return code;
     report->n_seats = wishes->glare.n_seats;
-    return tell_all(result, report, err);
+    return orl_report_seats(result, report, err);
 }

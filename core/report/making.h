@@ -27,4 +27,8 @@ int orl_report_check_matrices(const struct orl_annual_wishes *wishes, struct orl
 int orl_report_check_grids(const struct orl_report_making *making);
 int orl_report_make_verdicts(const struct orl_report_making *making);
 
+/* Sums up the hours of seats, n_seats of them, that report->seat_hours has. */
+int orl_report_seats(const struct orl_annual_result *result, struct orl_annual_report *report,
+                     struct orl_error *err);
+
 #endif

@@ -334,7 +334,7 @@ static struct orl_view_shares share_views(const struct orl_annual_report *report
             reached[level] += report->area[i];
     }
     for (int level = 0; level < 3; level++) {
-        shares.percent[level] = all > 0 ? 100 * reached[level] / all : 0;
+        shares.percent[level] = all > 0 ? 100 * (reached[level] / all) : 0;
         shares.level += shares.percent[level] >= enough;
     }
     return shares;

@@ -281,6 +281,22 @@ static void test_intervals_of_shares(void **state)
     free(room);
 }
 
+/* All of an area is 100 %, whatever its parts add up to. */
+static void test_all_of_an_area(void **state)
+{
+    double crossing[300], areas[300];
+    (void)state;
+    for (size_t n = 1; n <= 300; n++) {
+        struct orl_annual_area area;
+        for (size_t i = 0; i < n; i++) {
+            crossing[i] = -50;
+            areas[i] = 0.1 * (double)(i % 7 + 1);
+        }
+        assert_int_equal(orl_annual_share(crossing, areas, n, true, NULL, &area, NULL), 0);
+        assert_true(area.value.value == 100 && area.value.low == 100 && area.value.high == 100);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -291,6 +307,7 @@ int main(void)
         cmocka_unit_test(test_shares_of_unequal_areas),
         cmocka_unit_test(test_intervals_of_sensors),
         cmocka_unit_test(test_intervals_of_shares),
+        cmocka_unit_test(test_all_of_an_area),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,6 +17,7 @@
 #include <oriel/annual_report.h>
 #include <oriel/npy.h>
 
+#include "report/making.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 
@@ -303,6 +304,47 @@ static void test_few_hours(void **state)
     free_result(&result);
 }
 
+/* A seat that looks into the sun at noon of every day: DGP is 1 each time, and the light at the eye
+ * tells which days are worse. */
+static void test_worst_days_of_a_seat(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = make_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_seat_hours *seat = calloc(1, sizeof *seat);
+    struct orl_error err = {0};
+    (void)state;
+    make_result(&result, false);
+    ask(&wishes, "sDA300/50 of south >= 55 %", "LEED");
+    assert_non_null(seat);
+    float **arrays[] = {&seat->dgp, &seat->low, &seat->high, &seat->eye_lx};
+    for (int i = 0; i < 4; i++)
+        assert_non_null(*arrays[i] = calloc(result.n_columns, sizeof **arrays[i]));
+    for (size_t c = 0; c < result.n_columns; c++) {
+        const struct orl_annual_step *step = &result.steps[result.step_of_column[c]];
+        const bool noon = fabs(step->hour - 12.5) < 0.1;
+        seat->dgp[c] = seat->low[c] = seat->high[c] = noon ? 1 : 0.3F;
+        seat->eye_lx[c] = noon ? 20000 + 100 * (float)step->day - (float)step->month : 3000;
+    }
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
+                     0);
+    report.seat_hours = seat;
+    report.n_seats = 1;
+    assert_int_equal(orl_report_seats(&result, &report, &err), 0);
+    assert_int_equal(report.seats[0].n_worst, ORL_GLARE_WORST);
+    static const int months[ORL_GLARE_WORST] = {1, 3, 5, 7, 8}; /* their 31st days */
+    for (int i = 0; i < ORL_GLARE_WORST; i++) {
+        const struct orl_annual_step *step = &result.steps[report.seats[0].worst[i].step];
+        assert_int_equal(step->day, 31);
+        assert_int_equal(step->month, months[i]);
+    }
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+    free_result(&result);
+}
+
 /* Sensors have daylight factors of 1 to 6 %; 300 lx are 2 % of the median that is given, and 100
  * lx two thirds of one. By the weather, half the year's steps: all that are lit, 10 000 lx. */
 static void test_daylight_factor(void **state)
@@ -562,6 +604,7 @@ int main(void)
         cmocka_unit_test(test_reports),
         cmocka_unit_test(test_blinds_of_rules),
         cmocka_unit_test(test_few_hours),
+        cmocka_unit_test(test_worst_days_of_a_seat),
         cmocka_unit_test(test_nights_left_out),
         cmocka_unit_test(test_daylight_factor),
         cmocka_unit_test(test_weekdays),

@@ -82,13 +82,14 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
     free(parts);
     if (code < 0)
         return failed(code, err);
-    const double scale = 100 / orl_sum_value(&total), base = orl_sum_value(&sure);
-    const double value = orl_sum_value(&passing) * scale;
+    const double whole = orl_sum_value(&total), base = orl_sum_value(&sure);
+    const double value = 100 * (orl_sum_value(&passing) / whole);
     *ret_result = (struct orl_annual_area){{value, NAN, NAN}, 0};
     if (known)
-        *ret_result = (struct orl_annual_area){
-            {value, fmin(value, (base + low) * scale), fmax(value, (base + high) * scale)},
-            undecided};
+        *ret_result =
+            (struct orl_annual_area){{value, fmin(value, 100 * ((base + low) / whole)),
+                                      fmax(value, fmin(100 * ((base + high) / whole), 100))},
+                                     undecided};
     return 0;
 }
 
