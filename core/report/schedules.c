@@ -163,9 +163,10 @@ static int read_group(struct orl_window_group *group, const struct orl_files *fi
     free(group->series);
     group->n_series = 0;
     group->series = calloc(MOST_ROWS, 1);
-    code = group->series ? orl_scanner_init(&table.scanner, group->schedule_file, file.data,
-                                            file.size, 0, err)
-                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (!group->series)
+        orl_error_set(err, code = ORL_ERR_NOMEM, "out of memory");
+    if (code == 0)
+        code = orl_scanner_init(&table.scanner, group->schedule_file, file.data, file.size, 0, err);
     if (code == 0)
         code = read_rows(&table, group->series, &group->n_series);
     files->close(files->ctx, &file);

@@ -43,7 +43,8 @@ struct reading {
 
 static int complain(const struct reading *r, int code, const char *what)
 {
-    return orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
+    orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
+    return code;
 }
 
 /* How fine the file is, by its first line's hour: 0.5, or 0.25 for half hours. */
@@ -109,7 +110,7 @@ static int split(struct reading *r, struct orl_slice line, double ret_values[MOS
 
 static int read_line(struct reading *r, struct orl_slice line)
 {
-    double values[MOST_FIELDS];
+    double values[MOST_FIELDS] = {0};
     line = orl_slice_trim(line);
     if (line.length == 0 || line.text[0] == '#')
         return 0;

@@ -42,9 +42,9 @@ static double days_since_2000(const struct orl_location *site, const struct orl_
 {
     const int shift = moment->month <= 2 ? 1 : 0;
     const int year = year_of(moment) - shift, month = moment->month + 12 * shift;
-    const int century = year / 100;
+    const int century = year / 100, gregorian = 2 - century + century / 4;
     const double date = floor(365.25 * (year + 4716)) + floor(30.6001 * (month + 1)) + moment->day +
-                        2 - century + century / 4 - 1524.5;
+                        gregorian - 1524.5;
     const double hour_ut = moment->hour + site->meridian_rad * 12.0 / ORL_PI;
     return date - 2451545.0 + hour_ut / 24.0;
 }

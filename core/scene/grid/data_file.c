@@ -18,7 +18,8 @@ struct reading {
 
 static int fail(const struct reading *r, int code, struct orl_error *err, const char *what)
 {
-    return orl_scanner_fail(&r->scanner, code, err, "%s", what);
+    orl_scanner_fail(&r->scanner, code, err, "%s", what);
+    return code;
 }
 
 static int read_number(struct reading *r, double *ret_value, struct orl_error *err)
@@ -75,7 +76,7 @@ static int read_axis(struct reading *r, struct orl_grid_axis *axis, struct orl_e
         code = read_number(r, &last, err);
     if (code == 0)
         code = read_count(r, 2, INT32_MAX, &n, err);
-    if (code < 0)
+    if (code != 0)
         return code;
     axis->n = (uint32_t)n;
     axis->size = last - axis->origin;
@@ -95,7 +96,7 @@ static int read_grid(struct reading *r, struct orl_error *err)
         if (code == 0 && !may_hold(r, grid->n_values))
             return fail(r, ORL_ERR_SYNTAX, err, "the axes' points are more than its numbers");
     }
-    if (code < 0)
+    if (code != 0)
         return code;
     grid->values = malloc(grid->n_values * sizeof *grid->values);
     if (!grid->values)

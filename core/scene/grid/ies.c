@@ -18,7 +18,8 @@ struct reading {
 
 static int fail(const struct reading *r, int code, const char *what, struct orl_error *err)
 {
-    return orl_scanner_fail(&r->scanner, code, err, "%s", what);
+    orl_scanner_fail(&r->scanner, code, err, "%s", what);
+    return code;
 }
 
 /* ---- Its head -------------------------------------------------------------------------------- */
