@@ -22,8 +22,9 @@ static struct {
     atomic_llong deadline_s; /* by CLOCK_MONOTONIC; 0: none */
     atomic_bool closed;
     atomic_uint arrived; /* signals */
-    unsigned drain_s;
-    void (*handlers[SIGNALS])(int);
+    /* Atomic, since a signal may run its handler on any thread as the next one is set. */
+    atomic_uint drain_s;
+    void (*_Atomic handlers[SIGNALS])(int);
 } limit;
 
 static struct timespec now(void)
@@ -91,19 +92,19 @@ static void on_signal(int signum)
 {
     const int why = errno;
     const bool first = atomic_fetch_add(&limit.arrived, 1) == 0;
-    begin(ORL_SERVER_STOP_S + (first ? limit.drain_s : 0));
-    limit.handlers[signum](signum);
+    begin(ORL_SERVER_STOP_S + (first ? atomic_load(&limit.drain_s) : 0));
+    atomic_load(&limit.handlers[signum])(signum);
     errno = why;
 }
 
 void orl_stop_limit_heed(int signum, unsigned drain_s)
 {
     struct sigaction action;
-    limit.drain_s = drain_s;
+    atomic_store(&limit.drain_s, drain_s);
     if (sigaction(signum, NULL, &action) != 0 || (action.sa_flags & SA_SIGINFO) ||
         action.sa_handler == SIG_DFL || action.sa_handler == SIG_IGN)
         return;
-    limit.handlers[signum] = action.sa_handler;
+    atomic_store(&limit.handlers[signum], action.sa_handler);
     action.sa_handler = on_signal;
     sigaction(signum, &action, NULL);
 }
