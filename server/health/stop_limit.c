@@ -93,7 +93,8 @@ static void on_signal(int signum)
     const int why = errno;
     const bool first = atomic_fetch_add(&limit.arrived, 1) == 0;
     begin(ORL_SERVER_STOP_S + (first ? atomic_load(&limit.drain_s) : 0));
-    atomic_load(&limit.handlers[signum])(signum);
+    void (*const handler)(int) = atomic_load(&limit.handlers[signum]);
+    handler(signum);
     errno = why;
 }
 
