@@ -88,7 +88,7 @@ static void look_at_command(struct order *order, struct orl_scanner *scanner,
     const unsigned options = scanner->options;
     struct orl_slice next = {first.text + 1, first.length - 1};
     struct word before = {"", 0, 0};
-    scanner->options = ORL_SCANNER_JOINS;
+    scanner->options = ORL_SCANNER_CONTINUATIONS;
     bool more = next.length > 0 || orl_scanner_word_of_line(scanner, &next);
     for (size_t i = 0; more; i++) {
         const struct word word = {next.text, next.length, 0};
@@ -165,8 +165,9 @@ static void look_at_file(struct order *order, size_t index, unsigned depth)
         return; /* which is told when the scene is read */
     order->opened[index] = true;
     const struct orl_file *file = &order->texts[index];
-    struct orl_scanner scanner; /* what is no text is told when the scene is read */
-    if (orl_scanner_init(&scanner, NULL, file->data, file->size, ORL_SCANNER_REMARKS, NULL) == 0)
+    struct orl_scanner scanner;
+    /* Reading the scene reports a binary file. */
+    if (orl_scanner_init(&scanner, NULL, file->data, file->size, ORL_SCANNER_COMMENTS, NULL) == 0)
         look_at_text(order, &scanner, depth);
 }
 

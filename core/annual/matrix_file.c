@@ -207,7 +207,7 @@ int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
 {
     struct reader r = {.parts = 3, .exposure = {1, 1, 1}, .err = err};
     struct orl_rgb_matrix matrix = {.rows = 0};
-    int code = orl_scanner_init(&r.scanner, name, text, size, ORL_SCANNER_HEAD, err);
+    int code = orl_scanner_init(&r.scanner, name, text, size, ORL_SCANNER_TEXT_HEADER, err);
     if (code == 0)
         code = read_header(&r);
     if (code == 0 && r.format == FORMAT_ASCII)

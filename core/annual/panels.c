@@ -9,9 +9,9 @@
 enum { PARTS = ORL_PANEL_PARTS, DRAWS = ORL_PANEL_DRAWS, GROUPS = ORL_PANEL_GROUPS };
 enum { BLOCKS_A_SIDE = ORL_PANEL_SIDE / 2, POINTS = BLOCKS_A_SIDE * BLOCKS_A_SIDE / 2 };
 enum { MOST_PANES = 64 };
-/* Of a disc that lies in two cells: points that each point of a pane sees, and tries of each draw.
- */
-enum { DISC_POINTS = 4, TRIES = 8 };
+/* If the sun's disc spans several cells of a BSDF: points of the disc for each point of a pane, and
+ * candidates for each draw. */
+enum { DISC_POINTS = 4, CANDIDATES = 8 };
 
 /* ---- The panes ------------------------------------------------------------------------------- */
 
@@ -50,27 +50,28 @@ static int find_panes(struct orl_panels *panels)
     return code;
 }
 
-/* ---- One of several by weight ---------------------------------------------------------------- */
+/* ---- Weighted reservoir sampling ------------------------------------------------------------- */
 
-/* Weighted reservoir sampling (Chao 1982) of one, with one number for all. */
-struct lot {
-    double sum, mark;
+/* One of several candidates, drawn by weight in one pass (Chao 1982), with one random number. */
+struct reservoir {
+    double weight_sum;
+    double u; /* rescaled to a uniform number after each decision */
 };
 
-static struct lot lot_begin(uint64_t name)
+static struct reservoir reservoir_begin(uint64_t bits)
 {
-    return (struct lot){0, (double)(name >> 11) * 0x1p-53};
+    return (struct reservoir){0, (double)(bits >> 11) * 0x1p-53};
 }
 
-/* Whether this one takes the place of those before. */
-static bool lot_takes(struct lot *lot, double weight)
+/* Returns true if the candidate replaces the one that was chosen before. */
+static bool reservoir_add(struct reservoir *r, double weight)
 {
-    const double before = lot->sum;
+    const double before = r->weight_sum;
     if (!(weight > 0))
         return false;
-    lot->sum = before + weight;
-    const double at = lot->mark * lot->sum;
-    lot->mark = at < weight ? at / weight : (at - weight) / before;
+    r->weight_sum = before + weight;
+    const double at = r->u * r->weight_sum;
+    r->u = at < weight ? at / weight : (at - weight) / before;
     return at < weight;
 }
 
@@ -88,10 +89,10 @@ static struct orl_sun disc_of(const struct orl_hour_sun *sun)
                             .cos_half_angle = cos(0.5 * sun->angle_rad)};
 }
 
-/* Whether the disc lies in cells of the BSDF that let through different shares. Then what few
- * points of it send may be all there is. */
-static bool is_parted(const struct orl_panel_kind *k, const struct orl_hit *hit,
-                      const struct orl_sun *disc)
+/* Returns true if the disc spans cells of the BSDF with different transmittances. A few points of
+ * the disc may then send all of the light. */
+static bool spans_cells(const struct orl_panel_kind *k, const struct orl_hit *hit,
+                        const struct orl_sun *disc)
 {
     enum { RIM = 8 };
     static const double alike = 0.05;
@@ -106,10 +107,10 @@ static bool is_parted(const struct orl_panel_kind *k, const struct orl_hit *hit,
     return most - least > alike * most;
 }
 
-/* A draw by numbers; false where nothing comes of it. */
-static bool try_draw(const struct orl_panel_kind *k, const struct orl_hit *hit,
-                     const struct orl_sun *disc, const double u[5], struct orl_vec3 *ret_towards,
-                     struct orl_panel_draw *ret_draw)
+/* Samples the BSDF once by five uniform numbers. Returns false if the sample carries no light. */
+static bool sample_draw(const struct orl_panel_kind *k, const struct orl_hit *hit,
+                        const struct orl_sun *disc, const double u[5], struct orl_vec3 *ret_towards,
+                        struct orl_panel_draw *ret_draw)
 {
     const struct orl_vec3 from = orl_sun_sample(disc, u + 3);
     if (!(orl_dot(from, k->inward) < 0))
@@ -141,24 +142,24 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
     memset(draws, 0, sizeof *draws);
     const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(which * ORL_PANEL_MOST_KINDS + kind));
-    draws->is_parted = is_parted(k, &hit, &disc);
-    const uint32_t tries = draws->is_parted ? TRIES : 1;
+    draws->spans_cells = spans_cells(k, &hit, &disc);
+    const uint32_t candidates = draws->spans_cells ? CANDIDATES : 1;
     for (uint32_t i = 0; i < DRAWS; i++) {
-        struct lot lot = lot_begin(orl_mix64(name ^ i));
-        for (uint32_t j = 0; j < tries; j++) {
+        struct reservoir chosen = reservoir_begin(orl_mix64(name ^ i));
+        for (uint32_t j = 0; j < candidates; j++) {
             struct orl_panel_draw draw;
             struct orl_vec3 towards;
             double u[5];
-            orl_sobol_point(maker->sobol, i * tries + j, (uint32_t)name, 5, u);
-            if (!try_draw(k, &hit, &disc, u, &towards, &draw) ||
-                !lot_takes(&lot, (double)draw.light))
+            orl_sobol_point(maker->sobol, i * candidates + j, (uint32_t)name, 5, u);
+            if (!sample_draw(k, &hit, &disc, u, &towards, &draw) ||
+                !reservoir_add(&chosen, (double)draw.light))
                 continue;
             draws->towards[0][i] = (float)towards.x;
             draws->towards[1][i] = (float)towards.y;
             draws->towards[2][i] = (float)towards.z;
             draws->at[i] = draw;
         }
-        draws->at[i].light = (float)(lot.sum / tries);
+        draws->at[i].light = (float)(chosen.weight_sum / candidates);
     }
 }
 
@@ -263,25 +264,25 @@ static void look_at_points(struct before *b, uint64_t name)
 }
 
 /*
- * A point of an hour's disc: number, of those about a sensor's pane in the hour. They lie evenly
- * over the disc (Roberts 2018, by powers of the plastic number), turned by lot: of a sliver that
- * lies in another cell of the BSDF some see more than nothing.
+ * Returns a point of the sun's disc by its index in a low-discrepancy sequence (Roberts 2018,
+ * powers of the plastic number) with a random shift. Some points of such a set fall into a sliver
+ * of the disc that lies in another cell of the BSDF.
  */
-static struct orl_vec3 point_of_disc(const struct orl_sun *disc, uint64_t lot, uint32_t number)
+static struct orl_vec3 point_of_disc(const struct orl_sun *disc, uint64_t shift, uint32_t index)
 {
-    const double x = (double)(uint32_t)lot * 0x1p-32 + number * 0.7548776662466927;
-    const double y = (double)(lot >> 32) * 0x1p-32 + number * 0.5698402909980532;
+    const double x = (double)(uint32_t)shift * 0x1p-32 + index * 0.7548776662466927;
+    const double y = (double)(shift >> 32) * 0x1p-32 + index * 0.5698402909980532;
     const double u[2] = {x - floor(x), y - floor(y)};
     return orl_sun_sample(disc, u);
 }
 
 /*
- * One part for each group: of two blocks of four parts, half a pane apart each way, one of the
- * eight parts by lot.
+ * Returns a random part of a group. A group has eight parts: two blocks of four, which lie half a
+ * pane apart in both directions.
  */
-static uint32_t part_of_group(uint32_t group, uint64_t lot)
+static uint32_t part_of_group(uint32_t group, uint64_t bits)
 {
-    const uint32_t which = (uint32_t)(orl_mix64(lot + group) >> 61);
+    const uint32_t which = (uint32_t)(orl_mix64(bits + group) >> 61);
     const uint32_t half = BLOCKS_A_SIDE / 2, there = which >> 2;
     const uint32_t x = 2 * ((group % BLOCKS_A_SIDE + there * half) % BLOCKS_A_SIDE);
     const uint32_t y = 2 * (group / BLOCKS_A_SIDE + there * half);
@@ -289,10 +290,10 @@ static uint32_t part_of_group(uint32_t group, uint64_t lot)
 }
 _Static_assert((int)POINTS == (int)GROUPS, "each group has one point");
 
-/* What a point of the pane sends to the sensor of some points of the disc, were nothing before it,
- * and how likely the draws would have found it. */
-static double send_of(const struct before *b, const struct orl_hit *hit, const struct seen *s,
-                      struct orl_vec3 from)
+/* Returns the unoccluded radiance that a point of the pane sends to the sensor for a point of the
+ * disc of radiance 1, times the weight of the balance heuristic against the draws. */
+static double weighted_radiance(const struct before *b, const struct orl_hit *hit,
+                                const struct seen *s, struct orl_vec3 from)
 {
     const struct orl_panel_kind *k = &b->panels->kinds[b->panel->kind];
     const double onto = -orl_dot(from, k->inward);
@@ -306,12 +307,13 @@ static double send_of(const struct before *b, const struct orl_hit *hit, const s
 }
 
 /*
- * Points of the pane: to groups, of a sun that gives 1 to what faces it. Each with points of the
- * disc of its own, as draws have theirs: over a disc that lies in two cells of a BSDF, what the one
- * sends is not what the other does. One of them, drawn by what it sends, is looked for outside.
+ * Adds to the groups the light by points of the pane, for a sun that gives 1 to a plane that faces
+ * it. Each point of the pane has points of the disc of its own, as each draw has: if the disc spans
+ * two cells of a BSDF, its points send different light. A shadow ray is traced to one of them,
+ * which is sampled by the light it sends.
  */
 static void add_points(const struct before *b, size_t which, const struct orl_sun *disc,
-                       uint64_t number, double groups[GROUPS])
+                       uint64_t bits, double groups[GROUPS])
 {
     const struct orl_panels *panels = b->panels;
     const struct orl_panel_kind *k = &panels->kinds[b->panel->kind];
@@ -319,21 +321,22 @@ static void add_points(const struct before *b, size_t which, const struct orl_su
     const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
     const struct orl_panel_draws *draws =
         panels->draws + (size_t)b->panel->kind * panels->suns->count + which;
-    const uint32_t of_disc = draws->is_parted ? DISC_POINTS : 1;
-    const uint64_t turn = orl_mix64(b->name ^ orl_mix64(which << 8));
+    const uint32_t of_disc = draws->spans_cells ? DISC_POINTS : 1;
+    const uint64_t shift = orl_mix64(b->name ^ orl_mix64(which << 8));
     for (uint32_t group = 0; group < GROUPS; group++) {
-        const struct seen *s = &b->seen[part_of_group(group, number)];
+        const struct seen *s = &b->seen[part_of_group(group, bits)];
         struct orl_vec3 chosen = {0, 0, 0};
-        struct lot sent = lot_begin(orl_mix64(number ^ group));
+        struct reservoir sent = reservoir_begin(orl_mix64(bits ^ group));
         if (!(s->worth > 0))
             continue;
         for (uint32_t i = 0; i < of_disc; i++) {
-            const struct orl_vec3 from = point_of_disc(disc, turn, group * of_disc + i);
-            if (lot_takes(&sent, send_of(b, &hit, s, from)))
+            const struct orl_vec3 from = point_of_disc(disc, shift, group * of_disc + i);
+            if (reservoir_add(&sent, weighted_radiance(b, &hit, s, from)))
                 chosen = from;
         }
-        const double lit = sent.sum > 0 ? share_there(panels, b->panel, chosen, s->point) : 0;
-        groups[group] += sent.sum / of_disc * s->worth * b->panel->area * lit;
+        const double lit =
+            sent.weight_sum > 0 ? share_there(panels, b->panel, chosen, s->point) : 0;
+        groups[group] += sent.weight_sum / of_disc * s->worth * b->panel->area * lit;
     }
 }
 

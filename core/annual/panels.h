@@ -35,7 +35,7 @@ struct orl_panel_draw {
 struct orl_panel_draws {
     float towards[3][ORL_PANEL_DRAWS];
     struct orl_panel_draw at[ORL_PANEL_DRAWS];
-    bool is_parted; /* the disc lies in cells that let through different shares */
+    bool spans_cells; /* the disc spans cells of the BSDF with different transmittances */
 };
 
 struct orl_panel {

@@ -8,8 +8,8 @@
 
 enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4, MOST_PANES = 64 };
 
-/* The least chance that mirrors are looked for at a place. */
-static const double least_chance = 0.125;
+/* The least probability that a vertex of a path searches for mirrored suns. */
+static const double least_survival = 0.125;
 
 static double disc_radius(double angle_rad)
 {
@@ -142,8 +142,8 @@ struct mirrored {
     const struct lot *lot;
     const struct orl_mirror_set *set;
     uint32_t item;
-    double chance; /* of asking for mirrors at all */
-    double share;  /* one over the probability that it was drawn with */
+    double survival; /* probability that the vertex searches for mirrored suns */
+    double share;    /* one over the probability of this pane */
 };
 
 static void add_mirrored_node(void *ctx, uint32_t node)
@@ -166,15 +166,14 @@ static void add_by_pane(void *ctx, uint32_t item, double probability)
         orl_mirrors_cone(&scene->mirrors, m->set, item, m->lot->query->place.point),
         1.01 * m->lot->radius);
     m->item = item;
-    m->share = 1 / (probability * m->chance);
+    m->share = 1 / (probability * m->survival);
     orl_direction_tree_find(tree_of(m->lot), &cone, add_mirrored_node, m);
 }
 
-/* Russian roulette by what the place counts for: mirrors are searched in proportion to their light.
- */
-static double chance_of_mirrors(const struct orl_sunlit_query *query)
+/* Russian roulette: the probability is proportional to the vertex's weight. */
+static double survival_of(const struct orl_sunlit_query *query)
 {
-    return query->all ? 1 : fmin(fmax(ORL_PI * orl_rgb_max(query->weight), least_chance), 1);
+    return query->all ? 1 : fmin(fmax(ORL_PI * orl_rgb_max(query->weight), least_survival), 1);
 }
 
 void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
@@ -183,10 +182,10 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
     const struct lot lot = draw_lot(scene, query, random, nodes);
     struct mirrored m = {.lot = &lot,
                          .set = query->mapped ? &scene->mirrors.beyond : &scene->mirrors.everywhere,
-                         .chance = chance_of_mirrors(query)};
+                         .survival = survival_of(query)};
     if (!query->mapped)
         add_straight(&lot);
-    if (m.set->count > 0 && (m.chance >= 1 || orl_random_uniform(random) < m.chance))
+    if (m.set->count > 0 && (m.survival >= 1 || orl_random_uniform(random) < m.survival))
         orl_pane_tree_draw(&m.set->tree, query->place.point, query->place.normal, random,
                            add_by_pane, &m);
 }

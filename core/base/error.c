@@ -5,16 +5,22 @@
 #include <stdio.h>
 #include <string.h>
 
-int orl_error_set(struct orl_error *err, int code, const char *format, ...)
+int orl_error_vset(struct orl_error *err, int code, const char *format, va_list args)
 {
     if (err) {
-        va_list args;
         memset(err, 0, sizeof *err);
         err->code = code;
-        va_start(args, format);
         vsnprintf(err->message, sizeof err->message, format, args);
-        va_end(args);
     }
+    return code;
+}
+
+int orl_error_set(struct orl_error *err, int code, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    orl_error_vset(err, code, format, args);
+    va_end(args);
     return code;
 }
 

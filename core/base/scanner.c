@@ -30,9 +30,10 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* ---- What is no text ------------------------------------------------------------------------- */
+/* ---- Encoding ------------------------------------------------------------------------- */
 
-static int refuse(const char *name, struct orl_error *err, const char *what, const char *remedy)
+static int refuse_file(const char *name, struct orl_error *err, const char *what,
+                       const char *remedy)
 {
     orl_error_set(err, ORL_ERR_SYNTAX, "%s", what);
     orl_error_hint(err, "%s", remedy);
@@ -40,7 +41,8 @@ static int refuse(const char *name, struct orl_error *err, const char *what, con
     return ORL_ERR_SYNTAX;
 }
 
-/* With its byte order mark, or without: every other byte of the first letters is 0 then. */
+/* Recognises UTF-16 by its byte order mark; without one, by a zero in every other byte of the first
+ * two letters. */
 static bool is_utf16(const unsigned char *b, size_t size)
 {
     if (size >= 2 && ((b[0] == 0xff && b[1] == 0xfe) || (b[0] == 0xfe && b[1] == 0xff)))
@@ -51,7 +53,7 @@ static bool is_utf16(const unsigned char *b, size_t size)
 
 static bool is_control(unsigned char c)
 {
-    return (c < ' ' && orl_byte_kinds[c] == ORL_BYTE_INK && c != ESCAPE && c != CTRL_Z);
+    return (c < ' ' && orl_byte_kinds[c] == ORL_BYTE_WORD && c != ESCAPE && c != CTRL_Z);
 }
 
 static int check_text(const char *name, struct orl_slice text, struct orl_error *err)
@@ -59,8 +61,8 @@ static int check_text(const char *name, struct orl_slice text, struct orl_error 
     const unsigned char *const bytes = (const unsigned char *)text.text;
     const size_t size = text.length < LOOKED_AT ? text.length : LOOKED_AT;
     if (is_utf16(bytes, size))
-        return refuse(name, err, "the file is text in UTF-16, and UTF-8 is read",
-                      "save it as UTF-8");
+        return refuse_file(name, err, "the file is text in UTF-16, and UTF-8 is read",
+                           "save it as UTF-8");
     for (size_t i = 0; i < size; i++)
         if (is_control(bytes[i])) {
             orl_error_set(err, ORL_ERR_SYNTAX, "this is not text: byte %zu is 0x%02x", i + 1,
@@ -80,7 +82,7 @@ static void skip_mark(struct orl_slice *text)
     }
 }
 
-/* Blanks behind the text stay where no Ctrl-Z is before them. */
+/* Cuts off Ctrl-Z and the blanks after it. Blanks at the end of a text without Ctrl-Z stay. */
 static void cut_ctrl_z(struct orl_slice *text)
 {
     size_t length = text->length;
@@ -88,7 +90,7 @@ static void cut_ctrl_z(struct orl_slice *text)
         const char c = text->text[i - 1];
         if (c == CTRL_Z)
             length = i - 1;
-        else if (orl_byte_kind_of(c) == ORL_BYTE_INK)
+        else if (orl_byte_kind_of(c) == ORL_BYTE_WORD)
             break;
     }
     text->length = length;
@@ -110,7 +112,7 @@ int orl_scanner_init(struct orl_scanner *scanner, const char *name, const char *
 {
     struct orl_slice whole = {text ? text : "", text ? size : 0};
     int code = 0;
-    if (options & ORL_SCANNER_HEAD) {
+    if (options & ORL_SCANNER_TEXT_HEADER) {
         skip_mark(&whole);
         if (is_utf16((const unsigned char *)whole.text, whole.length))
             code = check_text(name, whole, err);
@@ -142,8 +144,9 @@ int orl_scanner_rest_is_text(struct orl_scanner *scanner, struct orl_error *err)
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
-/* Most lines are too short for memchr to be worth its calls; of the others a stretch is searched at
- * a time, as a file whose lines end in "\r" alone would be searched to its end for each. */
+/* Most lines are too short to be worth a call of memchr. Longer ones are searched by stretches of
+ * STRETCH bytes: otherwise a file of lines that end in "\r" alone would be searched to its end for
+ * each line. */
 const char *orl_line_end(const char *at, const char *end)
 {
     const char *const near = end - at < NEAR ? end : at + NEAR;
@@ -166,7 +169,7 @@ static const char *find_line_end(const struct orl_scanner *scanner, const char *
     return orl_line_end(from, scanner->end);
 }
 
-/* Behind the end of a line, which is there. */
+/* Returns the start of the next line; `at` is at a line's end. */
 static const char *behind_line_end(const struct orl_scanner *scanner, const char *at)
 {
     return *at == '\r' && scanner->end - at > 1 && at[1] == '\n' ? at + 2 : at + 1;
@@ -178,8 +181,8 @@ static void pass_line_end(struct orl_scanner *scanner, const char *at)
     scanner->line++;
 }
 
-/* A backslash with nothing but blanks up to the line's end. */
-static const char *joint_end(const struct orl_scanner *scanner, const char *at)
+/* Returns the line's end if a backslash and blanks alone stand before it, else NULL. */
+static const char *continuation_end(const struct orl_scanner *scanner, const char *at)
 {
     if (*at++ != '\\')
         return NULL;
@@ -188,17 +191,17 @@ static const char *joint_end(const struct orl_scanner *scanner, const char *at)
     return at == scanner->end || is_line_end(*at) ? at : NULL;
 }
 
-bool orl_scanner_pass(struct orl_scanner *scanner)
+bool orl_scanner_skip_comment(struct orl_scanner *scanner)
 {
     if (*scanner->at == '#') {
-        if (!(scanner->options & ORL_SCANNER_REMARKS))
+        if (!(scanner->options & ORL_SCANNER_COMMENTS))
             return false;
         scanner->at = find_line_end(scanner, scanner->at);
         return true;
     }
-    if (!(scanner->options & ORL_SCANNER_JOINS))
+    if (!(scanner->options & ORL_SCANNER_CONTINUATIONS))
         return false;
-    const char *const end = joint_end(scanner, scanner->at);
+    const char *const end = continuation_end(scanner, scanner->at);
     if (!end)
         return false;
     if (end == scanner->end)
@@ -211,12 +214,12 @@ bool orl_scanner_pass(struct orl_scanner *scanner)
 const char *orl_scanner_word_end(struct orl_scanner *scanner, const char *word)
 {
     const char *end = scanner->at;
-    if (scanner->options & ORL_SCANNER_CUTS) {
+    if (scanner->options & ORL_SCANNER_COMMENTS_IN_WORDS) {
         const char *const cut = memchr(word + 1, '#', (size_t)(end - word - 1));
         end = cut ? cut : end;
     }
-    if ((scanner->options & ORL_SCANNER_JOINS) && end - word > 1 && end[-1] == '\\' &&
-        joint_end(scanner, end - 1))
+    if ((scanner->options & ORL_SCANNER_CONTINUATIONS) && end - word > 1 && end[-1] == '\\' &&
+        continuation_end(scanner, end - 1))
         end--;
     scanner->at = end;
     return end;
@@ -253,62 +256,62 @@ bool orl_scanner_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
 size_t orl_scanner_count_words(const struct orl_scanner *scanner)
 {
     size_t n = 0;
-    bool ink = false;
+    bool within = false;
     for (const char *at = scanner->at; at < scanner->end; at++) {
-        const bool is_ink = orl_byte_kind_of(*at) == ORL_BYTE_INK;
-        n += is_ink && !ink;
-        ink = is_ink;
+        const bool is_word = orl_byte_kind_of(*at) == ORL_BYTE_WORD;
+        n += is_word && !within;
+        within = is_word;
     }
     return n;
 }
 
 /* ---- Parts of a line ------------------------------------------------------------------------- */
 
-bool orl_slice_is_nocase(struct orl_slice span, const char *text)
+bool orl_slice_is_nocase(struct orl_slice slice, const char *text)
 {
-    return span.length == strlen(text) && strncasecmp(span.text, text, span.length) == 0;
+    return slice.length == strlen(text) && strncasecmp(slice.text, text, slice.length) == 0;
 }
 
-bool orl_slice_begins_nocase(struct orl_slice span, const char *text)
+bool orl_slice_begins_nocase(struct orl_slice slice, const char *text)
 {
     const size_t length = strlen(text);
-    return span.length >= length && strncasecmp(span.text, text, length) == 0;
+    return slice.length >= length && strncasecmp(slice.text, text, length) == 0;
 }
 
-struct orl_slice orl_slice_trim(struct orl_slice span)
+struct orl_slice orl_slice_trim(struct orl_slice slice)
 {
-    while (span.length > 0 && orl_byte_kind_of(span.text[0]) != ORL_BYTE_INK) {
-        span.text++;
-        span.length--;
+    while (slice.length > 0 && orl_byte_kind_of(slice.text[0]) != ORL_BYTE_WORD) {
+        slice.text++;
+        slice.length--;
     }
-    while (span.length > 0 && orl_byte_kind_of(span.text[span.length - 1]) != ORL_BYTE_INK)
-        span.length--;
-    return span;
+    while (slice.length > 0 && orl_byte_kind_of(slice.text[slice.length - 1]) != ORL_BYTE_WORD)
+        slice.length--;
+    return slice;
 }
 
-struct orl_slice orl_slice_before(struct orl_slice span, char byte)
+struct orl_slice orl_slice_before(struct orl_slice slice, char byte)
 {
-    const char *const at = span.length > 0 ? memchr(span.text, byte, span.length) : NULL;
-    return (struct orl_slice){span.text, at ? (size_t)(at - span.text) : span.length};
+    const char *const at = slice.length > 0 ? memchr(slice.text, byte, slice.length) : NULL;
+    return (struct orl_slice){slice.text, at ? (size_t)(at - slice.text) : slice.length};
 }
 
-static void drop(struct orl_slice *span, size_t n)
+static void drop(struct orl_slice *slice, size_t n)
 {
-    span->text += n;
-    span->length -= n;
+    slice->text += n;
+    slice->length -= n;
 }
 
-static void skip_blanks(struct orl_slice *span)
+static void skip_blanks(struct orl_slice *slice)
 {
-    while (span->length > 0 && orl_byte_kind_of(*span->text) != ORL_BYTE_INK)
-        drop(span, 1);
+    while (slice->length > 0 && orl_byte_kind_of(*slice->text) != ORL_BYTE_WORD)
+        drop(slice, 1);
 }
 
 struct orl_slice orl_slice_take_word(struct orl_slice *rest)
 {
     skip_blanks(rest);
     struct orl_slice word = {rest->text, 0};
-    while (word.length < rest->length && orl_byte_kind_of(word.text[word.length]) == ORL_BYTE_INK)
+    while (word.length < rest->length && orl_byte_kind_of(word.text[word.length]) == ORL_BYTE_WORD)
         word.length++;
     drop(rest, word.length);
     return word;
@@ -332,8 +335,8 @@ int orl_slice_take_quoted(struct orl_slice *rest, struct orl_slice *ret_word)
     return 1;
 }
 
-/* A text between double quotes at the head of a cell, which may hold separators; false: there is
- * none. rest is what follows it. */
+/* Takes a text between double quotes, which may hold separators, off the head of a cell. Returns
+ * false if the cell does not begin with one. */
 static bool take_quotes(struct orl_slice *rest, struct orl_slice *ret_text)
 {
     struct orl_slice ahead = *rest;
@@ -374,7 +377,7 @@ static bool is_mark(char c)
     return c == ',' || c == ';';
 }
 
-/* Blanks alone, or semicolons, separate some of the words. */
+/* Returns true if blanks alone, or semicolons, separate some of the words. */
 static bool is_spaced(struct orl_slice line)
 {
     char before = ',';
@@ -396,7 +399,7 @@ void orl_cells_init(struct orl_cells *cells, struct orl_slice line)
     *cells = (struct orl_cells){line, line.text, line.text + line.length, '\0'};
 }
 
-/* The end of the word that begins at `at`. */
+/* Returns the end of the word that begins at `at`. */
 static const char *skip_word(const char *at, const char *end)
 {
     while (at < end && !is_blank(*at) && !is_mark(*at))
@@ -411,8 +414,8 @@ static const char *skip_blanks_to(const char *at, const char *end)
     return at;
 }
 
-/* The end of a cell that goes on behind the comma that it has come to, if it is one with what
- * follows: a number with a decimal comma. */
+/* Returns the end of a cell: behind the digits after the comma if the cell is a number with a
+ * decimal comma, else the comma. */
 static const char *pass_decimal_comma(const struct orl_cells *cells, const char *cell,
                                       const char *comma)
 {
@@ -446,9 +449,9 @@ static const char *skip_digits(const char *at, const char *end)
     return at;
 }
 
-bool orl_slice_is_decimal_comma(struct orl_slice span)
+bool orl_slice_is_decimal_comma(struct orl_slice slice)
 {
-    const char *at = span.text, *const end = at + span.length;
+    const char *at = slice.text, *const end = at + slice.length;
     at += at < end && (*at == '-' || *at == '+');
     const char *const comma = skip_digits(at, end);
     if (comma == end || *comma != ',')
@@ -465,54 +468,55 @@ bool orl_slice_is_decimal_comma(struct orl_slice span)
     return at < end && skip_digits(at, end) == end;
 }
 
-static int refuse_number(const struct orl_scanner *scanner, struct orl_slice span, const char *what,
-                         enum orl_number_fault fault, struct orl_error *err)
+static int refuse_number(const struct orl_scanner *scanner, struct orl_slice slice,
+                         const char *what, enum orl_number_fault fault, struct orl_error *err)
 {
-    const int shown = span.length < SHOWN ? (int)span.length : SHOWN;
+    const int shown = slice.length < SHOWN ? (int)slice.length : SHOWN;
     const char *const colon = what ? ": " : "";
     char place[32] = "";
-    const size_t column = orl_scanner_column(scanner, span);
+    const size_t column = orl_scanner_column(scanner, slice);
     what = what ? what : "";
     if (column > 0)
         snprintf(place, sizeof place, "column %zu: ", column);
-    if (span.length == 0)
+    if (slice.length == 0)
         return orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err,
                                 "%s%s%san empty cell; write its number", place, what,
                                 *what ? " is missing: " : "");
-    if (orl_slice_is_decimal_comma(span)) {
+    if (orl_slice_is_decimal_comma(slice)) {
         char point[SHOWN + 1];
-        snprintf(point, sizeof point, "%.*s", shown, span.text);
+        snprintf(point, sizeof point, "%.*s", shown, slice.text);
         char *const comma = strchr(point, ',');
         if (comma)
             *comma = '.';
         return orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err,
                                 "%s%s%s%.*s: a decimal comma; write %s", place, what, colon, shown,
-                                span.text, point);
+                                slice.text, point);
     }
     return orl_scanner_fail(scanner, fault == ORL_NUMBER_INFINITE ? ORL_ERR_RANGE : ORL_ERR_SYNTAX,
                             err, "%s%s%s'%.*s' is not a %snumber", place, what, colon, shown,
-                            span.text, fault == ORL_NUMBER_INFINITE ? "finite " : "");
+                            slice.text, fault == ORL_NUMBER_INFINITE ? "finite " : "");
 }
 
-int orl_scanner_number(const struct orl_scanner *scanner, struct orl_slice span, const char *what,
+int orl_scanner_number(const struct orl_scanner *scanner, struct orl_slice slice, const char *what,
                        double *ret_value, struct orl_error *err)
 {
-    const enum orl_number_fault fault =
-        span.length > 0 ? orl_number_read(span.text, span.length, ret_value) : ORL_NUMBER_NOT_ONE;
-    return fault == ORL_NUMBER_OK ? 0 : refuse_number(scanner, span, what, fault, err);
+    const enum orl_number_fault fault = slice.length > 0
+                                            ? orl_number_read(slice.text, slice.length, ret_value)
+                                            : ORL_NUMBER_NOT_ONE;
+    return fault == ORL_NUMBER_OK ? 0 : refuse_number(scanner, slice, what, fault, err);
 }
 
 /* ---- Messages -------------------------------------------------------------------------------- */
 
-size_t orl_scanner_column(const struct orl_scanner *scanner, struct orl_slice span)
+size_t orl_scanner_column(const struct orl_scanner *scanner, struct orl_slice slice)
 {
     size_t column = 1;
-    if (!span.text || span.text < scanner->begin || span.text > scanner->end)
+    if (!slice.text || slice.text < scanner->begin || slice.text > scanner->end)
         return 0;
-    for (const char *at = scanner->begin; at < span.text; at++) {
+    for (const char *at = scanner->begin; at < slice.text; at++) {
         if (is_line_end(*at))
             return 0;
-        column += ((unsigned char)*at & 0xc0) != 0x80; /* of a letter, its first byte */
+        column += ((unsigned char)*at & 0xc0) != 0x80; /* counts the first byte of a letter */
     }
     return column;
 }
@@ -520,12 +524,10 @@ size_t orl_scanner_column(const struct orl_scanner *scanner, struct orl_slice sp
 int orl_scanner_fail(const struct orl_scanner *scanner, int code, struct orl_error *err,
                      const char *format, ...)
 {
-    char message[ORL_ERROR_TEXT_MAX];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
+    orl_error_vset(err, code, format, arguments);
     va_end(arguments);
-    orl_error_set(err, code, "%s", message);
     orl_error_at(err, scanner->name, scanner->line, NULL);
     return code;
 }

@@ -169,7 +169,7 @@ static size_t find_end(const struct orl_bsdf_xml *xml)
 {
     size_t end = xml->size;
     while (end > 0 &&
-           (xml->data[end - 1] == 0x1a || orl_byte_kind_of(xml->data[end - 1]) != ORL_BYTE_INK))
+           (xml->data[end - 1] == 0x1a || orl_byte_kind_of(xml->data[end - 1]) != ORL_BYTE_WORD))
         end--;
     return end < xml->size && memchr(xml->data + end, 0x1a, xml->size - end) ? end : xml->size;
 }

@@ -17,12 +17,12 @@ enum { LINES_A_POLL = 4096 };
 int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *err,
                  const char *format, ...)
 {
-    char message[ORL_ERROR_TEXT_MAX];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
+    orl_error_vset(err, code, format, arguments);
     va_end(arguments);
-    return orl_scanner_fail(&lines->scanner, code, err, "%s", message);
+    orl_error_at(err, lines->scanner.name, lines->scanner.line, NULL);
+    return code;
 }
 
 int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, bool *ret_more,

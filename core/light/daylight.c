@@ -73,7 +73,7 @@ static struct orl_sun_position sun_in_part(const struct orl_location *site,
     return longest > 0 ? orl_sun_accurate(site, &moment) : at;
 }
 
-/* Where the sun stands; where a sky needs no place, any will do. */
+/* Returns the position of the sun; any position for a sky that needs none. */
 static struct orl_sun_position sun_of(const struct orl_sky_request *request)
 {
     const struct orl_location site = {request->latitude_deg * ORL_DEG_TO_RAD,

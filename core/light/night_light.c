@@ -5,7 +5,7 @@
 
 #include "light/daylight.h"
 
-/* The last of the disc sets so far below the horizon. */
+/* The altitude of the centre at which the last of the disc sets. */
 static const double set_deg = -0.5 * ORL_SUN_DIAMETER_DEG;
 
 static double light_of(const struct orl_weather_row *row)
@@ -13,7 +13,7 @@ static double light_of(const struct orl_weather_row *row)
     return row->missing ? 0 : fmax(row->direct, 0) + fmax(row->diffuse, 0);
 }
 
-/* Counts rows, were all times later by shift_h. */
+/* Sums up the rows with the sun down, after a shift of all times by shift_h. */
 static struct orl_night_light count(const struct orl_weather *weather, double shift_h)
 {
     struct orl_night_light night = {.units = weather->units, .shift_h = shift_h};
@@ -31,7 +31,7 @@ static struct orl_night_light count(const struct orl_weather *weather, double sh
     return night;
 }
 
-/* Takes the cause by which less is lost. */
+/* Keeps the cause that leaves less radiation at night. */
 static void try_cause(struct orl_night_light *least, enum orl_night_cause cause,
                       struct orl_night_light found)
 {

@@ -1,22 +1,22 @@
 /*
- * Light that a weather file has while the sun is down: no sky can be made of it, so a year leaves
- * it out. A little is usual (twilight, and air that raises the sun by its own width at the
- * horizon); much of it tells that site and times do not belong together.
+ * Radiation that a weather file has while the sun is below the horizon. No sky model takes it, so a
+ * year omits it. A little is usual: twilight, and refraction, which raises the sun by its own width
+ * at the horizon. A lot of it shows that the site and the times of the file do not match.
  */
 #ifndef ORL_LIGHT_NIGHT_LIGHT_H
 #define ORL_LIGHT_NIGHT_LIGHT_H
 
 #include "light/weather.h"
 
-/* What would put the sun back over the horizon. */
+/* The change to the file that would put the sun above the horizon. */
 enum orl_night_cause {
     ORL_NIGHT_UNKNOWN,
-    ORL_NIGHT_LONGITUDE, /* its sign */
-    ORL_NIGHT_TIME_ZONE, /* its sign */
-    ORL_NIGHT_SHIFT,     /* of all times */
+    ORL_NIGHT_LONGITUDE, /* the other sign of the longitude */
+    ORL_NIGHT_TIME_ZONE, /* the other sign of the time zone */
+    ORL_NIGHT_SHIFT,     /* a shift of all times */
 };
 
-/* Sums are of both measures of rows, as they stand in the file, times hours. */
+/* Sums of direct and diffuse radiation, in the units of the file, times hours. */
 struct orl_night_light {
     size_t n_rows;
     double hours, lost, total;
@@ -27,8 +27,8 @@ struct orl_night_light {
 
 struct orl_night_light orl_night_light_find(const struct orl_weather *weather);
 
-/* One sentence or two for a user. Returns false, and leaves text alone, where no more is lost than
- * a thousandth. */
+/* Writes a warning for the user. Returns false, and does not write, if at most a thousandth of the
+ * radiation is lost. */
 bool orl_night_light_describe(const struct orl_night_light *night, char *text, size_t size);
 
 #endif

@@ -120,7 +120,8 @@ static int read_location(struct reader *reader, struct orl_slice line)
     return code;
 }
 
-/* What 1 January is, by the weekday of another date, as "7/ 1", of a year of 365 days. */
+/* Returns the weekday of 1 January from that of another date ("7/ 1") of a year of 365 days; -1 if
+ * either cannot be read. */
 static int weekday_of_new_year(struct orl_slice name, struct orl_slice date)
 {
     static const char *const names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun"};
@@ -172,7 +173,7 @@ static int year_of(struct orl_slice field)
     return (int)year;
 }
 
-/* A time has one row: of several years none could be told from the others. */
+/* Refuses a second year for the same month, day and hour: a job names no year. */
 static int check_year(struct reader *reader, const struct orl_weather_row *row)
 {
     short *year = &reader->years[row->month - 1][row->day - 1][(int)row->hour % 24];
@@ -189,7 +190,7 @@ static int check_year(struct reader *reader, const struct orl_weather_row *row)
     return 0;
 }
 
-/* What is left of a row has no more fields than there are: decimal commas would make more. */
+/* Checks that the row has at most the 35 fields of the format: decimal commas make more. */
 static int check_fields(struct reader *reader, struct orl_slice rest)
 {
     int n = EPW_FIELDS_READ;
@@ -304,8 +305,8 @@ static int read_wea(struct reader *reader)
 
 /* ---- Intervals ------------------------------------------------------------------------------- */
 
-/* The least time between rows of one day that follow each other, at most an hour: files may leave
- * the night out. */
+/* Returns the least time between successive rows of a day, at most an hour: files may omit
+ * nights. */
 static double find_interval(const struct orl_weather *weather)
 {
     double least = 1;

@@ -77,7 +77,8 @@ static bool is_same_day(const struct orl_annual_result *result, size_t a, size_t
            result->steps[a].day == result->steps[b].day;
 }
 
-/* DGP is cut off at 1, as when the sun's disc is in view: then more light at the eye is worse. */
+/* DGP is clamped to 1, for instance if the sun's disc is in view: then the illuminance at the eye
+ * decides. */
 static bool is_worse(const struct orl_seat_hour *a, const struct orl_seat_hour *b)
 {
     if (a->dgp.value != b->dgp.value)

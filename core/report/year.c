@@ -81,10 +81,8 @@ static bool is_night(const struct orl_annual_result *result, const struct orl_an
     return orl_sun_accurate(&site, &moment).altitude_rad < set_rad;
 }
 
-/*
- * Files that leave nights out: a step without a row in which the sun is down is dark, and as good
- * as measured, on a day that has other rows, and on one without a sunrise.
- */
+/* Marks steps of the night without a row as measured, since they are dark: on days that have other
+ * rows, and on days without a sunrise. */
 static void fill_nights(const struct orl_annual_result *result, struct orl_annual_year *year)
 {
     const uint32_t a_day = 24 * year->steps.per_hour;

@@ -68,7 +68,8 @@ static void read_commands(struct reading *r, const struct orl_file *text)
 {
     struct orl_scanner scanner;
     struct orl_slice word;
-    if (orl_scanner_init(&scanner, NULL, text->data, text->size, ORL_SCANNER_JOINS, NULL) < 0)
+    if (orl_scanner_init(&scanner, NULL, text->data, text->size, ORL_SCANNER_CONTINUATIONS, NULL) <
+        0)
         return;
     while (orl_scanner_next_line(&scanner)) {
         const bool is_command = *scanner.at == '!';

@@ -114,7 +114,7 @@ int orl_view_file_read(const char *name, const char *text, size_t size, const ch
     char *copy = NULL;
     int code = ORL_ERR_NOMEM;
     if (found)
-        code = orl_scanner_init(&scanner, name, text, size, ORL_SCANNER_HEAD, err);
+        code = orl_scanner_init(&scanner, name, text, size, ORL_SCANNER_TEXT_HEADER, err);
     if (found && code == 0)
         code = find_view(&scanner, entry, found, err);
     if (code == 0)

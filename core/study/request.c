@@ -78,12 +78,10 @@ size_t orl_study_count_settings(const struct orl_study_request *request)
 __attribute__((format(printf, 4, 5))) static int fail(struct orl_error *err, int code,
                                                       const char *member, const char *format, ...)
 {
-    char text[ORL_ERROR_TEXT_MAX];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    orl_error_vset(err, code, format, args);
     va_end(args);
-    orl_error_set(err, code, "%s", text);
     orl_error_at(err, NULL, 0, member);
     return code;
 }

@@ -22,7 +22,7 @@ static struct {
     atomic_llong deadline_s; /* by CLOCK_MONOTONIC; 0: none */
     atomic_bool closed;
     atomic_uint arrived; /* signals */
-    /* Atomic, since a signal may run its handler on any thread as the next one is set. */
+    /* Atomic: a handler may run on any thread while the main thread sets the next signal. */
     atomic_uint drain_s;
     void (*_Atomic handlers[SIGNALS])(int);
 } limit;

@@ -35,8 +35,8 @@
 #define ORL_SERVER_KEPT_JOBS 10000U      /* that have ended (default) */
 #define ORL_SERVER_KEEP_ORPHANS_DAYS 30U /* that files stay which a start set aside (default) */
 #define ORL_SERVER_DRAIN_S 5U            /* that running jobs have to finish at a stop (default) */
-/* That a stop may take after that, else it is forced. Sanitizers take seconds to map and to unmap
- * gigabytes that are reserved and never touched. */
+/* The time of an orderly stop after the drain limit; then the stop is forced. Builds with
+ * sanitizers get more: they take seconds to map gigabytes that are reserved and never touched. */
 #define ORL_SERVER_STOP_S (ORL_SANITIZED ? 60U : 5U)
 #define ORL_SERVER_HEADER_S 15.0    /* from a connection's start to the end of its first headers */
 #define ORL_SERVER_BODY_RATE 1024.0 /* bytes/s that a body has to come at */

@@ -38,12 +38,10 @@ static int refuse_list(struct orl_error *err, const char *format, ...)
 /* Refuses a database whose list of migrations is not that of its tables. */
 static int refuse_list(struct orl_error *err, const char *format, ...)
 {
-    char message[ORL_ERROR_TEXT_MAX];
     va_list args;
     va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
+    orl_error_vset(err, ORL_ERR_CORRUPT, format, args);
     va_end(args);
-    orl_error_set(err, ORL_ERR_CORRUPT, "%s", message);
     orl_error_hint(err, "It is damaged, or another program's: put back oriel.db from a backup, or "
                         "oriel.db.before-NNNN, the copy made before its latest migration");
     return ORL_ERR_CORRUPT;

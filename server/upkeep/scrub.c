@@ -207,7 +207,7 @@ struct orl_scrubbing *orl_scrubbing_start(const struct orl_folders *folders,
     return scrubbing;
 }
 
-/* What a thread still uses as the process ends. */
+/* The state of a thread that still runs as the process ends. */
 static struct orl_scrubbing *left_behind;
 
 void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)

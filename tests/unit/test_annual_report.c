@@ -17,7 +17,7 @@
 #include <oriel/annual_report.h>
 #include <oriel/npy.h>
 
-#include "report/making.h"
+#include "support/hand_year.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 
@@ -32,66 +32,6 @@ static void assert_near(double value, double wanted, double tolerance)
         fail_msg("%.10g is not %.10g within %g", value, wanted, tolerance);
 }
 
-/* ---- A year ---------------------------------------------------------------------------------- */
-
-enum { SENSORS = 6, FIRST_LIT = 6, LIT = 12 };
-
-/* Rows of an hour each, lit from 6 to 18; sensor i has 100 (i + 1) lx, and sun at noon. */
-static void make_result(struct orl_annual_result *result, bool leap)
-{
-    static const int lengths[12] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    *result = (struct orl_annual_result){.n_steps = leap ? 8784 : 8760, .n_sensors = SENSORS};
-    result->steps = calloc(result->n_steps, sizeof *result->steps);
-    result->step_of_column = calloc(result->n_steps, sizeof *result->step_of_column);
-    assert_true(result->steps && result->step_of_column);
-    size_t at = 0;
-    for (int month = 1; month <= 12; month++)
-        for (int day = 1; day <= lengths[month - 1] + (leap && month == 2); day++)
-            for (int hour = 0; hour < 24; hour++, at++) {
-                const bool lit = hour >= FIRST_LIT && hour < FIRST_LIT + LIT;
-                struct orl_annual_step *s = &result->steps[at];
-                *s = (struct orl_annual_step){.month = month,
-                                              .day = day,
-                                              .hour = hour + 0.5,
-                                              .column = ORL_ANNUAL_DARK,
-                                              .global_lx = lit ? 1e4 + hour : 0};
-                if (lit) {
-                    result->step_of_column[result->n_columns] = (uint32_t)at;
-                    s->column = (uint32_t)result->n_columns++;
-                }
-            }
-    const size_t n = SENSORS * result->n_columns;
-    result->total = calloc(n, sizeof *result->total);
-    result->direct = calloc(n, sizeof *result->direct);
-    result->se = calloc(n, sizeof *result->se);
-    assert_true(result->total && result->direct && result->se);
-    for (size_t i = 0; i < n; i++) {
-        const size_t sensor = i / result->n_columns;
-        const bool noon =
-            fabs(result->steps[result->step_of_column[i % result->n_columns]].hour - 12.5) < 0.1;
-        result->direct[i] = noon && sensor >= 4 ? 5000 : 0;
-        result->total[i] = 100 * (float)(sensor + 1) + result->direct[i];
-        result->se[i] = 0.02F * result->total[i];
-    }
-}
-
-static void free_result(struct orl_annual_result *result)
-{
-    free(result->steps);
-    free(result->step_of_column);
-    free(result->total);
-    free(result->direct);
-    free(result->se);
-}
-
-static struct orl_annual_request make_request(struct orl_annual_grid grids[2])
-{
-    static char north[] = "North / \"old\"", south[] = "south";
-    grids[0] = (struct orl_annual_grid){north, 0, 2};
-    grids[1] = (struct orl_annual_grid){south, 2, 4};
-    return (struct orl_annual_request){.grids = grids, .n_grids = 2, .n_sensors = SENSORS};
-}
-
 /* ---- Years ----------------------------------------------------------------------------------- */
 
 static void test_years(void **state)
@@ -100,11 +40,11 @@ static void test_years(void **state)
     struct orl_annual_year year;
     struct orl_error err = {0};
     (void)state;
-    make_result(&result, true);
+    hand_year_make(&result, true);
     assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
     assert_int_equal(year.steps.count, 8784);
     assert_int_equal(year.n_missing, 0);
-    assert_int_equal(year.step_of_column[LIT], 24 + FIRST_LIT);
+    assert_int_equal(year.step_of_column[HAND_YEAR_LIT], 24 + HAND_YEAR_FIRST_LIT);
     assert_int_equal(year.step_of_column[result.n_columns - 1], 8783 - 6);
     orl_annual_year_done(&year);
     /* Hours that were not measured, and a file that ends early. */
@@ -120,17 +60,17 @@ static void test_years(void **state)
     orl_annual_year_done(&year);
     result.steps[100].hour = result.steps[99].hour;
     assert_int_equal(orl_annual_year_make(&result, &year, &err), ORL_ERR_RANGE);
-    free_result(&result);
-    make_result(&result, false);
+    hand_year_free(&result);
+    hand_year_make(&result, false);
     assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
     assert_int_equal(year.steps.count, 8760);
     assert_int_equal(orl_annual_step_of(&year, &result.steps[8759]), 8759);
     orl_annual_year_done(&year);
-    free_result(&result);
+    hand_year_free(&result);
 }
 
-/* A file of the sun's hours alone: nights without rows are dark, and a year is whole. Of a place
- * beyond the polar circle days without a sunrise have no rows at all. */
+/* A file without rows at night gives a whole year. Beyond the polar circle days without a sunrise
+ * have no rows at all. */
 static void test_nights_left_out(void **state)
 {
     static const double latitudes[] = {0, 70};
@@ -140,7 +80,7 @@ static void test_nights_left_out(void **state)
         struct orl_annual_year year;
         struct orl_error err = {0};
         size_t kept = 0;
-        make_result(&result, false);
+        hand_year_make(&result, false);
         result.latitude_deg = latitudes[k];
         for (size_t i = 0; i < result.n_steps; i++) {
             const struct orl_annual_step step = result.steps[i];
@@ -155,26 +95,11 @@ static void test_nights_left_out(void **state)
         for (size_t i = 0; i < 24; i++) /* 15 December */
             assert_true(year.measured[348 * 24 + i]);
         orl_annual_year_done(&year);
-        free_result(&result);
+        hand_year_free(&result);
     }
 }
 
 /* ---- Reports --------------------------------------------------------------------------------- */
-
-static void ask(struct orl_annual_wishes *wishes, const char *target, const char *rules)
-{
-    const struct orl_annual_rule *first;
-    assert_int_equal(orl_annual_wishes_init(wishes), 0);
-    wishes->targets = calloc(1, sizeof *wishes->targets);
-    assert_non_null(wishes->targets);
-    assert_int_equal(orl_annual_target_parse(target, wishes->targets, NULL), 0);
-    wishes->n_targets = 1;
-    assert_int_equal(orl_annual_rules_find(rules, &first, &wishes->n_rules, NULL), 0);
-    wishes->rules = calloc(wishes->n_rules, sizeof *wishes->rules);
-    assert_non_null(wishes->rules);
-    for (size_t i = 0; i < wishes->n_rules; i++)
-        wishes->rules[i] = first[i];
-}
 
 /* Sensors 0 to 5 have 100 to 600 lx in all occupied hours: 300 lx is met by four, the third just.
  */
@@ -184,16 +109,16 @@ static struct orl_window_group blinds = {
 static void test_reports(void **state)
 {
     struct orl_annual_grid grids[2];
-    struct orl_annual_request request = make_request(grids);
+    struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
     struct orl_annual_wishes wishes;
     struct orl_annual_report report;
     struct orl_error err = {0};
     (void)state;
-    make_result(&result, false);
+    hand_year_make(&result, false);
     request.groups = &blinds;
     request.n_groups = 1;
-    ask(&wishes, "sDA300/50 of SOUTH >= 55 %", "LEED");
+    hand_year_ask(&wishes, "sDA300/50 of SOUTH >= 55 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
                      0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3650, 0);
@@ -222,148 +147,28 @@ static void test_reports(void **state)
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
                      ORL_ERR_INVALID);
     orl_annual_wishes_done(&wishes);
-    free_result(&result);
-}
-
-/* The verdict on sDA300/50 >= 40 % by LEED, of the south and of both grids, and its note. */
-static void check_blinds(const struct orl_annual_result *result, struct orl_window_group *groups,
-                         enum orl_verdict south, const char *note)
-{
-    struct orl_annual_grid grids[2];
-    struct orl_annual_request request = make_request(grids);
-    struct orl_annual_wishes wishes;
-    struct orl_annual_report report;
-    struct orl_error err = {0};
-    ask(&wishes, "sDA300/50 of south >= 40 %", "LEED v4.1, 1 point");
-    request.groups = groups;
-    request.n_groups = groups ? 1 : 0;
-    assert_int_equal(orl_annual_report_make(&request, result, &wishes, NULL, NULL, &report, &err),
-                     0);
-    assert_int_equal(report.n_verdicts, 1 + 3);
-    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS); /* names no rule */
-    assert_string_equal(report.verdicts[0].note, "");
-    assert_int_equal(report.verdicts[2].verdict, ORL_VERDICT_FAIL); /* the north: no blinds help */
-    assert_string_equal(report.verdicts[2].note, "");
-    assert_int_equal(report.verdicts[3].verdict, south);
-    assert_string_equal(report.verdicts[3].note, note);
-    orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
-}
-
-static void test_blinds_of_rules(void **state)
-{
-    struct orl_window_group by_hand = {.control = {.kind = ORL_SHADES_NO_CONTROL}};
-    struct orl_annual_result result;
-    (void)state;
-    make_result(&result, false);
-    check_blinds(&result, &blinds, ORL_VERDICT_PASS, "");
-    check_blinds(&result, NULL, ORL_VERDICT_UNDECIDED,
-                 "not according to LM-83: no blinds modelled");
-    check_blinds(&result, &by_hand, ORL_VERDICT_UNDECIDED,
-                 "not according to LM-83: no blinds close by direct sunlight");
-    /* Where no sun comes in there is nothing for blinds to do. */
-    for (size_t i = 0; i < SENSORS * result.n_columns; i++)
-        result.direct[i] = fminf(result.direct[i], 999);
-    check_blinds(&result, NULL, ORL_VERDICT_PASS, "");
-    free_result(&result);
-}
-
-/* Of a file without a month no verdict is told, of one without two weeks it is. */
-static void test_few_hours(void **state)
-{
-    struct orl_annual_grid grids[2];
-    const struct orl_annual_request request = make_request(grids);
-    struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
-    struct orl_annual_report report;
-    struct orl_error err = {0};
-    (void)state;
-    make_result(&result, false);
-    ask(&wishes, "sDA300/50 of south >= 55 %", "EN 17037 minimum");
-    for (size_t i = 0; i < 14 * 24; i++)
-        result.steps[i].missing = true;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     0);
-    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
-    assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3510, 0);
-    assert_near(report.hours_wanted[ORL_WHEN_OCCUPIED], 3650, 0);
-    orl_annual_report_done(&report);
-    for (size_t i = 0; i < 31 * 24; i++)
-        result.steps[i].missing = true;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     0);
-    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_UNDECIDED);
-    assert_string_equal(report.verdicts[0].note,
-                        "the weather file has 3340 of 3650 occupied hours");
-    for (size_t i = 1; i < report.n_verdicts; i++) {
-        assert_int_equal(report.verdicts[i].verdict, ORL_VERDICT_UNDECIDED);
-        assert_non_null(strstr(report.verdicts[i].note, "of 4380 daylight hours"));
-    }
-    orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
-    free_result(&result);
-}
-
-/* A seat that looks into the sun at noon of every day: DGP is 1 each time, and the light at the eye
- * tells which days are worse. */
-static void test_worst_days_of_a_seat(void **state)
-{
-    struct orl_annual_grid grids[2];
-    const struct orl_annual_request request = make_request(grids);
-    struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
-    struct orl_annual_report report;
-    struct orl_seat_hours *seat = calloc(1, sizeof *seat);
-    struct orl_error err = {0};
-    (void)state;
-    make_result(&result, false);
-    ask(&wishes, "sDA300/50 of south >= 55 %", "LEED");
-    assert_non_null(seat);
-    float **arrays[] = {&seat->dgp, &seat->low, &seat->high, &seat->eye_lx};
-    for (int i = 0; i < 4; i++)
-        assert_non_null(*arrays[i] = calloc(result.n_columns, sizeof **arrays[i]));
-    for (size_t c = 0; c < result.n_columns; c++) {
-        const struct orl_annual_step *step = &result.steps[result.step_of_column[c]];
-        const bool noon = fabs(step->hour - 12.5) < 0.1;
-        seat->dgp[c] = seat->low[c] = seat->high[c] = noon ? 1 : 0.3F;
-        seat->eye_lx[c] = noon ? 20000 + 100 * (float)step->day - (float)step->month : 3000;
-    }
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     0);
-    report.seat_hours = seat;
-    report.n_seats = 1;
-    assert_int_equal(orl_report_seats(&result, &report, &err), 0);
-    assert_int_equal(report.seats[0].n_worst, ORL_GLARE_WORST);
-    static const int months[ORL_GLARE_WORST] = {1, 3, 5, 7, 8}; /* their 31st days */
-    for (int i = 0; i < ORL_GLARE_WORST; i++) {
-        const struct orl_annual_step *step = &result.steps[report.seats[0].worst[i].step];
-        assert_int_equal(step->day, 31);
-        assert_int_equal(step->month, months[i]);
-    }
-    orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
-    free_result(&result);
+    hand_year_free(&result);
 }
 
 /* Sensors have daylight factors of 1 to 6 %; 300 lx are 2 % of the median that is given, and 100
  * lx two thirds of one. By the weather, half the year's steps: all that are lit, 10 000 lx. */
 static void test_daylight_factor(void **state)
 {
-    const struct orl_annual_request request = {.n_sensors = SENSORS};
-    float overcast[SENSORS], se[SENSORS] = {0};
+    const struct orl_annual_request request = {.n_sensors = HAND_YEAR_SENSORS};
+    float overcast[HAND_YEAR_SENSORS], se[HAND_YEAR_SENSORS] = {0};
     struct orl_annual_result result;
     struct orl_annual_wishes wishes;
     struct orl_annual_report report;
     struct orl_error err = {0};
     (void)state;
-    make_result(&result, false);
-    for (int i = 0; i < SENSORS; i++)
+    hand_year_make(&result, false);
+    for (int i = 0; i < HAND_YEAR_SENSORS; i++)
         overcast[i] = 100.0F * (float)(i + 1);
     for (size_t i = 0; i < result.n_steps; i++)
         result.steps[i].diffuse_lx = result.steps[i].global_lx > 0 ? 10000 + (double)(i % 2) : 0;
     result.overcast = overcast;
     result.overcast_se = se;
-    ask(&wishes, "least DF >= 1 %", "daylight factor by EN 17037 minimum");
+    hand_year_ask(&wishes, "least DF >= 1 %", "daylight factor by EN 17037 minimum");
     wishes.median_diffuse_lx = 15000;
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
                      0);
@@ -382,7 +187,7 @@ static void test_daylight_factor(void **state)
     assert_near(report.verdicts[1].target.figure.least, 100 * 300 / 10000.5, 1e-9);
     orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
-    free_result(&result);
+    hand_year_free(&result);
 }
 
 /* A year of 365 days that begins on a Sunday has 260 days from Monday to Friday, one that begins on
@@ -397,14 +202,14 @@ static void test_weekdays(void **state)
                  {-1, ORL_FIRST_DAY_OF_WEATHER, 2610},
                  {6, 0, 2610},
                  {0, 6, 2600}};
-    const struct orl_annual_request request = {.n_sensors = SENSORS};
+    const struct orl_annual_request request = {.n_sensors = HAND_YEAR_SENSORS};
     struct orl_annual_result result;
     (void)state;
-    make_result(&result, false);
+    hand_year_make(&result, false);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct orl_annual_wishes wishes;
         struct orl_annual_report report;
-        ask(&wishes, "sDA300/50 >= 55 %", "LEED");
+        hand_year_ask(&wishes, "sDA300/50 >= 55 %", "LEED");
         assert_int_equal(wishes.occupancy.first_day, ORL_FIRST_DAY_OF_WEATHER);
         wishes.occupancy.days = 0x1f;
         wishes.occupancy.first_day = cases[i].asked;
@@ -415,14 +220,14 @@ static void test_weekdays(void **state)
         orl_annual_report_done(&report);
         orl_annual_wishes_done(&wishes);
     }
-    free_result(&result);
+    hand_year_free(&result);
 }
 
 /* Grids of 1 and 3 by area: half of the sensors of the second weigh most. */
 static void test_areas_and_files_of_occupancy(void **state)
 {
     struct orl_annual_grid grids[2];
-    const struct orl_annual_request request = make_request(grids);
+    const struct orl_annual_request request = hand_year_request(grids);
     static char text[8760 * 2];
     const struct orl_file file = {text, sizeof text, NULL};
     static const char *const names[] = {"use.csv"};
@@ -435,8 +240,8 @@ static void test_areas_and_files_of_occupancy(void **state)
     (void)state;
     for (int i = 0; i < 8760; i++)
         memcpy(text + 2 * (size_t)i, i % 24 == 12 ? "1\n" : "0\n", 2);
-    make_result(&result, false);
-    ask(&wishes, "ASE <= 10 %", "LEED");
+    hand_year_make(&result, false);
+    hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
     wishes.occupancy_file = strdup("use.csv");
     wishes.grid_area = calloc(2, sizeof *wishes.grid_area);
     assert_true(wishes.occupancy_file && wishes.grid_area);
@@ -453,7 +258,7 @@ static void test_areas_and_files_of_occupancy(void **state)
         orl_annual_report_make(&request, &result, &wishes, &files, NULL, &report, &err),
         ORL_ERR_SYNTAX);
     orl_annual_wishes_done(&wishes);
-    free_result(&result);
+    hand_year_free(&result);
 }
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -530,14 +335,14 @@ static void ask_numpy(void)
 static void test_honeybees_folder(void **state)
 {
     struct orl_annual_grid grids[2];
-    const struct orl_annual_request request = make_request(grids);
+    const struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
     struct orl_annual_wishes wishes;
     struct orl_annual_report report;
     size_t size;
     (void)state;
-    make_result(&result, false);
-    ask(&wishes, "ASE <= 10 %", "LEED");
+    hand_year_make(&result, false);
+    hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL),
                      0);
     for (int again = 0; again < 2; again++)
@@ -559,22 +364,22 @@ static void test_honeybees_folder(void **state)
     ask_numpy();
     orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
-    free_result(&result);
+    hand_year_free(&result);
 }
 
 static void test_tables(void **state)
 {
     struct orl_annual_grid grids[2];
-    const struct orl_annual_request request = make_request(grids);
-    struct orl_sensor sensors[SENSORS] = {{{1, 2, 0.75}, {0, 0, 1}}};
+    const struct orl_annual_request request = hand_year_request(grids);
+    struct orl_sensor sensors[HAND_YEAR_SENSORS] = {{{1, 2, 0.75}, {0, 0, 1}}};
     struct orl_annual_result result;
     struct orl_annual_wishes wishes;
     struct orl_annual_report report;
     size_t size;
     (void)state;
-    make_result(&result, false);
+    hand_year_make(&result, false);
     result.steps[12].missing = true;
-    ask(&wishes, "ASE <= 10 %", "LEED");
+    hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
     assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL),
                      0);
     assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL, NULL),
@@ -584,7 +389,7 @@ static void test_tables(void **state)
     assert_holds("s.csv", "grid,x,y,z,dx,dy,dz,\"DA300 (%)\",low_95,high_95,");
     assert_holds("s.csv", "\n\"North / \"\"old\"\"\",1,2,0.75,0,0,1,0,0,0,");
     char *text = read_file("s.csv", &size);
-    assert_int_equal(count_lines(text), 1 + SENSORS);
+    assert_int_equal(count_lines(text), 1 + HAND_YEAR_SENSORS);
     free(text);
     assert_holds("h.csv", ",\"North / \"\"old\"\"\",\"south\"\n1,1,0.5,0,");
     assert_holds("h.csv", "\n1,1,8.5,1,0.0000,0,0,10008,150,450\n");
@@ -594,7 +399,7 @@ static void test_tables(void **state)
     free(text);
     orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
-    free_result(&result);
+    hand_year_free(&result);
 }
 
 int main(void)
@@ -602,9 +407,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_years),
         cmocka_unit_test(test_reports),
-        cmocka_unit_test(test_blinds_of_rules),
-        cmocka_unit_test(test_few_hours),
-        cmocka_unit_test(test_worst_days_of_a_seat),
         cmocka_unit_test(test_nights_left_out),
         cmocka_unit_test(test_daylight_factor),
         cmocka_unit_test(test_weekdays),

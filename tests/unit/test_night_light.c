@@ -164,7 +164,7 @@ static void test_date_line(void **state)
     }
 }
 
-/* Of commands in scenes likewise; a sign that is wrong is still told. */
+/* Commands in scenes take such time zones too, and still warn of a wrong sign. */
 static void test_commands(void **state)
 {
     static const char *const samoan[] = {"gendaylit", "1",  "15",   "12.5", "-a",  "-13.83", "-o",

@@ -95,7 +95,7 @@ static void test_what_is_no_text_is_refused(void **state)
     }
 }
 
-/* Of a file whose head alone is text, what follows may be anything. */
+/* A file with a text header may have any bytes after it. */
 static void test_a_head_is_followed_by_bytes(void **state)
 {
     static const char bytes[] = "head\n\n\0\x01\x02\x1a";
@@ -104,15 +104,15 @@ static void test_a_head_is_followed_by_bytes(void **state)
     struct orl_slice line;
     (void)state;
     assert_int_equal(
-        orl_scanner_init(&scanner, "m", bytes, sizeof bytes - 1, ORL_SCANNER_HEAD, &err), 0);
+        orl_scanner_init(&scanner, "m", bytes, sizeof bytes - 1, ORL_SCANNER_TEXT_HEADER, &err), 0);
     assert_true(orl_scanner_line(&scanner, &line));
     assert_span(line, "head");
     assert_true(orl_scanner_next_line(&scanner));
     assert_true(orl_scanner_next_line(&scanner));
     assert_int_equal(scanner.end - scanner.at, 4);
     assert_int_equal(orl_scanner_rest_is_text(&scanner, &err), ORL_ERR_SYNTAX);
-    assert_int_equal(orl_scanner_init(&scanner, "m", "head\n1 2\n\x1a", 10, ORL_SCANNER_HEAD, &err),
-                     0);
+    assert_int_equal(
+        orl_scanner_init(&scanner, "m", "head\n1 2\n\x1a", 10, ORL_SCANNER_TEXT_HEADER, &err), 0);
     assert_true(orl_scanner_line(&scanner, &line));
     assert_int_equal(orl_scanner_rest_is_text(&scanner, &err), 0);
     assert_true(orl_scanner_line(&scanner, &line));
@@ -139,10 +139,11 @@ static void test_words(void **state)
     (void)state;
     assert_words(" a\tb \n\n c", 0, "1:a 1:b 3:c ");
     assert_words("a # b\nc#d", 0, "1:a 1:# 1:b 2:c#d ");
-    assert_words("a # b\nc#d\n#e", ORL_SCANNER_REMARKS, "1:a 2:c#d ");
-    assert_words("a#b c\rd", ORL_SCANNER_REMARKS | ORL_SCANNER_CUTS, "1:a 2:d ");
-    assert_words("# \xe4 \xff\na", ORL_SCANNER_REMARKS, "2:a ");
-    assert_words("a \\\nb\\\r\nc \\d \\  \r e\\", ORL_SCANNER_JOINS, "1:a 2:b 3:c 3:\\d 4:e ");
+    assert_words("a # b\nc#d\n#e", ORL_SCANNER_COMMENTS, "1:a 2:c#d ");
+    assert_words("a#b c\rd", ORL_SCANNER_COMMENTS | ORL_SCANNER_COMMENTS_IN_WORDS, "1:a 2:d ");
+    assert_words("# \xe4 \xff\na", ORL_SCANNER_COMMENTS, "2:a ");
+    assert_words("a \\\nb\\\r\nc \\d \\  \r e\\", ORL_SCANNER_CONTINUATIONS,
+                 "1:a 2:b 3:c 3:\\d 4:e ");
     assert_words("a \\\nb", 0, "1:a 1:\\ 2:b ");
 }
 
@@ -235,7 +236,8 @@ static void test_cells_of_numbers(void **state)
     assert_cells("", "");
 }
 
-static void refuse(const char *text, int code, const char *message)
+/* Asserts how the first number that is refused is refused. */
+static void assert_refused(const char *text, int code, const char *message)
 {
     struct orl_scanner scanner = scanner_of(text, 0);
     struct orl_error err = {0};
@@ -265,12 +267,12 @@ static void test_numbers(void **state)
         assert_int_equal(orl_scanner_number(&scanner, span, NULL, &value, &err), 0);
         assert_true(value == 1);
     }
-    refuse("0\n1 0,5\n", ORL_ERR_SYNTAX, "column 3: 0,5: a decimal comma; write 0.5");
-    refuse("0\n0,,0\n", ORL_ERR_SYNTAX, "column 3: an empty cell; write its number");
-    refuse("0\n\xc3\xa4\n", ORL_ERR_SYNTAX, "column 1: '\xc3\xa4' is not a number");
-    refuse("0\n1 0x1p4\n", ORL_ERR_SYNTAX, "column 3: '0x1p4' is not a number");
-    refuse("0\n1 nan\n", ORL_ERR_RANGE, "column 3: 'nan' is not a finite number");
-    refuse("0\n1 1e999\n", ORL_ERR_RANGE, "column 3: '1e999' is not a finite number");
+    assert_refused("0\n1 0,5\n", ORL_ERR_SYNTAX, "column 3: 0,5: a decimal comma; write 0.5");
+    assert_refused("0\n0,,0\n", ORL_ERR_SYNTAX, "column 3: an empty cell; write its number");
+    assert_refused("0\n\xc3\xa4\n", ORL_ERR_SYNTAX, "column 1: '\xc3\xa4' is not a number");
+    assert_refused("0\n1 0x1p4\n", ORL_ERR_SYNTAX, "column 3: '0x1p4' is not a number");
+    assert_refused("0\n1 nan\n", ORL_ERR_RANGE, "column 3: 'nan' is not a finite number");
+    assert_refused("0\n1 1e999\n", ORL_ERR_RANGE, "column 3: '1e999' is not a finite number");
 }
 
 static void test_columns_count_letters(void **state)

@@ -19,7 +19,7 @@ enum { COLUMNS = 8, ROWS = 40, SENSORS = COLUMNS * ROWS, HOURS = 4, SUNNY = 3, P
 enum pane { GLASS, ABSDF, TREE, KLEMS };
 
 static const double through = 0.6, of_glass = 0.66, pane_m2 = 3;
-/* Of the sensors: the front part of the room, where the patch of sun lies. */
+/* The sensors cover the front part of the room, where the patch of sun lies. */
 static const double width_m = 4, depth_m = 2;
 static const char *const names[PANES] = {"glass", "aBSDF", "tensor tree", "Klems"};
 static const char *const materials[PANES] = {
@@ -87,7 +87,7 @@ static struct orl_annual_result run_pane(enum pane pane, const struct orl_window
     return year;
 }
 
-/* Of all sensors in an hour: the flux, lm, and how many have more than 1000 lx. */
+/* The flux over all sensors in an hour, lm, and the number of sensors above 1000 lx. */
 struct hour {
     double flux_lm;
     int above;
@@ -105,7 +105,7 @@ static struct hour sum_hour(const struct orl_annual_result *year, size_t column)
     return hour;
 }
 
-/* Of glass of refractive index 1.52: Fresnel's reflectances of both polarisations, all orders. */
+/* Glass of refractive index 1.52: Fresnel reflectances of both polarisations, all orders. */
 static double glass_transmittance(double cosine)
 {
     const double inside = sqrt(1 - (1 - cosine * cosine) / (1.52 * 1.52));
@@ -120,7 +120,7 @@ static double glass_transmittance(double cosine)
     return sum;
 }
 
-/* What the pane lets through, all of which falls on the work plane. */
+/* The flux through the pane, all of which falls on the work plane. */
 static double flux_through(enum pane pane, const struct orl_annual_step *step)
 {
     const double cosine =

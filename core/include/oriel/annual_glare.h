@@ -73,7 +73,7 @@ struct orl_seat_glare {
     struct orl_annual_value above[ORL_GLARE_BOUNDS]; /* % of the time of use, by orl_glare_bounds */
     struct orl_annual_value exceeded;                /* in 5 % of it: that DGP */
     enum orl_glare_protection level, lowest, highest; /* the latter two by intervals */
-    /* Of that many days, the most dazzling first: by DGP, of equal ones by eye_lx. */
+    /* The worst hour of each of the worst days, sorted by DGP, then by eye_lx, largest first. */
     struct orl_seat_hour worst[ORL_GLARE_WORST];
     size_t n_worst;
 };

@@ -21,13 +21,13 @@
 
 struct orl_annual_year {
     struct orl_annual_steps steps;
-    /* Of each step: it has a row, or it needs none, since the sun is down, and other steps of that
-     * day have rows or the sun does not rise. Owned, as what follows. */
+    /* For each step: 1 if the file has a row for it. Also 1 for a step at night without a row, if
+     * its day has other rows or no sunrise: it is dark. Owned, as the arrays below. */
     unsigned char *measured;
     uint32_t *step_of_column;    /* of the result's arrays, ascending */
     double *global_lx;           /* of each step; 0 where it is dark or not known */
     double *diffuse_lx;          /* likewise */
-    size_t n_columns, n_missing; /* steps that are not measured */
+    size_t n_columns, n_missing; /* columns; steps that are not measured */
     size_t
         n_doubtful; /* steps with the sun 3 degrees up or more, and no light in the file at all */
 };
@@ -122,11 +122,11 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
 enum { ORL_VERDICT_NOTE = 128 };
 
 /*
- * A verdict is undecided, and its note says why, where the figure cannot tell: the weather file
- * has less than ORL_HOURS_LEAST of the hours that the rule asks for; or a rule by LM-83 is met
- * without the blinds that LM-83 closes in hours in which more than 2 % of the points have 1000 lx
- * or more of direct sunlight (IES LM-83-12, 2.2.6). Blinds take light away: what fails without
- * them fails.
+ * A verdict is undecided, and its note gives the reason, in two more cases. The weather file has
+ * less than ORL_HOURS_LEAST of the hours that the rule asks for. Or a rule by LM-83 would pass, but
+ * LM-83 closes blinds in some hour of use (more than 2 % of the points of a grid have 1000 lx or
+ * more of direct sunlight; IES LM-83-12, 2.2.6), and no window group of the job closes by that
+ * rule. Blinds reduce light, so a rule that fails without them fails.
  */
 struct orl_annual_verdict {
     const struct orl_annual_rule *rule; /* of the wishes; or NULL: a target of the job's own */
@@ -134,7 +134,7 @@ struct orl_annual_verdict {
     size_t grid; /* or ORL_ALL_GRIDS */
     struct orl_annual_area area;
     enum orl_verdict verdict;
-    char note[ORL_VERDICT_NOTE]; /* "": nothing to add */
+    char note[ORL_VERDICT_NOTE]; /* the reason; "" if there is none */
 };
 #define ORL_HOURS_LEAST 0.95
 
@@ -148,7 +148,7 @@ struct orl_annual_report {
     struct orl_annual_year year;
     unsigned char *marks;                             /* of each step: in use and measured */
     struct orl_annual_period periods[ORL_WHEN_COUNT]; /* by enum orl_annual_when */
-    double hours_wanted[ORL_WHEN_COUNT]; /* of periods, those that are not measured included */
+    double hours_wanted[ORL_WHEN_COUNT]; /* of each period, with hours that are not measured */
     double median_diffuse_lx;            /* as wished, or over EN 17037's daylight hours */
     struct orl_annual_grid *grids;       /* as in the request, or one of all sensors */
     size_t n_grids, n_sensors;

@@ -44,6 +44,8 @@ struct orl_error {
  */
 int orl_error_set(struct orl_error *err, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+int orl_error_vset(struct orl_error *err, int code, const char *format, va_list args)
+    __attribute__((format(printf, 3, 0)));
 
 /* Adds where it happened; either name may be NULL, which leaves that field alone. */
 void orl_error_at(struct orl_error *err, const char *file, int line, const char *primitive);

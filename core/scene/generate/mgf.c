@@ -242,7 +242,7 @@ static int begin_text(const struct orl_mgf_reader *r, const struct orl_mgf_text 
                       struct orl_scanner *ret_scanner)
 {
     const int code = orl_scanner_init(ret_scanner, text->file, text->data, text->size,
-                                      ORL_SCANNER_JOINS, r->err);
+                                      ORL_SCANNER_CONTINUATIONS, r->err);
     ret_scanner->line = text->line;
     return code;
 }

@@ -13,13 +13,12 @@
 
 int orl_mgf_fail(struct orl_mgf_reader *r, int code, const char *format, ...)
 {
-    char message[256], entity[80];
+    char entity[80];
     va_list args;
     va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
+    orl_error_vset(r->err, code, format, args);
     va_end(args);
     snprintf(entity, sizeof entity, "MGF's %.60s", r->n_words > 0 ? r->words[0] : "end");
-    orl_error_set(r->err, code, "%s", message);
     orl_error_at(r->err, r->texts[r->n_texts - 1].text.file, r->line, entity);
     return code;
 }

@@ -126,8 +126,8 @@ int orl_grid_read_data(const char *name, const char *text, size_t size, struct o
         return made;
     }
     struct reading r = {.grid = NULL};
-    int code =
-        orl_scanner_init(&r.scanner, name, text, size, ORL_SCANNER_REMARKS | ORL_SCANNER_CUTS, err);
+    int code = orl_scanner_init(&r.scanner, name, text, size,
+                                ORL_SCANNER_COMMENTS | ORL_SCANNER_COMMENTS_IN_WORDS, err);
     if (code < 0)
         return code;
     r.grid = calloc(1, sizeof *r.grid);

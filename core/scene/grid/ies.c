@@ -47,7 +47,7 @@ bool orl_ies_is(const char *text, size_t size)
 {
     struct orl_scanner scanner;
     struct orl_slice line;
-    if (orl_scanner_init(&scanner, NULL, text, size, ORL_SCANNER_HEAD, NULL) < 0)
+    if (orl_scanner_init(&scanner, NULL, text, size, ORL_SCANNER_TEXT_HEADER, NULL) < 0)
         return false;
     for (int lines = 0; lines < 1000 && next_line(&scanner, &line); lines++)
         if (orl_slice_begins(line, "TILT="))
@@ -81,7 +81,7 @@ bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const cha
     struct orl_scanner scanner;
     struct orl_slice line = {"", 0};
     bool keywords;
-    if (orl_scanner_init(&scanner, NULL, text, size, ORL_SCANNER_HEAD, NULL) < 0)
+    if (orl_scanner_init(&scanner, NULL, text, size, ORL_SCANNER_TEXT_HEADER, NULL) < 0)
         return false;
     struct orl_scanner first = scanner;
     next_line(&first, &line);

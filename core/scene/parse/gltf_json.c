@@ -7,12 +7,10 @@
 int orl_gltf_fail(const struct orl_gltf_item *at, int code, struct orl_error *err,
                   const char *format, ...)
 {
-    char message[ORL_ERROR_TEXT_MAX];
     va_list args;
     va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
+    orl_error_vset(err, code, format, args);
     va_end(args);
-    orl_error_set(err, code, "%s", message);
     orl_error_hint(err, "the file is damaged, or what wrote it is at fault: export it again");
     orl_error_at(err, at->file, 0, at->name);
     return code;

@@ -54,7 +54,7 @@ enum orl_next orl_lexer_next(struct orl_lexer *lexer)
     }
 }
 
-/* Whether a line ends at such a place behind a command's '!', and no backslash joins the next. */
+/* Returns true if `at`, after a command's '!', is the end of a line that no backslash continues. */
 static bool ends_line(const struct orl_lexer *lexer, const char *at)
 {
     if (*at == '\r') /* alone */

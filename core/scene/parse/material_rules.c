@@ -44,7 +44,7 @@ static char peek(struct orl_scanner *r)
             r->at++;
         else if (*r->at == '#')
             r->at = orl_line_end(r->at, r->end);
-        else if (orl_byte_kind_of(*r->at) == ORL_BYTE_INK)
+        else if (orl_byte_kind_of(*r->at) == ORL_BYTE_WORD)
             return *r->at;
         else
             orl_scanner_next_line(r);
@@ -52,7 +52,8 @@ static char peek(struct orl_scanner *r)
     return '\0';
 }
 
-static bool take(struct orl_scanner *r, char wanted)
+/* Takes the character if it is the next one. */
+static bool take_character(struct orl_scanner *r, char wanted)
 {
     if (peek(r) != wanted || r->at == r->end)
         return false;
@@ -63,14 +64,14 @@ static bool take(struct orl_scanner *r, char wanted)
 /* A word, or what quotes hold. */
 static bool take_name(struct orl_scanner *r, char ret_name[ORL_WAVEFRONT_NAME])
 {
-    const bool quoted = take(r, '"');
+    const bool quoted = take_character(r, '"');
     size_t length = 0;
     if (!quoted)
         peek(r);
     for (; r->at < r->end && length + 1 < ORL_WAVEFRONT_NAME; r->at++) {
         const char c = *r->at;
         if (quoted ? c == '"' || orl_byte_kind_of(c) == ORL_BYTE_LINE_END
-                   : orl_byte_kind_of(c) != ORL_BYTE_INK || strchr("();\"[]:", c))
+                   : orl_byte_kind_of(c) != ORL_BYTE_WORD || strchr("();\"[]:", c))
             break;
         ret_name[length++] = c;
     }
@@ -101,13 +102,13 @@ static int read_condition(struct orl_scanner *r, struct rule *rule, struct orl_e
     if (c->asked)
         return fail(r, "a rule has two conditions of one kind", err);
     c->asked = true;
-    c->is_range = take(r, '[');
-    if (c->is_range &&
-        (!take_whole(r, &c->low) || !take(r, ':') || !take_whole(r, &c->high) || !take(r, ']')))
+    c->is_range = take_character(r, '[');
+    if (c->is_range && (!take_whole(r, &c->low) || !take_character(r, ':') ||
+                        !take_whole(r, &c->high) || !take_character(r, ']')))
         return fail(r, "a range is [1:20]", err);
     if (!c->is_range && !take_name(r, c->name))
         return fail(r, "a condition has a name or a range", err);
-    return take(r, ')') ? 0 : fail(r, "a condition ends with ')'", err);
+    return take_character(r, ')') ? 0 : fail(r, "a condition ends with ')'", err);
 }
 
 static int read_rule(struct orl_scanner *r, struct rule *rule, struct orl_error *err)
@@ -116,9 +117,9 @@ static int read_rule(struct orl_scanner *r, struct rule *rule, struct orl_error 
     *rule = (struct rule){.material = ""};
     if (!take_name(r, rule->material))
         return fail(r, "a rule begins with a material", err);
-    while (code == 0 && take(r, '('))
+    while (code == 0 && take_character(r, '('))
         code = read_condition(r, rule, err);
-    if (code == 0 && !take(r, ';'))
+    if (code == 0 && !take_character(r, ';'))
         code = fail(r, "a rule ends with ';'", err);
     return code;
 }

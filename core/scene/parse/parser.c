@@ -16,13 +16,12 @@ int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, st
                     int code, const char *format, ...)
 {
     const struct orl_primitive *primitive = &parser->primitive;
-    char message[ORL_ERROR_TEXT_MAX], name[ORL_ERROR_NAME_MAX];
+    char name[ORL_ERROR_NAME_MAX];
     va_list args;
     va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
+    orl_error_vset(err, code, format, args);
     va_end(args);
     snprintf(name, sizeof name, "%.60s %.180s", primitive->type, primitive->id);
-    orl_error_set(err, code, "%s", message);
     orl_error_at(err, scope->file, primitive->line, name);
     return code;
 }

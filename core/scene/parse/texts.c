@@ -73,7 +73,7 @@ static int read_font(struct orl_parser *parser, const struct orl_source *source,
 {
     struct orl_scanner numbers;
     int code = orl_scanner_init(&numbers, source->name, source->file.data, source->file.size,
-                                ORL_SCANNER_REMARKS | ORL_SCANNER_CUTS, err);
+                                ORL_SCANNER_COMMENTS | ORL_SCANNER_COMMENTS_IN_WORDS, err);
     if (code < 0)
         return code;
     int letters = 0, width = 0;

@@ -8,7 +8,7 @@
 #include "base/grow.h"
 
 static const uint64_t no_normal = UINT64_MAX;
-static const unsigned options = ORL_SCANNER_REMARKS | ORL_SCANNER_JOINS;
+static const unsigned options = ORL_SCANNER_COMMENTS | ORL_SCANNER_CONTINUATIONS;
 
 struct places {
     struct orl_vec3 *items;

@@ -1,0 +1,138 @@
+/* Verdicts that stay undecided with a note, and the worst days of seats. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "report/making.h"
+#include "support/hand_year.h"
+
+static struct orl_window_group blinds = {
+    .control = {.kind = ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2}};
+
+/* The verdict on sDA300/50 >= 40 % by LEED, of the south and of both grids, and its note. */
+static void check_blinds(const struct orl_annual_result *result, struct orl_window_group *groups,
+                         enum orl_verdict south, const char *note)
+{
+    struct orl_annual_grid grids[2];
+    struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    hand_year_ask(&wishes, "sDA300/50 of south >= 40 %", "LEED v4.1, 1 point");
+    request.groups = groups;
+    request.n_groups = groups ? 1 : 0;
+    report = hand_year_report(&request, result, &wishes);
+    assert_int_equal(report.n_verdicts, 1 + 3);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS); /* names no rule */
+    assert_string_equal(report.verdicts[0].note, "");
+    assert_int_equal(report.verdicts[2].verdict, ORL_VERDICT_FAIL); /* the north: no blinds help */
+    assert_string_equal(report.verdicts[2].note, "");
+    assert_int_equal(report.verdicts[3].verdict, south);
+    assert_string_equal(report.verdicts[3].note, note);
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+}
+
+static void test_blinds_of_rules(void **state)
+{
+    struct orl_window_group by_hand = {.control = {.kind = ORL_SHADES_NO_CONTROL}};
+    struct orl_annual_result result;
+    (void)state;
+    hand_year_make(&result, false);
+    check_blinds(&result, &blinds, ORL_VERDICT_PASS, "");
+    check_blinds(&result, NULL, ORL_VERDICT_UNDECIDED,
+                 "not according to LM-83: no blinds modelled");
+    check_blinds(&result, &by_hand, ORL_VERDICT_UNDECIDED,
+                 "not according to LM-83: no blinds close by direct sunlight");
+    /* Without direct sunlight no blinds close. */
+    for (size_t i = 0; i < HAND_YEAR_SENSORS * result.n_columns; i++)
+        result.direct[i] = fminf(result.direct[i], 999);
+    check_blinds(&result, NULL, ORL_VERDICT_PASS, "");
+    hand_year_free(&result);
+}
+
+/* A file without January leaves all verdicts undecided; a file without two weeks does not. */
+static void test_few_hours(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    (void)state;
+    hand_year_make(&result, false);
+    hand_year_ask(&wishes, "sDA300/50 of south >= 55 %", "EN 17037 minimum");
+    for (size_t i = 0; i < 14 * 24; i++)
+        result.steps[i].missing = true;
+    report = hand_year_report(&request, &result, &wishes);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
+    assert_true(report.periods[ORL_WHEN_OCCUPIED].hours == 3510);
+    assert_true(report.hours_wanted[ORL_WHEN_OCCUPIED] == 3650);
+    orl_annual_report_done(&report);
+    for (size_t i = 0; i < 31 * 24; i++)
+        result.steps[i].missing = true;
+    report = hand_year_report(&request, &result, &wishes);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_UNDECIDED);
+    assert_string_equal(report.verdicts[0].note,
+                        "the weather file has 3340 of 3650 occupied hours");
+    for (size_t i = 1; i < report.n_verdicts; i++) {
+        assert_int_equal(report.verdicts[i].verdict, ORL_VERDICT_UNDECIDED);
+        assert_non_null(strstr(report.verdicts[i].note, "of 4380 daylight hours"));
+    }
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+    hand_year_free(&result);
+}
+
+/* A seat faces the sun at noon of every day: DGP is 1 each time, so the illuminance at the eye
+ * decides which days are worse. */
+static void test_worst_days_of_a_seat(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    struct orl_seat_hours *seat = calloc(1, sizeof *seat);
+    struct orl_error err = {0};
+    (void)state;
+    hand_year_make(&result, false);
+    hand_year_ask(&wishes, "sDA300/50 of south >= 55 %", "LEED");
+    assert_non_null(seat);
+    float **arrays[] = {&seat->dgp, &seat->low, &seat->high, &seat->eye_lx};
+    for (int i = 0; i < 4; i++)
+        assert_non_null(*arrays[i] = calloc(result.n_columns, sizeof **arrays[i]));
+    for (size_t c = 0; c < result.n_columns; c++) {
+        const struct orl_annual_step *step = &result.steps[result.step_of_column[c]];
+        const bool noon = fabs(step->hour - 12.5) < 0.1;
+        seat->dgp[c] = seat->low[c] = seat->high[c] = noon ? 1 : 0.3F;
+        seat->eye_lx[c] = noon ? 20000 + 100 * (float)step->day - (float)step->month : 3000;
+    }
+    report = hand_year_report(&request, &result, &wishes);
+    report.seat_hours = seat;
+    report.n_seats = 1;
+    assert_int_equal(orl_report_seats(&result, &report, &err), 0);
+    assert_int_equal(report.seats[0].n_worst, ORL_GLARE_WORST);
+    static const int months[ORL_GLARE_WORST] = {1, 3, 5, 7, 8}; /* their 31st days */
+    for (int i = 0; i < ORL_GLARE_WORST; i++) {
+        const struct orl_annual_step *step = &result.steps[report.seats[0].worst[i].step];
+        assert_int_equal(step->day, 31);
+        assert_int_equal(step->month, months[i]);
+    }
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+    hand_year_free(&result);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_blinds_of_rules),
+                                       cmocka_unit_test(test_few_hours),
+                                       cmocka_unit_test(test_worst_days_of_a_seat)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
