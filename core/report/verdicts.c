@@ -3,7 +3,10 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <strings.h>
+
+#include <oriel/crew.h>
 
 struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
                                           const struct orl_annual_result *result, size_t grid)
@@ -31,7 +34,16 @@ int orl_report_figure_of(const struct orl_report_making *m, const struct orl_ann
     return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
 }
 
-/* ---- What keeps a verdict open --------------------------------------------------------------- */
+/* ---- Notes ----------------------------------------------------------------------------------- */
+
+/* IES LM-83-12, 2.2.6: blinds close in hours in which more than this share of the points has so
+ * much direct sunlight, or more. */
+static const double lm83_lx = 1000, lm83_percent = 2;
+
+struct judging {
+    const struct orl_report_making *m;
+    bool *needs_blinds; /* for each grid: LM-83 closes blinds in some hour of use; or NULL */
+};
 
 static void note_few_hours(const struct orl_annual_report *report,
                            struct orl_annual_verdict *verdict)
@@ -48,47 +60,89 @@ static void note_few_hours(const struct orl_annual_report *report,
              wanted, kinds[metric->when]);
 }
 
-/* Returns true if there is an hour of use in which LM-83 closes blinds. */
-static bool has_sun_on_points(const struct orl_report_making *m, size_t grid)
+/* Returns true if some group closes when LM-83 closes blinds, or sooner. */
+static bool closes_by_lm83(const struct orl_annual_request *request)
 {
-    static const float above_lx = 1000;
-    static const double share = 0.02;
-    const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
-    const struct orl_annual_period *period = &m->report->periods[ORL_WHEN_OCCUPIED];
-    for (size_t c = 0; rows.direct_lx && c < period->n_columns; c++) {
-        size_t sunlit = 0;
-        for (size_t i = 0; i < rows.n_sensors; i++)
-            sunlit += rows.direct_lx[i * rows.n_columns + period->columns[c]] >= above_lx;
-        if ((double)sunlit > share * (double)rows.n_sensors)
+    for (size_t i = 0; i < request->n_groups; i++) {
+        const struct orl_shade_control *control = &request->groups[i].control;
+        if (control->kind == ORL_SHADES_BY_SUN && control->above_lx <= lm83_lx &&
+            control->share_percent <= lm83_percent)
             return true;
     }
     return false;
 }
 
-static bool closes_by_sun(const struct orl_annual_request *request)
+/* Sets whether direct sunlight asks for blinds in some hour of use. sunlit: room for a number for
+ * each column. */
+static int check_sun(const struct orl_report_making *m, size_t grid, uint32_t *sunlit,
+                     bool *ret_sunny)
 {
-    for (size_t i = 0; i < request->n_groups; i++)
-        if (request->groups[i].control.kind == ORL_SHADES_BY_SUN)
-            return true;
-    return false;
+    const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
+    const struct orl_annual_period *period = &m->report->periods[ORL_WHEN_OCCUPIED];
+    memset(sunlit, 0, period->n_columns * sizeof *sunlit);
+    for (size_t i = 0; rows.direct_lx && i < rows.n_sensors; i++) {
+        const float *row = rows.direct_lx + i * rows.n_columns;
+        for (size_t c = 0; c < period->n_columns; c++)
+            sunlit[c] += (double)row[period->columns[c]] >= lm83_lx;
+        if (orl_is_cancelled(m->cancel))
+            return orl_error_set(m->err, ORL_ERR_CANCELLED, "cancelled while making the report");
+    }
+    for (size_t c = 0; c < period->n_columns; c++)
+        if (100.0 * sunlit[c] > lm83_percent * (double)rows.n_sensors)
+            *ret_sunny = true;
+    return 0;
 }
 
-static void note_blinds(const struct orl_report_making *m, struct orl_annual_verdict *verdict)
+/* Fills judging->needs_blinds if some rule asks for blinds that the job does not have. */
+static int find_need_of_blinds(struct judging *judging)
 {
-    if (!verdict->rule || !verdict->rule->needs_blinds || verdict->verdict != ORL_VERDICT_PASS ||
-        closes_by_sun(m->request) || !has_sun_on_points(m, verdict->grid))
+    const struct orl_report_making *m = judging->m;
+    const size_t n_grids = m->report->n_grids;
+    bool asked = false;
+    int code = 0;
+    for (size_t i = 0; i < m->wishes->n_rules; i++)
+        asked = asked || m->wishes->rules[i].needs_blinds;
+    if (!asked || closes_by_lm83(m->request))
+        return 0;
+    uint32_t *sunlit =
+        malloc((m->report->periods[ORL_WHEN_OCCUPIED].n_columns + 1) * sizeof *sunlit);
+    judging->needs_blinds = calloc(n_grids + 1, sizeof *judging->needs_blinds);
+    if (!sunlit || !judging->needs_blinds)
+        code = orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t g = 0; g < n_grids && code == 0; g++)
+        code = check_sun(m, g, sunlit, &judging->needs_blinds[g]);
+    free(sunlit);
+    return code;
+}
+
+/* LM-83 closes blinds for each grid: all grids together need them if one of them does. */
+static bool needs_blinds(const struct judging *judging, size_t grid)
+{
+    if (grid != ORL_ALL_GRIDS)
+        return judging->needs_blinds[grid];
+    bool needed = false;
+    for (size_t g = 0; g < judging->m->report->n_grids; g++)
+        needed = needed || judging->needs_blinds[g];
+    return needed;
+}
+
+static void note_blinds(const struct judging *judging, struct orl_annual_verdict *verdict)
+{
+    if (!judging->needs_blinds || !verdict->rule || !verdict->rule->needs_blinds ||
+        verdict->verdict != ORL_VERDICT_PASS || !needs_blinds(judging, verdict->grid))
         return;
     verdict->verdict = ORL_VERDICT_UNDECIDED;
     snprintf(verdict->note, sizeof verdict->note, "not according to LM-83: %s",
-             m->request->n_groups == 0 ? "no blinds modelled"
-                                       : "no blinds close by direct sunlight");
+             judging->m->request->n_groups == 0 ? "no blinds modelled"
+                                                : "no blinds close by its rule");
 }
 
 /* ---- Verdicts -------------------------------------------------------------------------------- */
 
-static int judge(const struct orl_report_making *m, const struct orl_annual_rule *rule,
+static int judge(const struct judging *judging, const struct orl_annual_rule *rule,
                  const struct orl_annual_target *target, size_t grid)
 {
+    const struct orl_report_making *m = judging->m;
     struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
     *verdict = (struct orl_annual_verdict){.rule = rule, .target = *target, .grid = grid};
     struct orl_annual_figure *figure = &verdict->target.figure;
@@ -98,7 +152,7 @@ static int judge(const struct orl_report_making *m, const struct orl_annual_rule
     if (code < 0)
         return code;
     verdict->verdict = orl_annual_judge(target, &verdict->area.value);
-    note_blinds(m, verdict);
+    note_blinds(judging, verdict);
     note_few_hours(m->report, verdict);
     m->report->n_verdicts++;
     return 0;
@@ -130,26 +184,26 @@ int orl_report_check_grids(const struct orl_report_making *m)
 }
 
 /* Of the grid that is named; else of all together, and of each by itself. */
-static int judge_everywhere(const struct orl_report_making *m, const struct orl_annual_rule *rule,
+static int judge_everywhere(const struct judging *judging, const struct orl_annual_rule *rule,
                             const struct orl_annual_target *target)
 {
-    const struct orl_annual_report *report = m->report;
+    const struct orl_annual_report *report = judging->m->report;
     if (target->grid[0])
-        return judge(m, rule, target, find_grid(report, target->grid));
-    int code = judge(m, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
+        return judge(judging, rule, target, find_grid(report, target->grid));
+    int code = judge(judging, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
     for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
-        code = judge(m, rule, target, g);
+        code = judge(judging, rule, target, g);
     return code;
 }
 
-static int judge_rule(const struct orl_report_making *m, const struct orl_annual_rule *rule)
+static int judge_rule(const struct judging *judging, const struct orl_annual_rule *rule)
 {
     int code = 0;
     for (int i = 0; i < ORL_RULE_TARGETS && rule->targets[i] && code == 0; i++) {
         struct orl_annual_target target;
-        code = orl_annual_target_parse(rule->targets[i], &target, m->err);
+        code = orl_annual_target_parse(rule->targets[i], &target, judging->m->err);
         if (code == 0)
-            code = judge_everywhere(m, rule, &target);
+            code = judge_everywhere(judging, rule, &target);
     }
     return code;
 }
@@ -158,14 +212,16 @@ int orl_report_make_verdicts(const struct orl_report_making *m)
 {
     const struct orl_annual_wishes *wishes = m->wishes;
     const size_t targets = wishes->n_targets + ORL_RULE_TARGETS * wishes->n_rules;
-    int code = 0;
+    struct judging judging = {.m = m};
     m->report->verdicts =
         calloc(targets * (m->report->n_grids + 1) + 1, sizeof *m->report->verdicts);
     if (!m->report->verdicts)
         return orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
+    int code = find_need_of_blinds(&judging);
     for (size_t i = 0; i < wishes->n_targets && code == 0; i++)
-        code = judge_everywhere(m, NULL, &wishes->targets[i]);
+        code = judge_everywhere(&judging, NULL, &wishes->targets[i]);
     for (size_t i = 0; i < wishes->n_rules && code == 0; i++)
-        code = judge_rule(m, &wishes->rules[i]);
+        code = judge_rule(&judging, &wishes->rules[i]);
+    free(judging.needs_blinds);
     return code;
 }

@@ -40,7 +40,8 @@ static void check_blinds(const struct orl_annual_result *result, struct orl_wind
 
 static void test_blinds_of_rules(void **state)
 {
-    struct orl_window_group by_hand = {.control = {.kind = ORL_SHADES_NO_CONTROL}};
+    struct orl_window_group by_hand = {.control = {.kind = ORL_SHADES_NO_CONTROL}}, late = blinds,
+                            wide = blinds;
     struct orl_annual_result result;
     (void)state;
     hand_year_make(&result, false);
@@ -48,11 +49,56 @@ static void test_blinds_of_rules(void **state)
     check_blinds(&result, NULL, ORL_VERDICT_UNDECIDED,
                  "not according to LM-83: no blinds modelled");
     check_blinds(&result, &by_hand, ORL_VERDICT_UNDECIDED,
-                 "not according to LM-83: no blinds close by direct sunlight");
+                 "not according to LM-83: no blinds close by its rule");
+    late.control.above_lx = 5000;
+    check_blinds(&result, &late, ORL_VERDICT_UNDECIDED,
+                 "not according to LM-83: no blinds close by its rule");
+    wide.control.share_percent = 10;
+    check_blinds(&result, &wide, ORL_VERDICT_UNDECIDED,
+                 "not according to LM-83: no blinds close by its rule");
     /* Without direct sunlight no blinds close. */
     for (size_t i = 0; i < HAND_YEAR_SENSORS * result.n_columns; i++)
         result.direct[i] = fminf(result.direct[i], 999);
     check_blinds(&result, NULL, ORL_VERDICT_PASS, "");
+    hand_year_free(&result);
+}
+
+/* LM-83 closes blinds for each grid by itself: of 120 points one, which is in a grid of two, is
+ * below 2 % of all and far above 2 % of its grid. */
+static void test_blinds_of_a_small_grid(void **state)
+{
+    enum { POINTS = 120, SMALL = 2 };
+    struct orl_annual_grid grids[2];
+    struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    (void)state;
+    hand_year_make(&result, false);
+    const size_t n = POINTS * result.n_columns;
+    float **arrays[] = {&result.total, &result.direct, &result.se};
+    for (int k = 0; k < 3; k++) {
+        free(*arrays[k]);
+        assert_non_null(*arrays[k] = calloc(n, sizeof **arrays[k]));
+    }
+    for (size_t i = 0; i < n; i++) {
+        result.total[i] = 400;
+        result.direct[i] = i < result.n_columns ? 300 : 0;
+    }
+    result.direct[100] = 5000;
+    result.n_sensors = request.n_sensors = POINTS;
+    grids[0].count = SMALL;
+    grids[1].first = SMALL;
+    grids[1].count = POINTS - SMALL;
+    hand_year_ask(&wishes, "sDA300/50 >= 40 %", "LEED v4.1, 1 point");
+    struct orl_annual_report report = hand_year_report(&request, &result, &wishes);
+    const struct orl_annual_verdict *of_rule = report.verdicts + 3; /* all, and each grid */
+    assert_int_equal(report.n_verdicts, 3 + 3);
+    assert_int_equal(of_rule[0].grid, ORL_ALL_GRIDS);
+    assert_int_equal(of_rule[0].verdict, ORL_VERDICT_UNDECIDED);
+    assert_int_equal(of_rule[1].verdict, ORL_VERDICT_UNDECIDED);
+    assert_int_equal(of_rule[2].verdict, ORL_VERDICT_PASS);
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
     hand_year_free(&result);
 }
 
@@ -131,8 +177,8 @@ static void test_worst_days_of_a_seat(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_blinds_of_rules),
-                                       cmocka_unit_test(test_few_hours),
-                                       cmocka_unit_test(test_worst_days_of_a_seat)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_blinds_of_rules), cmocka_unit_test(test_blinds_of_a_small_grid),
+        cmocka_unit_test(test_few_hours), cmocka_unit_test(test_worst_days_of_a_seat)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
