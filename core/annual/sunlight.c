@@ -30,10 +30,18 @@ static struct orl_vec3 on_disc(const struct orl_frame *frame, double radius, con
 
 /* ---- Straight -------------------------------------------------------------------------------- */
 
+/* Returns false if no sunlight of that direction can reach the place: inside a building, all of it
+ * passes a window. */
+static bool may_come_from(const struct orl_annual_scene *scene, const struct orl_place *place,
+                          struct orl_vec3 towards, double slack)
+{
+    return place->outside || orl_windows_passed(&scene->ports, place->point, towards, slack);
+}
+
 static struct orl_rgb straight(const struct orl_annual_scene *scene, const struct orl_place *place,
                                struct orl_vec3 towards)
 {
-    if (!place->outside && !orl_windows_passed(&scene->ports, place->point, towards, 0))
+    if (!may_come_from(scene, place, towards, 0))
         return orl_gray(0);
     return orl_transmittance(scene->world, place->point, towards, INFINITY, true);
 }
@@ -129,9 +137,15 @@ static void add_straight(const struct lot *lot)
         if (!(orl_dot(sun, place->normal) > 0))
             continue;
         const struct orl_vec3 towards = orl_normalize(sun);
+        /* The windows first: a BSDF takes longer than they do. */
+        if (!may_come_from(scene, place, towards, 0))
+            continue;
         const struct orl_rgb seen = response(lot->query, towards);
         if (orl_rgb_max(seen) > 0)
-            add_to_node(lot, k, orl_rgb_mul(seen, straight(scene, place, towards)), 1);
+            add_to_node(lot, k,
+                        orl_rgb_mul(seen, orl_transmittance(scene->world, place->point, towards,
+                                                            INFINITY, true)),
+                        1);
     }
 }
 
@@ -352,7 +366,7 @@ static bool may_see(const struct orl_annual_scene *scene, const struct orl_place
 {
     const double slack = sin(0.5 * sun->angle_rad) * 1.01;
     return orl_dot(sun->towards, place->normal) > -slack &&
-           (place->outside || orl_windows_passed(&scene->ports, place->point, sun->towards, slack));
+           may_come_from(scene, place, sun->towards, slack);
 }
 
 void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
