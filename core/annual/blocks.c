@@ -11,21 +11,19 @@
 #include "scene/geometry/stand.h"
 
 enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS };
-/* By sun: direct sunlight (oriel/annual.h), what mirrors send, squares of both's standard error. */
-enum orl_sun_row { ORL_SUN_DIRECT, ORL_SUN_MIRRORED, ORL_SUN_SQUARES, ORL_SUN_ROWS };
-
 #define TRACING 0.85 /* of a block's time, more or less */
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
+/* Whether direct sunlight is told by part, and no row is made. */
+static bool tells_sunlight(const struct orl_year *y)
+{
+    return orl_year_is_sun_only(y) && y->variant->parts;
+}
+
 static float *row_of(const struct orl_year *y, size_t sensor, enum orl_year_row row)
 {
     return y->rows + (sensor * ORL_YEAR_ROWS + row) * y->hours.n_columns;
-}
-
-static float *sun_row_of(const struct orl_year *y, size_t sensor, enum orl_sun_row row)
-{
-    return y->sun_rows + (sensor * ORL_SUN_ROWS + row) * y->hours.suns.count;
 }
 
 static void trace_batch(void *arg, size_t index, uint32_t member)
@@ -38,12 +36,7 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
                                            .first = y->traced_before,
                                            .samples = y->batch_samples,
                                            .crew = y->env->run->crew};
-    if (y->dark[sensor])
-        return;
-    struct orl_annual_sums sums = {.bins = y->bin_sums + index * ORL_BINS,
-                                   .nodes = y->sun_sums + index * y->n_sun,
-                                   .beams = y->sun_sums + index * y->n_sun + y->nodes.count,
-                                   .lots = y->lot_sums + index * ORL_SUN_MAP_LOTS * y->n_beams};
+    struct orl_annual_sums sums = orl_block_sums_of(&y->sums, sensor, batch.batch);
     orl_annual_trace(&y->scene, &y->places[sensor], &batch, &sums, &y->healths[member]);
     const double whole = (double)(y->count * ORL_ANNUAL_BATCHES);
     const double done = (double)(atomic_fetch_add(&y->traced, 1) + 1);
@@ -55,65 +48,117 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
 static void find_sun(void *arg, size_t index, uint32_t member)
 {
     struct orl_year *y = arg;
-    const struct orl_sunlit_hours sun = {
-        sun_row_of(y, index, ORL_SUN_DIRECT),
-        orl_year_is_sun_only(y) ? NULL : sun_row_of(y, index, ORL_SUN_MIRRORED),
-        sun_row_of(y, index, ORL_SUN_SQUARES)};
+    struct orl_sun_rows rows = orl_block_suns_of(&y->sums, index);
     const uint64_t name = y->request->seed + y->first + index;
     (void)member;
-    if (y->dark[index]) {
-        for (int row = 0; row < ORL_SUN_ROWS; row++)
-            memset(sun_row_of(y, index, (enum orl_sun_row)row), 0,
-                   y->hours.suns.count * sizeof *y->sun_rows);
-        return;
-    }
+    rows.direct_only = orl_year_is_sun_only(y);
+    rows.wanted = y->wanted_suns;
     orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, y->env->run->crew,
-                          &sun);
+                          &rows);
     if (y->has_panels)
-        orl_panels_add(&y->panels, &y->places[index], name, sun.straight, sun.squares);
+        orl_panels_add(&y->panels, &y->places[index], name, &rows);
 }
 
-static void fill_factors(void *arg, size_t index, uint32_t member)
+/* Sums of a sensor's batches for a part; returns false if there are none. */
+static bool coefficients_of(const struct orl_year *y, size_t sensor, uint32_t part,
+                            struct orl_annual_coefficients *ret)
+{
+    bool any = false;
+    *ret =
+        (struct orl_annual_coefficients){.samples = y->batch_samples, .n_nodes = y->sums.n_nodes};
+    for (uint32_t b = 0; b < ORL_ANNUAL_BATCHES; b++) {
+        const struct orl_annual_sums sums = orl_block_sums_of(&y->sums, sensor, b);
+        if (!sums.lit[part])
+            continue;
+        ret->bins[b] = sums.bins + (size_t)part * ORL_BINS;
+        ret->nodes[b] = sums.nodes + part * sums.n_nodes;
+        any = true;
+    }
+    return any;
+}
+
+static void fill_beams(struct orl_year *y, size_t sensor)
+{
+    const size_t n = y->n_beams;
+    struct orl_annual_beam_coefficients coefficients = {.samples = y->batch_samples, .n_beams = n};
+    for (uint32_t b = 0; b < ORL_ANNUAL_BATCHES; b++) {
+        const struct orl_annual_sums sums = orl_block_sums_of(&y->sums, sensor, b);
+        coefficients.beams[b] = sums.beams;
+        coefficients.lots[b] = sums.lots;
+    }
+    orl_annual_beams_fill(&y->beams[sensor], &coefficients,
+                          y->beam_factors + sensor * (ORL_ANNUAL_BATCHES + 1) * n,
+                          y->lot_factors + sensor * ORL_SUN_MAP_LOTS * n);
+}
+
+static bool is_lit_by_beams(const struct orl_year *y, size_t sensor, uint32_t part)
+{
+    for (size_t i = 0; i < y->n_beams; i++)
+        if (y->part_of_beam[i] == part && y->beams[sensor].means[i] > 0)
+            return true;
+    return false;
+}
+
+static void fill_factors(void *arg, size_t sensor, uint32_t member)
 {
     struct orl_year *y = arg;
-    const size_t batch = index * ORL_ANNUAL_BATCHES;
-    const struct orl_annual_coefficients coefficients = {
-        .samples = y->batch_samples,
-        .bins = y->bin_sums + batch * ORL_BINS,
-        .sun = y->sun_sums + batch * y->n_sun,
-        .lots = y->lot_sums + batch * ORL_SUN_MAP_LOTS * y->n_beams,
-        .n_sun = y->n_sun,
-        .n_beams = y->n_beams};
+    double overcast[ORL_ANNUAL_BATCHES] = {0};
     (void)member;
-    if (y->dark[index])
-        return;
-    orl_overcast_find(&y->overcast, &coefficients, &y->result->overcast[y->first + index],
-                      &y->result->overcast_se[y->first + index]);
-    orl_annual_factors_fill(&y->factors[index], &y->bins, &coefficients,
-                            y->sun_by_batch + index * (ORL_ANNUAL_BATCHES + 1) * y->n_sun,
-                            y->sun_by_lot + index * ORL_SUN_MAP_LOTS * y->n_beams);
-    if (y->result->coefficients)
-        orl_annual_factors_tell(&y->factors[index],
-                                y->result->coefficients + (y->first + index) * ORL_ANNUAL_PATCHES);
+    fill_beams(y, sensor);
+    for (uint32_t part = 0; part < y->n_parts; part++) {
+        const size_t at = sensor * y->n_parts + part;
+        struct orl_annual_coefficients coefficients;
+        y->lit[at] =
+            coefficients_of(y, sensor, part, &coefficients) || is_lit_by_beams(y, sensor, part);
+        if (!y->lit[at])
+            continue;
+        orl_overcast_add(&y->overcast, &coefficients, overcast);
+        orl_annual_factors_fill(&y->factors[at], &y->bins, &coefficients,
+                                y->factor_nodes +
+                                    at * (ORL_ANNUAL_BATCHES + 1) * coefficients.n_nodes);
+        if (y->result->coefficients)
+            orl_annual_factors_tell(&y->factors[at], y->result->coefficients +
+                                                         (y->first + sensor) * ORL_ANNUAL_PATCHES);
+    }
+    orl_overcast_find(overcast, &y->result->overcast[y->first + sensor],
+                      &y->result->overcast_se[y->first + sensor]);
+}
+
+/* The light of a part at a sensor; returns false if there is none. */
+static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
+                     const struct orl_annual_row *row, struct orl_annual_share *ret)
+{
+    const struct orl_sun_rows suns = orl_block_suns_of(&y->sums, sensor);
+    const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;
+    const size_t at = sensor * y->n_parts + part;
+    *ret = (struct orl_annual_share){
+        .row = row,
+        .part = part,
+        .factors = y->lit[at] ? &y->factors[at] : NULL,
+        .beams = &y->beams[sensor],
+        .wanted = parts && parts->wanted ? parts->wanted + part * y->hours.n_columns : NULL};
+    if (suns.lit[part]) {
+        ret->by_sun = orl_sun_row_of(&suns, part, ORL_SUN_DIRECT);
+        ret->mirrored = orl_sun_row_of(&suns, part, ORL_SUN_MIRRORED);
+        ret->squares = orl_sun_row_of(&suns, part, ORL_SUN_SQUARES);
+    }
+    return ret->factors || ret->by_sun;
 }
 
 static void multiply(void *arg, size_t tile, uint32_t member)
 {
-    struct orl_year *y = arg;
+    const struct orl_year *y = arg;
+    struct orl_annual_share lights[ORL_ANNUAL_MOST_SHARES];
     struct orl_annual_row rows[ORL_YEAR_BLOCK];
+    size_t n = 0;
     (void)member;
-    const struct orl_annual_factors *factors[ORL_YEAR_BLOCK];
-    size_t lit = 0;
     for (size_t i = 0; i < y->count; i++) {
-        if (y->dark[i])
-            continue;
-        factors[lit] = &y->factors[i];
-        rows[lit++] = (struct orl_annual_row){
-            sun_row_of(y, i, ORL_SUN_DIRECT),  sun_row_of(y, i, ORL_SUN_MIRRORED),
-            sun_row_of(y, i, ORL_SUN_SQUARES), row_of(y, i, ORL_YEAR_TOTAL),
-            row_of(y, i, ORL_YEAR_DIRECT),     row_of(y, i, ORL_YEAR_SE)};
+        rows[i] = (struct orl_annual_row){row_of(y, i, ORL_YEAR_TOTAL),
+                                          row_of(y, i, ORL_YEAR_DIRECT), row_of(y, i, ORL_YEAR_SE)};
+        for (uint32_t part = 0; part < y->n_parts; part++)
+            n += light_of(y, i, part, &rows[i], &lights[n]);
     }
-    orl_annual_multiply(factors, lit, &y->hours, &y->terms, tile, rows);
+    orl_annual_multiply(lights, n, &y->hours, &y->terms, tile);
 }
 
 static void place_sensors(struct orl_year *y)
@@ -149,51 +194,14 @@ static int hand_over(struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
-/* ---- Parts of a block, kept or made ---------------------------------------------------------- */
+/* ---- Sums and rows, kept or made ------------------------------------------------------------- */
 
-/* The arrays of a part, one behind the other. */
-struct part {
-    void *at;
-    size_t bytes;
-};
-
-enum { MOST_PARTS = 3 };
-
-static size_t bytes_of(const struct part parts[MOST_PARTS])
+/* Keeps what was packed, unless there was no memory for it. */
+static void keep_packed(struct orl_year *y, struct orl_keeping *it, int code, void *data,
+                        size_t size)
 {
-    size_t bytes = 0;
-    for (int i = 0; i < MOST_PARTS; i++)
-        bytes += parts[i].bytes;
-    return bytes;
-}
-
-/* From what was kept; true where there is any. */
-static bool fill_parts(const struct orl_keeping *it, const struct part parts[MOST_PARTS])
-{
-    const char *from = it->data;
-    if (from && it->size != bytes_of(parts))
-        from = NULL;
-    for (int i = 0; i < MOST_PARTS && parts[i].at; i++) {
-        if (!from) {
-            memset(parts[i].at, 0, parts[i].bytes);
-            continue;
-        }
-        memcpy(parts[i].at, from, parts[i].bytes);
-        from += parts[i].bytes;
-    }
-    return from != NULL;
-}
-
-static void put_parts(struct orl_year *y, struct orl_keeping *it,
-                      const struct part parts[MOST_PARTS])
-{
-    char *data = it->owed ? malloc(bytes_of(parts) + 1) : NULL, *to = data;
-    for (int i = 0; data && i < MOST_PARTS && parts[i].at; i++) {
-        memcpy(to, parts[i].at, parts[i].bytes);
-        to += parts[i].bytes;
-    }
-    if (data)
-        orl_keep_put(&y->keep, it, data, bytes_of(parts));
+    if (code == 0)
+        orl_keep_put(&y->keep, it, data, size);
     free(data);
 }
 
@@ -208,7 +216,7 @@ static uint64_t count_rays(const struct orl_year *y)
 /* Outdoors light comes by no window. */
 static int check_places(const struct orl_year *y, struct orl_error *err)
 {
-    if (!y->variant || y->variant->part == 0)
+    if (!y->variant || !y->variant->parts)
         return 0;
     for (size_t i = 0; i < y->count; i++)
         if (y->places[i].outside)
@@ -238,78 +246,77 @@ static int trace(struct orl_year *y, struct orl_keeping *it, struct orl_error *e
 
 static int find_paths(struct orl_year *y, struct orl_error *err)
 {
-    const size_t batches = y->count * ORL_ANNUAL_BATCHES;
-    const struct part parts[MOST_PARTS] = {
-        {y->sun_sums, batches * y->n_sun * sizeof *y->sun_sums},
-        {y->bin_sums, batches * ORL_BINS * sizeof *y->bin_sums},
-        {y->lot_sums, batches * ORL_SUN_MAP_LOTS * y->n_beams * sizeof *y->lot_sums}};
     struct orl_keeping it = {.what = ORL_YEARS_PATHS,
                              .first = y->first,
                              .count = y->count,
                              .samples = y->result->samples};
+    void *data = NULL;
+    size_t size = 0;
     int code = y->shares_rows ? 0 : orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
         return code;
-    if (!fill_parts(&it, parts))
+    if (!orl_block_sums_unpack_paths(&y->sums, y->count, it.data, it.size))
         it.had = 0;
     if (it.had < it.samples)
         code = trace(y, &it, err);
-    if (code == 0)
-        put_parts(y, &it, parts);
+    if (code == 0 && it.owed) {
+        const int packed = orl_block_sums_pack_paths(&y->sums, y->count, &data, &size);
+        keep_packed(y, &it, packed, data, size);
+    }
     orl_keep_done(&y->keep, &it);
     return code;
+}
+
+static int make_suns(struct orl_year *y, struct orl_error *err)
+{
+    int code = orl_year_need_panels(y, err);
+    if (code < 0)
+        return code;
+    place_sensors(y);
+    code = orl_crew_try(y->env->run->crew, y->count, find_sun, y);
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
 }
 
 static int find_suns(struct orl_year *y, struct orl_error *err)
 {
-    const size_t bytes = y->count * ORL_SUN_ROWS * y->hours.suns.count * sizeof *y->sun_rows;
-    const struct part parts[MOST_PARTS] = {{y->sun_rows, bytes}};
     struct orl_keeping it = {.what = ORL_YEARS_SUN, .first = y->first, .count = y->count};
+    void *data = NULL;
+    size_t size = 0;
     int code = y->shares_rows ? 0 : orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
         return code;
-    if (!fill_parts(&it, parts)) {
-        code = orl_year_need_panels(y, err);
-        if (code == 0) {
-            place_sensors(y);
-            code = orl_crew_try(y->env->run->crew, y->count, find_sun, y);
-            code = code < 0 ? orl_year_failed(y, code, err) : 0;
-        }
+    if (!orl_block_sums_unpack_suns(&y->sums, y->count, it.data, it.size))
+        code = make_suns(y, err);
+    if (code == 0 && it.owed) {
+        const int packed = orl_block_sums_pack_suns(&y->sums, y->count, &data, &size);
+        keep_packed(y, &it, packed, data, size);
     }
-    if (code == 0)
-        put_parts(y, &it, parts);
     orl_keep_done(&y->keep, &it);
     return code;
 }
 
-static void find_darkness(void *arg, size_t index, uint32_t member)
+/* Direct sunlight of a part at a sensor, by column. */
+static void find_direct(const struct orl_year *y, size_t sensor, uint32_t part, float *ret_lx)
 {
-    struct orl_year *y = arg;
-    (void)member;
-    y->dark[index] = !orl_reach_has(&y->reach, &y->places[index]);
+    const struct orl_sun_rows suns = orl_block_suns_of(&y->sums, sensor);
+    const float *by_sun = orl_sun_row_of(&suns, part, ORL_SUN_DIRECT);
+    for (size_t c = 0; c < y->hours.n_columns; c++) {
+        const struct orl_column_sun *sun = &y->hours.sun_of_column[c];
+        ret_lx[c] = suns.lit[part] && sun->normal_lx > 0
+                        ? (float)(sun->normal_lx * (double)by_sun[sun->sun])
+                        : 0;
+    }
 }
 
-/* Marks the sensors that light of a part cannot reach; their rows are zero. */
-static int find_dark(struct orl_year *y, size_t *ret_lit, struct orl_error *err)
+static void tell_sunlight(const struct orl_year *y)
 {
-    *ret_lit = y->count;
-    if (!y->variant || y->variant->part == 0)
-        return 0;
-    int code = orl_year_need_scene(y, err);
-    if (code < 0)
-        return code;
-    place_sensors(y);
-    code = check_places(y, err);
-    if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_darkness, y) < 0)
-        code = orl_year_cancelled(err);
-    for (size_t i = 0; i < y->count && code == 0; i++) {
-        if (!y->dark[i])
-            continue;
-        --*ret_lit;
-        memset(row_of(y, i, ORL_YEAR_TOTAL), 0,
-               ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
-    }
-    return code;
+    const struct orl_year_parts *parts = y->variant->parts;
+    for (size_t i = 0; i < y->count; i++)
+        for (uint32_t part = 0; part < y->n_parts; part++)
+            if (orl_block_suns_of(&y->sums, i).lit[part]) {
+                find_direct(y, i, part, y->rows);
+                parts->sunlit(parts->ctx, y->first + i, part, y->rows);
+            }
 }
 
 /* Direct sunlight is all there is. */
@@ -317,35 +324,28 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
 {
     int code = orl_year_need_panels(y, err);
     double since = orl_year_now(y);
-    size_t lit = 0;
     if (code < 0)
         return code;
     place_sensors(y);
-    code = find_dark(y, &lit, err);
+    code = check_places(y, err);
+    orl_block_sums_clear_suns(&y->sums, y->count);
     if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_sun, y) < 0)
         code = orl_year_cancelled(err);
-    for (size_t i = 0; i < y->count && code == 0; i++) {
-        const float *by_sun = sun_row_of(y, i, ORL_SUN_DIRECT);
-        float *direct = row_of(y, i, ORL_YEAR_DIRECT);
-        memset(row_of(y, i, ORL_YEAR_TOTAL), 0, y->hours.n_columns * sizeof(float));
-        memset(row_of(y, i, ORL_YEAR_SE), 0, y->hours.n_columns * sizeof(float));
-        for (size_t c = 0; c < y->hours.n_columns; c++) {
-            const struct orl_column_sun *sun = &y->hours.sun_of_column[c];
-            direct[c] = sun->normal_lx > 0 ? (float)(sun->normal_lx * (double)by_sun[sun->sun]) : 0;
-        }
-    }
     orl_year_book(y, ORL_ANNUAL_SUN, &since);
-    return code == 0 ? hand_over(y, err) : code;
+    if (code == 0 && tells_sunlight(y))
+        tell_sunlight(y);
+    if (code < 0 || tells_sunlight(y))
+        return code;
+    memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
+    for (size_t i = 0; i < y->count; i++)
+        find_direct(y, i, 0, row_of(y, i, ORL_YEAR_DIRECT));
+    return hand_over(y, err);
 }
 
 /* Paths and suns times all hours. */
 static int make_rows(struct orl_year *y, struct orl_error *err)
 {
     struct orl_crew *crew = y->env->run->crew;
-    size_t lit = 0;
-    const int found = find_dark(y, &lit, err);
-    if (found < 0 || lit == 0)
-        return found;
     double since = orl_year_now(y);
     int code = find_paths(y, err);
     orl_year_book(y, ORL_ANNUAL_PATHS, &since);
@@ -354,6 +354,7 @@ static int make_rows(struct orl_year *y, struct orl_error *err)
     orl_year_book(y, ORL_ANNUAL_SUN, &since);
     if (code < 0)
         return code;
+    memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
     code = orl_crew_try(crew, y->count, fill_factors, y);
     if (code == 0)
         code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
@@ -361,13 +362,47 @@ static int make_rows(struct orl_year *y, struct orl_error *err)
     return code < 0 ? orl_year_failed(y, code, err) : 0;
 }
 
+enum { ROW_ARRAYS = 3 };
+struct array {
+    void *at;
+    size_t bytes;
+};
+
+/* Rows, and the overcast sky's light with its error. */
+static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARRAYS])
+{
+    const struct orl_annual_result *r = y->result;
+    ret[0] =
+        (struct array){y->rows, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows};
+    ret[1] = (struct array){r->overcast + y->first, y->count * sizeof *r->overcast};
+    ret[2] = (struct array){r->overcast_se + y->first, y->count * sizeof *r->overcast_se};
+    return ret[0].bytes + ret[1].bytes + ret[2].bytes;
+}
+
+static bool take_rows(const struct orl_year *y, const struct orl_keeping *it)
+{
+    struct array arrays[ROW_ARRAYS];
+    const char *from = it->data;
+    if (!from || it->size != list_row_arrays(y, arrays))
+        return false;
+    for (int i = 0; i < ROW_ARRAYS; from += arrays[i++].bytes)
+        memcpy(arrays[i].at, from, arrays[i].bytes);
+    return true;
+}
+
+static void keep_rows(struct orl_year *y, struct orl_keeping *it)
+{
+    struct array arrays[ROW_ARRAYS];
+    const size_t size = list_row_arrays(y, arrays);
+    char *data = malloc(size + 1), *to = data;
+    for (int i = 0; data && i < ROW_ARRAYS; to += arrays[i++].bytes)
+        memcpy(to, arrays[i].at, arrays[i].bytes);
+    keep_packed(y, it, data ? 0 : ORL_ERR_NOMEM, data, size);
+}
+
 /* Made, or by who shares the year. */
 static int find_rows(struct orl_year *y, struct orl_error *err)
 {
-    const struct part parts[MOST_PARTS] = {
-        {y->rows, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows},
-        {y->result->overcast + y->first, y->count * sizeof *y->result->overcast},
-        {y->result->overcast_se + y->first, y->count * sizeof *y->result->overcast_se}};
     struct orl_keeping it = {.what = ORL_YEARS_ROWS,
                              .first = y->first,
                              .count = y->count,
@@ -377,10 +412,10 @@ static int find_rows(struct orl_year *y, struct orl_error *err)
     int code = orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
         return code;
-    if (!fill_parts(&it, parts))
+    if (!take_rows(y, &it))
         code = make_rows(y, err);
-    if (code == 0)
-        put_parts(y, &it, parts);
+    if (code == 0 && it.owed)
+        keep_rows(y, &it);
     orl_keep_done(&y->keep, &it);
     return code;
 }
@@ -397,24 +432,68 @@ static int run_block(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
+/* Of suns that nobody has a use for, BSDF panes send no light. All are of use to who keeps them. */
+static int want_suns(struct orl_year *y)
+{
+    const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;
+    const size_t suns = y->hours.suns.count;
+    if (!parts || !parts->wanted || !parts->direct_as_wanted || y->keep.store)
+        return 0;
+    y->wanted_suns = calloc(y->n_parts * suns + 1, sizeof *y->wanted_suns);
+    if (!y->wanted_suns)
+        return ORL_ERR_NOMEM;
+    for (uint32_t part = 0; part < y->n_parts; part++)
+        for (size_t c = 0; c < y->hours.n_columns; c++)
+            if (y->hours.sun_of_column[c].normal_lx > 0 &&
+                parts->wanted[part * y->hours.n_columns + c])
+                y->wanted_suns[part * suns + y->hours.sun_of_column[c].sun] = 1;
+    return 0;
+}
+
+static int find_parts_of_beams(struct orl_year *y)
+{
+    y->part_of_beam = calloc(y->n_beams + 1, sizeof *y->part_of_beam);
+    for (size_t sun = 0; y->part_of_beam && y->n_beams > 0 && sun < y->hours.suns.count; sun++)
+        for (uint32_t part = 0; part < y->n_parts; part++) {
+            const struct orl_sun_range range = orl_sun_terms_beams(&y->terms, sun, part);
+            for (uint32_t i = range.first; i < range.end; i++)
+                y->part_of_beam[y->terms.which[i]] = (uint16_t)part;
+        }
+    return y->part_of_beam ? 0 : ORL_ERR_NOMEM;
+}
+
+/* For so many sensors at a time. */
+static int make_sums(struct orl_year *y, size_t n)
+{
+    const size_t lights = n * y->n_parts;
+    const bool sun_only = orl_year_is_sun_only(y);
+    y->sums = (struct orl_block_sums){.n_sensors = n,
+                                      .n_parts = y->n_parts,
+                                      .n_nodes = sun_only ? 0 : y->nodes.count,
+                                      .n_beams = y->n_beams,
+                                      .n_suns = y->hours.suns.count};
+    if (orl_block_sums_init(&y->sums) < 0 || want_suns(y) < 0 || find_parts_of_beams(y) < 0)
+        return ORL_ERR_NOMEM;
+    y->lit = calloc(lights + 1, sizeof *y->lit);
+    y->factors = malloc((lights + 1) * sizeof *y->factors);
+    y->factor_nodes =
+        malloc((lights * (ORL_ANNUAL_BATCHES + 1) * y->sums.n_nodes + 1) * sizeof *y->factor_nodes);
+    y->beams = calloc(n + 1, sizeof *y->beams);
+    y->beam_factors =
+        malloc((n * (ORL_ANNUAL_BATCHES + 1) * y->n_beams + 1) * sizeof *y->beam_factors);
+    y->lot_factors = malloc((n * ORL_SUN_MAP_LOTS * y->n_beams + 1) * sizeof *y->lot_factors);
+    return y->lit && y->factors && y->factor_nodes && y->beams && y->beam_factors && y->lot_factors
+               ? 0
+               : ORL_ERR_NOMEM;
+}
+
 static int make_room(struct orl_year *y)
 {
     const size_t columns = y->hours.n_columns, n = y->request->n_sensors;
-    const size_t batches = (n < ORL_YEAR_BLOCK ? n : ORL_YEAR_BLOCK) * ORL_ANNUAL_BATCHES;
     struct orl_annual_result *r = y->result;
-    y->bin_sums = malloc(batches * ORL_BINS * sizeof *y->bin_sums);
-    y->sun_sums = malloc((batches * y->n_sun + 1) * sizeof *y->sun_sums);
-    y->lot_sums = malloc((batches * ORL_SUN_MAP_LOTS * y->n_beams + 1) * sizeof *y->lot_sums);
-    y->sun_by_lot = malloc(((size_t)ORL_YEAR_BLOCK * ORL_SUN_MAP_LOTS * y->n_beams + 1) *
-                           sizeof *y->sun_by_lot);
-    y->rows = malloc(((size_t)ORL_YEAR_BLOCK * ORL_YEAR_ROWS * columns + 1) * sizeof *y->rows);
-    y->sun_rows = malloc(((size_t)ORL_YEAR_BLOCK * ORL_SUN_ROWS * y->hours.suns.count + 1) *
-                         sizeof *y->sun_rows);
-    y->factors = malloc(ORL_YEAR_BLOCK * sizeof *y->factors);
-    y->sun_by_batch = malloc(((batches + ORL_YEAR_BLOCK) * y->n_sun + 1) * sizeof *y->sun_by_batch);
+    y->rows = malloc((y->block * ORL_YEAR_ROWS * columns + 1) * sizeof *y->rows);
     y->healths = calloc(orl_crew_size(y->env->run->crew), sizeof *y->healths);
-    if (!y->bin_sums || !y->sun_sums || !y->lot_sums || !y->sun_by_lot || !y->factors ||
-        !y->sun_by_batch || !y->rows || !y->sun_rows || !y->healths)
+    if (make_sums(y, y->block) < 0 || !y->rows || !y->healths)
         return ORL_ERR_NOMEM;
     orl_overcast_init(&y->overcast, &y->bins, y->request->ground_reflectance);
     r->overcast = calloc(n + 1, sizeof *r->overcast);
@@ -426,7 +505,7 @@ static int make_room(struct orl_year *y)
         if (!r->coefficients)
             return ORL_ERR_NOMEM;
     }
-    if (y->env->row)
+    if (y->env->row || tells_sunlight(y))
         return 0;
     r->total = malloc((n * columns + 1) * sizeof *r->total);
     r->direct = malloc((n * columns + 1) * sizeof *r->direct);
@@ -454,7 +533,7 @@ static struct orl_annual_block block_of(const struct orl_year *y)
 
 static bool is_kept(struct orl_year *y)
 {
-    if (y->env->row || !y->env->kept || y->result->coefficients)
+    if (tells_sunlight(y) || y->env->row || !y->env->kept || y->result->coefficients)
         return false; /* coefficients are in no block */
     struct orl_annual_block block = block_of(y);
     return y->env->kept(y->env->ctx, &block);
@@ -462,7 +541,7 @@ static bool is_kept(struct orl_year *y)
 
 static void tell_done(const struct orl_year *y)
 {
-    if (y->env->row || !y->env->done)
+    if (tells_sunlight(y) || y->env->row || !y->env->done)
         return;
     const struct orl_annual_block block = block_of(y);
     y->env->done(y->env->ctx, &block);
@@ -479,17 +558,25 @@ static int make_block(struct orl_year *y, struct orl_error *err)
 
 /* ---- All of them ----------------------------------------------------------------------------- */
 
+/* Sensors at a time: as many lights, of a part at a sensor each, as a tile takes. */
+static size_t most_at_a_time(const struct orl_year *y)
+{
+    enum { LIGHTS = ORL_ANNUAL_MOST_SHARES / 2, LEAST = 8 };
+    const size_t most = LIGHTS / y->n_parts;
+    return most < LEAST ? LEAST : most < ORL_YEAR_BLOCK ? most : ORL_YEAR_BLOCK;
+}
+
 int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
 {
-    const size_t n = y->request->n_sensors;
+    const size_t n = y->request->n_sensors, most = most_at_a_time(y);
+    const bool shared = y->env->run->pieces && y->keep.store && !orl_year_is_sun_only(y);
+    y->block = shared ? orl_year_shared_block(n, most) : most;
     int code = make_room(y) < 0 ? orl_year_no_memory(err) : 0;
     if (code == 0 && y->env->begins)
         code = y->env->begins(y->env->ctx, y->result, err);
     y->blocks_s = orl_year_now(y);
-    const bool shared = y->env->run->pieces && y->keep.store && !orl_year_is_sun_only(y);
     /* Coefficients are in no row: then blocks are shared by their paths. */
     y->shares_rows = shared && !y->result->coefficients;
-    y->block = shared ? orl_year_shared_block(n) : ORL_YEAR_BLOCK;
     if (code == 0 && shared)
         code = orl_year_share_blocks(y, make_block, err);
     for (y->first = 0; y->first < n && code == 0; y->first += y->count) {
@@ -510,13 +597,15 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
 
 void orl_year_blocks_done(struct orl_year *y)
 {
-    free(y->bin_sums);
-    free(y->sun_sums);
+    orl_block_sums_done(&y->sums);
+    free(y->wanted_suns);
+    free(y->part_of_beam);
+    free(y->lit);
     free(y->factors);
-    free(y->sun_by_batch);
-    free(y->lot_sums);
-    free(y->sun_by_lot);
+    free(y->factor_nodes);
+    free(y->beams);
+    free(y->beam_factors);
+    free(y->lot_factors);
     free(y->rows);
-    free(y->sun_rows);
     free(y->healths);
 }

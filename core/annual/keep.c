@@ -10,7 +10,7 @@
 #include "run/kept_file.h"
 
 /* Raised when anything changes that what is kept is made by, or how it lies in its arrays. */
-static const char recipe[] = "oriel annual 7";
+static const char recipe[] = "oriel annual 8";
 static const char kind[] = "annual";
 
 /* ---- Keys ------------------------------------------------------------------------------------ */
@@ -61,6 +61,14 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
     year->result->reuse.asked = keep->store != NULL;
 }
 
+/* In which columns light of which part is added up. */
+static void add_wanted(struct orl_sha256 *hash, const struct orl_year *year)
+{
+    const struct orl_year_parts *parts = year->variant ? year->variant->parts : NULL;
+    if (parts && parts->wanted)
+        orl_sha256_add(hash, parts->wanted, year->n_parts * year->hours.n_columns);
+}
+
 static void name(const struct orl_keep *keep, struct orl_keeping *it)
 {
     const uint64_t numbers[] = {(uint64_t)it->what, it->first, it->count};
@@ -81,8 +89,10 @@ static void name(const struct orl_keep *keep, struct orl_keeping *it)
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, it->family, ORL_DIGEST_HEX);
     orl_sha256_add(&hash, &it->samples, sizeof it->samples);
-    if (it->what == ORL_YEARS_ROWS)
+    if (it->what == ORL_YEARS_ROWS) {
         orl_sha256_add(&hash, job, strlen(job));
+        add_wanted(&hash, keep->year);
+    }
     finish(&hash, it->key);
 }
 

@@ -23,47 +23,48 @@ static void warn_of_curved(struct orl_year *y)
                   n, label.name, label.file, label.line);
 }
 
-static double area_of_ports(const struct orl_world *world)
+static const char *name_of_part(const struct orl_year_variant *v, size_t part)
 {
-    double area = 0;
-    for (size_t i = 0; i < world->n_ports; i++)
-        area += world->ports[i].area;
-    return area;
+    return part == v->parts->n_groups ? "windows of no group" : v->swaps->at[part].of;
 }
 
-static const char *name_of_part(const struct orl_year_variant *v)
-{
-    return v->part == ORL_PART_OF_NONE ? "windows of no group" : v->swaps->at[v->part - 1].of;
-}
-
-/* Light of one part is wanted: the ports of all others are closed. */
-static int close_others(struct orl_year *y, struct orl_error *err)
+static int check_part(const struct orl_year *y, const size_t *n_ports, size_t part,
+                      struct orl_error *err)
 {
     const struct orl_year_variant *v = y->variant;
+    if (n_ports[part] == 0)
+        return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                             "no surface of '%.100s' is a window to the outside: what light it "
+                             "lets in is not told from the rest",
+                             name_of_part(v, part));
+    return v->sun_only ? 0
+                       : orl_part_admit(y->world, (uint32_t)part + 1, name_of_part(v, part), err);
+}
+
+/* Returns 0 if light can be told apart by the groups that are used. */
+static int check_parts(const struct orl_year *y, struct orl_error *err)
+{
+    const struct orl_year_parts *parts = y->variant->parts;
     if (y->world->open) {
+        size_t used = 0;
+        while (used < parts->n_groups && !parts->used[used])
+            used++;
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
                       "light has other ways into the building than windows: what comes by '%.100s' "
                       "is not told from the rest",
-                      name_of_part(v));
+                      name_of_part(y->variant, used));
         orl_error_hint(err, "close the building, or have one window group");
         return ORL_ERR_UNSUPPORTED;
     }
-    const double area = area_of_ports(y->world);
-    int code = v->sun_only || v->part == ORL_PART_OF_NONE
-                   ? 0
-                   : orl_part_admit(y->world, v->part, name_of_part(v), err);
-    if (code == 0 && orl_ports_close(y->world, v->part, &y->port_of_facet) < 0)
-        code = orl_year_no_memory(err);
-    if (code == 0 && y->world->n_ports == 0)
-        code = orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "no surface of '%.100s' is a window to the outside: what light it "
-                             "lets in is not told from the rest",
-                             name_of_part(v));
-    if (code < 0)
-        return code;
-    y->open_share = area > 0 ? fmin(area_of_ports(y->world) / area, 1) : 1;
-    code = orl_reach_init(&y->reach, y->world, y->env->run->cancel);
-    return code < 0 ? orl_year_failed(y, code, err) : 0;
+    size_t *n_ports = calloc(parts->n_groups + 1, sizeof *n_ports);
+    int code = n_ports ? 0 : orl_year_no_memory(err);
+    for (size_t i = 0; i < y->world->n_ports && code == 0; i++)
+        n_ports[orl_part_of_port(y->world, i, parts->n_groups)]++;
+    for (size_t part = 0; part < parts->n_groups && code == 0; part++)
+        if (parts->used[part])
+            code = check_part(y, n_ports, part, err);
+    free(n_ports);
+    return code;
 }
 
 static int make_world(struct orl_year *y, struct orl_error *err)
@@ -73,10 +74,8 @@ static int make_world(struct orl_year *y, struct orl_error *err)
         code = orl_annual_admit(y->world, err);
     if (code < 0 || !y->world)
         return code;
-    if (y->variant && y->variant->ret_ports)
-        orl_ports_count(y->world, y->variant->ret_ports);
-    if (y->variant && y->variant->part > 0)
-        code = close_others(y, err);
+    if (y->variant && y->variant->parts)
+        code = check_parts(y, err);
     if (code < 0)
         return code;
     warn_of_curved(y);
@@ -114,8 +113,7 @@ static int make_map(struct orl_year *y, struct orl_error *err)
     void *data = NULL;
     size_t size = 0;
     y->scene.whole_map = y->request->technique == ORL_ANNUAL_PRECOMPUTED;
-    const struct orl_sun_map_request request =
-        orl_annual_scene_map_request(&y->scene, y->request, y->open_share);
+    const struct orl_sun_map_request request = orl_annual_scene_map_request(&y->scene, y->request);
     if (y->world->open || y->world->n_ports == 0)
         return y->scene.whole_map ? refuse_open(err) : 0;
     if (y->nodes.count == 0)
@@ -144,6 +142,8 @@ static int make_scene(struct orl_year *y, struct orl_error *err)
     code =
         orl_annual_scene_init(&y->scene, y->world, &y->bins, orl_turn_by(y->request->north_deg),
                               y->node_frames, y->nodes.count, y->nodes.a_circle, y->env->run->crew);
+    if (code == 0 && y->variant && y->variant->parts)
+        code = orl_annual_scene_split(&y->scene, y->variant->parts->n_groups);
     if (code < 0)
         return orl_year_failed(y, code, err);
     if (y->scene.mirrors.n_left_out > 0)
@@ -165,8 +165,8 @@ int orl_year_need_panels(struct orl_year *y, struct orl_error *err)
     if (code < 0 || y->has_panels)
         return code;
     y->has_panels = true;
-    code = orl_panels_init(&y->panels, y->world, &y->hours.suns, &y->scene.sobol, y->request->seed,
-                           y->env->run->crew);
+    code =
+        orl_panels_init(&y->panels, &y->scene, &y->hours.suns, y->request->seed, y->env->run->crew);
     if (code == ORL_ERR_LIMIT)
         return orl_error_set(err, code,
                              "more than %d kinds of BSDF panes, by material and "
@@ -179,12 +179,12 @@ int orl_year_need_panels(struct orl_year *y, struct orl_error *err)
 
 /* As they are kept: this, then the arrays of the terms, and warnings, each ended by a zero. */
 struct kept_suns {
-    uint64_t n_beams, n_suns, n_terms, n_warnings, text_bytes;
+    uint64_t n_beams, n_firsts, n_terms, n_warnings, text_bytes;
 };
 
 static size_t bytes_of(const struct kept_suns *k)
 {
-    return sizeof *k + (k->n_suns + 1) * sizeof(uint32_t) +
+    return sizeof *k + k->n_firsts * sizeof(uint32_t) +
            k->n_terms * (sizeof(uint32_t) + 2 * sizeof(float)) + k->text_bytes;
 }
 
@@ -206,9 +206,9 @@ static void keep_suns(struct orl_year *y, struct orl_keeping *it, size_t first_w
     const struct orl_annual_result *r = y->result;
     const struct orl_sun_terms *terms = &y->terms;
     struct kept_suns k = {.n_beams = y->n_beams,
-                          .n_suns = y->hours.suns.count,
-                          .n_terms = terms->first[y->hours.suns.count],
+                          .n_firsts = y->hours.suns.count * (1 + terms->n_parts) + 1,
                           .n_warnings = r->n_warnings - first_warning};
+    k.n_terms = terms->first[k.n_firsts - 1];
     for (size_t i = first_warning; i < r->n_warnings; i++)
         k.text_bytes += strlen(r->warnings[i]) + 1;
     k.text_bytes += (4 - k.text_bytes % 4) % 4;
@@ -216,7 +216,7 @@ static void keep_suns(struct orl_year *y, struct orl_keeping *it, size_t first_w
     if (!data)
         return;
     void *at = put_bytes(data, &k, sizeof k);
-    at = put_bytes(at, terms->first, (k.n_suns + 1) * sizeof *terms->first);
+    at = put_bytes(at, terms->first, k.n_firsts * sizeof *terms->first);
     at = put_bytes(at, terms->which, k.n_terms * sizeof *terms->which);
     at = put_bytes(at, terms->weights, k.n_terms * sizeof *terms->weights);
     at = put_bytes(at, terms->apart, k.n_terms * sizeof *terms->apart);
@@ -233,13 +233,14 @@ static int take_suns(struct orl_year *y, const void *data)
     struct kept_suns k;
     const void *at = get_bytes(&k, data, sizeof k);
     y->n_beams = k.n_beams;
-    terms->first = malloc((k.n_suns + 1) * sizeof *terms->first);
+    terms->n_parts = y->n_parts;
+    terms->first = malloc((k.n_firsts + 1) * sizeof *terms->first);
     terms->which = malloc((k.n_terms + 1) * sizeof *terms->which);
     terms->weights = malloc((k.n_terms + 1) * sizeof *terms->weights);
     terms->apart = malloc((k.n_terms + 1) * sizeof *terms->apart);
     if (!terms->first || !terms->which || !terms->weights || !terms->apart)
         return ORL_ERR_NOMEM;
-    at = get_bytes(terms->first, at, (k.n_suns + 1) * sizeof *terms->first);
+    at = get_bytes(terms->first, at, k.n_firsts * sizeof *terms->first);
     at = get_bytes(terms->which, at, k.n_terms * sizeof *terms->which);
     at = get_bytes(terms->weights, at, k.n_terms * sizeof *terms->weights);
     at = get_bytes(terms->apart, at, k.n_terms * sizeof *terms->apart);
@@ -258,7 +259,7 @@ static int make_suns(struct orl_year *y, struct orl_keeping *it, struct orl_erro
         return code;
     y->n_beams = y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0;
     code = orl_sun_terms_init(&y->terms, &y->hours.suns, &y->nodes, y->node_frames, y->scene.map,
-                              y->env->run->crew);
+                              y->n_parts, y->env->run->crew);
     if (code < 0)
         return orl_year_failed(y, code, err);
     if (it->owed)
@@ -282,7 +283,6 @@ int orl_year_find_suns(struct orl_year *y, struct orl_error *err)
     else if (code == 0)
         code = make_suns(y, &it, err);
     orl_keep_done(&y->keep, &it);
-    y->n_sun = y->nodes.count + y->n_beams;
     return code;
 }
 
@@ -290,8 +290,6 @@ void orl_year_light_done(struct orl_year *y)
 {
     orl_panels_done(&y->panels);
     orl_annual_scene_done(&y->scene);
-    orl_reach_done(&y->reach);
     orl_world_free(y->world);
-    free(y->port_of_facet);
     orl_sun_terms_done(&y->terms);
 }

@@ -248,9 +248,10 @@ static bool is_passed(const struct orl_mirrors *mirrors, const struct orl_mirror
 }
 
 /* Sunlight reflected in one plane, or in one facet of it. beyond: the mirror is seen through a port
- * from inside. */
+ * from inside. port: as of orl_mirrors_light_of. */
 static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane, uint32_t facet,
-                               struct orl_path path, struct orl_vec3 towards, bool beyond)
+                               struct orl_path path, struct orl_vec3 towards, bool beyond,
+                               int32_t *port)
 {
     const struct orl_world *world = mirrors->world;
     bool out = !beyond;
@@ -269,11 +270,15 @@ static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane
             if (!(orl_rgb_max(share) > 0))
                 break;
             const struct orl_vec3 from = orl_hit_leave(world->geometry, &hit, towards);
-            return orl_rgb_mul(share, orl_transmittance(world, from, towards, INFINITY, true));
+            return orl_rgb_mul(share, orl_transmittance_by(world, from, towards, port));
         }
         if (!orl_path_look_through(&path, m, &hit))
             break;
-        out = out || orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS;
+        if (orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS) {
+            out = true;
+            if (*port == ORL_NO_PORT)
+                *port = orl_world_port_of(world, hit.facet);
+        }
         orl_path_pass(&path, world, &hit);
     }
     return orl_gray(0);
@@ -297,10 +302,11 @@ struct orl_rgb orl_mirrors_light(const struct orl_mirrors *mirrors, const struct
                              towards))
             continue;
         const struct orl_rgb seen = answer(ctx, image);
+        int32_t port = ORL_NO_PORT;
         if (orl_rgb_max(seen) > 0)
             sum = orl_rgb_add(sum, orl_rgb_mul(seen, by_plane(mirrors, i, UINT32_MAX,
                                                               orl_path_from(place->point, image),
-                                                              towards, beyond)));
+                                                              towards, beyond, &port)));
     }
     return sum;
 }
@@ -321,7 +327,7 @@ struct orl_cone orl_mirrors_cone(const struct orl_mirrors *mirrors,
 struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
                                     const struct orl_mirror_set *set, uint32_t item,
                                     const struct orl_place *place, struct orl_vec3 towards,
-                                    orl_mirrors_answer answer, const void *ctx)
+                                    orl_mirrors_answer answer, const void *ctx, int32_t *port)
 {
     const struct orl_window *pane = &set->panes[item];
     const uint32_t p = set->planes[item];
@@ -342,5 +348,5 @@ struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
     if (!(orl_rgb_max(seen) > 0))
         return seen;
     return orl_rgb_mul(seen, by_plane(mirrors, p, pane->facet, orl_path_from(place->point, image),
-                                      towards, beyond));
+                                      towards, beyond, port));
 }

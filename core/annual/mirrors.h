@@ -64,10 +64,11 @@ struct orl_cone orl_mirrors_cone(const struct orl_mirrors *mirrors,
                                  const struct orl_mirror_set *set, uint32_t item,
                                  struct orl_vec3 point);
 
-/* As orl_mirrors_light, by one pane of a set alone; beyond: the set is that. */
+/* As orl_mirrors_light, by one pane of a set alone; beyond: the set is that. *port becomes the
+ * first port on the light's way back out of the building, unless it is one already. */
 struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
                                     const struct orl_mirror_set *set, uint32_t item,
                                     const struct orl_place *place, struct orl_vec3 towards,
-                                    orl_mirrors_answer answer, const void *ctx);
+                                    orl_mirrors_answer answer, const void *ctx, int32_t *port);
 
 #endif

@@ -18,18 +18,24 @@ void orl_overcast_init(struct orl_overcast *overcast, const struct orl_bins *bin
             bin < ORL_BINS_ABOVE ? ORL_OVERCAST_LX / level : ORL_OVERCAST_LX;
 }
 
-void orl_overcast_find(const struct orl_overcast *overcast,
-                       const struct orl_annual_coefficients *coefficients, float *ret_lx,
-                       float *ret_se)
+void orl_overcast_add(const struct orl_overcast *overcast,
+                      const struct orl_annual_coefficients *coefficients,
+                      double batches[ORL_ANNUAL_BATCHES])
 {
-    double batches[ORL_ANNUAL_BATCHES] = {0}, mean = 0, squares = 0;
     for (int b = 0; b < ORL_ANNUAL_BATCHES; b++) {
-        const float *bins = coefficients->bins + (size_t)b * ORL_BINS;
-        for (uint32_t bin = 0; bin < ORL_BINS; bin++)
-            batches[b] += overcast->luminance[bin] * (double)bins[bin];
-        batches[b] /= coefficients->samples;
-        mean += batches[b] / ORL_ANNUAL_BATCHES;
+        const float *bins = coefficients->bins[b];
+        double sum = 0;
+        for (uint32_t bin = 0; bins && bin < ORL_BINS; bin++)
+            sum += overcast->luminance[bin] * (double)bins[bin];
+        batches[b] += sum / coefficients->samples;
     }
+}
+
+void orl_overcast_find(const double batches[ORL_ANNUAL_BATCHES], float *ret_lx, float *ret_se)
+{
+    double mean = 0, squares = 0;
+    for (int b = 0; b < ORL_ANNUAL_BATCHES; b++)
+        mean += batches[b] / ORL_ANNUAL_BATCHES;
     for (int b = 0; b < ORL_ANNUAL_BATCHES; b++)
         squares += (batches[b] - mean) * (batches[b] - mean);
     *ret_lx = (float)mean;

@@ -18,9 +18,11 @@ struct orl_overcast {
 void orl_overcast_init(struct orl_overcast *overcast, const struct orl_bins *bins,
                        double ground_reflectance);
 
-/* lx, and its standard error by batches. */
-void orl_overcast_find(const struct orl_overcast *overcast,
-                       const struct orl_annual_coefficients *coefficients, float *ret_lx,
-                       float *ret_se);
+/* Adds what a part's coefficients come to, by batch: lx. */
+void orl_overcast_add(const struct orl_overcast *overcast,
+                      const struct orl_annual_coefficients *coefficients,
+                      double batches[ORL_ANNUAL_BATCHES]);
+/* The mean of the batches, and its standard error. */
+void orl_overcast_find(const double batches[ORL_ANNUAL_BATCHES], float *ret_lx, float *ret_se);
 
 #endif

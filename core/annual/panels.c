@@ -15,11 +15,21 @@ enum { DISC_POINTS = 4, CANDIDATES = 8 };
 
 /* ---- The panes ------------------------------------------------------------------------------- */
 
+/* Parts of the windows have copies of a material. */
+static bool are_copies(const struct orl_world *world, const struct orl_material *a,
+                       const struct orl_material *b)
+{
+    const struct orl_material *all = world->materials;
+    return a->texture == b->texture && orl_material_origin(a, (uint32_t)(a - all)) ==
+                                           orl_material_origin(b, (uint32_t)(b - all));
+}
+
 static int kind_of(struct orl_panels *panels, const struct orl_material *m, struct orl_vec3 normal,
                    struct orl_vec3 inward)
 {
     for (size_t i = 0; i < panels->n_kinds; i++)
-        if (panels->kinds[i].material == m && orl_dot(panels->kinds[i].normal, normal) > 1 - 1e-9)
+        if (are_copies(panels->world, panels->kinds[i].material, m) &&
+            orl_dot(panels->kinds[i].normal, normal) > 1 - 1e-9)
             return (int)i;
     if (panels->n_kinds == ORL_PANEL_MOST_KINDS)
         return ORL_ERR_LIMIT;
@@ -27,7 +37,7 @@ static int kind_of(struct orl_panels *panels, const struct orl_material *m, stru
     return (int)panels->n_kinds++;
 }
 
-static int find_panes(struct orl_panels *panels)
+static int find_panes(struct orl_panels *panels, const struct orl_annual_scene *scene)
 {
     const struct orl_world *world = panels->world;
     int code = 0;
@@ -44,8 +54,12 @@ static int find_panes(struct orl_panels *panels)
         const struct orl_vec3 inward = orl_neg(port->outward);
         const int kind = kind_of(panels, m, facet->normal, inward);
         code = kind < 0 ? kind : 0;
-        panels->at[panels->count++] = (struct orl_panel){
-            orl_window_of(world->geometry, port->facet), inward, (uint32_t)kind, facet->area};
+        panels->at[panels->count++] =
+            (struct orl_panel){.window = orl_window_of(world->geometry, port->facet),
+                               .inward = inward,
+                               .kind = (uint32_t)kind,
+                               .part = orl_annual_part_of(scene, (int32_t)i),
+                               .area = facet->area};
     }
     return code;
 }
@@ -188,15 +202,14 @@ static void draw_sun(void *arg, size_t which, uint32_t member)
             draw_kind(maker, kind, which);
 }
 
-int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
-                    const struct orl_year_suns *suns, const struct orl_sobol *sobol, uint64_t seed,
-                    struct orl_crew *crew)
+int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *scene,
+                    const struct orl_year_suns *suns, uint64_t seed, struct orl_crew *crew)
 {
-    struct maker maker = {panels, sobol, seed};
-    *panels = (struct orl_panels){.world = world, .suns = suns};
-    if (world->open || world->n_ports == 0)
+    struct maker maker = {panels, &scene->sobol, seed};
+    *panels = (struct orl_panels){.world = scene->world, .suns = suns};
+    if (scene->world->open || scene->world->n_ports == 0)
         return 0;
-    const int code = find_panes(panels);
+    const int code = find_panes(panels, scene);
     if (code < 0 || panels->count == 0)
         return code;
     panels->draws = malloc(panels->n_kinds * suns->count * sizeof *panels->draws);
@@ -422,8 +435,23 @@ static void add_draws(const struct before *b, size_t which, const struct orl_sun
     }
 }
 
+/* The light of one sun by one pane: the mean of the groups, and their spread. */
+static void add_sun(const struct before *b, size_t sun, const struct orl_sun_rows *rows)
+{
+    const struct orl_sun disc = disc_of(&b->panels->suns->at[sun]);
+    double groups[GROUPS] = {0}, mean = 0, spread = 0;
+    add_points(b, sun, &disc, orl_mix64(b->name ^ orl_mix64(sun * 64 + b->pane)), groups);
+    add_draws(b, sun, &disc, groups);
+    for (int g = 0; g < GROUPS; g++)
+        mean += groups[g] / GROUPS;
+    for (int g = 0; g < GROUPS; g++)
+        spread += (groups[g] - mean) * (groups[g] - mean) / (GROUPS * (GROUPS - 1.0));
+    orl_sun_rows_add(rows, b->panel->part, ORL_SUN_DIRECT, sun, mean);
+    orl_sun_rows_add(rows, b->panel->part, ORL_SUN_SQUARES, sun, spread);
+}
+
 void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
-                    float *light, float *squares)
+                    const struct orl_sun_rows *rows)
 {
     for (size_t pane = 0; pane < panels->count; pane++) {
         struct before b = {.panels = panels,
@@ -432,24 +460,15 @@ void orl_panels_add(const struct orl_panels *panels, const struct orl_place *pla
                            .pane = pane,
                            .name = name};
         const struct orl_vec3 from = orl_sub(place->point, b.panel->window.corner);
+        const unsigned char *wanted =
+            rows->wanted ? rows->wanted + b.panel->part * panels->suns->count : NULL;
         if (place->outside || !(orl_dot(from, b.panel->inward) > 0))
             continue;
         look_at_points(&b, name);
         find_cone(&b);
-        for (size_t c = 0; b.any && c < panels->suns->count; c++) {
-            const struct orl_hour_sun *sun = &panels->suns->at[c];
-            double groups[GROUPS] = {0}, mean = 0, spread = 0;
-            if (!sun->wanted || !(orl_dot(sun->towards, b.panel->inward) < 0))
-                continue;
-            const struct orl_sun disc = disc_of(sun);
-            add_points(&b, c, &disc, orl_mix64(name ^ orl_mix64(c * 64 + pane)), groups);
-            add_draws(&b, c, &disc, groups);
-            for (int g = 0; g < GROUPS; g++)
-                mean += groups[g] / GROUPS;
-            for (int g = 0; g < GROUPS; g++)
-                spread += (groups[g] - mean) * (groups[g] - mean) / (GROUPS * (GROUPS - 1.0));
-            light[c] += (float)mean;
-            squares[c] += (float)spread;
-        }
+        for (size_t c = 0; b.any && c < panels->suns->count; c++)
+            if (panels->suns->at[c].wanted && (!wanted || wanted[c]) &&
+                orl_dot(panels->suns->at[c].towards, b.panel->inward) < 0)
+                add_sun(&b, c, rows);
     }
 }

@@ -12,9 +12,9 @@
 #define ORL_ANNUAL_PANELS_H
 
 #include "annual/hours.h"
+#include "annual/scene.h"
+#include "annual/sun_rows.h"
 #include "annual/windows.h"
-#include "base/sobol.h"
-#include "render/gather/gather.h"
 
 enum {
     ORL_PANEL_DRAWS = 128, /* of a kind of pane, in an hour */
@@ -41,7 +41,7 @@ struct orl_panel_draws {
 struct orl_panel {
     struct orl_window window;
     struct orl_vec3 inward;
-    uint32_t kind;
+    uint32_t kind, part; /* part of the windows (scene.h) */
     double area;
 };
 
@@ -62,14 +62,13 @@ struct orl_panels {
 
 /* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED; orl_panels_done in either case.
  */
-int orl_panels_init(struct orl_panels *panels, const struct orl_world *world,
-                    const struct orl_year_suns *suns, const struct orl_sobol *sobol, uint64_t seed,
-                    struct orl_crew *crew);
+int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *scene,
+                    const struct orl_year_suns *suns, uint64_t seed, struct orl_crew *crew);
 void orl_panels_done(struct orl_panels *panels);
 
-/* Adds for every sun that is wanted what comes by panels, of one that gives 1 to what faces it, and
- * to squares the square of its standard error. name: of the sensor. */
+/* Adds to direct sunlight, for every sun that is wanted, what comes by panels, and the square of
+ * its standard error. name: of the sensor. */
 void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
-                    float *light, float *squares);
+                    const struct orl_sun_rows *rows);
 
 #endif

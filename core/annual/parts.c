@@ -1,10 +1,8 @@
 #include "annual/parts.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "annual/windows.h"
-#include "scene/material/hemisphere.h"
 #include "scene/swap.h"
 
 static const struct orl_material *material_of(const struct orl_world *world, uint32_t facet)
@@ -12,111 +10,10 @@ static const struct orl_material *material_of(const struct orl_world *world, uin
     return &world->materials[orl_facet_material(world->geometry, facet)];
 }
 
-void orl_ports_count(const struct orl_world *world, struct orl_ports_of_parts *ret_counts)
+uint16_t orl_part_of_port(const struct orl_world *world, size_t port, size_t n_groups)
 {
-    ret_counts->of_none = 0;
-    ret_counts->open = world->open;
-    memset(ret_counts->of_part, 0, ret_counts->n_parts * sizeof *ret_counts->of_part);
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const uint32_t part = material_of(world, world->ports[i].facet)->part;
-        if (part == ORL_PART_OF_NONE)
-            ret_counts->of_none++;
-        else if (part > 0 && part <= ret_counts->n_parts)
-            ret_counts->of_part[part - 1]++;
-    }
-}
-
-/* ---- Closing --------------------------------------------------------------------------------- */
-
-/* What a port makes of light that is the same from all directions inside. */
-static struct orl_rgb reflectance(const struct orl_world *world, const struct orl_port *port)
-{
-    enum { SIDE = 8 };
-    const struct orl_material *m = material_of(world, port->facet);
-    const struct orl_vec3 inward = orl_neg(port->outward);
-    const struct orl_hit hit =
-        orl_hit_anywhere(orl_facet_normal(world->geometry, port->facet), !port->outside_is_front);
-    struct orl_rgb sum = orl_gray(0);
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        const int row = i / SIDE;
-        const struct orl_vec3 light =
-            orl_hemisphere_about(inward, (row + 0.5) / SIDE, (i % SIDE + 0.5) / SIDE);
-        sum = orl_rgb_add(
-            sum, orl_material_albedo(m, &hit, light,
-                                     (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED)));
-    }
-    return orl_rgb_scale(sum, 1.0 / (SIDE * SIDE));
-}
-
-static bool is_shut(const struct orl_world *world, const struct orl_port *port, uint32_t part)
-{
-    return material_of(world, port->facet)->part != part;
-}
-
-/* Glass that lets nothing through, and mirrors as much straight back as the pane did: its own
- * first surface alone would be half of that. */
-static struct orl_material blind_glass(const struct orl_world *world, const struct orl_port *port)
-{
-    const struct orl_material *m = material_of(world, port->facet);
-    const struct orl_hit hit = orl_hit_anywhere(port->outward, true);
-    const double back =
-        sqrt(fmin(orl_luma(orl_material_albedo(m, &hit, port->outward, ORL_LOBE_REFLECTED)), 0.9));
-    return (struct orl_material){.kind = ORL_MATERIAL_GLASS, .ior = (1 + back) / (1 - back)};
-}
-
-static struct orl_material blind_wall(const struct orl_world *world, const struct orl_port *port)
-{
-    return (struct orl_material){.kind = ORL_MATERIAL_PLASTIC, .color = reflectance(world, port)};
-}
-
-/* BSDFs stay the scene's to free. */
-static void shut(struct orl_world *world, const struct orl_port *port, bool *done)
-{
-    const uint32_t at = orl_facet_material(world->geometry, port->facet);
-    struct orl_material *m = &world->materials[at];
-    if (done[at])
-        return;
-    struct orl_material blind = m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING
-                                    ? blind_glass(world, port)
-                                    : blind_wall(world, port);
-    blind.name = m->name;
-    blind.part = m->part;
-    blind.seen_as = ORL_SEEN_AS_ITSELF;
-    blind.sky = -1;
-    *m = blind;
-    done[at] = true;
-}
-
-int orl_ports_close(struct orl_world *world, uint32_t part, int32_t **ret_port_of_facet)
-{
-    const size_t facets = world->geometry->n_facets;
-    int32_t *port_of = malloc((facets + 1) * sizeof *port_of);
-    bool *done = calloc(world->n_materials + 1, sizeof *done);
-    if (!port_of || !done) {
-        free(port_of);
-        free(done);
-        return ORL_ERR_NOMEM;
-    }
-    for (size_t i = 0; i < facets; i++)
-        port_of[i] = ORL_NO_PORT;
-    size_t kept = 0;
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const struct orl_port port = world->ports[i];
-        if (is_shut(world, &port, part)) {
-            shut(world, &port, done);
-            continue;
-        }
-        port_of[port.facet] = (int32_t)kept;
-        world->ports[kept++] = port;
-    }
-    free(done);
-    world->n_ports = kept;
-    world->port_of_facet = port_of;
-    *ret_port_of_facet = port_of;
-    orl_images_done(&world->images);
-    const int code = orl_images_build(&world->images, world, NULL);
-    orl_world_settle(world);
-    return code;
+    const uint32_t part = material_of(world, world->ports[port].facet)->part;
+    return (uint16_t)(part == 0 || part == ORL_PART_OF_NONE ? n_groups : part - 1);
 }
 
 /* ---- What is by ports ------------------------------------------------------------------------ */

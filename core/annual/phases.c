@@ -127,22 +127,23 @@ static void find_suns(void *arg, size_t sensor, uint32_t member)
     const uint64_t name = p->request.seed + sensor;
     const float solid_sr =
         (float)(2 * ORL_PI * (1 - cos(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD)));
-    float *rows = calloc(3 * n + 1, sizeof *rows);
+    unsigned char lit = 1;
+    const struct orl_sun_rows rows = {.at = calloc(ORL_SUN_ROWS * n + 1, sizeof *rows.at),
+                                      .n_suns = n,
+                                      .lit = &lit,
+                                      .direct_only = true};
     (void)member;
-    if (!rows) {
+    if (!rows.at) {
         atomic_store(&p->failed, true);
         return;
     }
     float *to = p->result->suns + sensor * ORL_PHASES_SUNS;
-    float *straight = rows, *beside = rows + n, *squares = rows + 2 * n;
-    orl_sunlit_hours_find(&p->year->scene, &p->suns, &place, name, p->year->env->run->crew,
-                          &(struct orl_sunlit_hours){straight, NULL, squares});
-    if (orl_annual_has_panels(p->year->world))
-        orl_panels_add(&p->panels, &place, name, beside, squares);
+    orl_sunlit_hours_find(&p->year->scene, &p->suns, &place, name, p->year->env->run->crew, &rows);
+    orl_panels_add(&p->panels, &place, name, &rows);
     to[0] = 0;
     for (size_t i = 0; i < n; i++)
-        to[i + 1] = solid_sr * (straight[i] + beside[i]);
-    free(rows);
+        to[i + 1] = solid_sr * orl_sun_row_of(&rows, 0, ORL_SUN_DIRECT)[i];
+    free(rows.at);
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
@@ -194,8 +195,7 @@ static int make_all(struct phases *p)
     if (code == 0)
         code = place_suns(p);
     if (code == 0)
-        code =
-            orl_panels_init(&p->panels, y->world, &p->suns, &y->scene.sobol, p->request.seed, crew);
+        code = orl_panels_init(&p->panels, &y->scene, &p->suns, p->request.seed, crew);
     if (code == 0)
         code = orl_crew_try(crew, p->n_sensors, find_suns, p);
     return code == 0 && atomic_load(&p->failed) ? ORL_ERR_NOMEM : code;

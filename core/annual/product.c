@@ -35,57 +35,36 @@ static ORL_FOR_WIDE_VECTORS void add_products(const float *const coefficients[TO
     }
 }
 
-/* All batches of a sun; sun: [node or beam][batch]. */
-static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms, size_t which,
-                                         const double *sun, double sums[BATCHES])
+/* Adds a sun's terms in a range, of all batches. of_batches: [node or beam][batch]. */
+static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms,
+                                         struct orl_sun_range range, const double *of_batches,
+                                         double sums[BATCHES])
 {
-    for (uint32_t i = terms->first[which]; i < terms->first[which + 1]; i++) {
+    for (uint32_t i = range.first; i < range.end; i++) {
         const double weight = (double)terms->weights[i];
-        const double *batches = sun + (size_t)terms->which[i] * BATCHES;
+        const double *batches = of_batches + (size_t)terms->which[i] * BATCHES;
         for (int b = 0; b < BATCHES; b++)
             sums[b] += weight * batches[b];
     }
 }
 
-/* How far two ways of interpolation lie apart: of that, a share is the error of the better one, as
- * rooms with blinds have it. */
-static double interpolation_error(const struct orl_sun_terms *terms, size_t which,
-                                  const double *means)
+/* How far two ways of interpolation lie apart. */
+static double distance_apart(const struct orl_sun_terms *terms, struct orl_sun_range range,
+                             const double *means)
 {
-    static const double share = 0.35;
     double sum = 0;
-    for (uint32_t i = terms->first[which]; i < terms->first[which + 1]; i++)
+    for (uint32_t i = range.first; i < range.end; i++)
         sum += (double)terms->apart[i] * means[terms->which[i]];
-    return share * sum;
-}
-
-static void fill_lots(struct orl_annual_factors *f,
-                      const struct orl_annual_coefficients *coefficients, double *lots)
-{
-    const size_t n = coefficients->n_beams;
-    const double share = 1.0 / coefficients->samples;
-    f->n_nodes = coefficients->n_sun - n;
-    f->has_beams = n > 0;
-    f->lots = lots;
-    memset(lots, 0, n * LOTS * sizeof *lots);
-    for (size_t b = 0; b < BATCHES; b++)
-        for (size_t lot = 0; lot < LOTS; lot++)
-            for (size_t i = 0; i < n; i++)
-                lots[i * LOTS + lot] +=
-                    (double)coefficients->lots[(b * LOTS + lot) * n + i] * share / BATCHES;
+    return sum;
 }
 
 /* Square of the standard error that the map of the sun has by its photons. */
-static double photon_squares(const struct orl_annual_factors *f, const struct orl_sun_terms *terms,
-                             size_t which)
+static double photon_squares(const struct orl_sun_terms *terms, struct orl_sun_range range,
+                             const double *of_lots)
 {
     double sums[LOTS] = {0}, mean = 0, squares = 0;
-    if (!f->has_beams)
-        return 0;
-    for (uint32_t i = terms->first[which]; i < terms->first[which + 1]; i++) {
-        if (terms->which[i] < f->n_nodes)
-            continue;
-        const double *lots = f->lots + (terms->which[i] - f->n_nodes) * LOTS;
+    for (uint32_t i = range.first; i < range.end; i++) {
+        const double *lots = of_lots + (size_t)terms->which[i] * LOTS;
         for (int lot = 0; lot < LOTS; lot++)
             sums[lot] += (double)terms->weights[i] * lots[lot];
     }
@@ -96,31 +75,53 @@ static double photon_squares(const struct orl_annual_factors *f, const struct or
     return squares;
 }
 
-void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins *bins,
-                             const struct orl_annual_coefficients *coefficients, double *sun,
-                             double *lots)
+/* ---- Factors --------------------------------------------------------------------------------- */
+
+/* ret: [value][batch], and the means after them. */
+static void fill_sun(const double *const batches[BATCHES], size_t n, double share, double *ret)
 {
-    const size_t n = coefficients->n_sun;
+    double *means = ret + n * BATCHES;
+    memset(ret, 0, n * (BATCHES + 1) * sizeof *ret);
+    for (size_t b = 0; b < BATCHES; b++)
+        for (size_t i = 0; batches[b] && i < n; i++) {
+            ret[i * BATCHES + b] = batches[b][i] * share;
+            means[i] += ret[i * BATCHES + b] / BATCHES;
+        }
+}
+
+void orl_annual_beams_fill(struct orl_annual_beams *beams,
+                           const struct orl_annual_beam_coefficients *coefficients, double *sums,
+                           double *lots)
+{
+    const size_t n = coefficients->n_beams;
+    const double share = 1.0 / coefficients->samples;
+    *beams = (struct orl_annual_beams){sums, sums + n * BATCHES, lots};
+    fill_sun(coefficients->beams, n, share, sums);
+    memset(lots, 0, n * LOTS * sizeof *lots);
+    for (size_t b = 0; b < BATCHES; b++)
+        for (size_t lot = 0; lot < LOTS; lot++)
+            for (size_t i = 0; i < n; i++)
+                lots[i * LOTS + lot] +=
+                    (double)coefficients->lots[b][lot * n + i] * share / BATCHES;
+}
+
+void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins *bins,
+                             const struct orl_annual_coefficients *coefficients, double *nodes)
+{
     const double share = 1.0 / coefficients->samples;
     memset(f->coarse, 0, sizeof f->coarse);
-    fill_lots(f, coefficients, lots);
-    f->sun = sun;
-    f->sun_means = sun + n * BATCHES;
-    memset(f->sun_means, 0, n * sizeof *f->sun_means);
-    for (size_t b = 0; b < BATCHES; b++)
-        for (size_t i = 0; i < n; i++) {
-            sun[i * BATCHES + b] = coefficients->sun[b * n + i] * share;
-            f->sun_means[i] += sun[i * BATCHES + b] / BATCHES;
-        }
+    f->nodes = nodes;
+    f->node_means = nodes + coefficients->n_nodes * BATCHES;
+    fill_sun(coefficients->nodes, coefficients->n_nodes, share, nodes);
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         double sum = 0;
         for (int b = 0; b < BATCHES; b++)
-            sum += (double)coefficients->bins[(size_t)b * ORL_BINS + bin];
+            sum += coefficients->bins[b] ? (double)coefficients->bins[b][bin] : 0;
         const float mean = (float)(sum * share / BATCHES);
         f->bins[bin] = mean;
         for (int b = 0; sum > 0 && b < BATCHES; b++)
             f->coarse[b][bins->coarse_of[bin]] +=
-                coefficients->bins[(size_t)b * ORL_BINS + bin] * (float)share - mean;
+                (coefficients->bins[b] ? coefficients->bins[b][bin] : 0) * (float)share - mean;
     }
 }
 
@@ -136,86 +137,179 @@ void orl_annual_factors_tell(const struct orl_annual_factors *f, float *ret_coef
     memcpy(ret_coefficients + 1, f->bins, ORL_BINS_ABOVE * sizeof *ret_coefficients);
 }
 
-static void find_errors(const struct orl_annual_factors *f, const struct orl_hours *hours,
-                        const struct orl_sun_terms *terms, size_t tile, uint32_t n,
-                        double ret_squares[TILE], double ret_sun[TILE])
+/* ---- A tile of a sensor ---------------------------------------------------------------------- */
+
+/* What the parts of a sensor's light come to in each column of a tile. */
+struct tile_sums {
+    const struct orl_annual_row *row; /* NULL: of no sensor */
+    float sky[TILE];
+    float off[BATCHES][TILE];  /* of the sky, of each batch: less the mean */
+    double sun[TILE][BATCHES]; /* indirect, lx */
+    double straight[TILE];     /* by the sun, and by mirrors, lx */
+    double squares[TILE];      /* of the standard error, but for what batches differ by */
+};
+
+struct tile {
+    const struct orl_hours *hours;
+    const struct orl_sun_terms *terms;
+    size_t index;
+    uint32_t n; /* columns */
+};
+
+static bool is_wanted(const struct orl_annual_share *light, size_t column)
 {
-    const float *coarse = hours->coarse + tile * ORL_BINS_COARSE * TILE;
-    double sun[TILE][BATCHES];
-    memset(sun, 0, sizeof sun);
-    memset(ret_sun, 0, TILE * sizeof *ret_sun);
-    for (uint32_t j = 0; j < n; j++) {
-        const struct orl_column_sun *of = &hours->sun_of_column[tile * TILE + j];
-        const double lx = of->normal_lx;
-        ret_squares[j] = 0;
-        if (!(lx > 0))
-            continue;
-        const double off = lx * interpolation_error(terms, of->sun, f->sun_means);
-        ret_squares[j] = off * off + lx * lx * photon_squares(f, terms, of->sun);
-        add_sun(terms, of->sun, f->sun, sun[j]);
-        for (int b = 0; b < BATCHES; b++) {
-            sun[j][b] *= lx;
-            ret_sun[j] += sun[j][b] / BATCHES;
-        }
-    }
+    return !light->wanted || light->wanted[column];
+}
+
+static const struct orl_column_sun *sun_of(const struct tile *tile, uint32_t j)
+{
+    return &tile->hours->sun_of_column[tile->index * TILE + j];
+}
+
+static void add_indirect_sun(const struct tile *tile, const struct orl_annual_share *light,
+                             uint32_t j, struct tile_sums *sums)
+{
+    /* Of what interpolations lie apart, a share is the error of the better one, as rooms with
+     * blinds have it. */
+    static const double share = 0.35;
+    const struct orl_column_sun *of = sun_of(tile, j);
+    const struct orl_sun_terms *terms = tile->terms;
+    const struct orl_sun_range nodes = orl_sun_terms_nodes(terms, of->sun);
+    const struct orl_sun_range beams = orl_sun_terms_beams(terms, of->sun, light->part);
+    double batches[BATCHES] = {0};
+    const double apart = distance_apart(terms, nodes, light->factors->node_means) +
+                         distance_apart(terms, beams, light->beams->means);
+    const double off = of->normal_lx * share * apart;
+    sums->squares[j] += off * off + of->normal_lx * of->normal_lx *
+                                        photon_squares(terms, beams, light->beams->lots);
+    add_sun(terms, nodes, light->factors->nodes, batches);
+    add_sun(terms, beams, light->beams->sums, batches);
+    for (int b = 0; b < BATCHES; b++)
+        sums->sun[j][b] += batches[b] * of->normal_lx;
+}
+
+/* sky: of the light. */
+static void add_indirect(const struct tile *tile, const struct orl_annual_share *light,
+                         const float sky[TILE], struct tile_sums *sums)
+{
+    const float *coarse = tile->hours->coarse + tile->index * ORL_BINS_COARSE * TILE;
     for (int b = 0; b < BATCHES; b += TOGETHER) {
-        float sky[TOGETHER][TILE];
-        const float *const batches[TOGETHER] = {f->coarse[b], f->coarse[b + 1], f->coarse[b + 2],
-                                                f->coarse[b + 3]};
-        float *const sums[TOGETHER] = {sky[0], sky[1], sky[2], sky[3]};
-        add_products(batches, ORL_BINS_COARSE, coarse, sums);
-        for (int k = 0; k < TOGETHER; k++)
-            for (uint32_t j = 0; j < n; j++) {
-                const double off =
-                    ORL_EFFICACY_LM_PER_W * (double)sky[k][j] + sun[j][b + k] - ret_sun[j];
-                ret_squares[j] += off * off / (BATCHES * (BATCHES - 1.0));
-            }
-    }
-}
-
-static void put_column(const struct orl_annual_row *row, size_t column,
-                       const struct orl_column_sun *of, double indirect, double squares)
-{
-    const double lx = of->normal_lx;
-    double direct = 0, mirrored = 0;
-    if (lx > 0) {
-        direct = lx * (double)row->by_sun[of->sun];
-        mirrored = lx * (double)row->mirrored[of->sun];
-        squares += lx * lx * (double)row->squares[of->sun];
-    }
-    row->direct[column] = (float)direct;
-    row->total[column] = (float)(indirect + direct + mirrored);
-    row->se[column] = (float)sqrt(squares);
-}
-
-static void put_columns(const struct orl_annual_factors *f, const struct orl_hours *hours,
-                        const struct orl_sun_terms *terms, size_t tile, const float sky[TILE],
-                        const struct orl_annual_row *row)
-{
-    const size_t first = tile * TILE, left = hours->n_columns - first;
-    const uint32_t n = left < TILE ? (uint32_t)left : TILE;
-    double squares[TILE], sun[TILE];
-    find_errors(f, hours, terms, tile, n, squares, sun);
-    for (uint32_t j = 0; j < n; j++)
-        put_column(row, first + j, &hours->sun_of_column[first + j],
-                   ORL_EFFICACY_LM_PER_W * (double)sky[j] + fmax(sun[j], 0), squares[j]);
-}
-
-void orl_annual_multiply(const struct orl_annual_factors *const *factors, size_t count,
-                         const struct orl_hours *hours, const struct orl_sun_terms *terms,
-                         size_t tile, const struct orl_annual_row *rows)
-{
-    const float *fine = hours->fine + tile * ORL_BINS * TILE;
-    for (size_t i = 0; i < count; i += TOGETHER) {
-        float sky[TOGETHER][TILE];
-        const float *bins[TOGETHER];
-        float *sums[TOGETHER];
-        for (size_t k = 0; k < TOGETHER; k++) {
-            bins[k] = factors[i + k < count ? i + k : i]->bins;
-            sums[k] = sky[k];
+        float off[TOGETHER][TILE];
+        const float *batches[TOGETHER];
+        float *to[TOGETHER];
+        for (int k = 0; k < TOGETHER; k++) {
+            batches[k] = light->factors->coarse[b + k];
+            to[k] = off[k];
         }
-        add_products(bins, ORL_BINS, fine, sums);
-        for (size_t k = 0; k < TOGETHER && i + k < count; k++)
-            put_columns(factors[i + k], hours, terms, tile, sky[k], &rows[i + k]);
+        add_products(batches, ORL_BINS_COARSE, coarse, to);
+        for (int k = 0; k < TOGETHER; k++)
+            for (uint32_t j = 0; j < tile->n; j++)
+                if (is_wanted(light, tile->index * TILE + j))
+                    sums->off[b + k][j] += off[k][j];
     }
+    for (uint32_t j = 0; j < tile->n; j++) {
+        if (!is_wanted(light, tile->index * TILE + j))
+            continue;
+        sums->sky[j] += sky[j];
+        if (sun_of(tile, j)->normal_lx > 0)
+            add_indirect_sun(tile, light, j, sums);
+    }
+}
+
+static void add_straight(const struct tile *tile, const struct orl_annual_share *light,
+                         struct tile_sums *sums)
+{
+    for (uint32_t j = 0; j < tile->n && light->by_sun; j++) {
+        const struct orl_column_sun *of = sun_of(tile, j);
+        const double lx = of->normal_lx;
+        if (!(lx > 0) || !is_wanted(light, tile->index * TILE + j))
+            continue;
+        sums->straight[j] +=
+            lx * ((double)light->by_sun[of->sun] + (double)light->mirrored[of->sun]);
+        sums->squares[j] += lx * lx * (double)light->squares[of->sun];
+    }
+}
+
+static void put_direct(const struct tile *tile, const struct orl_annual_share *light)
+{
+    for (uint32_t j = 0; j < tile->n && light->by_sun; j++) {
+        const struct orl_column_sun *of = sun_of(tile, j);
+        if (of->normal_lx > 0)
+            light->row->direct[tile->index * TILE + j] +=
+                (float)(of->normal_lx * (double)light->by_sun[of->sun]);
+    }
+}
+
+static void put_columns(const struct tile *tile, const struct tile_sums *sums)
+{
+    for (uint32_t j = 0; j < tile->n && sums->row; j++) {
+        const size_t column = tile->index * TILE + j;
+        double sun = 0, squares = sums->squares[j];
+        for (int b = 0; b < BATCHES; b++)
+            sun += sums->sun[j][b] / BATCHES;
+        for (int b = 0; b < BATCHES; b++) {
+            const double off =
+                ORL_EFFICACY_LM_PER_W * (double)sums->off[b][j] + sums->sun[j][b] - sun;
+            squares += off * off / (BATCHES * (BATCHES - 1.0));
+        }
+        sums->row->total[column] = (float)(ORL_EFFICACY_LM_PER_W * (double)sums->sky[j] +
+                                           fmax(sun, 0) + sums->straight[j]);
+        sums->row->se[column] = (float)sqrt(squares);
+    }
+}
+
+/* ---- All sensors of a tile ------------------------------------------------------------------- */
+
+static bool is_wanted_in(const struct tile *tile, const struct orl_annual_share *light)
+{
+    for (uint32_t j = 0; j < tile->n; j++)
+        if (is_wanted(light, tile->index * TILE + j))
+            return true;
+    return false;
+}
+
+/* Skies of some lights at a time; NULL: of no factors. */
+static void multiply_skies(const struct tile *tile, const struct orl_annual_share *const *lights,
+                           size_t count, float sky[TOGETHER][TILE])
+{
+    static const float none[ORL_BINS];
+    const float *bins[TOGETHER];
+    float *to[TOGETHER];
+    for (size_t k = 0; k < TOGETHER; k++) {
+        bins[k] = k < count && lights[k]->factors ? lights[k]->factors->bins : none;
+        to[k] = sky[k];
+    }
+    add_products(bins, ORL_BINS, tile->hours->fine + tile->index * ORL_BINS * TILE, to);
+}
+
+void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
+                         const struct orl_hours *hours, const struct orl_sun_terms *terms,
+                         size_t tile)
+{
+    const size_t left = hours->n_columns - tile * TILE;
+    const struct tile here = {hours, terms, tile, left < TILE ? (uint32_t)left : TILE};
+    const struct orl_annual_share *list[ORL_ANNUAL_MOST_SHARES];
+    struct tile_sums sums = {.row = NULL};
+    size_t n = 0;
+    for (size_t i = 0; i < count; i++) {
+        put_direct(&here, &lights[i]);
+        if (is_wanted_in(&here, &lights[i]))
+            list[n++] = &lights[i];
+    }
+    for (size_t i = 0; i < n; i += TOGETHER) {
+        float sky[TOGETHER][TILE];
+        multiply_skies(&here, list + i, n - i, sky);
+        for (size_t k = 0; k < TOGETHER && i + k < n; k++) {
+            const struct orl_annual_share *light = list[i + k];
+            if (light->row != sums.row) {
+                put_columns(&here, &sums);
+                memset(&sums, 0, sizeof sums);
+                sums.row = light->row;
+            }
+            if (light->factors)
+                add_indirect(&here, light, sky[k], &sums);
+            add_straight(&here, light, &sums);
+        }
+    }
+    put_columns(&here, &sums);
 }

@@ -1,5 +1,7 @@
 /*
- * From a sensor's coefficients to its hours: sky by bins, the sun by nodes, and what came straight.
+ * From a sensor's coefficients to its hours: sky by bins, the sun by nodes and beams, and what came
+ * straight. Light of several parts of the windows (parts.h) is added up, of each part in the
+ * columns in which it is wanted.
  */
 #ifndef ORL_ANNUAL_PRODUCT_H
 #define ORL_ANNUAL_PRODUCT_H
@@ -7,48 +9,68 @@
 #include "annual/hours.h"
 #include "annual/terms.h"
 
-/* Coefficients of a sensor, of each batch: sums over its samples (trace.h). */
+/* Sums over the samples of each of a sensor's batches (sums.h), of one part. NULL: all are 0. */
 struct orl_annual_coefficients {
+    uint32_t samples;                        /* of a batch */
+    const float *bins[ORL_ANNUAL_BATCHES];   /* [ORL_BINS] */
+    const double *nodes[ORL_ANNUAL_BATCHES]; /* [n_nodes] */
+    size_t n_nodes;
+};
+
+/* The same of beams, of all parts. */
+struct orl_annual_beam_coefficients {
     uint32_t samples;
-    float *bins; /* [ORL_ANNUAL_BATCHES][ORL_BINS] */
-    double *sun; /* [ORL_ANNUAL_BATCHES][n_sun]: nodes, then beams */
-    float *lots; /* [ORL_ANNUAL_BATCHES][ORL_SUN_MAP_LOTS][n_beams]: of beams, by each lot alone */
-    size_t n_sun, n_beams;
+    const double *beams[ORL_ANNUAL_BATCHES];
+    const float *lots[ORL_ANNUAL_BATCHES]; /* [ORL_SUN_MAP_LOTS][n_beams]: by each lot alone */
+    size_t n_beams;
 };
 
-/* Direct sunlight, and what mirrors send, are given by sun (sunlight.h, panels.h); the columns'
- * light comes of it. */
-struct orl_annual_row {
-    const float *by_sun, *mirrored, *squares;
-    float *total, *direct, *se;
-};
-
-/*
- * A sensor's coefficients, made ready. What batches differ by in the sky is told by coarse bins.
- */
+/* Coefficients of a part, made ready. What batches differ by in the sky is told by coarse bins. */
 struct orl_annual_factors {
     float bins[ORL_BINS];                              /* the mean of all batches */
     float coarse[ORL_ANNUAL_BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
-    double *sun;                                       /* [node or beam][batch]; borrowed */
-    double *sun_means;                                 /* [node or beam]; borrowed */
-    double *lots;                                      /* [beam][lot]; borrowed */
-    size_t n_nodes;                                    /* which beams come after */
-    bool has_beams;
+    double *nodes;                                     /* [node][batch]; borrowed */
+    double *node_means;                                /* [node]; borrowed */
 };
-
-/* sun has room for as many as the coefficients have, and their means after them; lots, for beams,
- * by lot. */
+/* nodes has room for n_nodes of all batches, and their means after them. */
 void orl_annual_factors_fill(struct orl_annual_factors *factors, const struct orl_bins *bins,
-                             const struct orl_annual_coefficients *coefficients, double *sun,
-                             double *lots);
+                             const struct orl_annual_coefficients *coefficients, double *nodes);
+
+struct orl_annual_beams {
+    double *sums;  /* [beam][batch]; borrowed */
+    double *means; /* [beam]; borrowed */
+    double *lots;  /* [beam][lot]; borrowed */
+};
+/* sums has room for all beams of all batches, and their means after them. */
+void orl_annual_beams_fill(struct orl_annual_beams *beams,
+                           const struct orl_annual_beam_coefficients *coefficients, double *sums,
+                           double *lots);
 
 /* Daylight coefficients (oriel/annual.h): [ORL_ANNUAL_PATCHES]. */
 void orl_annual_factors_tell(const struct orl_annual_factors *factors, float *ret_coefficients);
 
-/* Of one tile of columns, for some sensors: a tile's sky serves all of them while it is at hand.
- * terms: of the sun. */
-void orl_annual_multiply(const struct orl_annual_factors *const *factors, size_t count,
+/* A sensor's columns, all 0 before. Direct sunlight is that of all parts, wanted or not. */
+struct orl_annual_row {
+    float *total, *direct, *se;
+};
+
+/* Light of a part at a sensor. */
+struct orl_annual_share {
+    const struct orl_annual_row *row; /* the sensor's */
+    uint32_t part;
+    const struct orl_annual_factors *factors; /* NULL: none */
+    const struct orl_annual_beams *beams;     /* of all parts */
+    /* By sun (sun_rows.h); NULL: none. */
+    const float *by_sun, *mirrored, *squares;
+    const unsigned char *wanted; /* by column; NULL: in all */
+};
+
+enum { ORL_ANNUAL_MOST_SHARES = 1024 };
+
+/* Of one tile of columns: a tile's sky serves all sensors while it is at hand. Lights of a sensor
+ * are one after the other; count: at most ORL_ANNUAL_MOST_SHARES. terms: of the sun. */
+void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
                          const struct orl_hours *hours, const struct orl_sun_terms *terms,
-                         size_t tile, const struct orl_annual_row *rows);
+                         size_t tile);
 
 #endif

@@ -37,8 +37,8 @@ static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct 
     orl_scene_digest_recipe(scene, &hash);
     if (y->variant && y->variant->swaps)
         orl_swaps_digest(y->variant->swaps, &hash);
-    if (y->variant && y->variant->part > 0)
-        orl_sha256_add(&hash, &y->variant->part, sizeof y->variant->part);
+    if (y->variant && y->variant->parts)
+        orl_sha256_add(&hash, &y->variant->parts->n_groups, sizeof y->variant->parts->n_groups);
     orl_sha256_finish(&hash, y->digest);
     return 0;
 }
@@ -178,7 +178,7 @@ int orl_year_run(const struct orl_annual_request *request, const struct orl_annu
     y->env = env;
     y->result = &result;
     y->batch_samples = of_batch;
-    y->open_share = 1;
+    y->n_parts = variant && variant->parts ? (uint32_t)variant->parts->n_groups + 1 : 1;
     y->started_s = orl_year_now(y);
     orl_year_tell(y, ORL_STAGE_LOAD, 0);
     orl_crew_heed(env->run->crew, env->run->cancel);

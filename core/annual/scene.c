@@ -1,5 +1,9 @@
 #include "annual/scene.h"
 
+#include <stdlib.h>
+
+#include "annual/parts.h"
+
 /* Of the map of the sun: in all, and of a node at the least. */
 enum { PHOTONS = 300000, PANEL_PHOTONS = 800000, LEAST_PHOTONS = 512 };
 
@@ -15,12 +19,9 @@ bool orl_annual_has_panels(const struct orl_world *world)
 }
 
 /* asked: in all; 0: as the scene has it. */
-static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes, uint32_t asked,
-                                double open_share)
+static uint32_t photons_of_node(const struct orl_world *world, size_t n_nodes, uint32_t asked)
 {
-    const double all = open_share * (asked > 0                      ? asked
-                                     : orl_annual_has_panels(world) ? PANEL_PHOTONS
-                                                                    : PHOTONS);
+    const double all = asked > 0 ? asked : orl_annual_has_panels(world) ? PANEL_PHOTONS : PHOTONS;
     return (uint32_t)fmax(all / fmax((double)n_nodes, 1), LEAST_PHOTONS);
 }
 
@@ -44,7 +45,8 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
                                        .north = north,
                                        .nodes = nodes,
                                        .n_nodes = n_nodes,
-                                       .a_circle = a_circle};
+                                       .a_circle = a_circle,
+                                       .n_parts = 1};
     orl_sobol_init(&scene->sobol);
     int code = orl_aim_init(&scene->aim, world, &scene->sobol, crew);
     if (code == 0)
@@ -56,9 +58,20 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world
     return code;
 }
 
+int orl_annual_scene_split(struct orl_annual_scene *scene, size_t n_groups)
+{
+    const struct orl_world *world = scene->world;
+    scene->n_parts = (uint32_t)n_groups + 1;
+    scene->part_of_port = malloc((world->n_ports + 1) * sizeof *scene->part_of_port);
+    if (!scene->part_of_port)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < world->n_ports; i++)
+        scene->part_of_port[i] = orl_part_of_port(world, i, n_groups);
+    return 0;
+}
+
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
-                                                        const struct orl_annual_request *request,
-                                                        double open_share)
+                                                        const struct orl_annual_request *request)
 {
     return (struct orl_sun_map_request){
         .world = scene->world,
@@ -66,7 +79,9 @@ struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_
         .nodes = scene->nodes,
         .n_nodes = scene->n_nodes,
         .seed = request->seed,
-        .photons = photons_of_node(scene->world, scene->n_nodes, request->photons, open_share),
+        .photons = photons_of_node(scene->world, scene->n_nodes, request->photons),
+        .of_beam = scene->part_of_port ? LEAST_PHOTONS : 0,
+        .part_of_port = scene->part_of_port,
         .whole = scene->whole_map};
 }
 
@@ -77,4 +92,5 @@ void orl_annual_scene_done(struct orl_annual_scene *scene)
     orl_mirrors_done(&scene->mirrors);
     orl_node_lots_done(&scene->lots);
     orl_sun_map_free(scene->map);
+    free(scene->part_of_port);
 }

@@ -30,18 +30,30 @@ struct orl_annual_scene {
     struct orl_sun_map
         *map; /* owned, set by who made it; NULL: sunlight is looked for by shadow rays alone */
     bool whole_map; /* it has what diffuse surfaces send from one to another */
+    /* Light is told apart by the part of the windows that it comes in by (parts.h). */
+    uint32_t n_parts;
+    uint16_t *part_of_port; /* owned; NULL: there is one part */
 };
+
+/* Returns the part of light that comes in by a port; ORL_NO_PORT: by none. */
+static inline uint32_t orl_annual_part_of(const struct orl_annual_scene *scene, int32_t port)
+{
+    if (!scene->part_of_port)
+        return 0;
+    return port == ORL_NO_PORT ? scene->n_parts - 1 : scene->part_of_port[port];
+}
 
 /* Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_annual_scene_done in either case. */
 int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
                           const struct orl_bins *bins, struct orl_turn north,
                           const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
                           struct orl_crew *crew);
-/* Returns the request for the scene's sun map, which it does not have yet. open_share: the open
- * share of the area of its ports; photons are as dense on open ports as on all. */
+/* Tells light apart by window groups, the last part being windows of no group. Returns 0 or
+ * ORL_ERR_NOMEM. */
+int orl_annual_scene_split(struct orl_annual_scene *scene, size_t n_groups);
+/* Returns the request for the scene's sun map, which it does not have yet. */
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
-                                                        const struct orl_annual_request *request,
-                                                        double open_share);
+                                                        const struct orl_annual_request *request);
 /* Seconds of one core that the map is thought to take, of a scene that is not known yet. */
 double orl_annual_scene_map_core_s(const struct orl_annual_request *request, size_t n_nodes);
 /* Whether ports have BSDFs. */

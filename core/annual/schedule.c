@@ -52,29 +52,50 @@ bool orl_shades_controlled(const struct orl_annual_request *request)
     return false;
 }
 
-static bool closes(const struct orl_shade_control *control, const float *lx, size_t columns,
-                   size_t column, const struct orl_annual_grid *grid)
+size_t orl_shades_grids(const struct orl_annual_request *request)
 {
-    size_t lit = 0;
-    for (size_t i = grid->first; i < grid->first + grid->count; i++)
-        lit += (double)lx[i * columns + column] >= control->above_lx;
-    return control->kind == ORL_SHADES_BY_LIGHT
-               ? lit > 0
-               : 100.0 * (double)lit > control->share_percent * (double)grid->count;
+    return request->n_grids > 0 ? request->n_grids : 1;
 }
 
-void orl_shades_control(const struct orl_annual_request *request,
-                        const struct orl_shade_control *control, const float *lx, size_t columns,
-                        bool *ret_closed)
+static struct orl_annual_grid grid_of(const struct orl_annual_request *request, size_t g)
 {
     const struct orl_annual_grid all = {.first = 0, .count = request->n_sensors};
-    const size_t n = request->n_grids > 0 ? request->n_grids : 1;
-    memset(ret_closed, 0, columns * sizeof *ret_closed);
-    for (size_t g = 0; g < n; g++) {
-        const struct orl_annual_grid *grid = request->n_grids > 0 ? &request->grids[g] : &all;
-        if (control->grid && (!grid->name || strcasecmp(grid->name, control->grid) != 0))
+    return request->n_grids > 0 ? request->grids[g] : all;
+}
+
+static bool looks_at(const struct orl_shade_control *control, const struct orl_annual_grid *grid)
+{
+    return !control->grid || (grid->name && strcasecmp(grid->name, control->grid) == 0);
+}
+
+void orl_shades_count(const struct orl_annual_request *request,
+                      const struct orl_shade_control *control, size_t sensor, const float *lx,
+                      size_t columns, uint32_t *counts)
+{
+    for (size_t g = 0; g < orl_shades_grids(request); g++) {
+        const struct orl_annual_grid grid = grid_of(request, g);
+        if (!looks_at(control, &grid) || sensor < grid.first || sensor >= grid.first + grid.count)
             continue;
         for (size_t c = 0; c < columns; c++)
-            ret_closed[c] = ret_closed[c] || closes(control, lx, columns, c, grid);
+            counts[g * columns + c] += (double)lx[c] >= control->above_lx;
+    }
+}
+
+static bool closes(const struct orl_shade_control *control, uint32_t lit, size_t sensors)
+{
+    return control->kind == ORL_SHADES_BY_LIGHT
+               ? lit > 0
+               : 100.0 * lit > control->share_percent * (double)sensors;
+}
+
+void orl_shades_decide(const struct orl_annual_request *request,
+                       const struct orl_shade_control *control, const uint32_t *counts,
+                       size_t columns, bool *ret_closed)
+{
+    memset(ret_closed, 0, columns * sizeof *ret_closed);
+    for (size_t g = 0; g < orl_shades_grids(request); g++) {
+        const struct orl_annual_grid grid = grid_of(request, g);
+        for (size_t c = 0; c < columns && looks_at(control, &grid); c++)
+            ret_closed[c] = ret_closed[c] || closes(control, counts[g * columns + c], grid.count);
     }
 }

@@ -14,11 +14,18 @@ int orl_shades_schedule(const struct orl_annual_request *request,
 bool orl_shades_controlled(const struct orl_annual_request *request);
 
 /*
- * What of the light decides, of sensors' rows: total, or direct of the group's own windows, all
- * groups being open. columns: n of each sensor. Sets ret_closed of every column.
+ * Control by light: sensors are counted one by one, then the counts decide.
+ * counts: [grid][column], 0 at first; orl_shades_grids of them, all sensors being one grid if there
+ * is none. lx: the sensor's, by column: total light, or direct light of the group's own windows,
+ * all groups being open.
  */
-void orl_shades_control(const struct orl_annual_request *request,
-                        const struct orl_shade_control *control, const float *lx, size_t columns,
-                        bool *ret_closed);
+size_t orl_shades_grids(const struct orl_annual_request *request);
+void orl_shades_count(const struct orl_annual_request *request,
+                      const struct orl_shade_control *control, size_t sensor, const float *lx,
+                      size_t columns, uint32_t *counts);
+/* Sets closed of every column. */
+void orl_shades_decide(const struct orl_annual_request *request,
+                       const struct orl_shade_control *control, const uint32_t *counts,
+                       size_t columns, bool *ret_closed);
 
 #endif

@@ -1,6 +1,7 @@
 /*
  * A year with shades: which states there are in which hours; a run of each combination of them, or
- * where that is fewer runs, of each group's states by themselves, whose light is added up.
+ * where that is fewer runs, a run of all groups in their first state, one of all in their second,
+ * and so on, of which light is added up by group.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -29,6 +30,7 @@ static int run_open(struct orl_shading *s, double share)
         s->result->se = run.se;
         s->result->overcast = run.overcast;
         s->result->overcast_se = run.overcast_se;
+        s->opened = true;
         run.total = run.direct = run.se = run.overcast = run.overcast_se = NULL;
     }
     orl_annual_done(&run);
@@ -56,25 +58,56 @@ static int run_combination(struct orl_shading *s, size_t index, double share)
 
 /* ---- Controls -------------------------------------------------------------------------------- */
 
-/* Direct sunlight by the group's own windows; *ret_owned NULL: all there is of it. */
-static int find_direct(struct orl_shading *s, size_t g, float **ret_owned)
+static void count_sunlit(void *ctx, size_t sensor, uint32_t part, const float *lx)
 {
+    struct orl_shading *s = ctx;
+    if (part < s->request->n_groups && s->counts[part])
+        orl_shades_count(s->request, &s->request->groups[part].control, sensor, lx,
+                         s->result->n_columns, s->counts[part]);
+}
+
+static uint32_t *new_counts(const struct orl_shading *s)
+{
+    return calloc(orl_shades_grids(s->request) * s->result->n_columns + 1, sizeof(uint32_t));
+}
+
+static bool is_by_sun(const struct orl_shading *s, size_t g)
+{
+    return s->request->groups[g].control.kind == ORL_SHADES_BY_SUN;
+}
+
+/* Counts the sensors that have direct sunlight by the windows of each group that closes by it. */
+static int count_direct(struct orl_shading *s, double share)
+{
+    const size_t groups = s->request->n_groups;
+    bool used[ORL_SHADES_MOST_GROUPS] = {false}, any = false;
+    for (size_t g = 0; g < groups; g++) {
+        used[g] = is_by_sun(s, g);
+        any = any || used[g];
+        if (used[g] && !(s->counts[g] = new_counts(s)))
+            return orl_year_no_memory(s->err);
+    }
+    if (!any)
+        return 0;
+    const struct orl_year_parts parts = {
+        .n_groups = groups, .used = used, .sunlit = count_sunlit, .ctx = s};
     const struct orl_sub_run sub = {.states = s->combinations[0],
-                                    .index = MOST + (uint32_t)g,
-                                    .part = (uint32_t)g + 1,
+                                    .index = MOST,
+                                    .parts = &parts,
                                     .sun_only = true,
-                                    .share = s->share_of_direct};
+                                    .share = share};
     struct orl_annual_result run = {.n_sensors = 0};
-    const bool alone = s->request->n_groups == 1;
-    *ret_owned = NULL;
-    int code = orl_shading_run(s, &sub, &run);
-    /* Of openings, and windows inside a building, nothing is told apart. */
-    if (code == ORL_ERR_UNSUPPORTED && alone && (s->ports.open || s->ports.of_part[0] == 0))
-        code = 0;
-    *ret_owned = run.direct;
-    run.direct = NULL;
+    const int code = orl_shading_run(s, &sub, &run);
     orl_annual_done(&run);
-    return code;
+    if (code == 0 || code != ORL_ERR_UNSUPPORTED || groups > 1 || !s->opened)
+        return code;
+    /* Of openings, and windows inside a building, nothing is told apart: of one group all counts.
+     */
+    memset(s->counts[0], 0,
+           orl_shades_grids(s->request) * s->result->n_columns * sizeof **s->counts);
+    for (size_t i = 0; i < s->result->n_sensors; i++)
+        count_sunlit(s, i, 0, orl_annual_row(s->result, s->result->direct, i));
+    return 0;
 }
 
 /* In which columns a seat is dazzled, all groups being open. */
@@ -104,17 +137,15 @@ static int find_light(struct orl_shading *s, size_t g, bool *closed)
 {
     const struct orl_shade_control *control = &s->request->groups[g].control;
     const struct orl_annual_result *r = s->result;
-    const bool by_sun = control->kind == ORL_SHADES_BY_SUN;
-    float *own = NULL;
-    const int code = by_sun ? find_direct(s, g, &own) : 0;
-    if (code < 0)
-        return code;
-    orl_shades_control(s->request, control,
-                       own      ? own
-                       : by_sun ? r->direct
-                                : r->total,
-                       r->n_columns, closed);
-    free(own);
+    uint32_t *counts = s->counts[g] ? s->counts[g] : new_counts(s);
+    if (!counts)
+        return orl_year_no_memory(s->err);
+    for (size_t i = 0; i < r->n_sensors && !s->counts[g]; i++)
+        orl_shades_count(s->request, control, i, orl_annual_row(r, r->total, i), r->n_columns,
+                         counts);
+    orl_shades_decide(s->request, control, counts, r->n_columns, closed);
+    if (!s->counts[g])
+        free(counts);
     return 0;
 }
 
@@ -132,10 +163,10 @@ static int control_group(struct orl_shading *s, size_t g, bool *closed)
     return 0;
 }
 
-static int control(struct orl_shading *s)
+static int control(struct orl_shading *s, double share)
 {
     bool *closed = malloc(s->result->n_columns + 1);
-    int code = closed ? 0 : orl_year_no_memory(s->err);
+    int code = closed ? count_direct(s, share) : orl_year_no_memory(s->err);
     for (size_t g = 0; g < s->request->n_groups && code == 0; g++)
         if (s->request->groups[g].control.kind != ORL_SHADES_NO_CONTROL)
             code = control_group(s, g, closed);
@@ -179,92 +210,135 @@ static int run_combinations(struct orl_shading *s, double share)
 
 /* ---- By parts -------------------------------------------------------------------------------- */
 
-/* Whether the group is in that state in an hour that is to be added up. */
-static bool is_used(const struct orl_shading *s, size_t g, size_t state)
+/* A run of all groups in that state; of those that have fewer, in their first. */
+struct pass {
+    size_t state;
+    unsigned char states[ORL_SHADES_MOST_GROUPS];
+    bool used[ORL_SHADES_MOST_GROUPS];
+    unsigned char *wanted; /* [part][column]; the last part: windows of no group */
+    bool any;              /* light of some part is wanted somewhere */
+};
+
+/* Whether light of a part in that state is to be added up in a column. A dark group lets in none.
+ */
+static bool is_wanted(const struct orl_shading *s, size_t part, size_t state, size_t column)
 {
     const struct orl_annual_result *r = s->result;
-    for (size_t c = 0; c < r->n_columns; c++)
-        if (s->which[c] != 0 && s->states[g * r->n_steps + r->step_of_column[c]] == state)
-            return true;
-    return false;
+    if (s->opened && s->which[column] == 0)
+        return false; /* all are open, and that is done */
+    if (part == s->request->n_groups)
+        return state == 0;
+    return s->states[part * r->n_steps + r->step_of_column[column]] == state &&
+           !s->request->groups[part].states[state].dark;
 }
 
-static size_t count_parts(const struct orl_shading *s)
+static int make_pass(const struct orl_shading *s, size_t state, struct pass *pass)
 {
-    size_t n = 1; /* windows in no group */
-    for (size_t g = 0; g < s->request->n_groups; g++)
-        for (size_t k = 0; k < s->request->groups[g].n_states; k++)
-            n += is_used(s, g, k);
-    return n;
-}
-
-/* To all hours that are not all open; of a group, to those that have the state. */
-static void add_part(struct orl_shading *s, const struct orl_annual_result *run, size_t g,
-                     size_t state)
-{
-    struct orl_annual_result *all = s->result;
-    const size_t columns = all->n_columns;
-    for (size_t c = 0; c < columns; c++) {
-        if (s->which[c] == 0 || (g < s->request->n_groups &&
-                                 s->states[g * all->n_steps + all->step_of_column[c]] != state))
+    const size_t groups = s->request->n_groups, columns = s->result->n_columns;
+    *pass = (struct pass){.state = state, .wanted = calloc((groups + 1) * columns + 1, 1)};
+    if (!pass->wanted)
+        return orl_year_no_memory(s->err);
+    for (size_t part = 0; part <= groups; part++) {
+        bool used = false;
+        if (part < groups && state >= s->request->groups[part].n_states)
             continue;
-        for (size_t at = c; at < all->n_sensors * columns; at += columns) {
-            all->total[at] += run->total[at];
-            all->se[at] = hypotf(all->se[at], run->se[at]);
+        for (size_t c = 0; c < columns; c++) {
+            const bool wanted = is_wanted(s, part, state, c);
+            pass->wanted[part * columns + c] = wanted;
+            used = used || wanted;
+        }
+        pass->any = pass->any || used;
+        if (part < groups) {
+            pass->used[part] = used;
+            pass->states[part] = (unsigned char)state;
         }
     }
+    return 0;
 }
 
-/* A dark group in its state lets nothing in. */
-static int run_part(struct orl_shading *s, size_t g, size_t state, double share)
+/* Adds up a run's light. The first of all, without a run of all open, has direct sunlight, too. */
+static void add_run(struct orl_shading *s, struct orl_annual_result *run, bool first)
 {
-    unsigned char states[ORL_SHADES_MOST_GROUPS] = {0};
-    const bool none = g == s->request->n_groups;
+    struct orl_annual_result *all = s->result;
+    for (size_t at = 0; at < all->n_sensors * all->n_columns; at++) {
+        all->total[at] += run->total[at];
+        all->se[at] = hypotf(all->se[at], run->se[at]);
+    }
+    if (!first)
+        return;
+    all->direct = run->direct;
+    all->overcast = run->overcast;
+    all->overcast_se = run->overcast_se;
+    run->direct = run->overcast = run->overcast_se = NULL;
+}
+
+static int run_pass(struct orl_shading *s, struct pass *pass, double share)
+{
+    const bool first = pass->state == 0 && !s->opened;
+    const struct orl_year_parts parts = {.n_groups = s->request->n_groups,
+                                         .used = pass->used,
+                                         .wanted = pass->wanted,
+                                         .direct_as_wanted = !first};
+    const struct orl_sub_run sub = {.states = pass->states,
+                                    .index = 2 * MOST + (uint32_t)pass->state,
+                                    .parts = &parts,
+                                    .share = share};
     struct orl_annual_result run = {.n_sensors = 0};
-    struct orl_sub_run sub = {.states = states,
-                              .index = 2 * MOST + (uint32_t)(g * ORL_SHADES_MOST_STATES + state),
-                              .part = none ? ORL_PART_OF_NONE : (uint32_t)g + 1,
-                              .share = share};
-    if (!none && s->request->groups[g].states[state].dark)
+    if (!pass->any && !first)
         return 0;
-    if (!none)
-        states[g] = (unsigned char)state;
-    int code = orl_shading_run(s, &sub, &run);
+    const int code = orl_shading_run(s, &sub, &run);
     if (code == 0)
-        add_part(s, &run, g, state);
-    else if (code == ORL_ERR_UNSUPPORTED && none && s->ports.of_none == 0 && !s->ports.open)
-        code = 0; /* all windows are in groups */
+        add_run(s, &run, first);
     orl_annual_done(&run);
     return code;
 }
 
-static void begin_sums(struct orl_shading *s)
+/* Sets the hours that are to be added up to 0. */
+static int begin_sums(struct orl_shading *s)
 {
-    const size_t columns = s->result->n_columns;
+    struct orl_annual_result *all = s->result;
+    const size_t columns = all->n_columns;
+    if (!s->opened) {
+        all->total = calloc(all->n_sensors * columns + 1, sizeof *all->total);
+        all->se = calloc(all->n_sensors * columns + 1, sizeof *all->se);
+        return all->total && all->se ? 0 : orl_year_no_memory(s->err);
+    }
     for (size_t c = 0; c < columns; c++)
-        for (size_t i = 0; s->which[c] != 0 && i < s->result->n_sensors; i++)
-            s->result->total[i * columns + c] = s->result->se[i * columns + c] = 0;
+        for (size_t i = 0; s->which[c] != 0 && i < all->n_sensors; i++)
+            all->total[i * columns + c] = all->se[i * columns + c] = 0;
+    return 0;
+}
+
+static size_t most_states(const struct orl_shading *s)
+{
+    size_t most = 1;
+    for (size_t g = 0; g < s->request->n_groups; g++)
+        if (s->request->groups[g].n_states > most)
+            most = s->request->groups[g].n_states;
+    return most;
 }
 
 static int run_parts(struct orl_shading *s, double share)
 {
-    const double each = share / (double)count_parts(s);
-    orl_year_warn(
-        s->reader,
-        "window groups are in many combinations of states: light was computed by group and "
-        "added up, the panes of other groups reflecting as in their first state");
-    begin_sums(s);
-    int code = 0;
-    for (size_t g = 0; g < s->request->n_groups; g++)
-        for (size_t k = 0; k < s->request->groups[g].n_states && code == 0; k++)
-            if (is_used(s, g, k))
-                code = run_part(s, g, k, each);
-    return code == 0 ? run_part(s, s->request->n_groups, 0, each) : code;
+    const size_t n = most_states(s);
+    orl_year_warn(s->reader,
+                  "window groups are in many combinations of states: light was computed by group "
+                  "and added up, the panes of other groups reflecting as if they were in the same "
+                  "state as that group");
+    int code = begin_sums(s);
+    for (size_t state = 0; state < n && code == 0; state++) {
+        struct pass pass;
+        code = make_pass(s, state, &pass);
+        if (code == 0)
+            code = run_pass(s, &pass, share / (double)n);
+        free(pass.wanted);
+    }
+    return code;
 }
 
 /* ---- Which runs ------------------------------------------------------------------------------ */
 
-/* The cost of the runs of direct sun, one for each group, relative to one run of all light. */
+/* The cost of a run of direct sunlight relative to one of all light. */
 static const double cost_of_direct = 0.1;
 
 /* Returns the number of combinations that there may be, by the clock and by controls. */
@@ -275,44 +349,61 @@ static double most_combinations(struct orl_shading *s)
     for (size_t g = 0; g < s->request->n_groups; g++)
         if (s->request->groups[g].control.kind != ORL_SHADES_NO_CONTROL)
             most *= 2;
+    s->n_combinations = 1;
     return has_more_than_room(s) ? INFINITY : most;
 }
 
-/* A run of a part costs its sensors' share, as light of a group reaches some rooms only: one state
- * of every group costs about a run of all light, and so do windows of no group. */
-static double cost_of_parts(const struct orl_shading *s)
+/* Runs of all light by parts: more combinations than this, and light is added up. */
+static size_t count_parts(const struct orl_shading *s)
 {
-    double states = 0;
+    size_t n = 1; /* windows in no group */
     for (size_t g = 0; g < s->request->n_groups; g++)
-        states += (double)s->request->groups[g].n_states;
-    return 1 + states / (double)s->request->n_groups;
+        for (size_t k = 0; k < s->request->groups[g].n_states; k++) {
+            bool used = false;
+            for (size_t c = 0; c < s->result->n_columns && !used; c++)
+                used = s->which[c] != 0 &&
+                       s->states[g * s->result->n_steps + s->result->step_of_column[c]] == k;
+            n += used;
+        }
+    return n;
 }
 
-/* Predicts the open run's share of the cost of all runs, and that of each run of direct sun. */
-static double predict_shares(struct orl_shading *s)
+/* Whether controls need the light of a run of all open. */
+static bool needs_open_first(const struct orl_shading *s)
 {
-    const double others = fmin(most_combinations(s) - 1, cost_of_parts(s));
-    const double each = cost_of_direct / (double)s->request->n_groups;
-    double all = 1 + others;
-    s->n_combinations = 1;
+    for (size_t g = 0; g < s->request->n_groups; g++) {
+        const enum orl_shade_control_kind kind = s->request->groups[g].control.kind;
+        if (kind == ORL_SHADES_BY_LIGHT || kind == ORL_SHADES_BY_GLARE)
+            return true;
+    }
+    return s->request->n_groups == 1;
+}
+
+static bool has_sun_control(const struct orl_shading *s)
+{
     for (size_t g = 0; g < s->request->n_groups; g++)
-        if (s->request->groups[g].control.kind == ORL_SHADES_BY_SUN)
-            all += each;
-    s->share_of_direct = each / all;
-    return 1 / all;
+        if (is_by_sun(s, g))
+            return true;
+    return false;
 }
 
 static int run_all(struct orl_shading *s)
 {
-    int code = run_open(s, predict_shares(s));
+    const double direct = has_sun_control(s) ? cost_of_direct : 0;
+    const double others = fmin(most_combinations(s) - 1, (double)most_states(s));
+    const double all = 1 + direct + others;
+    int code = needs_open_first(s) ? run_open(s, 1 / all) : 0;
     if (code == 0)
-        code = control(s);
+        code = control(s, direct / all);
     if (code < 0)
         return code;
     find_combinations(s);
     s->summed = has_more_than_room(s) || s->n_combinations - 1 > count_parts(s);
-    const double left = fmax(1 - s->told, 0);
-    return s->summed ? run_parts(s, left) : run_combinations(s, left);
+    if (s->summed)
+        return run_parts(s, fmax(1 - s->told, 0));
+    if (!s->opened)
+        code = run_open(s, (1 - s->told) / (double)s->n_combinations);
+    return code == 0 ? run_combinations(s, fmax(1 - s->told, 0)) : code;
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */

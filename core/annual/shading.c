@@ -31,9 +31,8 @@ int orl_shading_begin(struct orl_shading *s)
     s->which = calloc(s->result->n_columns + 1, 1);
     s->combinations = calloc(ORL_SHADES_MOST_COMBINATIONS, sizeof *s->combinations);
     s->n_combinations = 1;
-    s->ports.n_parts = s->request->n_groups;
-    s->ports.of_part = calloc(s->request->n_groups + 1, sizeof *s->ports.of_part);
-    if (!s->states || !s->which || !s->combinations || !s->ports.of_part)
+    s->counts = calloc(s->request->n_groups + 1, sizeof *s->counts);
+    if (!s->states || !s->which || !s->combinations || !s->counts)
         return orl_year_no_memory(s->err);
     return orl_shades_schedule(s->request, s->result, s->states, s->err);
 }
@@ -87,7 +86,7 @@ int orl_shading_run(struct orl_shading *s, const struct orl_sub_run *sub,
     struct orl_run_env run = *s->env->run;
     struct orl_annual_env env = *s->env;
     const double whole = run.part > 0 ? run.part : 1;
-    const bool parted = sub->part > 0;
+    const bool parted = sub->parts != NULL;
     run.part_from += whole * s->told;
     run.part = whole * sub->share;
     run.warned = NULL;
@@ -100,9 +99,8 @@ int orl_shading_run(struct orl_shading *s, const struct orl_sub_run *sub,
     int code = orl_annual_variant_init(&variant, s->request, sub->states, parted, s->err);
     const struct orl_year_variant how = {.hours_of = s->reader,
                                          .swaps = &variant.swaps,
-                                         .part = sub->part,
-                                         .sun_only = sub->sun_only,
-                                         .ret_ports = &s->ports};
+                                         .parts = sub->parts,
+                                         .sun_only = sub->sun_only};
     /* Light that is added up is of paths of its own: errors are independent. */
     if (parted)
         variant.request.seed += (uint64_t)sub->index << 32;
@@ -121,5 +119,7 @@ void orl_shading_done(struct orl_shading *s)
     free(s->states);
     free(s->which);
     free(s->combinations);
-    free(s->ports.of_part);
+    for (size_t g = 0; s->counts && g < s->request->n_groups; g++)
+        free(s->counts[g]);
+    free(s->counts);
 }

@@ -12,11 +12,11 @@ struct orl_shading {
     unsigned char *states;            /* [group * n_steps + step] */
     unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first: all open */
     size_t n_combinations;
-    unsigned char *which;            /* of them, by column; MOST: one that there was no room for */
-    bool summed;                     /* hours that are not all open: by parts */
-    struct orl_ports_of_parts ports; /* of the last run by parts */
-    double told;                     /* of the whole, by runs that are over */
-    double share_of_direct;          /* of the whole: of a run of the direct sun alone */
+    unsigned char *which; /* of them, by column; MOST: one that there was no room for */
+    bool opened;          /* the run of all open is done */
+    bool summed;          /* light is added up by parts of the windows */
+    uint32_t **counts;    /* by group: sensors in direct sunlight (schedule.h), or NULL */
+    double told;          /* of the whole, by runs that are over */
     struct orl_error *err;
 };
 
@@ -27,11 +27,11 @@ void orl_shading_done(struct orl_shading *shading);
 
 /* A run of the year. */
 struct orl_sub_run {
-    const unsigned char *states; /* of each group */
-    uint32_t index;              /* its own, of all runs there may be */
-    uint32_t part;               /* as of orl_year_variant; of all light: 0 */
-    bool sun_only;
-    double share; /* of what there is to do in all */
+    const unsigned char *states;        /* of each group */
+    uint32_t index;                     /* its own, of all runs there may be */
+    const struct orl_year_parts *parts; /* NULL: light is not told apart */
+    bool sun_only;                      /* direct sunlight alone, by parts */
+    double share;                       /* of what there is to do in all */
 };
 
 /* Its account and warnings go into the result. Its errors are orl_annual_run's. */

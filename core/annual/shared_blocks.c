@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-size_t orl_year_shared_block(size_t n_sensors)
+size_t orl_year_shared_block(size_t n_sensors, size_t most)
 {
     enum { BLOCKS = 2000, LEAST = 8 };
     const size_t size = n_sensors / BLOCKS;
-    return size < LEAST ? LEAST : size < ORL_YEAR_BLOCK ? size : ORL_YEAR_BLOCK;
+    return size < LEAST ? LEAST : size < most ? size : most;
 }
 
 static void choose_block(struct orl_year *y, size_t index)
@@ -29,8 +29,11 @@ static double block_s(const struct orl_year *y)
 /* Of the sums of its batches. */
 static uint64_t block_bytes(const struct orl_year *y)
 {
-    const uint64_t of_batch = y->n_sun * sizeof *y->sun_sums + ORL_BINS * sizeof *y->bin_sums +
-                              ORL_SUN_MAP_LOTS * y->n_beams * sizeof *y->lot_sums;
+    const struct orl_block_sums *sums = &y->sums;
+    const uint64_t of_light = sums->n_nodes * sizeof *sums->nodes + ORL_BINS * sizeof *sums->bins;
+    const uint64_t of_batch =
+        y->n_parts * of_light +
+        sums->n_beams * (sizeof *sums->beams + ORL_SUN_MAP_LOTS * sizeof *sums->lots);
     return of_batch * y->count * ORL_ANNUAL_BATCHES;
 }
 

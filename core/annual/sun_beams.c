@@ -5,21 +5,28 @@
 #include "base/circle.h"
 #include "scene/material/scatter.h"
 
-static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *port)
+/* most: kinds of a part. */
+static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *port, uint16_t part,
+                          uint32_t most)
 {
     static const double about = 0.98; /* cosine between ports of a kind */
     const struct orl_world *world = beams->world;
     const struct orl_material *m =
         &world->materials[orl_facet_material(world->geometry, port->facet)];
-    uint32_t k = 0;
-    while (k < beams->n_kinds && (beams->kinds[k].material != m ||
-                                  orl_dot(beams->kinds[k].outward, port->outward) < about))
-        k++;
-    if (k == ORL_SUN_MOST_KINDS)
-        return k - 1;
-    if (k == beams->n_kinds)
-        beams->kinds[beams->n_kinds++] = (struct orl_sun_kind){m, port->outward};
-    return k;
+    uint32_t of_part = 0, last = 0;
+    for (uint32_t k = 0; k < beams->n_kinds; k++) {
+        const struct orl_sun_kind *kind = &beams->kinds[k];
+        if (kind->part != part)
+            continue;
+        if (kind->material == m && orl_dot(kind->outward, port->outward) >= about)
+            return k;
+        of_part++;
+        last = k;
+    }
+    if (of_part == most)
+        return last;
+    beams->kinds[beams->n_kinds] = (struct orl_sun_kind){m, port->outward, part};
+    return beams->n_kinds++;
 }
 
 static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port *port,
@@ -86,14 +93,16 @@ double orl_sun_beams_let_in(const struct orl_sun_beams *beams, uint32_t kind,
 }
 
 int orl_sun_beams_init(struct orl_sun_beams *beams, const struct orl_world *world,
-                       const struct orl_frame *nodes, size_t n_nodes)
+                       const struct orl_frame *nodes, size_t n_nodes, const uint16_t *part_of_port)
 {
     *beams = (struct orl_sun_beams){
         .world = world, .kind_of_port = calloc(world->n_ports + 1, sizeof *beams->kind_of_port)};
     if (!beams->kind_of_port)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < world->n_ports; i++)
-        beams->kind_of_port[i] = (uint8_t)find_kind(beams, &world->ports[i]);
+        beams->kind_of_port[i] =
+            (uint8_t)find_kind(beams, &world->ports[i], part_of_port ? part_of_port[i] : 0,
+                               part_of_port ? ORL_SUN_KINDS_OF_PART : ORL_SUN_KINDS_OF_ALL);
     beams->at = malloc((n_nodes * beams->n_kinds + 1) * sizeof *beams->at);
     if (!beams->at)
         return ORL_ERR_NOMEM;

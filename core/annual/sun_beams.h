@@ -9,7 +9,9 @@
 
 #include "light/world.h"
 
-enum { ORL_SUN_MOST_KINDS = 8 }; /* of ports; those of more are of the last one */
+/* Kinds of ports: in all, and of a part (parts.h) of several, or of the only one. Those of more are
+ * of the part's last one. */
+enum { ORL_SUN_MOST_KINDS = 256, ORL_SUN_KINDS_OF_PART = 3, ORL_SUN_KINDS_OF_ALL = 8 };
 
 struct orl_sun_beam {
     uint32_t node, kind;
@@ -23,14 +25,16 @@ struct orl_sun_beams {
     struct orl_sun_kind {
         const struct orl_material *material;
         struct orl_vec3 outward; /* of its first port */
+        uint16_t part;           /* of its ports */
     } kinds[ORL_SUN_MOST_KINDS];
     uint32_t n_kinds;
 };
 
-/* nodes: n towards the sun, as the scene has it. Returns 0 or ORL_ERR_NOMEM; orl_sun_beams_done in
+/* nodes: n towards the sun, as the scene has it. part_of_port: of the world's; NULL: there is one
+ * part. Returns 0 or ORL_ERR_NOMEM; orl_sun_beams_done in
  * either case. */
 int orl_sun_beams_init(struct orl_sun_beams *beams, const struct orl_world *world,
-                       const struct orl_frame *nodes, size_t n_nodes);
+                       const struct orl_frame *nodes, size_t n_nodes, const uint16_t *part_of_port);
 void orl_sun_beams_done(struct orl_sun_beams *beams);
 
 /* How many beams have that one's node, itself included. */

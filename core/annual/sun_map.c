@@ -174,7 +174,9 @@ static uint32_t photons_of_lot(const struct orl_sun_map *map,
                                const struct orl_sun_map_request *request, size_t beam)
 {
     const uint32_t parts = ORL_SUN_MAP_LOTS * orl_sun_beams_of_node(&map->beams, beam);
-    return (request->photons + parts - 1) / parts;
+    const uint32_t least = request->of_beam / ORL_SUN_MAP_LOTS;
+    const uint32_t share = (request->photons + parts - 1) / parts;
+    return share > least ? share : least;
 }
 
 /* Where the next batch begins. */
@@ -300,7 +302,8 @@ static int start(const struct orl_sun_map_request *request, struct orl_sun_map *
     const int code =
         orl_sun_squares_init(&map->squares, world->geometry, sqrt(area) / widths_a_window);
     return code < 0 ? code
-                    : orl_sun_beams_init(&map->beams, world, request->nodes, request->n_nodes);
+                    : orl_sun_beams_init(&map->beams, world, request->nodes, request->n_nodes,
+                                         request->part_of_port);
 }
 
 static int finish(int code, struct orl_sun_map *map, struct orl_sun_map **ret_map)

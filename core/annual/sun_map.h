@@ -37,8 +37,10 @@ struct orl_sun_map_request {
     const struct orl_frame *nodes; /* towards them, as the scene has it; for the call */
     size_t n_nodes;
     uint64_t seed;
-    uint32_t photons; /* of a node, all its beams and lots together */
-    bool whole;       /* with what diffuse surfaces send from one to another */
+    uint32_t photons;             /* of a node, all its beams and lots together */
+    uint32_t of_beam;             /* of a beam, at the least */
+    const uint16_t *part_of_port; /* of the world's (parts.h), for the call; NULL: there is one */
+    bool whole;                   /* with what diffuse surfaces send from one to another */
 };
 
 /* *ret_map is NULL where there is nothing to map: an open scene, or no ports. Returns 0,

@@ -38,14 +38,6 @@ static bool may_come_from(const struct orl_annual_scene *scene, const struct orl
     return place->outside || orl_windows_passed(&scene->ports, place->point, towards, slack);
 }
 
-static struct orl_rgb straight(const struct orl_annual_scene *scene, const struct orl_place *place,
-                               struct orl_vec3 towards)
-{
-    if (!may_come_from(scene, place, towards, 0))
-        return orl_gray(0);
-    return orl_transmittance(scene->world, place->point, towards, INFINITY, true);
-}
-
 /* ---- Nodes ----------------------------------------------------------------------------------- */
 
 /* The cosine, or what lobes send towards the eye. */
@@ -66,22 +58,22 @@ static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
 }
 
 /* Of every other node of a circle only, what lies between is their mean. */
-static void add_coarsely(const struct orl_annual_scene *scene, size_t node, double light,
-                         double *nodes)
+static void add_coarsely(const struct orl_annual_sums *sums, uint32_t part, uint32_t a_circle,
+                         size_t node, double light)
 {
-    const size_t at = node % scene->a_circle;
-    nodes[node] += light;
+    const size_t at = node % a_circle;
+    orl_annual_add_to_node(sums, part, node, light);
     if (at > 0)
-        nodes[node - 1] += 0.5 * light;
-    if (at + 1 < scene->a_circle)
-        nodes[node + 1] += 0.5 * light;
+        orl_annual_add_to_node(sums, part, node - 1, 0.5 * light);
+    if (at + 1 < a_circle)
+        orl_annual_add_to_node(sums, part, node + 1, 0.5 * light);
 }
 
 /* A vertex's suns: a point of the disc, and which of the nodes the lot has chosen. */
 struct lot {
     const struct orl_annual_scene *scene;
     const struct orl_sunlit_query *query;
-    double *nodes;
+    const struct orl_annual_sums *sums;
     double radius, at[2];
     bool coarse; /* of every other node of a circle */
     size_t stride, first;
@@ -89,13 +81,13 @@ struct lot {
 
 static struct lot draw_lot(const struct orl_annual_scene *scene,
                            const struct orl_sunlit_query *query, struct orl_random *random,
-                           double *nodes)
+                           const struct orl_annual_sums *sums)
 {
     const double far = sqrt(orl_random_uniform(random));
     const struct orl_circle circle = orl_circle_turn(orl_random_uniform(random));
     struct lot lot = {.scene = scene,
                       .query = query,
-                      .nodes = nodes,
+                      .sums = sums,
                       .radius = disc_radius(ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD),
                       .at = {far * circle.cosine, far * circle.sine},
                       .coarse = query->place.outside && !query->all};
@@ -112,16 +104,19 @@ static const struct orl_direction_tree *tree_of(const struct lot *lot)
                             : &lots->inside[lot->first];
 }
 
-static void add_to_node(const struct lot *lot, size_t node, struct orl_rgb light, double share)
+/* port: by which the light's path, followed back, first leaves the building. */
+static void add_to_node(const struct lot *lot, size_t node, struct orl_rgb light, int32_t port,
+                        double share)
 {
     if (!(orl_rgb_max(light) > 0))
         return;
+    const uint32_t part = orl_annual_part_of(lot->scene, port);
     const double luma =
         orl_luma(orl_rgb_mul(lot->query->weight, light)) * (double)lot->stride * share;
     if (lot->coarse)
-        add_coarsely(lot->scene, node, luma, lot->nodes);
+        add_coarsely(lot->sums, part, lot->scene->a_circle, node, luma);
     else
-        lot->nodes[node] += luma;
+        orl_annual_add_to_node(lot->sums, part, node, luma);
 }
 
 static void add_straight(const struct lot *lot)
@@ -141,11 +136,12 @@ static void add_straight(const struct lot *lot)
         if (!may_come_from(scene, place, towards, 0))
             continue;
         const struct orl_rgb seen = response(lot->query, towards);
-        if (orl_rgb_max(seen) > 0)
-            add_to_node(lot, k,
-                        orl_rgb_mul(seen, orl_transmittance(scene->world, place->point, towards,
-                                                            INFINITY, true)),
-                        1);
+        int32_t port = lot->query->port;
+        if (!(orl_rgb_max(seen) > 0))
+            continue;
+        const struct orl_rgb share =
+            orl_transmittance_by(scene->world, place->point, towards, &port);
+        add_to_node(lot, k, orl_rgb_mul(seen, share), port, 1);
     }
 }
 
@@ -165,10 +161,11 @@ static void add_mirrored_node(void *ctx, uint32_t node)
     const struct mirrored *m = ctx;
     const struct lot *lot = m->lot;
     const struct orl_vec3 towards = on_disc(&lot->scene->nodes[node], lot->radius, lot->at);
-    add_to_node(lot, node,
-                orl_mirrors_light_of(&lot->scene->mirrors, m->set, m->item, &lot->query->place,
-                                     towards, response, lot->query),
-                m->share);
+    int32_t port = lot->query->port;
+    const struct orl_rgb light =
+        orl_mirrors_light_of(&lot->scene->mirrors, m->set, m->item, &lot->query->place, towards,
+                             response, lot->query, &port);
+    add_to_node(lot, node, light, port, m->share);
 }
 
 /* The disc about a node is as wide as the sun: the cone about the pane is wider by that. */
@@ -191,9 +188,9 @@ static double survival_of(const struct orl_sunlit_query *query)
 }
 
 void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
-                    struct orl_random *random, double *nodes)
+                    struct orl_random *random, const struct orl_annual_sums *sums)
 {
-    const struct lot lot = draw_lot(scene, query, random, nodes);
+    const struct lot lot = draw_lot(scene, query, random, sums);
     struct mirrored m = {.lot = &lot,
                          .set = query->mapped ? &scene->mirrors.beyond : &scene->mirrors.everywhere,
                          .survival = survival_of(query)};
@@ -224,9 +221,10 @@ struct disc {
     double radius, turn;
 };
 
-/* Share of a point's light that gets through, and its cosine. */
+/* Share of a point's light that gets through, its cosine, and the part it comes in by. */
 struct point {
     double share, cosine;
+    uint32_t part;
 };
 
 static struct point look_at_point(const struct orl_annual_scene *scene,
@@ -238,8 +236,12 @@ static struct point look_at_point(const struct orl_annual_scene *scene,
     const struct orl_vec3 towards = on_disc(&disc->frame, disc->radius, at);
     const double cosine = orl_dot(towards, place->normal);
     if (!(cosine > 0))
-        return (struct point){0, 0};
-    return (struct point){orl_luma(straight(scene, place, towards)), cosine};
+        return (struct point){0, 0, 0};
+    int32_t port = ORL_NO_PORT;
+    if (!may_come_from(scene, place, towards, 0))
+        return (struct point){0, cosine, 0};
+    const double share = orl_luma(orl_transmittance_by(scene->world, place->point, towards, &port));
+    return (struct point){share, cosine, share > 0 ? orl_annual_part_of(scene, port) : 0};
 }
 
 /* The facet that keeps a ray from the sun; UINT32_MAX: none does. */
@@ -278,31 +280,66 @@ static bool is_covered(const struct orl_annual_scene *scene, const struct orl_pl
     return true;
 }
 
-/* Rim and middle see the same: that is all; an edge crosses the disc, or a slit may: its points
- * tell. */
-static double disc_light(const struct orl_annual_scene *scene, const struct orl_place *place,
-                         const struct disc *disc, double *ret_unsure)
+/* What points of a disc bring by one part. */
+struct of_part {
+    uint32_t part;
+    double sum, squares;
+};
+
+static struct of_part *find_part(struct of_part *parts, uint32_t *n, uint32_t part)
 {
-    double middle = 0, sum = 0, squares = 0, least = INFINITY, most = 0;
-    *ret_unsure = 0;
-    for (uint32_t n = 0; n < FIRST_POINTS; n++) {
-        const struct point p = look_at_point(scene, place, disc, n);
-        least = fmin(least, p.share);
-        most = fmax(most, p.share);
-        if (n == 0)
-            middle = p.share * p.cosine;
-    }
-    if (most - least <= 0.02 * most && (most > 0 || is_covered(scene, place, disc)))
-        return middle;
+    uint32_t i = 0;
+    while (i < *n && parts[i].part != part)
+        i++;
+    if (i == *n)
+        parts[(*n)++] = (struct of_part){.part = part};
+    return &parts[i];
+}
+
+/* An edge crosses the disc, or a slit may: many points tell. */
+static void add_points_of_disc(const struct orl_annual_scene *scene, const struct orl_place *place,
+                               const struct disc *disc, size_t sun, const struct orl_sun_rows *rows)
+{
+    struct of_part parts[DISC_POINTS];
+    uint32_t n_parts = 0;
     for (uint32_t n = 0; n < DISC_POINTS; n++) {
         const struct point p = look_at_point(scene, place, disc, FIRST_POINTS + n);
-        sum += p.share * p.cosine / DISC_POINTS;
-        squares += p.share * p.cosine * p.share * p.cosine / DISC_POINTS;
+        const double light = p.share * p.cosine;
+        if (!(light > 0))
+            continue;
+        struct of_part *of = find_part(parts, &n_parts, p.part);
+        of->sum += light / DISC_POINTS;
+        of->squares += light * light / DISC_POINTS;
     }
     /* Points in a plane so even err as their number to the power of -3/4, where edges are straight
      * (Beck and Chen 1987, irregularities of distribution). */
-    *ret_unsure = sqrt(fmax(squares - sum * sum, 0)) * pow(DISC_POINTS, -0.75);
-    return sum;
+    const double share = pow(DISC_POINTS, -0.75);
+    for (uint32_t i = 0; i < n_parts; i++) {
+        const struct of_part *of = &parts[i];
+        const double unsure = sqrt(fmax(of->squares - of->sum * of->sum, 0)) * share;
+        orl_sun_rows_add(rows, of->part, ORL_SUN_DIRECT, sun, of->sum);
+        orl_sun_rows_add(rows, of->part, ORL_SUN_SQUARES, sun, unsure * unsure);
+    }
+}
+
+/* If rim and middle see the same, that is all. */
+static void add_disc(const struct orl_annual_scene *scene, const struct orl_place *place,
+                     const struct disc *disc, size_t sun, const struct orl_sun_rows *rows)
+{
+    const struct point middle = look_at_point(scene, place, disc, 0);
+    double least = middle.share, most = middle.share;
+    bool alike = true;
+    for (uint32_t n = 1; n < FIRST_POINTS; n++) {
+        const struct point p = look_at_point(scene, place, disc, n);
+        least = fmin(least, p.share);
+        most = fmax(most, p.share);
+        alike = alike && p.part == middle.part;
+    }
+    alike = alike && most - least <= 0.02 * most;
+    if (!alike || (!(most > 0) && !is_covered(scene, place, disc)))
+        add_points_of_disc(scene, place, disc, sun, rows);
+    else if (middle.share > 0)
+        orl_sun_rows_add(rows, middle.part, ORL_SUN_DIRECT, sun, middle.share * middle.cosine);
 }
 
 static struct orl_rgb cosine_of(const void *ctx, struct orl_vec3 light)
@@ -326,24 +363,26 @@ struct mirrored_hours {
     const struct orl_crew *crew;
     uint64_t name;
     uint32_t item; /* the pane */
-    float *light;
+    const struct orl_sun_rows *rows;
 };
 
 static void add_mirrored_hour(void *ctx, uint32_t sun)
 {
     const struct mirrored_hours *m = ctx;
     const struct disc disc = disc_of(m->suns, sun, m->name);
-    double sum = 0;
     if (!m->suns->at[sun].wanted || orl_crew_cancelled(m->crew))
         return;
     for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
         double at[2];
+        int32_t port = ORL_NO_PORT;
         point_of_disc(FIRST_POINTS + n * (DISC_POINTS / MIRROR_POINTS), disc.turn, at);
-        sum += orl_luma(orl_mirrors_light_of(
+        const double light = orl_luma(orl_mirrors_light_of(
             &m->scene->mirrors, &m->scene->mirrors.everywhere, m->item, m->place,
-            on_disc(&disc.frame, disc.radius, at), cosine_of, m->place));
+            on_disc(&disc.frame, disc.radius, at), cosine_of, m->place, &port));
+        if (light > 0)
+            orl_sun_rows_add(m->rows, orl_annual_part_of(m->scene, port), ORL_SUN_MIRRORED, sun,
+                             light / MIRROR_POINTS);
     }
-    m->light[sun] += (float)(sum / MIRROR_POINTS);
 }
 
 static void find_mirrored(struct mirrored_hours *m)
@@ -371,26 +410,18 @@ static bool may_see(const struct orl_annual_scene *scene, const struct orl_place
 
 void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                            const struct orl_place *place, uint64_t name,
-                           const struct orl_crew *crew, const struct orl_sunlit_hours *ret)
+                           const struct orl_crew *crew, const struct orl_sun_rows *rows)
 {
     for (size_t c = 0; c < suns->count && !orl_crew_cancelled(crew); c++) {
         const struct orl_hour_sun *sun = &suns->at[c];
-        double seen = 0, unsure = 0;
-        if (sun->wanted && may_see(scene, place, sun)) {
-            const struct disc disc = disc_of(suns, c, name);
-            seen = disc_light(scene, place, &disc, &unsure);
-        }
-        ret->straight[c] = (float)seen;
-        ret->squares[c] = (float)(unsure * unsure);
+        if (!sun->wanted || !may_see(scene, place, sun))
+            continue;
+        const struct disc disc = disc_of(suns, c, name);
+        add_disc(scene, place, &disc, c, rows);
     }
-    if (!ret->mirrored)
+    if (rows->direct_only)
         return;
-    memset(ret->mirrored, 0, suns->count * sizeof *ret->mirrored);
-    struct mirrored_hours m = {.scene = scene,
-                               .suns = suns,
-                               .place = place,
-                               .crew = crew,
-                               .name = name,
-                               .light = ret->mirrored};
+    struct mirrored_hours m = {
+        .scene = scene, .suns = suns, .place = place, .crew = crew, .name = name, .rows = rows};
     find_mirrored(&m);
 }

@@ -107,57 +107,81 @@ static int measure_nodes(struct maker *m)
     return 0;
 }
 
-/* Those of a sun that weigh anything; returns how many, and writes them where there is room. */
-static uint32_t list_sun(const struct maker *m, size_t which, bool write)
+/* Appends what a sun has of a kind, or of nodes (of: 0, or the kind plus 1), where there is room;
+ * returns how many terms that is. */
+static uint32_t list_kind(const struct maker *m, size_t sun, const struct orl_sun_between *at,
+                          size_t of, uint32_t to, bool write)
 {
     struct orl_sun_terms *terms = m->terms;
-    const struct weight *all = weights_of(m, which);
+    const struct weight *all = weights_of(m, sun);
     uint32_t n = 0;
-    if (!m->suns->at[which].wanted)
-        return 0;
-    const struct orl_sun_between at = orl_sun_nodes_between(m->nodes, m->suns->in_sky[which]);
-    for (int i = 0; i < CORNERS; i++)
-        for (size_t k = 0; k < 1 + m->n_kinds; k++) {
-            const struct weight weight = all[(size_t)i * (1 + m->n_kinds) + k];
-            const uint32_t beam = k == 0 ? 0 : m->beam_of[at.nodes[i] * m->n_kinds + k - 1];
-            if ((weight.fine == 0 && weight.wide == 0) || beam == UINT32_MAX)
-                continue;
-            if (write) {
-                const uint32_t to = terms->first[which] + n;
-                terms->which[to] = k == 0 ? at.nodes[i] : (uint32_t)m->nodes->count + beam;
-                terms->weights[to] = weight.fine;
-                terms->apart[to] = weight.fine - weight.wide;
-            }
-            n++;
+    for (int i = 0; i < CORNERS; i++) {
+        const struct weight weight = all[(size_t)i * (1 + m->n_kinds) + of];
+        const uint32_t which =
+            of == 0 ? at->nodes[i] : m->beam_of[at->nodes[i] * m->n_kinds + of - 1];
+        if ((weight.fine == 0 && weight.wide == 0) || which == UINT32_MAX)
+            continue;
+        if (write) {
+            terms->which[to + n] = which;
+            terms->weights[to + n] = weight.fine;
+            terms->apart[to + n] = weight.fine - weight.wide;
         }
+        n++;
+    }
+    return n;
+}
+
+/* Nodes, then beams by part. Sets where each begins. */
+static uint32_t list_sun(const struct maker *m, size_t sun, uint32_t to, bool write)
+{
+    uint32_t *first = m->terms->first + sun * (1 + m->terms->n_parts);
+    const bool wanted = m->suns->at[sun].wanted;
+    struct orl_sun_between at = {.nodes = {0}};
+    if (wanted)
+        at = orl_sun_nodes_between(m->nodes, m->suns->in_sky[sun]);
+    first[0] = to;
+    if (wanted)
+        to += list_kind(m, sun, &at, 0, to, write);
+    for (uint32_t part = 0; part < m->terms->n_parts; part++) {
+        first[1 + part] = to;
+        for (size_t k = 0; wanted && k < m->n_kinds; k++)
+            if (m->beams->kinds[k].part == part)
+                to += list_kind(m, sun, &at, k + 1, to, write);
+    }
+    return to;
+}
+
+static uint32_t list_suns(const struct maker *m, bool write)
+{
+    uint32_t n = 0;
+    for (size_t sun = 0; sun < m->suns->count; sun++)
+        n = list_sun(m, sun, n, write);
+    m->terms->first[m->suns->count * (1 + m->terms->n_parts)] = n;
     return n;
 }
 
 static int list_all(const struct maker *m)
 {
     struct orl_sun_terms *terms = m->terms;
-    const size_t count = m->suns->count;
-    terms->first = calloc(count + 1, sizeof *terms->first);
+    terms->first = calloc(m->suns->count * (1 + terms->n_parts) + 1, sizeof *terms->first);
     if (!terms->first)
         return ORL_ERR_NOMEM;
-    for (size_t c = 0; c < count; c++)
-        terms->first[c + 1] = terms->first[c] + list_sun(m, c, false);
-    terms->which = malloc((terms->first[count] + 1) * sizeof *terms->which);
-    terms->weights = malloc((terms->first[count] + 1) * sizeof *terms->weights);
-    terms->apart = malloc((terms->first[count] + 1) * sizeof *terms->apart);
+    const size_t n = list_suns(m, false);
+    terms->which = malloc((n + 1) * sizeof *terms->which);
+    terms->weights = malloc((n + 1) * sizeof *terms->weights);
+    terms->apart = malloc((n + 1) * sizeof *terms->apart);
     if (!terms->which || !terms->weights || !terms->apart)
         return ORL_ERR_NOMEM;
-    for (size_t c = 0; c < count; c++)
-        list_sun(m, c, true);
+    list_suns(m, true);
     return 0;
 }
 
 int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *suns,
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
-                       const struct orl_sun_map *map, struct orl_crew *crew)
+                       const struct orl_sun_map *map, uint32_t n_parts, struct orl_crew *crew)
 {
     struct maker m = {.terms = terms, .suns = suns, .nodes = nodes, .frames = node_frames};
-    *terms = (struct orl_sun_terms){.first = NULL};
+    *terms = (struct orl_sun_terms){.n_parts = n_parts};
     if (map) {
         m.beams = orl_sun_map_beams(map);
         m.n_kinds = m.beams->n_kinds;

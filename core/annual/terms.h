@@ -13,16 +13,37 @@
 #include "annual/sun_map.h"
 
 struct orl_sun_terms {
-    uint32_t *first; /* by sun, and one more: into the next ones */
-    uint32_t *which; /* node, or the number of nodes plus the beam */
+    uint32_t n_parts; /* of the windows (parts.h) */
+    /* Into the next ones, by sun: [sun][0]: nodes, [sun][1 + part]: beams of each part; and one
+     * more. */
+    uint32_t *first;
+    uint32_t *which; /* node or beam */
     float *weights;
     float *apart; /* by how much these differ from the wide interpolation's (nodes.h) */
 };
 
-/* map may be NULL. Returns 0, ORL_ERR_NOMEM or _CANCELLED; orl_sun_terms_done in either case. */
+/* Terms from first to end. */
+struct orl_sun_range {
+    uint32_t first, end;
+};
+static inline struct orl_sun_range orl_sun_terms_nodes(const struct orl_sun_terms *terms,
+                                                       size_t sun)
+{
+    const uint32_t *first = terms->first + sun * (1 + terms->n_parts);
+    return (struct orl_sun_range){first[0], first[1]};
+}
+static inline struct orl_sun_range orl_sun_terms_beams(const struct orl_sun_terms *terms,
+                                                       size_t sun, uint32_t part)
+{
+    const uint32_t *first = terms->first + sun * (1 + terms->n_parts) + 1 + part;
+    return (struct orl_sun_range){first[0], first[1]};
+}
+
+/* map may be NULL; n_parts: of its beams. Returns 0, ORL_ERR_NOMEM or _CANCELLED;
+ * orl_sun_terms_done in either case. */
 int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *suns,
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
-                       const struct orl_sun_map *map, struct orl_crew *crew);
+                       const struct orl_sun_map *map, uint32_t n_parts, struct orl_crew *crew);
 void orl_sun_terms_done(struct orl_sun_terms *terms);
 
 #endif

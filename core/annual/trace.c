@@ -23,6 +23,7 @@ struct stop {
     struct orl_place place;
     struct orl_rgb weight;
     uint32_t depth;       /* 0: the sensor */
+    int32_t port;         /* by which the path has first left the building; or ORL_NO_PORT */
     const double *evenly; /* three numbers for its first ray, or NULL */
     bool mapped;          /* the sun has been seen to */
     bool known;           /* so has all light that the map has: it is a whole one */
@@ -32,7 +33,8 @@ struct walk {
     struct orl_eye_path eye; /* first: what sinks are given */
     struct tracer *tracer;
     uint32_t depth;
-    bool known; /* as of the stop where it set out */
+    int32_t port; /* as of the stop where it set out, or passed since */
+    bool known;   /* as of the stop */
     const double *evenly;
     bool bent;          /* not straight from where it set out */
     bool straight_only; /* surfaces end it */
@@ -49,10 +51,11 @@ static struct walk *walk_of(struct orl_eye_path *p)
 
 static void take_sky(struct orl_eye_path *p)
 {
-    const struct orl_annual_scene *scene = walk_of(p)->tracer->scene;
+    const struct walk *w = walk_of(p);
+    const struct orl_annual_scene *scene = w->tracer->scene;
     const struct orl_vec3 towards = orl_turn_to_sky(scene->north, p->path.direction);
-    walk_of(p)->tracer->sums->bins[orl_bins_find(scene->bins, towards)] +=
-        (float)orl_luma(p->path.weight);
+    orl_annual_add_to_bin(w->tracer->sums, orl_annual_part_of(scene, w->port),
+                          orl_bins_find(scene->bins, towards), orl_luma(p->path.weight));
 }
 
 static void add_diffuse(struct walk *w, struct orl_rgb albedo)
@@ -71,6 +74,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
                         .mapped = mapped,
                         .known = w->known || (mapped && w->tracer->scene->whole_map),
                         .depth = w->depth + 1,
+                        .port = w->port,
                         .evenly = p->bounce == 0 ? w->evenly : NULL};
     const double chance = fmin(orl_rgb_max(stop.weight) / dimmest_place, 1);
     if (chance < 1) {
@@ -93,11 +97,12 @@ static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
                       .normal = normal,
                       .outside = orl_world_outside_after(p->world, &p->hit, side == 1, p->outside)},
             .weight = p->path.weight,
+            .port = w->port,
             .all = w->depth == 0,
             .lobes = m,
             .hit = &p->hit,
             .eye = orl_path_back(&p->path)};
-        orl_sunlit_add(w->tracer->scene, &query, p->random, w->tracer->sums->nodes);
+        orl_sunlit_add(w->tracer->scene, &query, p->random, w->tracer->sums);
     }
 }
 
@@ -165,8 +170,11 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 
 static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
 {
+    const bool inside = !p->outside;
     orl_eye_path_cross(p, s);
     p->clear = false;
+    if (inside && p->outside && walk_of(p)->port == ORL_NO_PORT)
+        walk_of(p)->port = orl_world_port_of(p->world, p->hit.facet);
     walk_of(p)->bent = walk_of(p)->bent || s->event != ORL_EVENT_STRAIGHT;
     return !(walk_of(p)->bent && walk_of(p)->straight_only);
 }
@@ -190,6 +198,7 @@ static void look(struct tracer *t, const struct stop *stop, const struct orl_eff
                              .outside = stop->place.outside},
                      .tracer = t,
                      .depth = stop->depth,
+                     .port = stop->port,
                      .known = stop->known,
                      .evenly = evenly ? u + 3 : NULL};
     w.eye.path.weight = orl_rgb_scale(stop->weight, aimed.weight);
@@ -221,9 +230,11 @@ static void light_at(struct tracer *t, const struct stop *stop)
                                                                                         : deeper);
     if (t->sums->nodes && stop->depth > 0 &&
         (!stop->mapped || t->scene->mirrors.beyond.count > 0)) {
-        const struct orl_sunlit_query query = {
-            .place = stop->place, .weight = stop->weight, .mapped = stop->mapped};
-        orl_sunlit_add(t->scene, &query, &t->random, t->sums->nodes);
+        const struct orl_sunlit_query query = {.place = stop->place,
+                                               .weight = stop->weight,
+                                               .port = stop->port,
+                                               .mapped = stop->mapped};
+        orl_sunlit_add(t->scene, &query, &t->random, t->sums);
     }
     look_by(t, stop, &effort, ORL_WAY_COSINE);
     look_by(t, stop, &effort, ORL_WAY_PORT);
@@ -234,7 +245,7 @@ void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_pla
                       struct orl_health *health)
 {
     const uint64_t name = batch->sensor * ORL_ANNUAL_BATCHES + batch->batch;
-    const struct stop stop = {.place = *place, .weight = orl_gray(1)};
+    const struct stop stop = {.place = *place, .weight = orl_gray(1), .port = ORL_NO_PORT};
     for (uint32_t i = batch->first; i < batch->samples; i++) {
         if (batch->crew && orl_crew_cancelled(batch->crew))
             return;
@@ -259,6 +270,7 @@ void orl_annual_trace_out(const struct orl_annual_scene *scene, struct orl_vec3 
                              .path = orl_path_from(from, direction),
                              .outside = true},
                      .tracer = &tracer,
+                     .port = ORL_NO_PORT,
                      .straight_only = straight};
     health->paths++;
     orl_eye_path_follow(&w.eye, &sink, health);

@@ -11,6 +11,9 @@
  * at a port, as the backward technique's do (render/gather/aim.h), but for virtual lamps: all
  * surfaces are met.
  *
+ * Light is of the part of the windows by which its path, followed from the sensor, first leaves the
+ * building.
+ *
  * Samples are named by seed, sensor, batch and number. Immutable but for the sums, which are one
  * batch's own; threads share nothing else.
  */
@@ -20,26 +23,7 @@
 #include <oriel/crew.h>
 
 #include "annual/scene.h"
-#include "bsdf/basis.h"
-
-/* Where paths end that look at windows from inside, in place of going on through them: by which
- * window, and in which cell of directions about the way it faces inwards. */
-struct orl_annual_exits {
-    const uint32_t *window_of_port;
-    const struct orl_frame *frames; /* by window: n inwards */
-    const struct orl_basis *basis;
-    float *all, *straight; /* [window][cell]: irradiance, of radiance 1; and without reflections */
-};
-
-/* What a batch of a sensor's paths comes to, summed up over its samples: luma. Without nodes the
- * sun is not looked for. */
-struct orl_annual_sums {
-    float *bins;   /* ORL_BINS: irradiance, of radiance 1 there */
-    double *nodes; /* by node: irradiance, of a sun that gives 1 to what faces it */
-    double *beams; /* by beam of the map: the same, of what comes through its ports alone */
-    float *lots;   /* [ORL_SUN_MAP_LOTS][beam]: the same, as each lot of photons has it */
-    struct orl_annual_exits *exits; /* NULL: windows are gone through */
-};
+#include "annual/sums.h"
 
 struct orl_annual_batch {
     uint64_t seed, sensor;

@@ -11,12 +11,12 @@
 #include <oriel/annual.h>
 #include <oriel/sha256.h>
 
+#include "annual/block_sums.h"
 #include "annual/keep.h"
 #include "annual/overcast.h"
 #include "annual/panels.h"
 #include "annual/parts.h"
 #include "annual/product.h"
-#include "annual/reach.h"
 #include "annual/scene.h"
 #include "annual/terms.h"
 #include "light/lights.h"
@@ -25,13 +25,26 @@ enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time, at the most */
 
 struct orl_year;
 
+/* A run whose light is told apart by window groups (parts.h), the last part being windows of no
+ * group. All borrowed. */
+struct orl_year_parts {
+    size_t n_groups;
+    const bool *used;            /* by group: it must have windows, and what belongs to it near */
+    const unsigned char *wanted; /* [part][column]: the part's light is added up there; NULL: all */
+    bool direct_as_wanted;       /* direct sunlight is of no use elsewhere */
+    /* Direct sunlight of a part at a sensor, by column, if that is all that is asked for. */
+    void (*sunlit)(void *ctx, size_t sensor, uint32_t part, const float *lx);
+    void *ctx; /* its */
+};
+
 /* How a run differs from what its request says. All borrowed. */
 struct orl_year_variant {
-    const struct orl_year *hours_of; /* whose hours it takes; NULL: it reads its own */
-    const struct orl_swaps *swaps;   /* of the scene's materials; may be NULL */
-    uint32_t part; /* light of that part of the windows alone (parts.h), or of 0: of all */
-    bool sun_only; /* direct light alone is wanted: the rest stays 0 */
-    struct orl_ports_of_parts *ret_ports; /* may be NULL */
+    const struct orl_year *hours_of;    /* whose hours it takes; NULL: it reads its own */
+    const struct orl_swaps *swaps;      /* of the scene's materials; may be NULL */
+    const struct orl_year_parts *parts; /* NULL: light is not told apart */
+    /* Direct sunlight alone is wanted: the rest stays 0. With parts, it is told, and nothing is put
+     * into the result. */
+    bool sun_only;
     /* Told once it is prepared, before sensors are looked at: it may give the year another request,
      * which differs in these alone. May be NULL. A negative orl_err ends the run. */
     int (*prepared)(void *ctx, struct orl_year *year, struct orl_error *err);
@@ -49,12 +62,9 @@ struct orl_year {
     struct orl_sun_nodes nodes;
     struct orl_frame *node_frames; /* as the scene has them */
     struct orl_sun_terms terms;
-    size_t n_sun, n_beams; /* nodes and beams; beams alone */
+    size_t n_beams;
     struct orl_lights *lights;
     struct orl_world *world;
-    int32_t *port_of_facet; /* the world's, where ports are closed; owned */
-    struct orl_reach reach; /* of those that are open then */
-    double open_share;      /* of the area of all ports; 1 where none is closed */
     struct orl_annual_scene scene;
     struct orl_panels panels;
     bool has_panels; /* they are made */
@@ -65,6 +75,9 @@ struct orl_year {
     double started_s, blocks_s; /* by the run's clock: the whole, and its blocks */
     double told;                /* of the run's progress: it never falls */
     size_t kept;                /* sensors that came without being computed */
+    uint32_t n_parts;           /* of the windows */
+    unsigned char *wanted_suns; /* [part][sun]: in some column; NULL: all */
+    uint16_t *part_of_beam;
     /* Of the sensors of a block: */
     bool shares_rows; /* with other runs: whoever makes a block makes its hours */
     size_t block;     /* sensors of each, but for the last one */
@@ -72,15 +85,13 @@ struct orl_year {
     atomic_size_t traced;   /* batches */
     uint32_t traced_before; /* samples of each batch that were there */
     struct orl_place places[ORL_YEAR_BLOCK];
-    bool dark[ORL_YEAR_BLOCK];          /* no light of the part reaches them */
-    float *bin_sums;                    /* [sensor][batch][bin] */
-    double *sun_sums;                   /* [sensor][batch][nodes, beams] */
-    float *lot_sums;                    /* [sensor][batch][lot][beam] */
+    struct orl_block_sums sums;
     float *rows;                        /* [sensor][of each][column] */
-    float *sun_rows;                    /* [sensor][of each][sun] */
-    struct orl_annual_factors *factors; /* by sensor */
-    double *sun_by_lot;                 /* of those: [sensor][beam][lot] */
-    double *sun_by_batch;               /* of those, and their means */
+    bool *lit;                          /* by sensor and part: it has factors */
+    struct orl_annual_factors *factors; /* by sensor and part */
+    double *factor_nodes;               /* of those */
+    struct orl_annual_beams *beams;     /* by sensor */
+    double *beam_factors, *lot_factors; /* of those */
     struct orl_health *healths;         /* by member */
 };
 

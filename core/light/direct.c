@@ -7,10 +7,10 @@ enum { MOST_PANES = 64 };
 static const uint32_t no_target = UINT32_MAX;
 
 /* Towards a facet (no_target: none in particular): a flat one does not hide itself, though rays
- * that graze it may meet it too soon. */
+ * that graze it may meet it too soon. port: as orl_transmittance_by has it; or NULL. */
 static struct orl_rgb through_panes(const struct orl_world *world, struct orl_vec3 origin,
                                     struct orl_vec3 direction, double max_distance,
-                                    bool through_ports, uint32_t target)
+                                    bool through_ports, uint32_t target, int32_t *port)
 {
     struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
@@ -22,6 +22,9 @@ static struct orl_rgb through_panes(const struct orl_world *world, struct orl_ve
         if (!orl_path_look_through(&path, orl_world_material(world, &hit), &hit) ||
             (!through_ports && orl_world_crossing(world, &hit) != ORL_CROSSING_NONE))
             return orl_gray(0);
+        if (port && *port == ORL_NO_PORT &&
+            orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS)
+            *port = orl_world_port_of(world, hit.facet);
         if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
             return path.weight;
         /* The ray sets out again a little further on: it is to end where it was to. */
@@ -34,10 +37,10 @@ static struct orl_rgb through_panes(const struct orl_world *world, struct orl_ve
 
 static struct orl_rgb transmittance_to(const struct orl_world *world, struct orl_vec3 origin,
                                        struct orl_vec3 direction, double max_distance,
-                                       bool through_ports, uint32_t target)
+                                       bool through_ports, uint32_t target, int32_t *port)
 {
     const struct orl_rgb share =
-        through_panes(world, origin, direction, max_distance, through_ports, target);
+        through_panes(world, origin, direction, max_distance, through_ports, target, port);
     if (!world->scene->mist || !(orl_rgb_max(share) > 0))
         return share;
     return orl_rgb_mul(share,
@@ -47,7 +50,13 @@ static struct orl_rgb transmittance_to(const struct orl_world *world, struct orl
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance, bool through_ports)
 {
-    return transmittance_to(world, origin, direction, max_distance, through_ports, no_target);
+    return transmittance_to(world, origin, direction, max_distance, through_ports, no_target, NULL);
+}
+
+struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, int32_t *port)
+{
+    return transmittance_to(world, origin, direction, INFINITY, true, no_target, port);
 }
 
 /* cos as irradiance, or lobes towards the eye as radiance. */
@@ -262,7 +271,7 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
     const double reach = aim.distance - 2 * facet->offset;
     const struct orl_rgb share =
         reach > 0 ? transmittance_to(world, query->point, aim.light, reach, query->through_ports,
-                                     is_flat(facet) ? emitter->facet : no_target)
+                                     is_flat(facet) ? emitter->facet : no_target, NULL)
                   : orl_gray(1);
     return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(radiance, seen), share), aim.measure_sr * left);
 }

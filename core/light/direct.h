@@ -14,6 +14,10 @@
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance,
                                  bool through_ports);
+/* The same, of light from outside any distance away. *port becomes the first port on the ray's way
+ * out, unless it is one already: then the ray's path has left the building before. */
+struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, int32_t *port);
 
 /*
  * Irradiance at a point with that (unit) normal from suns and lights sampled directly: one shadow

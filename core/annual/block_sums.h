@@ -1,0 +1,53 @@
+/*
+ * Sums of a block of sensors: what their paths come to, batch by batch (sums.h), and direct
+ * sunlight (sun_rows.h). Both can be packed into bytes, of parts that are lit alone, and unpacked.
+ *
+ * Threads: different batches, or sensors, by different ones.
+ */
+#ifndef ORL_ANNUAL_BLOCK_SUMS_H
+#define ORL_ANNUAL_BLOCK_SUMS_H
+
+#include <oriel/annual.h>
+
+#include "annual/sums.h"
+#include "annual/sun_photons.h"
+#include "annual/sun_rows.h"
+
+struct orl_block_sums {
+    size_t n_sensors, n_parts, n_nodes, n_beams, n_suns;
+    unsigned char *lit;     /* [sensor][batch][part] */
+    float *bins;            /* [sensor][batch][part][bin] */
+    double *nodes;          /* [sensor][batch][part][node] */
+    double *beams;          /* [sensor][batch][beam] */
+    float *lots;            /* [sensor][batch][lot][beam] */
+    unsigned char *sun_lit; /* [sensor][part] */
+    float *suns;            /* [sensor][part][of each][sun] */
+};
+
+/* Allocates the arrays of sums whose numbers are set. Returns 0 or ORL_ERR_NOMEM;
+ * orl_block_sums_done in either case. */
+int orl_block_sums_init(struct orl_block_sums *sums);
+void orl_block_sums_done(struct orl_block_sums *sums);
+
+/* Of the first count sensors: no sums; no sunlight. */
+void orl_block_sums_clear_paths(struct orl_block_sums *sums, size_t count);
+void orl_block_sums_clear_suns(struct orl_block_sums *sums, size_t count);
+
+struct orl_annual_sums orl_block_sums_of(const struct orl_block_sums *sums, size_t sensor,
+                                         uint32_t batch);
+/* wanted, direct_only: to be set by the caller. */
+struct orl_sun_rows orl_block_suns_of(const struct orl_block_sums *sums, size_t sensor);
+
+/* Paths or sunlight of the first count sensors. ret_data is owned; size: a multiple of 4 bytes.
+ * Returns 0 or ORL_ERR_NOMEM. */
+int orl_block_sums_pack_paths(const struct orl_block_sums *sums, size_t count, void **ret_data,
+                              size_t *ret_size);
+int orl_block_sums_pack_suns(const struct orl_block_sums *sums, size_t count, void **ret_data,
+                             size_t *ret_size);
+/* Returns true if the data has the size that it says it has; else all is cleared. */
+bool orl_block_sums_unpack_paths(struct orl_block_sums *sums, size_t count, const void *data,
+                                 size_t size);
+bool orl_block_sums_unpack_suns(struct orl_block_sums *sums, size_t count, const void *data,
+                                size_t size);
+
+#endif

@@ -1,0 +1,50 @@
+/*
+ * Direct sunlight at a sensor by sun (hours.h), and by the part of the windows that it comes in by
+ * (scene.h): irradiance, of a sun that gives 1 to what faces it.
+ */
+#ifndef ORL_ANNUAL_SUN_ROWS_H
+#define ORL_ANNUAL_SUN_ROWS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+/* Straight and by BSDF panes (oriel/annual.h); what mirrors send; and the square of the standard
+ * error of both together. */
+enum orl_sun_row { ORL_SUN_DIRECT, ORL_SUN_MIRRORED, ORL_SUN_SQUARES, ORL_SUN_ROWS };
+
+struct orl_sun_rows {
+    float *at; /* [part][ORL_SUN_ROWS][sun] */
+    size_t n_suns;
+    unsigned char *lit; /* by part: it has rows; those of others are not set */
+    bool direct_only;   /* mirrors are not asked for */
+    /* [part][sun]: who asks has use for that sun by that part; NULL: for all. BSDF panes are left
+     * out where nobody has. */
+    const unsigned char *wanted;
+};
+
+static inline float *orl_sun_row_of(const struct orl_sun_rows *rows, uint32_t part,
+                                    enum orl_sun_row row)
+{
+    return rows->at + ((size_t)part * ORL_SUN_ROWS + row) * rows->n_suns;
+}
+
+/* Sets the rows of a part that has none yet to 0. */
+static inline void orl_sun_rows_need(const struct orl_sun_rows *rows, uint32_t part)
+{
+    if (rows->lit[part])
+        return;
+    rows->lit[part] = 1;
+    memset(orl_sun_row_of(rows, part, ORL_SUN_DIRECT), 0,
+           ORL_SUN_ROWS * rows->n_suns * sizeof *rows->at);
+}
+
+static inline void orl_sun_rows_add(const struct orl_sun_rows *rows, uint32_t part,
+                                    enum orl_sun_row row, size_t sun, double light)
+{
+    orl_sun_rows_need(rows, part);
+    orl_sun_row_of(rows, part, row)[sun] += (float)light;
+}
+
+#endif
