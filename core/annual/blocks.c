@@ -4,13 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "annual/block_rows.h"
 #include "annual/light.h"
 #include "annual/shared_blocks.h"
 #include "annual/sunlight.h"
 #include "annual/trace.h"
 #include "scene/geometry/stand.h"
 
-enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS };
 #define TRACING 0.85 /* of a block's time, more or less */
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
@@ -19,11 +19,6 @@ enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS 
 static bool tells_sunlight(const struct orl_year *y)
 {
     return orl_year_is_sun_only(y) && y->variant->parts;
-}
-
-static float *row_of(const struct orl_year *y, size_t sensor, enum orl_year_row row)
-{
-    return y->rows + (sensor * ORL_YEAR_ROWS + row) * y->hours.n_columns;
 }
 
 static void trace_batch(void *arg, size_t index, uint32_t member)
@@ -59,108 +54,6 @@ static void find_sun(void *arg, size_t index, uint32_t member)
         orl_panels_add(&y->panels, &y->places[index], name, &rows);
 }
 
-/* Sums of a sensor's batches for a part; returns false if there are none. */
-static bool coefficients_of(const struct orl_year *y, size_t sensor, uint32_t part,
-                            struct orl_annual_coefficients *ret)
-{
-    bool any = false;
-    *ret =
-        (struct orl_annual_coefficients){.samples = y->batch_samples, .n_nodes = y->sums.n_nodes};
-    for (uint32_t b = 0; b < ORL_ANNUAL_BATCHES; b++) {
-        const struct orl_annual_sums sums = orl_block_sums_of(&y->sums, sensor, b);
-        if (!sums.lit[part])
-            continue;
-        ret->bins[b] = sums.bins + (size_t)part * ORL_BINS;
-        ret->nodes[b] = sums.nodes + part * sums.n_nodes;
-        any = true;
-    }
-    return any;
-}
-
-static void fill_beams(struct orl_year *y, size_t sensor)
-{
-    const size_t n = y->n_beams;
-    struct orl_annual_beam_coefficients coefficients = {.samples = y->batch_samples, .n_beams = n};
-    for (uint32_t b = 0; b < ORL_ANNUAL_BATCHES; b++) {
-        const struct orl_annual_sums sums = orl_block_sums_of(&y->sums, sensor, b);
-        coefficients.beams[b] = sums.beams;
-        coefficients.lots[b] = sums.lots;
-    }
-    orl_annual_beams_fill(&y->beams[sensor], &coefficients,
-                          y->beam_factors + sensor * (ORL_ANNUAL_BATCHES + 1) * n,
-                          y->lot_factors + sensor * ORL_SUN_MAP_LOTS * n);
-}
-
-static bool is_lit_by_beams(const struct orl_year *y, size_t sensor, uint32_t part)
-{
-    for (size_t i = 0; i < y->n_beams; i++)
-        if (y->part_of_beam[i] == part && y->beams[sensor].means[i] > 0)
-            return true;
-    return false;
-}
-
-static void fill_factors(void *arg, size_t sensor, uint32_t member)
-{
-    struct orl_year *y = arg;
-    double overcast[ORL_ANNUAL_BATCHES] = {0};
-    (void)member;
-    fill_beams(y, sensor);
-    for (uint32_t part = 0; part < y->n_parts; part++) {
-        const size_t at = sensor * y->n_parts + part;
-        struct orl_annual_coefficients coefficients;
-        y->lit[at] =
-            coefficients_of(y, sensor, part, &coefficients) || is_lit_by_beams(y, sensor, part);
-        if (!y->lit[at])
-            continue;
-        orl_overcast_add(&y->overcast, &coefficients, overcast);
-        orl_annual_factors_fill(&y->factors[at], &y->bins, &coefficients,
-                                y->factor_nodes +
-                                    at * (ORL_ANNUAL_BATCHES + 1) * coefficients.n_nodes);
-        if (y->result->coefficients)
-            orl_annual_factors_tell(&y->factors[at], y->result->coefficients +
-                                                         (y->first + sensor) * ORL_ANNUAL_PATCHES);
-    }
-    orl_overcast_find(overcast, &y->result->overcast[y->first + sensor],
-                      &y->result->overcast_se[y->first + sensor]);
-}
-
-/* The light of a part at a sensor; returns false if there is none. */
-static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
-                     const struct orl_annual_row *row, struct orl_annual_share *ret)
-{
-    const struct orl_sun_rows suns = orl_block_suns_of(&y->sums, sensor);
-    const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;
-    const size_t at = sensor * y->n_parts + part;
-    *ret = (struct orl_annual_share){
-        .row = row,
-        .part = part,
-        .factors = y->lit[at] ? &y->factors[at] : NULL,
-        .beams = &y->beams[sensor],
-        .wanted = parts && parts->wanted ? parts->wanted + part * y->hours.n_columns : NULL};
-    if (suns.lit[part]) {
-        ret->by_sun = orl_sun_row_of(&suns, part, ORL_SUN_DIRECT);
-        ret->mirrored = orl_sun_row_of(&suns, part, ORL_SUN_MIRRORED);
-        ret->squares = orl_sun_row_of(&suns, part, ORL_SUN_SQUARES);
-    }
-    return ret->factors || ret->by_sun;
-}
-
-static void multiply(void *arg, size_t tile, uint32_t member)
-{
-    const struct orl_year *y = arg;
-    struct orl_annual_share lights[ORL_ANNUAL_MOST_SHARES];
-    struct orl_annual_row rows[ORL_YEAR_BLOCK];
-    size_t n = 0;
-    (void)member;
-    for (size_t i = 0; i < y->count; i++) {
-        rows[i] = (struct orl_annual_row){row_of(y, i, ORL_YEAR_TOTAL),
-                                          row_of(y, i, ORL_YEAR_DIRECT), row_of(y, i, ORL_YEAR_SE)};
-        for (uint32_t part = 0; part < y->n_parts; part++)
-            n += light_of(y, i, part, &rows[i], &lights[n]);
-    }
-    orl_annual_multiply(lights, n, &y->hours, &y->terms, tile);
-}
-
 static void place_sensors(struct orl_year *y)
 {
     for (size_t i = 0; i < y->count; i++) {
@@ -179,8 +72,9 @@ static int hand_over(struct orl_year *y, struct orl_error *err)
     const size_t columns = y->hours.n_columns, bytes = columns * sizeof(float);
     for (size_t i = 0; i < y->count; i++) {
         const size_t sensor = y->first + i;
-        const float *total = row_of(y, i, ORL_YEAR_TOTAL), *direct = row_of(y, i, ORL_YEAR_DIRECT);
-        const float *se = row_of(y, i, ORL_YEAR_SE);
+        const float *total = orl_year_row_of(y, i, ORL_YEAR_TOTAL),
+                    *direct = orl_year_row_of(y, i, ORL_YEAR_DIRECT);
+        const float *se = orl_year_row_of(y, i, ORL_YEAR_SE);
         if (y->env->row) {
             const int code = y->env->row(y->env->ctx, sensor, total, direct, se, err);
             if (code < 0)
@@ -295,26 +189,13 @@ static int find_suns(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
-/* Direct sunlight of a part at a sensor, by column. */
-static void find_direct(const struct orl_year *y, size_t sensor, uint32_t part, float *ret_lx)
-{
-    const struct orl_sun_rows suns = orl_block_suns_of(&y->sums, sensor);
-    const float *by_sun = orl_sun_row_of(&suns, part, ORL_SUN_DIRECT);
-    for (size_t c = 0; c < y->hours.n_columns; c++) {
-        const struct orl_column_sun *sun = &y->hours.sun_of_column[c];
-        ret_lx[c] = suns.lit[part] && sun->normal_lx > 0
-                        ? (float)(sun->normal_lx * (double)by_sun[sun->sun])
-                        : 0;
-    }
-}
-
 static void tell_sunlight(const struct orl_year *y)
 {
     const struct orl_year_parts *parts = y->variant->parts;
     for (size_t i = 0; i < y->count; i++)
         for (uint32_t part = 0; part < y->n_parts; part++)
             if (orl_block_suns_of(&y->sums, i).lit[part]) {
-                find_direct(y, i, part, y->rows);
+                orl_block_direct(y, i, part, y->rows);
                 parts->sunlit(parts->ctx, y->first + i, part, y->rows);
             }
 }
@@ -338,14 +219,13 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
         return code;
     memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
     for (size_t i = 0; i < y->count; i++)
-        find_direct(y, i, 0, row_of(y, i, ORL_YEAR_DIRECT));
+        orl_block_direct(y, i, 0, orl_year_row_of(y, i, ORL_YEAR_DIRECT));
     return hand_over(y, err);
 }
 
 /* Paths and suns times all hours. */
 static int make_rows(struct orl_year *y, struct orl_error *err)
 {
-    struct orl_crew *crew = y->env->run->crew;
     double since = orl_year_now(y);
     int code = find_paths(y, err);
     orl_year_book(y, ORL_ANNUAL_PATHS, &since);
@@ -354,10 +234,7 @@ static int make_rows(struct orl_year *y, struct orl_error *err)
     orl_year_book(y, ORL_ANNUAL_SUN, &since);
     if (code < 0)
         return code;
-    memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
-    code = orl_crew_try(crew, y->count, fill_factors, y);
-    if (code == 0)
-        code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
+    code = orl_block_rows_make(y);
     orl_year_book(y, ORL_ANNUAL_HOURS, &since);
     return code < 0 ? orl_year_failed(y, code, err) : 0;
 }
@@ -432,68 +309,12 @@ static int run_block(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
-/* Of suns that nobody has a use for, BSDF panes send no light. All are of use to who keeps them. */
-static int want_suns(struct orl_year *y)
-{
-    const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;
-    const size_t suns = y->hours.suns.count;
-    if (!parts || !parts->wanted || !parts->direct_as_wanted || y->keep.store)
-        return 0;
-    y->wanted_suns = calloc(y->n_parts * suns + 1, sizeof *y->wanted_suns);
-    if (!y->wanted_suns)
-        return ORL_ERR_NOMEM;
-    for (uint32_t part = 0; part < y->n_parts; part++)
-        for (size_t c = 0; c < y->hours.n_columns; c++)
-            if (y->hours.sun_of_column[c].normal_lx > 0 &&
-                parts->wanted[part * y->hours.n_columns + c])
-                y->wanted_suns[part * suns + y->hours.sun_of_column[c].sun] = 1;
-    return 0;
-}
-
-static int find_parts_of_beams(struct orl_year *y)
-{
-    y->part_of_beam = calloc(y->n_beams + 1, sizeof *y->part_of_beam);
-    for (size_t sun = 0; y->part_of_beam && y->n_beams > 0 && sun < y->hours.suns.count; sun++)
-        for (uint32_t part = 0; part < y->n_parts; part++) {
-            const struct orl_sun_range range = orl_sun_terms_beams(&y->terms, sun, part);
-            for (uint32_t i = range.first; i < range.end; i++)
-                y->part_of_beam[y->terms.which[i]] = (uint16_t)part;
-        }
-    return y->part_of_beam ? 0 : ORL_ERR_NOMEM;
-}
-
-/* For so many sensors at a time. */
-static int make_sums(struct orl_year *y, size_t n)
-{
-    const size_t lights = n * y->n_parts;
-    const bool sun_only = orl_year_is_sun_only(y);
-    y->sums = (struct orl_block_sums){.n_sensors = n,
-                                      .n_parts = y->n_parts,
-                                      .n_nodes = sun_only ? 0 : y->nodes.count,
-                                      .n_beams = y->n_beams,
-                                      .n_suns = y->hours.suns.count};
-    if (orl_block_sums_init(&y->sums) < 0 || want_suns(y) < 0 || find_parts_of_beams(y) < 0)
-        return ORL_ERR_NOMEM;
-    y->lit = calloc(lights + 1, sizeof *y->lit);
-    y->factors = malloc((lights + 1) * sizeof *y->factors);
-    y->factor_nodes =
-        malloc((lights * (ORL_ANNUAL_BATCHES + 1) * y->sums.n_nodes + 1) * sizeof *y->factor_nodes);
-    y->beams = calloc(n + 1, sizeof *y->beams);
-    y->beam_factors =
-        malloc((n * (ORL_ANNUAL_BATCHES + 1) * y->n_beams + 1) * sizeof *y->beam_factors);
-    y->lot_factors = malloc((n * ORL_SUN_MAP_LOTS * y->n_beams + 1) * sizeof *y->lot_factors);
-    return y->lit && y->factors && y->factor_nodes && y->beams && y->beam_factors && y->lot_factors
-               ? 0
-               : ORL_ERR_NOMEM;
-}
-
 static int make_room(struct orl_year *y)
 {
     const size_t columns = y->hours.n_columns, n = y->request->n_sensors;
     struct orl_annual_result *r = y->result;
-    y->rows = malloc((y->block * ORL_YEAR_ROWS * columns + 1) * sizeof *y->rows);
     y->healths = calloc(orl_crew_size(y->env->run->crew), sizeof *y->healths);
-    if (make_sums(y, y->block) < 0 || !y->rows || !y->healths)
+    if (orl_block_rows_init(y) < 0 || !y->healths)
         return ORL_ERR_NOMEM;
     orl_overcast_init(&y->overcast, &y->bins, y->request->ground_reflectance);
     r->overcast = calloc(n + 1, sizeof *r->overcast);
@@ -597,15 +418,6 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
 
 void orl_year_blocks_done(struct orl_year *y)
 {
-    orl_block_sums_done(&y->sums);
-    free(y->wanted_suns);
-    free(y->part_of_beam);
-    free(y->lit);
-    free(y->factors);
-    free(y->factor_nodes);
-    free(y->beams);
-    free(y->beam_factors);
-    free(y->lot_factors);
-    free(y->rows);
+    orl_block_rows_done(y);
     free(y->healths);
 }

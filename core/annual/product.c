@@ -77,16 +77,16 @@ static double photon_squares(const struct orl_sun_terms *terms, struct orl_sun_r
 
 /* ---- Factors --------------------------------------------------------------------------------- */
 
-/* ret: [value][batch], and the means after them. */
-static void fill_sun(const double *const batches[BATCHES], size_t n, double share, double *ret)
+/* Fills a node or beam of all batches; returns their mean. */
+static double fill_sun(const double *const batches[BATCHES], size_t which, double share,
+                       double ret[BATCHES])
 {
-    double *means = ret + n * BATCHES;
-    memset(ret, 0, n * (BATCHES + 1) * sizeof *ret);
-    for (size_t b = 0; b < BATCHES; b++)
-        for (size_t i = 0; batches[b] && i < n; i++) {
-            ret[i * BATCHES + b] = batches[b][i] * share;
-            means[i] += ret[i * BATCHES + b] / BATCHES;
-        }
+    double mean = 0;
+    for (size_t b = 0; b < BATCHES; b++) {
+        ret[b] = batches[b] ? batches[b][which] * share : 0;
+        mean += ret[b] / BATCHES;
+    }
+    return mean;
 }
 
 void orl_annual_beams_fill(struct orl_annual_beams *beams,
@@ -96,13 +96,16 @@ void orl_annual_beams_fill(struct orl_annual_beams *beams,
     const size_t n = coefficients->n_beams;
     const double share = 1.0 / coefficients->samples;
     *beams = (struct orl_annual_beams){sums, sums + n * BATCHES, lots};
-    fill_sun(coefficients->beams, n, share, sums);
-    memset(lots, 0, n * LOTS * sizeof *lots);
-    for (size_t b = 0; b < BATCHES; b++)
-        for (size_t lot = 0; lot < LOTS; lot++)
-            for (size_t i = 0; i < n; i++)
-                lots[i * LOTS + lot] +=
-                    (double)coefficients->lots[b][lot * n + i] * share / BATCHES;
+    for (size_t k = 0; k < coefficients->n_which; k++) {
+        const size_t i = coefficients->which[k];
+        beams->means[i] = fill_sun(coefficients->beams, i, share, sums + i * BATCHES);
+        for (size_t lot = 0; lot < LOTS; lot++) {
+            double sum = 0;
+            for (size_t b = 0; b < BATCHES; b++)
+                sum += (double)coefficients->lots[b][lot * n + i];
+            lots[i * LOTS + lot] = sum * share / BATCHES;
+        }
+    }
 }
 
 void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins *bins,
@@ -112,7 +115,8 @@ void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins
     memset(f->coarse, 0, sizeof f->coarse);
     f->nodes = nodes;
     f->node_means = nodes + coefficients->n_nodes * BATCHES;
-    fill_sun(coefficients->nodes, coefficients->n_nodes, share, nodes);
+    for (size_t i = 0; i < coefficients->n_nodes; i++)
+        f->node_means[i] = fill_sun(coefficients->nodes, i, share, nodes + i * BATCHES);
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         double sum = 0;
         for (int b = 0; b < BATCHES; b++)

@@ -22,7 +22,8 @@ struct orl_annual_beam_coefficients {
     uint32_t samples;
     const double *beams[ORL_ANNUAL_BATCHES];
     const float *lots[ORL_ANNUAL_BATCHES]; /* [ORL_SUN_MAP_LOTS][n_beams]: by each lot alone */
-    size_t n_beams;
+    const uint32_t *which;                 /* those to be made ready */
+    size_t n_which, n_beams;
 };
 
 /* Coefficients of a part, made ready. What batches differ by in the sky is told by coarse bins. */
@@ -41,7 +42,8 @@ struct orl_annual_beams {
     double *means; /* [beam]; borrowed */
     double *lots;  /* [beam][lot]; borrowed */
 };
-/* sums has room for all beams of all batches, and their means after them. */
+/* sums has room for all beams of all batches, and their means after them; what of it is of other
+ * beams than those asked for is not set. */
 void orl_annual_beams_fill(struct orl_annual_beams *beams,
                            const struct orl_annual_beam_coefficients *coefficients, double *sums,
                            double *lots);

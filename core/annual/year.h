@@ -92,6 +92,7 @@ struct orl_year {
     double *factor_nodes;               /* of those */
     struct orl_annual_beams *beams;     /* by sensor */
     double *beam_factors, *lot_factors; /* of those */
+    uint32_t *beam_lists;               /* [sensor][those with factors] */
     struct orl_health *healths;         /* by member */
 };
 

@@ -35,6 +35,10 @@ enum { SAMPLES = 64, TEXT = 8192 };
     "e polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 40 40 -.3 -40 40 -.3\n"
 #define SOUTH(m) m " polygon front 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
 #define NORTH(m) m " polygon back 0 0 12 1 5 1 3 5 1 3 5 2.5 1 5 2.5\n"
+/* North of the room, it sends the sun into its north window. */
+#define FACADE                                                                                     \
+    "void mirror m 0 0 3 .6 .6 .6\n"                                                               \
+    "m polygon facade 0 0 12 -8 14 -.2 12 14 -.2 12 14 20 -8 14 20\n"
 static const char room[] = SHELL SOUTH("clear") NORTH("clear");
 
 static const struct year_site izmir = {38.42, 27.14, 2};
@@ -263,17 +267,18 @@ static void make_three(struct three *t)
 
 /*
  * Nine pairs of states are more than the groups have, and a window in no group: light is added up
- * of six runs, two groups dark in none, and is hour by hour that of years with the pair written
- * into the scene. Both have standard errors; what panes reflect of each other's light is as in the
- * first state: panes of 3 of 94 m2 that reflect 6 % less of what comes to them, of walls that
- * reflect half, make 0.4 %. Squares of z are correlated by sensor, as in test_annual.c.
+ * of three runs, one for each state, and is hour by hour that of years with the pair written into
+ * the scene; by way of a facade of glass opposite, too. Both have standard errors; panes reflect of
+ * each other's light what they do in the same state: panes of 3 of 94 m2 that reflect 6 % less of
+ * what comes to them, of walls that reflect half, make 0.4 %. Squares of z are correlated by sensor,
+ * as in test_annual.c.
  */
 static void test_sum_of_groups(void **state)
 {
     static const char *const souths[] = {"clear", "tinted", "dim"}, *const norths[] = {
                                                                         "clear", "black", "dim"};
     struct three three;
-    struct year_run run = usual(WALLS WEST SOUTH("clear") NORTH("clear"));
+    struct year_run run = usual(WALLS WEST FACADE SOUTH("clear") NORTH("clear"));
     struct orl_annual_result alone[9];
     double squares = 0, worst = 0;
     size_t n = 0;
@@ -284,7 +289,7 @@ static void test_sum_of_groups(void **state)
     for (int i = 0; i < 9; i++) {
         char text[TEXT];
         snprintf(text, sizeof text,
-                 WALLS WEST "%s polygon front 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
+                 WALLS WEST FACADE "%s polygon front 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
                             "%s polygon back 0 0 12 1 5 1 3 5 1 3 5 2.5 1 5 2.5\n",
                  souths[i % 3], norths[i / 3]);
         struct year_run one = run;
@@ -295,6 +300,7 @@ static void test_sum_of_groups(void **state)
     run.n_groups = 2;
     struct orl_annual_result all = year_run(&run);
     assert_true(all.summed);
+    assert_int_equal(all.n_runs, 3);
     assert_same(all.direct, alone[0].direct, &all);
     for (size_t c = 0; c < all.n_columns; c++) {
         const struct orl_annual_result *one = &alone[all.step_of_column[c] % 9];
@@ -446,8 +452,9 @@ static void test_each_by_its_own_sun(void **state)
     orl_annual_done(&year);
 }
 
-/* The open run counts by its cost, not as one of all runs there may be, of which most are not
- * needed or are short; and progress never falls, in runs of the direct sun neither. */
+/* The open run, which the north's control needs, counts by its cost, not as one of all runs there
+ * may be, of which most are not needed; and progress never falls, in the run of direct sunlight
+ * neither. */
 static void test_progress(void **state)
 {
     struct orl_shade_state states[ORL_SHADES_MOST_STATES] = {{.name = open_word},
@@ -469,6 +476,8 @@ static void test_progress(void **state)
         groups[g].n_states = ORL_SHADES_MOST_STATES;
         groups[g].control = lm83;
     }
+    groups[1].control.kind = ORL_SHADES_BY_LIGHT;
+    groups[1].control.above_lx = 1e6;
     run.groups = groups;
     run.n_groups = 2;
     run.progress = &progress;
