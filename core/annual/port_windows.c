@@ -5,15 +5,25 @@
 static int make_room(struct orl_windows *windows, size_t most)
 {
     windows->at = malloc((most + 1) * sizeof *windows->at);
-    return windows->at ? 0 : ORL_ERR_NOMEM;
+    windows->clear = malloc((most + 1) * sizeof *windows->clear);
+    return windows->at && windows->clear ? 0 : ORL_ERR_NOMEM;
 }
 
-static void add(struct orl_windows *windows, const struct orl_geometry *g, uint32_t facet)
+static bool lets_rays_pass(const struct orl_material *m)
 {
-    if (orl_facet_kind(g, facet) != ORL_SURFACE_POLYGON)
+    return m->kind != ORL_MATERIAL_BSDF || m->peak;
+}
+
+static void add(struct orl_windows *windows, const struct orl_world *world, uint32_t facet)
+{
+    if (orl_facet_kind(world->geometry, facet) != ORL_SURFACE_POLYGON) {
         windows->all = true;
-    else
-        windows->at[windows->count++] = orl_window_of(g, facet);
+        return;
+    }
+    const struct orl_window window = orl_window_of(world->geometry, facet);
+    windows->at[windows->count++] = window;
+    if (lets_rays_pass(&world->materials[orl_facet_material(world->geometry, facet)]))
+        windows->clear[windows->n_clear++] = window;
 }
 
 int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *world)
@@ -23,14 +33,16 @@ int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *wo
         return 0;
     const int code = make_room(windows, world->n_ports);
     for (size_t i = 0; i < world->n_ports && code == 0; i++)
-        add(windows, world->geometry, world->ports[i].facet);
-    return code == 0 ? orl_pane_tree_init(&windows->tree, windows->at, NULL, windows->count) : code;
+        add(windows, world, world->ports[i].facet);
+    return code == 0 ? orl_pane_tree_init(&windows->tree, windows->clear, NULL, windows->n_clear)
+                     : code;
 }
 
 void orl_windows_done(struct orl_windows *windows)
 {
     orl_pane_tree_done(&windows->tree);
     free(windows->at);
+    free(windows->clear);
     *windows = (struct orl_windows){.at = NULL};
 }
 
@@ -38,12 +50,12 @@ bool orl_windows_passed(const struct orl_windows *windows, struct orl_vec3 origi
                         struct orl_vec3 direction, double slack)
 {
     return windows->all ||
-           orl_pane_tree_passed(&windows->tree, windows->at, origin, direction, slack, INFINITY);
+           orl_pane_tree_passed(&windows->tree, windows->clear, origin, direction, slack, INFINITY);
 }
 
 bool orl_windows_passed_before(const struct orl_windows *windows, struct orl_vec3 origin,
                                struct orl_vec3 direction, double before)
 {
     return windows->all ||
-           orl_pane_tree_passed(&windows->tree, windows->at, origin, direction, 0, before);
+           orl_pane_tree_passed(&windows->tree, windows->clear, origin, direction, 0, before);
 }

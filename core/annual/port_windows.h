@@ -1,5 +1,6 @@
 /*
- * The windows of a sealed building's ports: a ray from inside to the sun passes one of them.
+ * The windows of a sealed building's ports: a ray from inside to the sun passes one of them, whose
+ * pane lets light go straight through. BSDF panes without a peak do not.
  *
  * Immutable once made.
  */
@@ -9,8 +10,10 @@
 #include "annual/pane_tree.h"
 
 struct orl_windows {
-    struct orl_window *at;
+    struct orl_window *at; /* by port */
     size_t count;
+    struct orl_window *clear; /* those that rays can pass */
+    size_t n_clear;
     struct orl_pane_tree tree; /* of those */
     bool all;                  /* every ray is to be traced: light has other ways */
 };

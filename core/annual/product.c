@@ -9,13 +9,15 @@ enum { TILE = ORL_HOURS_TILE, BATCHES = ORL_ANNUAL_BATCHES, LOTS = ORL_SUN_MAP_L
 enum { TOGETHER = 4, LANES = 16 };
 
 /* Some rows of coefficients at a time times some columns side by side: what is read of the sky
- * serves all of them. Bins are added in their order: the same bits whatever the vectors. */
+ * serves all of them. Bins are added in their order: the same bits whatever the vectors. lanes: a
+ * bit for each LANES columns that are wanted; the others become 0. */
 static ORL_FOR_WIDE_VECTORS void add_products(const float *const coefficients[TOGETHER], uint32_t n,
-                                              const float *tile, float *const ret_sums[TOGETHER])
+                                              const float *tile, uint32_t lanes,
+                                              float *const ret_sums[TOGETHER])
 {
     for (int at = 0; at < TILE; at += LANES) {
         float a[LANES] = {0}, b[LANES] = {0}, c[LANES] = {0}, d[LANES] = {0};
-        for (uint32_t bin = 0; bin < n; bin++) {
+        for (uint32_t bin = 0; bin < n && (lanes >> (at / LANES) & 1); bin++) {
             const float *sky = tile + (size_t)bin * TILE + at;
             const float pa = coefficients[0][bin], pb = coefficients[1][bin];
             const float pc = coefficients[2][bin], pd = coefficients[3][bin];
@@ -192,9 +194,9 @@ static void add_indirect_sun(const struct tile *tile, const struct orl_annual_sh
         sums->sun[j][b] += batches[b] * of->normal_lx;
 }
 
-/* sky: of the light. */
+/* sky, lanes: of the light. */
 static void add_indirect(const struct tile *tile, const struct orl_annual_share *light,
-                         const float sky[TILE], struct tile_sums *sums)
+                         const float sky[TILE], uint32_t lanes, struct tile_sums *sums)
 {
     const float *coarse = tile->hours->coarse + tile->index * ORL_BINS_COARSE * TILE;
     for (int b = 0; b < BATCHES; b += TOGETHER) {
@@ -205,7 +207,7 @@ static void add_indirect(const struct tile *tile, const struct orl_annual_share 
             batches[k] = light->factors->coarse[b + k];
             to[k] = off[k];
         }
-        add_products(batches, ORL_BINS_COARSE, coarse, to);
+        add_products(batches, ORL_BINS_COARSE, coarse, lanes, to);
         for (int k = 0; k < TOGETHER; k++)
             for (uint32_t j = 0; j < tile->n; j++)
                 if (is_wanted(light, tile->index * TILE + j))
@@ -264,26 +266,29 @@ static void put_columns(const struct tile *tile, const struct tile_sums *sums)
 
 /* ---- All sensors of a tile ------------------------------------------------------------------- */
 
-static bool is_wanted_in(const struct tile *tile, const struct orl_annual_share *light)
+/* Returns a bit for each LANES columns in some of which the light is wanted. */
+static uint32_t lanes_of(const struct tile *tile, const struct orl_annual_share *light)
 {
+    uint32_t lanes = 0;
     for (uint32_t j = 0; j < tile->n; j++)
-        if (is_wanted(light, tile->index * TILE + j))
-            return true;
-    return false;
+        lanes |= (uint32_t)is_wanted(light, tile->index * TILE + j) << (j / LANES);
+    return lanes;
 }
 
 /* Skies of some lights at a time; NULL: of no factors. */
 static void multiply_skies(const struct tile *tile, const struct orl_annual_share *const *lights,
-                           size_t count, float sky[TOGETHER][TILE])
+                           const uint32_t *lanes, size_t count, float sky[TOGETHER][TILE])
 {
     static const float none[ORL_BINS];
     const float *bins[TOGETHER];
     float *to[TOGETHER];
+    uint32_t any = 0;
     for (size_t k = 0; k < TOGETHER; k++) {
+        any |= k < count ? lanes[k] : 0;
         bins[k] = k < count && lights[k]->factors ? lights[k]->factors->bins : none;
         to[k] = sky[k];
     }
-    add_products(bins, ORL_BINS, tile->hours->fine + tile->index * ORL_BINS * TILE, to);
+    add_products(bins, ORL_BINS, tile->hours->fine + tile->index * ORL_BINS * TILE, any, to);
 }
 
 void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
@@ -293,16 +298,18 @@ void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
     const size_t left = hours->n_columns - tile * TILE;
     const struct tile here = {hours, terms, tile, left < TILE ? (uint32_t)left : TILE};
     const struct orl_annual_share *list[ORL_ANNUAL_MOST_SHARES];
+    uint32_t lanes[ORL_ANNUAL_MOST_SHARES];
     struct tile_sums sums = {.row = NULL};
     size_t n = 0;
     for (size_t i = 0; i < count; i++) {
         put_direct(&here, &lights[i]);
-        if (is_wanted_in(&here, &lights[i]))
-            list[n++] = &lights[i];
+        lanes[n] = lanes_of(&here, &lights[i]);
+        list[n] = &lights[i];
+        n += lanes[n] != 0;
     }
     for (size_t i = 0; i < n; i += TOGETHER) {
         float sky[TOGETHER][TILE];
-        multiply_skies(&here, list + i, n - i, sky);
+        multiply_skies(&here, list + i, lanes + i, n - i, sky);
         for (size_t k = 0; k < TOGETHER && i + k < n; k++) {
             const struct orl_annual_share *light = list[i + k];
             if (light->row != sums.row) {
@@ -311,7 +318,7 @@ void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
                 sums.row = light->row;
             }
             if (light->factors)
-                add_indirect(&here, light, sky[k], &sums);
+                add_indirect(&here, light, sky[k], lanes[i + k], &sums);
             add_straight(&here, light, &sums);
         }
     }
