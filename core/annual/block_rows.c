@@ -143,7 +143,8 @@ int orl_block_rows_make(struct orl_year *y)
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
 
-/* Of suns that nobody has a use for, BSDF panes send no light. All are of use to who keeps them. */
+/* Lists the suns that each part needs, so that BSDF panes need not be sampled for the others. If
+ * sunlight is kept for later jobs, all suns are needed. */
 static int want_suns(struct orl_year *y)
 {
     const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;

@@ -29,7 +29,7 @@ struct orl_block_sums {
 int orl_block_sums_init(struct orl_block_sums *sums);
 void orl_block_sums_done(struct orl_block_sums *sums);
 
-/* Of the first count sensors: no sums; no sunlight. */
+/* Remove the sums, or the sunlight, of the first count sensors. */
 void orl_block_sums_clear_paths(struct orl_block_sums *sums, size_t count);
 void orl_block_sums_clear_suns(struct orl_block_sums *sums, size_t count);
 

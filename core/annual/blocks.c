@@ -15,7 +15,7 @@
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
-/* Whether direct sunlight is told by part, and no row is made. */
+/* Returns true if the year passes direct sunlight on by part and makes no rows. */
 static bool tells_sunlight(const struct orl_year *y)
 {
     return orl_year_is_sun_only(y) && y->variant->parts;

@@ -57,8 +57,10 @@ static int check_parts(const struct orl_year *y, struct orl_error *err)
         return ORL_ERR_UNSUPPORTED;
     }
     size_t *n_ports = calloc(parts->n_groups + 1, sizeof *n_ports);
-    int code = n_ports ? 0 : orl_year_no_memory(err);
-    for (size_t i = 0; i < y->world->n_ports && code == 0; i++)
+    int code = 0;
+    if (!n_ports)
+        return orl_year_no_memory(err);
+    for (size_t i = 0; i < y->world->n_ports; i++)
         n_ports[orl_part_of_port(y->world, i, parts->n_groups)]++;
     for (size_t part = 0; part < parts->n_groups && code == 0; part++)
         if (parts->used[part])

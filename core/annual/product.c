@@ -145,7 +145,7 @@ void orl_annual_factors_tell(const struct orl_annual_factors *f, float *ret_coef
 
 /* ---- A tile of a sensor ---------------------------------------------------------------------- */
 
-/* What the parts of a sensor's light come to in each column of a tile. */
+/* A sensor's light in each column of a tile, summed over the parts. */
 struct tile_sums {
     const struct orl_annual_row *row; /* NULL: of no sensor */
     float sky[TILE];
@@ -175,8 +175,8 @@ static const struct orl_column_sun *sun_of(const struct tile *tile, uint32_t j)
 static void add_indirect_sun(const struct tile *tile, const struct orl_annual_share *light,
                              uint32_t j, struct tile_sums *sums)
 {
-    /* Of what interpolations lie apart, a share is the error of the better one, as rooms with
-     * blinds have it. */
+    /* The error of the better interpolation is this share of the distance between the two. It was
+     * measured in rooms with blinds. */
     static const double share = 0.35;
     const struct orl_column_sun *of = sun_of(tile, j);
     const struct orl_sun_terms *terms = tile->terms;
@@ -275,7 +275,7 @@ static uint32_t lanes_of(const struct tile *tile, const struct orl_annual_share 
     return lanes;
 }
 
-/* Skies of some lights at a time; NULL: of no factors. */
+/* Multiplies up to TOGETHER lights by the sky. Lights without factors give 0. */
 static void multiply_skies(const struct tile *tile, const struct orl_annual_share *const *lights,
                            const uint32_t *lanes, size_t count, float sky[TOGETHER][TILE])
 {

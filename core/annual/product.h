@@ -17,7 +17,7 @@ struct orl_annual_coefficients {
     size_t n_nodes;
 };
 
-/* The same of beams, of all parts. */
+/* Sums of beams. A beam has one part. */
 struct orl_annual_beam_coefficients {
     uint32_t samples;
     const double *beams[ORL_ANNUAL_BATCHES];
@@ -26,7 +26,8 @@ struct orl_annual_beam_coefficients {
     size_t n_which, n_beams;
 };
 
-/* Coefficients of a part, made ready. What batches differ by in the sky is told by coarse bins. */
+/* Coefficients of a part, divided by samples. Differences between batches are kept by coarse bins
+ * of the sky. */
 struct orl_annual_factors {
     float bins[ORL_BINS];                              /* the mean of all batches */
     float coarse[ORL_ANNUAL_BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
@@ -69,8 +70,8 @@ struct orl_annual_share {
 
 enum { ORL_ANNUAL_MOST_SHARES = 1024 };
 
-/* Of one tile of columns: a tile's sky serves all sensors while it is at hand. Lights of a sensor
- * are one after the other; count: at most ORL_ANNUAL_MOST_SHARES. terms: of the sun. */
+/* Fills one tile of columns for all sensors, so that the tile's sky is read from the cache. Lights
+ * of a sensor follow each other; count is at most ORL_ANNUAL_MOST_SHARES. terms: of the sun. */
 void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
                          const struct orl_hours *hours, const struct orl_sun_terms *terms,
                          size_t tile);

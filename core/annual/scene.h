@@ -29,9 +29,8 @@ struct orl_annual_scene {
     struct orl_mirrors mirrors; /* what those beyond ports throw in is in no map */
     struct orl_sun_map
         *map; /* owned, set by who made it; NULL: sunlight is looked for by shadow rays alone */
-    bool whole_map; /* it has what diffuse surfaces send from one to another */
-    /* Light is told apart by the part of the windows that it comes in by (parts.h). */
-    uint32_t n_parts;
+    bool whole_map;         /* it has what diffuse surfaces send from one to another */
+    uint32_t n_parts;       /* of the windows (parts.h) */
     uint16_t *part_of_port; /* owned; NULL: there is one part */
 };
 

@@ -101,8 +101,8 @@ static int count_direct(struct orl_shading *s, double share)
     orl_annual_done(&run);
     if (code == 0 || code != ORL_ERR_UNSUPPORTED || groups > 1 || !s->opened)
         return code;
-    /* Of openings, and windows inside a building, nothing is told apart: of one group all counts.
-     */
+    /* Light through openings, or through windows inside a building, has no group. With one group,
+     * all direct sunlight counts. */
     memset(s->counts[0], 0,
            orl_shades_grids(s->request) * s->result->n_columns * sizeof **s->counts);
     for (size_t i = 0; i < s->result->n_sensors; i++)
@@ -137,15 +137,15 @@ static int find_light(struct orl_shading *s, size_t g, bool *closed)
 {
     const struct orl_shade_control *control = &s->request->groups[g].control;
     const struct orl_annual_result *r = s->result;
-    uint32_t *counts = s->counts[g] ? s->counts[g] : new_counts(s);
-    if (!counts)
-        return orl_year_no_memory(s->err);
-    for (size_t i = 0; i < r->n_sensors && !s->counts[g]; i++)
-        orl_shades_count(s->request, control, i, orl_annual_row(r, r->total, i), r->n_columns,
-                         counts);
-    orl_shades_decide(s->request, control, counts, r->n_columns, closed);
-    if (!s->counts[g])
-        free(counts);
+    if (!s->counts[g]) {
+        s->counts[g] = new_counts(s);
+        if (!s->counts[g])
+            return orl_year_no_memory(s->err);
+        for (size_t i = 0; i < r->n_sensors; i++)
+            orl_shades_count(s->request, control, i, orl_annual_row(r, r->total, i), r->n_columns,
+                             s->counts[g]);
+    }
+    orl_shades_decide(s->request, control, s->counts[g], r->n_columns, closed);
     return 0;
 }
 
@@ -210,7 +210,7 @@ static int run_combinations(struct orl_shading *s, double share)
 
 /* ---- By parts -------------------------------------------------------------------------------- */
 
-/* A run of all groups in that state; of those that have fewer, in their first. */
+/* A run of all groups in one state. Groups that lack the state are in their first. */
 struct pass {
     size_t state;
     unsigned char states[ORL_SHADES_MOST_GROUPS];
@@ -225,7 +225,7 @@ static bool is_wanted(const struct orl_shading *s, size_t part, size_t state, si
 {
     const struct orl_annual_result *r = s->result;
     if (s->opened && s->which[column] == 0)
-        return false; /* all are open, and that is done */
+        return false; /* the run of all open has filled this column */
     if (part == s->request->n_groups)
         return state == 0;
     return s->states[part * r->n_steps + r->step_of_column[column]] == state &&
@@ -256,7 +256,8 @@ static int make_pass(const struct orl_shading *s, size_t state, struct pass *pas
     return 0;
 }
 
-/* Adds up a run's light. The first of all, without a run of all open, has direct sunlight, too. */
+/* Adds a run's light to the result. The first pass, if there was no run of all open, also gives the
+ * direct sunlight and the overcast sky's light. */
 static void add_run(struct orl_shading *s, struct orl_annual_result *run, bool first)
 {
     struct orl_annual_result *all = s->result;
@@ -353,7 +354,8 @@ static double most_combinations(struct orl_shading *s)
     return has_more_than_room(s) ? INFINITY : most;
 }
 
-/* Runs of all light by parts: more combinations than this, and light is added up. */
+/* Returns the most combinations of states that get a run each; if there are more, light is added up
+ * by parts. */
 static size_t count_parts(const struct orl_shading *s)
 {
     size_t n = 1; /* windows in no group */
@@ -368,7 +370,7 @@ static size_t count_parts(const struct orl_shading *s)
     return n;
 }
 
-/* Whether controls need the light of a run of all open. */
+/* Returns true if a control needs light that only the run of all open finds. */
 static bool needs_open_first(const struct orl_shading *s)
 {
     for (size_t g = 0; g < s->request->n_groups; g++) {

@@ -19,8 +19,8 @@ struct orl_sun_rows {
     size_t n_suns;
     unsigned char *lit; /* by part: it has rows; those of others are not set */
     bool direct_only;   /* mirrors are not asked for */
-    /* [part][sun]: who asks has use for that sun by that part; NULL: for all. BSDF panes are left
-     * out where nobody has. */
+    /* [part][sun]: the caller needs that sun by that part; NULL: it needs all. BSDF panes are
+     * sampled for these suns only. */
     const unsigned char *wanted;
 };
 

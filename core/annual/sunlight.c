@@ -280,7 +280,7 @@ static bool is_covered(const struct orl_annual_scene *scene, const struct orl_pl
     return true;
 }
 
-/* What points of a disc bring by one part. */
+/* Light of a disc's points that comes in by one part. */
 struct of_part {
     uint32_t part;
     double sum, squares;
