@@ -382,7 +382,7 @@ static int make_block(struct orl_year *y, struct orl_error *err)
 /* Sensors at a time: as many lights, of a part at a sensor each, as a tile takes. */
 static size_t most_at_a_time(const struct orl_year *y)
 {
-    enum { LIGHTS = ORL_ANNUAL_MOST_SHARES / 2, LEAST = 8 };
+    enum { LIGHTS = 256, LEAST = 8 };
     const size_t most = LIGHTS / y->n_parts;
     return most < LEAST ? LEAST : most < ORL_YEAR_BLOCK ? most : ORL_YEAR_BLOCK;
 }

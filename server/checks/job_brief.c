@@ -98,7 +98,8 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
         }
     }
     return json_pack(
-        "{s:i, s:i, s:s*, s:s*, s:s, s:s, s:I, s:I, s:I, s:b, s:[I, I, I, I, I, I, I, I, I], s:o}",
+        "{s:i, s:i, s:s*, s:s*, s:s, s:s, s:I, s:I, s:I, s:b, s:[I, I, I, I, I, I, I, I, I, I], "
+        "s:o}",
         "kind", (int)brief->kind, "priority", brief->priority, "name", brief->labels.name, "tags",
         brief->labels.tags, "scene", brief->scene, "identity", brief->identity, "result_bytes",
         (json_int_t)brief->result_bytes, "sensor_bytes", (json_int_t)brief->sensor_bytes,
@@ -106,7 +107,7 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
         (json_int_t)needs->sensors, (json_int_t)needs->photons, (json_int_t)needs->pixels,
         (json_int_t)needs->hour_bytes, (json_int_t)needs->bsdf_made_bytes,
         (json_int_t)needs->mask_pixels, (json_int_t)needs->array_bytes, (json_int_t)needs->windows,
-        (json_int_t)needs->seats, "files", files);
+        (json_int_t)needs->seats, (json_int_t)needs->window_groups, "files", files);
 }
 
 static int take_files(struct orl_job_brief *brief, const json_t *files, struct orl_error *err)
@@ -128,9 +129,10 @@ static int take_files(struct orl_job_brief *brief, const json_t *files, struct o
 
 static bool take_needs(struct orl_job_memory *needs, const json_t *numbers)
 {
-    uint64_t *const places[] = {&needs->sensors,     &needs->photons,         &needs->pixels,
-                                &needs->hour_bytes,  &needs->bsdf_made_bytes, &needs->mask_pixels,
-                                &needs->array_bytes, &needs->windows,         &needs->seats};
+    uint64_t *const places[] = {&needs->sensors,      &needs->photons,         &needs->pixels,
+                                &needs->hour_bytes,   &needs->bsdf_made_bytes, &needs->mask_pixels,
+                                &needs->array_bytes,  &needs->windows,         &needs->seats,
+                                &needs->window_groups};
     enum { PLACES = sizeof places / sizeof *places };
     bool good = json_array_size(numbers) == PLACES;
     for (size_t i = 0; i < PLACES && good; i++) {

@@ -5,7 +5,7 @@
 #include <oriel/annual_phases.h>
 #include <oriel/seat.h>
 
-enum { PARTS = 14 };
+enum { PARTS = 15 };
 
 struct part {
     const char *name; /* of many */
@@ -38,6 +38,13 @@ uint64_t orl_job_memory_seats(const struct orl_job_memory *needs)
                : YEAR + VIEW * views + needs->year_rows * (ROW + ROW_SEAT * needs->seats);
 }
 
+uint64_t orl_job_memory_groups(const struct orl_job_memory *needs)
+{
+    enum { LEAST = 128 << 20, GROUP = 4 << 20 };
+    const uint64_t bytes = GROUP * (needs->window_groups + 1);
+    return needs->window_groups == 0 ? 0 : bytes > LEAST ? bytes : LEAST;
+}
+
 static void list_parts(const struct orl_job_memory *needs, struct part ret_parts[PARTS])
 {
     enum { SURFACE = 400, TRIANGLE = 300, BSDF = 8, PHOTON = 60, SENSOR = 1300, PIXEL = 64 };
@@ -65,6 +72,8 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
     ret_parts[12] =
         (struct part){"bytes of given matrices", needs->matrix_bytes, needs->matrix_bytes};
     ret_parts[13] = (struct part){"glare seats", needs->seats, orl_job_memory_seats(needs)};
+    ret_parts[14] =
+        (struct part){"window groups", needs->window_groups, orl_job_memory_groups(needs)};
 }
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs)

@@ -30,6 +30,7 @@ struct orl_job_memory {
     uint64_t windows;         /* at most, that have matrices of phases; 0: they are not asked for */
     uint64_t seats;           /* of glare, in a year: the most that are rated together */
     uint64_t matrix_bytes;    /* of others' matrices, with their products */
+    uint64_t window_groups;   /* of a year, with shades */
 };
 
 /* Files of matrices have so many floats for each value in memory. */
@@ -40,6 +41,10 @@ uint64_t orl_job_memory_windows(const struct orl_job_memory *needs);
 
 /* Hours with light of all sensors of a year together, at most. */
 uint64_t orl_job_memory_hours(const struct orl_job_memory *needs);
+
+/* In memory, of light that is told apart by window groups: it is made for eight sensors at a time
+ * at the least. */
+uint64_t orl_job_memory_groups(const struct orl_job_memory *needs);
 
 /* In memory, of seats' views, pictures and hours. */
 uint64_t orl_job_memory_seats(const struct orl_job_memory *needs);

@@ -228,6 +228,7 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
                              ? job->request.photons
                              : ORL_ANNUAL_MOST_MAP_VALUES;
     ret_needs->seats = annual_seats(job);
+    ret_needs->window_groups = job->request.n_groups;
     ret_needs->windows = job->formats.phases ? ORL_PHASES_MOST_WINDOWS : 0;
 }
 
