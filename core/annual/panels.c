@@ -189,6 +189,51 @@ static double share_there(const struct orl_panels *panels, const struct orl_pane
     return orl_luma(orl_transmittance(world, start, towards, INFINITY, true));
 }
 
+/* Points of a pane: one in each part, jittered. */
+static struct orl_vec3 point_of_part(const struct orl_world *world, const struct orl_panel *panel,
+                                     uint32_t part, struct orl_random *random)
+{
+    const uint32_t row = part / ORL_PANEL_SIDE, column = part % ORL_PANEL_SIDE;
+    const double x = orl_random_uniform(random), y = orl_random_uniform(random);
+    const double u[2] = {(column + x) / ORL_PANEL_SIDE, (row + y) / ORL_PANEL_SIDE};
+    struct orl_vec3 point, normal;
+    orl_facet_sample(world->geometry, panel->window.facet, u, &point, &normal);
+    return point;
+}
+
+static const double alike_share = 1e-6;
+
+/* Returns the share of a sun's light that comes to all points of a pane, or -1. */
+static float share_everywhere(const struct maker *maker, size_t pane, size_t which)
+{
+    const struct orl_panels *panels = maker->panels;
+    const struct orl_panel *panel = &panels->at[pane];
+    const struct orl_sun disc = disc_of(&panels->suns->at[which]);
+    struct orl_random random =
+        orl_random_stream(maker->seed, ORL_PURPOSE_ANNUAL, ~(pane * ORL_HOURS_MOST + which));
+    double first = 0;
+    for (uint32_t i = 0; i < PARTS; i++) {
+        /* Parts far from each other come first: most shadows show soon. */
+        const struct orl_vec3 point = point_of_part(panels->world, panel, i * 29 % PARTS, &random);
+        const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+        const double share = share_there(panels, panel, orl_sun_sample(&disc, u), point);
+        if (i == 0)
+            first = share;
+        if (fabs(share - first) > alike_share)
+            return -1;
+    }
+    return (float)first;
+}
+
+static void light_panes(const struct maker *maker, size_t which)
+{
+    const struct orl_panels *panels = maker->panels;
+    for (size_t pane = 0; pane < panels->count; pane++)
+        if (orl_dot(panels->suns->at[which].towards, panels->at[pane].inward) < 0)
+            panels->sunlit[pane * panels->suns->count + which] =
+                share_everywhere(maker, pane, which);
+}
+
 static void draw_sun(void *arg, size_t which, uint32_t member)
 {
     const struct maker *maker = arg;
@@ -200,6 +245,7 @@ static void draw_sun(void *arg, size_t which, uint32_t member)
     for (uint32_t kind = 0; kind < panels->n_kinds; kind++)
         if (orl_dot(sun->towards, panels->kinds[kind].inward) < 0)
             draw_kind(maker, kind, which);
+    light_panes(maker, which);
 }
 
 int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *scene,
@@ -213,7 +259,8 @@ int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *sc
     if (code < 0 || panels->count == 0)
         return code;
     panels->draws = malloc(panels->n_kinds * suns->count * sizeof *panels->draws);
-    if (!panels->draws)
+    panels->sunlit = calloc(panels->count * suns->count + 1, sizeof *panels->sunlit);
+    if (!panels->draws || !panels->sunlit)
         return ORL_ERR_NOMEM;
     return orl_crew_try(crew, suns->count, draw_sun, &maker);
 }
@@ -222,6 +269,7 @@ void orl_panels_done(struct orl_panels *panels)
 {
     free(panels->at);
     free(panels->draws);
+    free(panels->sunlit);
     *panels = (struct orl_panels){.at = NULL};
 }
 
@@ -245,6 +293,7 @@ struct before {
     float axis[3], least_cosine; /* of the cone of directions from the sensor to the pane */
     struct seen seen[PARTS];
     bool any;
+    double sight; /* transmittance to all points of the pane; -1: not to all the same */
 };
 
 static void look_at_points(struct before *b, uint64_t name)
@@ -253,27 +302,38 @@ static void look_at_points(struct before *b, uint64_t name)
     const struct orl_panel *panel = b->panel;
     const double offset = orl_facet_offset(world->geometry, panel->window.facet);
     struct orl_random random = orl_random_stream(name, ORL_PURPOSE_ANNUAL, ~b->pane);
+    double least = INFINITY, most = 0;
     for (uint32_t i = 0; i < PARTS; i++) {
-        const uint32_t row = i / ORL_PANEL_SIDE, column = i % ORL_PANEL_SIDE;
-        const double u[2] = {(column + orl_random_uniform(&random)) / ORL_PANEL_SIDE,
-                             (row + orl_random_uniform(&random)) / ORL_PANEL_SIDE};
-        struct orl_vec3 point, normal;
-        orl_facet_sample(world->geometry, panel->window.facet, u, &point, &normal);
+        const struct orl_vec3 point = point_of_part(world, panel, i, &random);
         const struct orl_vec3 way = orl_sub(point, b->place->point);
         const double distance = orl_length(way);
         const struct orl_vec3 there = orl_scale(way, 1 / distance);
         const double here = orl_dot(there, b->place->normal);
         const double leaving = -orl_dot(there, panel->inward);
         b->seen[i] = (struct seen){.point = point};
-        if (!(here > 0) || !(leaving > 1e-6) || !(distance > 4 * offset))
+        if (!(here > 0) || !(leaving > 1e-6) || !(distance > 4 * offset)) {
+            least = 0;
             continue;
+        }
         const double share =
             orl_luma(orl_transmittance(world, b->place->point, there, distance - 2 * offset, true));
         b->seen[i] =
             (struct seen){point, orl_neg(there), share * here * leaving / (distance * distance),
                           distance * distance / (leaving * panel->area)};
         b->any = b->any || share > 0;
+        least = fmin(least, share);
+        most = fmax(most, share);
     }
+    b->sight = most - least <= alike_share ? most : -1;
+}
+
+/* The sun's light at a point of the pane. */
+static double sun_at(const struct before *b, size_t which, struct orl_vec3 from,
+                     struct orl_vec3 point)
+{
+    const struct orl_panels *panels = b->panels;
+    const float everywhere = panels->sunlit[b->pane * panels->suns->count + which];
+    return everywhere >= 0 ? (double)everywhere : share_there(panels, b->panel, from, point);
 }
 
 /*
@@ -347,8 +407,7 @@ static void add_points(const struct before *b, size_t which, const struct orl_su
             if (reservoir_add(&sent, weighted_radiance(b, &hit, s, from)))
                 chosen = from;
         }
-        const double lit =
-            sent.weight_sum > 0 ? share_there(panels, b->panel, chosen, s->point) : 0;
+        const double lit = sent.weight_sum > 0 ? sun_at(b, which, chosen, s->point) : 0;
         groups[group] += sent.weight_sum / of_disc * s->worth * b->panel->area * lit;
     }
 }
@@ -421,10 +480,10 @@ static void add_draws(const struct before *b, size_t which, const struct orl_sun
         if (!(here > 0) || !orl_window_passed(&panel->window, b->place->point, there, 0, &distance))
             continue;
         const struct orl_vec3 point = orl_madd(b->place->point, there, distance);
-        const double seen = sight_of(b, there);
+        const double seen = b->sight >= 0 ? b->sight : sight_of(b, there);
         const double of_disc[2] = {(double)d->from[0], (double)d->from[1]};
         const struct orl_vec3 from = orl_sun_sample(disc, of_disc);
-        const double share = seen > 0 ? seen * share_there(panels, panel, from, point) : 0;
+        const double share = seen > 0 ? seen * sun_at(b, which, from, point) : 0;
         if (!(share > 0))
             continue;
         const double leaving = -orl_dot(there, panel->inward);
