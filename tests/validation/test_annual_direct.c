@@ -59,7 +59,9 @@ static struct text make_klems(void)
     return t;
 }
 
-static struct orl_annual_result run_pane(enum pane pane, const struct orl_window_group *group)
+/* screen: more of the scene. */
+static struct orl_annual_result run_pane(enum pane pane, const char *screen,
+                                         const struct orl_window_group *group)
 {
     static struct orl_sensor sensors[SENSORS];
     struct text bsdf = pane == KLEMS ? make_klems() : make_clear_file(5, through, 0);
@@ -69,7 +71,7 @@ static struct orl_annual_result run_pane(enum pane pane, const struct orl_window
         sensors[i] = (struct orl_sensor){
             {width_m * (column + 0.5) / COLUMNS, depth_m * (row + 0.5) / ROWS, 0.8}, {0, 0, 1}};
     }
-    snprintf(scene, sizeof scene, "%s%s", materials[pane],
+    snprintf(scene, sizeof scene, "%s%s%s", materials[pane], screen,
              ROOM_GREY ROOM_SHELL ROOM_PANE ROOM_GROUND);
     struct orl_annual_result year = year_run(&(struct year_run){.scene = scene,
                                                                 .resource_name = "pane.xml",
@@ -139,7 +141,7 @@ static void test_panes_agree(void **state)
     int sharp[SUNNY] = {0};
     (void)state;
     for (int pane = 0; pane < PANES; pane++) {
-        struct orl_annual_result year = run_pane((enum pane)pane, NULL);
+        struct orl_annual_result year = run_pane((enum pane)pane, "", NULL);
         for (size_t c = 0; c < SUNNY; c++) {
             const struct hour hour = sum_hour(&year, c);
             const double wanted =
@@ -154,6 +156,31 @@ static void test_panes_agree(void **state)
         assert_true(sum_hour(&year, SUNNY).flux_lm == 0);
         orl_annual_done(&year);
     }
+}
+
+/* A black screen before half of the pane, outside or inside: half of the flux, by any pane. Rays
+ * are traced to panes that are partly hidden, or partly in the sun. */
+static void test_half_a_pane(void **state)
+{
+    static const char *const screens[] = {
+        "void plastic k 0 0 5 0 0 0 0 0\n"
+        "k polygon screen 0 0 12 .9 -.004 .9 2 -.004 .9 2 -.004 2.6 .9 -.004 2.6\n",
+        "void plastic k 0 0 5 0 0 0 0 0\n"
+        "k polygon screen 0 0 12 .9 .004 .9 2 .004 .9 2 .004 2.6 .9 .004 2.6\n"};
+    (void)state;
+    for (int pane = TREE; pane < PANES; pane++)
+        for (int where = 0; where < 2; where++) {
+            struct orl_annual_result year = run_pane((enum pane)pane, screens[where], NULL);
+            for (size_t c = 0; c < SUNNY; c++) {
+                const double wanted =
+                    flux_through((enum pane)pane, &year.steps[year.step_of_column[c]]) / 2;
+                const double flux = sum_hour(&year, c).flux_lm;
+                print_message("# %s, screen %d, hour %zu: %.0f lm of %.0f\n", names[pane], where, c,
+                              flux, wanted);
+                assert_true(fabs(flux - wanted) < 0.02 * wanted);
+            }
+            orl_annual_done(&year);
+        }
 }
 
 /* LM-83's blinds close in the hours with sun, behind any of the panes. */
@@ -171,7 +198,7 @@ static void test_blinds_agree(void **state)
         .control = {ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2, .state = 1}};
     (void)state;
     for (int pane = 0; pane < PANES; pane++) {
-        struct orl_annual_result year = run_pane((enum pane)pane, &group);
+        struct orl_annual_result year = run_pane((enum pane)pane, "", &group);
         for (size_t step = 0; step < HOURS; step++)
             assert_int_equal(year.states[step], step < SUNNY);
         orl_annual_done(&year);
@@ -181,6 +208,7 @@ static void test_blinds_agree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_panes_agree),
+                                       cmocka_unit_test(test_half_a_pane),
                                        cmocka_unit_test(test_blinds_agree)};
     return cmocka_run_group_tests_name("annual_direct", tests, NULL, NULL);
 }
