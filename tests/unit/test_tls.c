@@ -1,6 +1,7 @@
 /* Certificates that are loaded again and again: memory, and how long those of before stay. */
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -77,24 +78,35 @@ static void test_reloads(void **state)
     assert_true(grown(before) < MOST_BYTES);
 }
 
-/* A certificate stays while a connection of its time may be shaking hands. */
+/* Loads two more certificates, and frees three in turn. Returns the bytes that are left of them. */
+static size_t replace_certificates(struct fixture *f, uint64_t n)
+{
+    const size_t one = memory();
+    load(f, n + 3); /* connections up to n + 3 may use the first, */
+    load(f, n + 7); /* up to n + 7 the second */
+    const size_t three = memory();
+    assert_true(three - one > 2 * LEAST_BYTES);
+    orl_tls_free_older(&f->tls, n + 3);
+    assert_true(memory() == three);
+    orl_tls_free_older(&f->tls, n + 4);
+    assert_true(three - memory() > LEAST_BYTES);
+    orl_tls_free_older(&f->tls, n + 7);
+    assert_true(memory() - one > LEAST_BYTES);
+    orl_tls_free_older(&f->tls, n + 8);
+    return grown(one);
+}
+
+/* A certificate stays while a connection of its time may be shaking hands. The library may allocate
+ * memory of its own meanwhile, for random numbers; a certificate that stays would do so each time.
+ */
 static void test_handshakes(void **state)
 {
     struct fixture *f = *state;
+    bool gone = false;
     load(f, 0);
-    const size_t one = memory();
-    load(f, 3); /* connections 1 to 3 may use the first, */
-    load(f, 7); /* 1 to 7 the second */
-    const size_t three = memory();
-    assert_true(three - one > 2 * LEAST_BYTES);
-    orl_tls_free_older(&f->tls, 3);
-    assert_true(memory() == three);
-    orl_tls_free_older(&f->tls, 4);
-    assert_true(three - memory() > LEAST_BYTES);
-    orl_tls_free_older(&f->tls, 7);
-    assert_true(memory() - one > LEAST_BYTES);
-    orl_tls_free_older(&f->tls, 8);
-    assert_true(grown(one) < LEAST_BYTES);
+    for (int i = 0; i < 3 && !gone; i++)
+        gone = replace_certificates(f, 10 * (uint64_t)i) < LEAST_BYTES;
+    assert_true(gone);
 }
 
 /* Connections in MHD's place: the oldest that has brought no request. */
