@@ -141,10 +141,12 @@ static struct orl_rgb extinction_of(const struct way *way)
 /* The i-th stretch, 0 and on in order; false beyond the end. */
 static bool next_stretch(struct way *way, int i, double end, struct stretch *ret)
 {
-    if (i > 0 && i <= way->n)
+    if (i > way->n)
+        return false;
+    if (i > 0)
         cross(way, &way->crossings[i - 1]);
     ret->from = i > 0 ? way->crossings[i - 1].at : 0;
-    if (i > way->n || !(ret->from < end))
+    if (!(ret->from < end))
         return false;
     ret->to = i < way->n ? fmin(way->crossings[i].at, end) : end;
     ret->extinction = extinction_of(way);
