@@ -87,13 +87,12 @@ static double samples_of(const struct orl_run_state *state)
     return unit * ceil(fmax(share * ORL_DEFAULT_GATHER_SAMPLES, fewest_samples) / unit);
 }
 
-/* Why nobody knows what an accuracy would take; NULL: somebody does. */
-static const char *why_unknown(const struct orl_run_state *state)
+const char *orl_run_why_no_curve(const struct orl_run_state *state)
 {
     const struct orl_world *const world = state->world;
     if (orl_lobed_narrow_of(world->geometry, world->materials))
         return "not known: materials have lobes narrower than draws are made for";
-    if (state->result->plan.by_chance && state->job->technique == ORL_TECHNIQUE_BACKWARD)
+    if (state->result->plan.by_chance)
         return "not known: paths come upon light by way of mirrors or lenses by chance only";
     return NULL;
 }
@@ -102,7 +101,7 @@ int orl_run_pilot(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_pilot *pilot = state->pilot;
     struct orl_job job = *state->job;
-    const char *const why = why_unknown(state);
+    const char *const why = orl_run_why_no_curve(state);
     if (why) {
         snprintf(pilot->curve->model, sizeof pilot->curve->model, "%s", why);
         return 0;

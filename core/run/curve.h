@@ -20,6 +20,10 @@ struct orl_pilot {
 /* The job that is tried, whatever settings it has itself. Borrows from job. */
 struct orl_job orl_pilot_job(const struct orl_job *job, enum orl_technique technique);
 
+/* Once the plan is made: returns the reason why no accuracy of the job can be predicted, a
+ * constant; NULL if a pilot can predict them. */
+const char *orl_run_why_no_curve(const struct orl_run_state *state);
+
 /* Once its plan is made: fills state->pilot->curve. */
 int orl_run_pilot(struct orl_run_state *state, struct orl_error *err);
 

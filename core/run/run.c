@@ -116,6 +116,14 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
+static int plan_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    const int code = prepare(state, err);
+    if (code == 0)
+        state->result->no_curve = orl_run_why_no_curve(state);
+    return code;
+}
+
 static int try_stages(struct orl_run_state *state, struct orl_error *err)
 {
     const int code = prepare(state, err);
@@ -137,7 +145,7 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_run_state state = {.job = job,
                                   .env = env,
                                   .result = &result,
-                                  .only_plan = course->stages == prepare,
+                                  .only_plan = course->stages == plan_stages,
                                   .pilot = course->pilot};
     const double started = env->now_s(env->ctx);
     struct orl_told told = {.at_s = started};
@@ -217,7 +225,8 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_scene *scene = NULL;
-    const int code = run(job, env, &scene, &(struct course){.stages = prepare}, ret_result, err);
+    const int code =
+        run(job, env, &scene, &(struct course){.stages = plan_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }

@@ -271,6 +271,19 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
     return code;
 }
 
+/* Fills *ret_curve for the planned job by a pilot, or with the reason why there is no curve. */
+static int make_curve(const struct orl_job *job, const struct orl_run_env *env,
+                      const struct orl_result *planned, struct orl_curve *ret_curve,
+                      struct orl_error *err)
+{
+    const enum orl_technique technique = planned->plan.technique;
+    if (!planned->no_curve)
+        return orl_plan_curve(job, env, technique, ret_curve, err);
+    *ret_curve = (struct orl_curve){.technique = technique, .threads = orl_crew_size(env->crew)};
+    snprintf(ret_curve->model, sizeof ret_curve->model, "%s", planned->no_curve);
+    return 0;
+}
+
 int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, size_t most,
                    int (*tell)(void *ctx, const char *sky, const struct orl_result *planned,
                                const struct orl_curve *curve, struct orl_error *err),
@@ -283,9 +296,9 @@ int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, siz
         struct orl_result planned = {0};
         struct orl_curve curve;
         code = orl_plan_job(&one, env, &planned, err);
-        const bool draws = i == 0 && planned.total_s < long_plan_s;
+        const bool draws = i == 0 && (planned.no_curve || planned.total_s < long_plan_s);
         if (code == 0 && draws)
-            code = orl_plan_curve(&one, env, planned.plan.technique, &curve, err);
+            code = make_curve(&one, env, &planned, &curve, err);
         if (code == 0)
             code = tell(ctx, job->n_skies > 0 ? job->skies[i].name : NULL, &planned,
                         draws ? &curve : NULL, err);

@@ -288,6 +288,7 @@ struct orl_result {
     uint32_t threads;
     uint64_t seed;
     struct orl_plan plan; /* what was simulated, and why */
+    const char *no_curve; /* of orl_plan_job: why no accuracy can be predicted; NULL: a pilot can */
     double timings_s[ORL_STAGE_COUNT];
     double total_s;
     struct orl_map_info maps[ORL_RESULT_MAPS];

@@ -33,7 +33,8 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
 /*
  * Makes the job's plan (orl_plan_job), or those under the first `most` of its skies, one after the
  * other, and gives each to tell with the sky's name, NULL for a job of no list of skies, and the
- * first with its curve (orl_plan_curve), unless its plan took long; else that is NULL. What tell is
+ * first with its curve (orl_plan_curve); else that is NULL. A plan that took over 20 s has a curve
+ * only if that gives the reason why no accuracy can be predicted, which takes no time. What tell is
  * given is valid during the call; a negative orl_err of its ends it.
  */
 int orl_plan_skies(const struct orl_job *job, const struct orl_run_env *env, size_t most,
