@@ -12,6 +12,7 @@
 
 #include "http/connections.h"
 #include "http/tls.h"
+#include "process/sanitized.h"
 #include "support/certificate.h"
 #include "support/cli.h"
 
@@ -40,10 +41,20 @@ static int tear_down(void **state)
     return 0;
 }
 
+#if ORL_SANITIZED
+/* Of the sanitizer's allocator; gcc's packages lack its header, sanitizer/allocator_interface.h. */
+extern size_t __sanitizer_get_current_allocated_bytes(void);
+#endif
+
+/* Bytes of all allocated blocks. */
 static size_t memory(void)
 {
+#if ORL_SANITIZED
+    return __sanitizer_get_current_allocated_bytes();
+#else
     const struct mallinfo2 info = mallinfo2();
     return info.uordblks + info.hblkhd;
+#endif
 }
 
 static void load(struct fixture *f, uint64_t newest_connection)
