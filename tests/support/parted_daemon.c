@@ -21,8 +21,10 @@ int parted_daemon_set_up(void **state)
     const int code = parted_set_up(&desk);
     f->desk = desk;
     snprintf(f->shared, sizeof f->shared, "%s/shared", f->desk->folder);
-    const char *const options[] = {"--runner", "slurm", "--shared",  f->shared, "--least", "0",
-                                   "--parts",  "4",     "--threads", "1",       NULL};
+    /* No check or plan is refused because the machine is slow, as under ThreadSanitizer. */
+    const char *const options[] = {
+        "--runner", "slurm",     "--shared", f->shared,         "--least", "0", "--parts",
+        "4",        "--threads", "1",        "--check-timeout", "600",     NULL};
     memcpy(f->options, options, sizeof options);
     daemon_start(&f->daemon, f->options);
     setenv("ORIEL_URL", f->daemon.url, 1);
