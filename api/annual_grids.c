@@ -50,17 +50,29 @@ static char *name_after(const char *file)
     return strndup(from, length < NAME_MAX_BYTES ? length : NAME_MAX_BYTES);
 }
 
+/* Smallest power of two that holds so many sensors: room doubles, for there may be many grids. */
+static size_t room_for(size_t n_sensors)
+{
+    size_t room = 1;
+    while (room < n_sensors)
+        room *= 2;
+    return room;
+}
+
 static int add_sensors(struct orl_annual_request *request, const struct orl_job *part,
                        struct orl_error *err)
 {
     const size_t n = request->n_sensors + part->n_sensors;
     if (part->n_sensors == 0)
         return 0;
-    struct orl_sensor *grown = realloc(request->sensors, n * sizeof *grown);
-    if (!grown)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    memcpy(grown + request->n_sensors, part->sensors, part->n_sensors * sizeof *grown);
-    request->sensors = grown;
+    if (!request->sensors || n > room_for(request->n_sensors)) {
+        struct orl_sensor *grown = realloc(request->sensors, room_for(n) * sizeof *grown);
+        if (!grown)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        request->sensors = grown;
+    }
+    memcpy(request->sensors + request->n_sensors, part->sensors,
+           part->n_sensors * sizeof *part->sensors);
     request->n_sensors = n;
     return 0;
 }

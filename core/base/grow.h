@@ -8,4 +8,7 @@
 /* Makes room for one more item in a growing array. Returns false when out of memory. */
 bool orl_grow(void *array, size_t *room, size_t count, size_t item);
 
+/* Makes room for so many more items. Returns false when out of memory. */
+bool orl_grow_by(void *array, size_t *room, size_t count, size_t more, size_t item);
+
 #endif

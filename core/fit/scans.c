@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/grow.h"
 #include "fit/model.h"
 
 /* Azimuths of directions this close to the normal say nothing, in degrees; nor do those this close
@@ -197,15 +198,12 @@ static bool merge(struct orl_fit_data *data)
             data->scans[kept++] = *s;
             continue;
         }
-        struct orl_fit_row *rows =
-            realloc(last->rows, (last->n_rows + s->n_rows + 1) * sizeof *rows);
-        if (!rows) {
+        if (!orl_grow_by(&last->rows, &last->room, last->n_rows, s->n_rows + 1, sizeof *s->rows)) {
             memmove(data->scans + kept, data->scans + i, (data->n_scans - i) * sizeof *data->scans);
             data->n_scans -= i - kept;
             return false;
         }
-        memcpy(rows + last->n_rows, s->rows, s->n_rows * sizeof *rows);
-        last->rows = rows;
+        memcpy(last->rows + last->n_rows, s->rows, s->n_rows * sizeof *s->rows);
         last->n_rows += s->n_rows;
         free(s->rows);
     }

@@ -17,19 +17,23 @@
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 
-static int append(struct orl_sensor **sensors, size_t *count, const struct orl_sensor *more,
-                  size_t n, struct orl_error *err)
+/* Sensors of all grids, one after the other. */
+struct sensor_list {
+    struct orl_sensor *items;
+    size_t count, room;
+};
+
+static int append(struct sensor_list *list, const struct orl_sensor *more, size_t n,
+                  struct orl_error *err)
 {
-    if (n > ORL_LIMIT_SENSORS - *count)
+    if (n > ORL_LIMIT_SENSORS - list->count)
         return orl_error_set(err, ORL_ERR_LIMIT, "the grids have more than %lu sensors",
                              ORL_LIMIT_SENSORS);
-    struct orl_sensor *grown = realloc(*sensors, (*count + n + 1) * sizeof *grown);
-    if (!grown)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", *count + n);
+    if (!orl_grow_by(&list->items, &list->room, list->count, n + 1, sizeof *more))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", list->count + n);
     if (n > 0)
-        memcpy(grown + *count, more, n * sizeof *more);
-    *sensors = grown;
-    *count += n;
+        memcpy(list->items + list->count, more, n * sizeof *more);
+    list->count += n;
     return 0;
 }
 
@@ -37,8 +41,7 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
                           const struct orl_files *files, const atomic_bool *cancel,
                           struct orl_error *err)
 {
-    struct orl_sensor *sensors = NULL;
-    size_t count = 0;
+    struct sensor_list list = {.items = NULL};
     int code = 0;
     for (size_t g = 0; g < request->n_grids && code == 0; g++) {
         struct orl_annual_grid *grid = &request->grids[g];
@@ -46,10 +49,9 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
         size_t n = grid->count;
         if (names[g])
             code = orl_sensors_load(files, names[g], cancel, &read, &n, err);
-        const size_t first = count;
+        const size_t first = list.count;
         if (code == 0)
-            code =
-                append(&sensors, &count, names[g] ? read : request->sensors + grid->first, n, err);
+            code = append(&list, names[g] ? read : request->sensors + grid->first, n, err);
         grid->first = first;
         grid->count = n;
         free(read);
@@ -57,12 +59,12 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
             code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading grids");
     }
     if (code < 0) {
-        free(sensors);
+        free(list.items);
         return code;
     }
     free(request->sensors);
-    request->sensors = sensors;
-    request->n_sensors = count;
+    request->sensors = list.items;
+    request->n_sensors = list.count;
     return 0;
 }
 

@@ -14,6 +14,19 @@
 
 #include "scene/generate/mgf.h"
 
+/* Calls of realloc; sanitizers have allocators of their own, where none are counted. */
+static unsigned reallocations;
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+extern void *__libc_realloc(void *memory, size_t size);
+
+void *realloc(void *memory, size_t size)
+{
+    reallocations++;
+    return __libc_realloc(memory, size);
+}
+#endif
+
 #define CORNERS                                                                                    \
     "v a =\n p 0 0 0\nv b =\n p 1 0 0\nv c =\n p 1 2 0\nv d =\n p 0 2 0\n"                         \
     "v e =\n p .2 .2 0\nv f =\n p .2 .6 0\nv g =\n p .7 .6 0\nv up =\n n 0 0 2\n"
@@ -281,12 +294,27 @@ static void what_is_refused_has_its_line(void **state)
                        refused_within[i].line, refused_within[i].message);
 }
 
+/* Copies of an array, 176 bytes each, are moved only when their room doubles. */
+static void copies_are_seldom_moved(void **state)
+{
+    struct orl_text text = {0};
+    struct orl_error err = {0};
+    (void)state;
+    reallocations = 0;
+    assert_int_equal(convert("v a =\n p 0 0 0\nxf -a 4096 -t 1 0 0\nsph a 1\nxf\n", &text, &err),
+                     0);
+    print_message("%u reallocations\n", reallocations);
+    assert_true(reallocations < 64);
+    orl_text_done(&text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(text_is_that_of_mgf2rad),
         cmocka_unit_test(what_may_mislead_is_said),
         cmocka_unit_test(what_is_refused_has_its_line),
+        cmocka_unit_test(copies_are_seldom_moved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

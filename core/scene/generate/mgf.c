@@ -8,6 +8,7 @@
 
 #include <oriel/limits.h>
 
+#include "base/grow.h"
 #include "scene/generate/mgf_context.h"
 
 enum { WORDS_BYTES = 1 << 18, LEAVE_COST = 64 };
@@ -126,7 +127,6 @@ static int read_object(struct orl_mgf_reader *r)
 static int add_copy(void *ctx, const struct orl_xform_use *use, struct orl_error *err)
 {
     struct orl_mgf_frame *frame = ctx;
-    struct orl_mgf_copy *grown;
     if (frame->n_copies >= frame->most)
         return orl_error_set(err, ORL_ERR_LIMIT,
                              "transforms within one another make more than %u "
@@ -134,11 +134,9 @@ static int add_copy(void *ctx, const struct orl_xform_use *use, struct orl_error
                              ORL_LIMIT_XFORM_ARRAY);
     if (use->n_files > 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.60s' is no transform", use->files[0]);
-    grown = realloc(frame->copies, (frame->n_copies + 1) * sizeof *grown);
-    if (!grown)
+    if (!orl_grow(&frame->copies, &frame->room, frame->n_copies, sizeof *frame->copies))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    frame->copies = grown;
-    struct orl_mgf_copy *const copy = &grown[frame->n_copies++];
+    struct orl_mgf_copy *const copy = &frame->copies[frame->n_copies++];
     copy->xform = orl_xform_compose(&frame->outer, &use->xform);
     snprintf(copy->name, sizeof copy->name, "%s", use->prefix ? use->prefix : "");
     return 0;

@@ -55,9 +55,9 @@ struct orl_mgf_copy {
     char name[ORL_MGF_COPY_NAME]; /* before those of objects; "" for none */
 };
 struct orl_mgf_frame {
-    struct orl_mgf_copy *copies; /* owned */
-    size_t n_copies, copy, most; /* most: copies that it may make */
-    size_t n_objects;            /* where it began */
+    struct orl_mgf_copy *copies;       /* owned */
+    size_t n_copies, room, copy, most; /* most: copies that it may make */
+    size_t n_objects;                  /* where it began */
     struct orl_xform outer;
     struct orl_scanner start; /* of what is repeated */
 };
