@@ -262,8 +262,11 @@ enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, co
 {
     struct orl_request *request = *handle;
     (void)ctx;
-    if (!request)
-        return MHD_NO; /* there was no memory for it */
+    if (!request) {
+        /* There was no memory for it. Its headers are well formed: no 400 may be sent for them. */
+        orl_connection_body(connection);
+        return MHD_NO;
+    }
     if (!request->opened) {
         note_headers(request, url, method, version);
         /* Without a body it can wait for the next call, which lets the connection live on. */
