@@ -527,6 +527,7 @@ void orl_panels_add(const struct orl_panels *panels, const struct orl_place *pla
         find_cone(&b);
         for (size_t c = 0; b.any && c < panels->suns->count; c++)
             if (panels->suns->at[c].wanted && (!wanted || wanted[c]) &&
+                panels->sunlit[pane * panels->suns->count + c] != 0 &&
                 orl_dot(panels->suns->at[c].towards, b.panel->inward) < 0)
                 add_sun(&b, c, rows);
     }
