@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -16,7 +17,9 @@ struct writing {
     const struct orl_annual_told *told;
     struct orl_annual_plans *plans;
     json_t *names;
-    size_t count; /* there will be */
+    size_t count;           /* there will be */
+    atomic_size_t *n_begun; /* files, by all threads */
+    bool leads;             /* on the thread that tells progress */
     struct orl_error *err;
 };
 
@@ -34,9 +37,10 @@ static int note(void *ctx, const char *name, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
     if (json_array_append_new(w->names, json_string(name)))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    const double done = fmin((double)json_array_size(w->names) / (double)w->count, 1);
+    const double begun = (double)(atomic_fetch_add(w->n_begun, 1) + 1);
+    const double done = fmin(begun / (double)w->count, 1);
     const double files = 1 - ORL_ANNUAL_FILES_FROM;
-    if (run->progress)
+    if (run->progress && w->leads)
         run->progress(run->ctx, ORL_STAGE_RENDER, done, ORL_ANNUAL_FILES_FROM + files * done,
                       w->told->result->total_s * files / ORL_ANNUAL_FILES_FROM * (1 - done));
     return 0;
@@ -252,18 +256,59 @@ static int write_page(struct writing *w, size_t g, const char *grid)
     return rc;
 }
 
+static int write_grid(struct writing *w, size_t g)
+{
+    char grid[GRID_SIZE];
+    orl_annual_file_name(w->told->report->grids[g].name, grid, sizeof grid);
+    int rc = write_plans(w, g, grid);
+    if (rc == 0)
+        rc = write_years(w, g, grid);
+    if (rc == 0)
+        rc = write_page(w, g, grid);
+    return rc;
+}
+
+/* Grids are drawn by all threads of the crew, each with a list of names and an error of its own. */
+struct drawing {
+    struct writing writing;
+    struct orl_error err;
+    int rc;
+};
+
+static void draw_grid(void *arg, size_t g, uint32_t member)
+{
+    struct drawing *drawing = (struct drawing *)arg + g;
+    drawing->writing.leads = member == 0;
+    drawing->rc = write_grid(&drawing->writing, g);
+}
+
 static int write_pictures(struct writing *w)
 {
+    const size_t n = w->told->report->n_grids;
+    struct drawing *drawings = calloc(n + 1, sizeof *drawings);
     int rc = 0;
-    for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++) {
-        char grid[GRID_SIZE];
-        orl_annual_file_name(w->told->report->grids[g].name, grid, sizeof grid);
-        rc = write_plans(w, g, grid);
-        if (rc == 0)
-            rc = write_years(w, g, grid);
-        if (rc == 0)
-            rc = write_page(w, g, grid);
+    if (!drawings)
+        return orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t g = 0; g < n && rc == 0; g++) {
+        struct writing *own = &drawings[g].writing;
+        *own = *w;
+        own->err = &drawings[g].err;
+        own->names = json_array();
+        if (!own->names)
+            rc = orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
     }
+    if (rc == 0)
+        orl_crew_for(w->told->run->crew, n, draw_grid, drawings);
+    for (size_t g = 0; g < n; g++) {
+        if (rc == 0 && drawings[g].rc) {
+            rc = drawings[g].rc;
+            *w->err = drawings[g].err;
+        }
+        if (rc == 0 && json_array_extend(w->names, drawings[g].writing.names))
+            rc = orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+        json_decref(drawings[g].writing.names);
+    }
+    free(drawings);
     return rc;
 }
 
@@ -315,7 +360,13 @@ static int write_all(struct writing *w)
 
 int orl_annual_files_write(const struct orl_annual_told *told, json_t *names, struct orl_error *err)
 {
-    struct writing w = {.told = told, .names = names, .count = count_files(told), .err = err};
+    atomic_size_t n_begun = 0;
+    struct writing w = {.told = told,
+                        .names = names,
+                        .count = count_files(told),
+                        .n_begun = &n_begun,
+                        .leads = true,
+                        .err = err};
     const int rc = write_all(&w);
     orl_annual_plans_free(w.plans);
     return rc;
