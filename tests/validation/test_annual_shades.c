@@ -270,8 +270,8 @@ static void make_three(struct three *t)
  * of three runs, one for each state, and is hour by hour that of years with the pair written into
  * the scene; by way of a facade of glass opposite, too. Both have standard errors; panes reflect of
  * each other's light what they do in the same state: panes of 3 of 94 m2 that reflect 6 % less of
- * what comes to them, of walls that reflect half, make 0.4 %. Squares of z are correlated by sensor,
- * as in test_annual.c.
+ * what comes to them, of walls that reflect half, make 0.4 %. Squares of z are correlated by
+ * sensor, as in test_annual.c.
  */
 static void test_sum_of_groups(void **state)
 {
@@ -290,7 +290,7 @@ static void test_sum_of_groups(void **state)
         char text[TEXT];
         snprintf(text, sizeof text,
                  WALLS WEST FACADE "%s polygon front 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
-                            "%s polygon back 0 0 12 1 5 1 3 5 1 3 5 2.5 1 5 2.5\n",
+                                   "%s polygon back 0 0 12 1 5 1 3 5 1 3 5 2.5 1 5 2.5\n",
                  souths[i % 3], norths[i / 3]);
         struct year_run one = run;
         one.scene = text;

@@ -25,16 +25,16 @@
  *          open (oriel/annual_glare.h).
  *
  * How light is put together. Each combination of states that there is makes a run by itself, and
- * nothing is left out, unless the combinations are more than the states that groups are in, and one.
- * Then there is a run of all groups in their first state, one of all in their second, and so on.
- * Each tells light apart by the group whose window it comes in by, and the light of a group is added
- * up in the hours that it is in that state, with a warning. Straight sunlight adds up exactly. For
- * the rest the other groups' panes reflect as if they were in the same state: that is off by the
- * share of the room's surface that they have, times how much more or less they reflect in another,
- * over what walls absorb on average. ORL_ERR_UNSUPPORTED
- * where it does not add up at all: surfaces of a state that are further from their group's windows
- * than half of these, sensors outdoors, buildings into which light has other ways than windows
- * (likewise where several groups are controlled by sun).
+ * nothing is left out, unless the combinations are more than the states that groups are in, and
+ * one. Then there is a run of all groups in their first state, one of all in their second, and so
+ * on. Each tells light apart by the group whose window it comes in by, and the light of a group is
+ * added up in the hours that it is in that state, with a warning. Straight sunlight adds up
+ * exactly. For the rest the other groups' panes reflect as if they were in the same state: that is
+ * off by the share of the room's surface that they have, times how much more or less they reflect
+ * in another, over what walls absorb on average. ORL_ERR_UNSUPPORTED where it does not add up at
+ * all: surfaces of a state that are further from their group's windows than half of these, sensors
+ * outdoors, buildings into which light has other ways than windows (likewise where several groups
+ * are controlled by sun).
  */
 #ifndef ORIEL_ANNUAL_SHADES_H
 #define ORIEL_ANNUAL_SHADES_H
