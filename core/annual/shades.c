@@ -219,8 +219,8 @@ struct pass {
     bool any;              /* light of some part is wanted somewhere */
 };
 
-/* Whether light of a part in that state is to be added up in a column. A dark group lets in none.
- */
+/* Returns true if light of a part in that state is to be added up in a column. A dark group lets no
+ * light in. */
 static bool is_wanted(const struct orl_shading *s, size_t part, size_t state, size_t column)
 {
     const struct orl_annual_result *r = s->result;

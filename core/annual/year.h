@@ -25,8 +25,8 @@ enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time, at the most */
 
 struct orl_year;
 
-/* A run whose light is told apart by window groups (parts.h), the last part being windows of no
- * group. All borrowed. */
+/* How a run tells light apart by window groups (parts.h). The last part is that of windows in no
+ * group. All pointers are borrowed. */
 struct orl_year_parts {
     size_t n_groups;
     const bool *used;            /* by group: it must have windows, and what belongs to it near */
@@ -42,8 +42,8 @@ struct orl_year_variant {
     const struct orl_year *hours_of;    /* whose hours it takes; NULL: it reads its own */
     const struct orl_swaps *swaps;      /* of the scene's materials; may be NULL */
     const struct orl_year_parts *parts; /* NULL: light is not told apart */
-    /* Direct sunlight alone is wanted: the rest stays 0. With parts, it is told, and nothing is put
-     * into the result. */
+    /* The run finds direct sunlight alone, and the rest stays 0. With parts, it calls their sunlit
+     * and puts nothing into the result. */
     bool sun_only;
     /* Told once it is prepared, before sensors are looked at: it may give the year another request,
      * which differs in these alone. May be NULL. A negative orl_err ends the run. */

@@ -1,7 +1,7 @@
 /*
- * The first plan of a job tells what accuracies take, or why nobody can predict that. The plan of a
- * slow machine has no pilot for it, but still has the reason why no accuracy can be predicted. The
- * machine's speed is a clock of the test's own.
+ * The first plan of a job predicts the time that an accuracy takes, or gives the reason why it
+ * cannot. A slow machine runs no pilot for the prediction, but its plan gives the reason, too. The
+ * tests set the machine's speed by a clock of their own.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,7 +32,7 @@ static const char lobes[] =
     "m(x,y,z) = x*(Dx + 2*RdotP*NxP) + y*(Dy + 2*RdotP*NyP) + z*(Dz + 2*RdotP*NzP);\n"
     "lobe(x,y,z,o) = if(m(x,y,z) - .9995, 100, 0);\n";
 
-/* What the plan said, and the clock of the machine. */
+/* The plan that was made, and the state of the clock. */
 struct planned {
     double step_s, now;
     unsigned plans;
@@ -46,8 +46,8 @@ static double now_s(void *ctx)
     return planned->now += planned->step_s;
 }
 
-static int take(void *ctx, const char *sky, const struct orl_result *result,
-                const struct orl_curve *curve, struct orl_error *err)
+static int record_plan(void *ctx, const char *sky, const struct orl_result *result,
+                       const struct orl_curve *curve, struct orl_error *err)
 {
     struct planned *planned = ctx;
     (void)sky, (void)result, (void)err;
@@ -84,7 +84,7 @@ static struct planned plan(const char *wall, double step_s)
     snprintf(scene, sizeof scene, "%s%s", plain, wall);
     cli_write_file(scratch_path(""), "room.rad", scene);
     cli_write_file(scratch_path(""), "l.cal", lobes);
-    if (orl_plan_skies(&job, &env, 1, take, &planned, &err) < 0)
+    if (orl_plan_skies(&job, &env, 1, record_plan, &planned, &err) < 0)
         fail_msg("%s", err.message);
     orl_crew_stop(env.crew);
     assert_int_equal(planned.plans, 1);

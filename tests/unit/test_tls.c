@@ -42,7 +42,8 @@ static int tear_down(void **state)
 }
 
 #if ORL_SANITIZED
-/* Of the sanitizer's allocator; gcc's packages lack its header, sanitizer/allocator_interface.h. */
+/* Returns the bytes in use by the sanitizer's allocator. It is declared here because gcc's packages
+ * lack its header, sanitizer/allocator_interface.h. */
 extern size_t __sanitizer_get_current_allocated_bytes(void);
 #endif
 
