@@ -51,7 +51,7 @@ static void find_sun(void *arg, size_t index, uint32_t member)
     orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, y->env->run->crew,
                           &rows);
     if (y->has_panels)
-        orl_panels_add(&y->panels, &y->places[index], name, &rows);
+        orl_panels_add(&y->panels, &y->places[index], name, y->env->run->crew, &rows);
 }
 
 static void place_sensors(struct orl_year *y)

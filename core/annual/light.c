@@ -167,8 +167,8 @@ int orl_year_need_panels(struct orl_year *y, struct orl_error *err)
     if (code < 0 || y->has_panels)
         return code;
     y->has_panels = true;
-    code =
-        orl_panels_init(&y->panels, &y->scene, &y->hours.suns, y->request->seed, y->env->run->crew);
+    code = orl_panels_init(&y->panels, &y->scene, &y->hours.suns, y->request->n_sensors,
+                           y->request->seed, y->env->run->crew);
     if (code == ORL_ERR_LIMIT)
         return orl_error_set(err, code,
                              "more than %d kinds of BSDF panes, by material and "

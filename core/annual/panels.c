@@ -1,5 +1,6 @@
 #include "annual/panels.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -203,14 +204,15 @@ static struct orl_vec3 point_of_part(const struct orl_world *world, const struct
 
 static const double alike_share = 1e-6;
 
-/* Returns the share of a sun's light that comes to all points of a pane, or -1. */
-static float share_everywhere(const struct maker *maker, size_t pane, size_t which)
+enum { MIXED = -1, NOT_PROBED = -2 };
+
+/* Returns the share of a sun's light that comes to all points of a pane, or MIXED. */
+static float probe_pane(const struct orl_panels *panels, size_t pane, size_t which)
 {
-    const struct orl_panels *panels = maker->panels;
     const struct orl_panel *panel = &panels->at[pane];
     const struct orl_sun disc = disc_of(&panels->suns->at[which]);
     struct orl_random random =
-        orl_random_stream(maker->seed, ORL_PURPOSE_ANNUAL, ~(pane * ORL_HOURS_MOST + which));
+        orl_random_stream(panels->seed, ORL_PURPOSE_ANNUAL, ~(pane * ORL_HOURS_MOST + which));
     double first = 0;
     for (uint32_t i = 0; i < PARTS; i++) {
         /* Parts far from each other come first: most shadows show soon. */
@@ -220,18 +222,23 @@ static float share_everywhere(const struct maker *maker, size_t pane, size_t whi
         if (i == 0)
             first = share;
         if (fabs(share - first) > alike_share)
-            return -1;
+            return MIXED;
     }
     return (float)first;
 }
 
-static void light_panes(const struct maker *maker, size_t which)
+/* The same, probed once for all sensors. */
+static float sunlight_everywhere(const struct orl_panels *panels, size_t pane, size_t which)
 {
-    const struct orl_panels *panels = maker->panels;
-    for (size_t pane = 0; pane < panels->count; pane++)
-        if (orl_dot(panels->suns->at[which].towards, panels->at[pane].inward) < 0)
-            panels->sunlit[pane * panels->suns->count + which] =
-                share_everywhere(maker, pane, which);
+    if (!panels->sunlit)
+        return MIXED;
+    _Atomic float *known = &panels->sunlit[pane * panels->suns->count + which];
+    float share = atomic_load_explicit(known, memory_order_relaxed);
+    if (share <= NOT_PROBED) {
+        share = probe_pane(panels, pane, which);
+        atomic_store_explicit(known, share, memory_order_relaxed);
+    }
+    return share;
 }
 
 static void draw_sun(void *arg, size_t which, uint32_t member)
@@ -245,24 +252,34 @@ static void draw_sun(void *arg, size_t which, uint32_t member)
     for (uint32_t kind = 0; kind < panels->n_kinds; kind++)
         if (orl_dot(sun->towards, panels->kinds[kind].inward) < 0)
             draw_kind(maker, kind, which);
-    light_panes(maker, which);
+}
+
+static int make_room_for_probes(struct orl_panels *panels)
+{
+    const size_t n = panels->count * panels->suns->count;
+    panels->sunlit = malloc((n + 1) * sizeof *panels->sunlit);
+    for (size_t i = 0; panels->sunlit && i < n; i++)
+        atomic_init(&panels->sunlit[i], NOT_PROBED);
+    return panels->sunlit ? 0 : ORL_ERR_NOMEM;
 }
 
 int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *scene,
-                    const struct orl_year_suns *suns, uint64_t seed, struct orl_crew *crew)
+                    const struct orl_year_suns *suns, size_t n_sensors, uint64_t seed,
+                    struct orl_crew *crew)
 {
     struct maker maker = {panels, &scene->sobol, seed};
-    *panels = (struct orl_panels){.world = scene->world, .suns = suns};
+    *panels = (struct orl_panels){.world = scene->world, .suns = suns, .seed = seed};
     if (scene->world->open || scene->world->n_ports == 0)
         return 0;
-    const int code = find_panes(panels, scene);
+    int code = find_panes(panels, scene);
     if (code < 0 || panels->count == 0)
         return code;
     panels->draws = malloc(panels->n_kinds * suns->count * sizeof *panels->draws);
-    panels->sunlit = calloc(panels->count * suns->count + 1, sizeof *panels->sunlit);
-    if (!panels->draws || !panels->sunlit)
+    if (!panels->draws)
         return ORL_ERR_NOMEM;
-    return orl_crew_try(crew, suns->count, draw_sun, &maker);
+    if (n_sensors >= ORL_PANEL_PROBING_SENSORS)
+        code = make_room_for_probes(panels);
+    return code < 0 ? code : orl_crew_try(crew, suns->count, draw_sun, &maker);
 }
 
 void orl_panels_done(struct orl_panels *panels)
@@ -332,7 +349,7 @@ static double sun_at(const struct before *b, size_t which, struct orl_vec3 from,
                      struct orl_vec3 point)
 {
     const struct orl_panels *panels = b->panels;
-    const float everywhere = panels->sunlit[b->pane * panels->suns->count + which];
+    const float everywhere = sunlight_everywhere(panels, b->pane, which);
     return everywhere >= 0 ? (double)everywhere : share_there(panels, b->panel, from, point);
 }
 
@@ -510,9 +527,9 @@ static void add_sun(const struct before *b, size_t sun, const struct orl_sun_row
 }
 
 void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
-                    const struct orl_sun_rows *rows)
+                    const struct orl_crew *crew, const struct orl_sun_rows *rows)
 {
-    for (size_t pane = 0; pane < panels->count; pane++) {
+    for (size_t pane = 0; pane < panels->count && !orl_crew_cancelled(crew); pane++) {
         struct before b = {.panels = panels,
                            .panel = &panels->at[pane],
                            .place = place,
@@ -527,8 +544,8 @@ void orl_panels_add(const struct orl_panels *panels, const struct orl_place *pla
         find_cone(&b);
         for (size_t c = 0; b.any && c < panels->suns->count; c++)
             if (panels->suns->at[c].wanted && (!wanted || wanted[c]) &&
-                panels->sunlit[pane * panels->suns->count + c] != 0 &&
-                orl_dot(panels->suns->at[c].towards, b.panel->inward) < 0)
+                orl_dot(panels->suns->at[c].towards, b.panel->inward) < 0 &&
+                sunlight_everywhere(panels, pane, c) != 0)
                 add_sun(&b, c, rows);
     }
 }

@@ -9,9 +9,11 @@
  * Most panes are in full view of a sensor, and wholly in the sun or in shade. If 64 stratified
  * points of a pane agree on it, no more rays are traced for that sensor, or for that sun. An
  * obstacle that hides a share f of the pane is missed with the probability (1 - f)^64: that is 0.6
- * % of the light on average, at the most.
+ * % of the light on average, at the most. A pane is probed for a sun when the first sensor asks for
+ * the two.
  *
- * Panes are ports of a sealed building. Immutable once made.
+ * Panes are ports of a sealed building. Immutable once made, but for the probes' results, which do
+ * not depend on who asks first.
  */
 #ifndef ORL_ANNUAL_PANELS_H
 #define ORL_ANNUAL_PANELS_H
@@ -20,6 +22,8 @@
 #include "annual/scene.h"
 #include "annual/sun_rows.h"
 #include "annual/windows.h"
+
+enum { ORL_PANEL_PROBING_SENSORS = 16 }; /* with fewer sensors, probes take longer than they save */
 
 enum {
     ORL_PANEL_DRAWS = 128, /* of a kind of pane, in an hour */
@@ -63,19 +67,23 @@ struct orl_panels {
     struct orl_panel_kind kinds[ORL_PANEL_MOST_KINDS];
     size_t n_kinds;
     struct orl_panel_draws *draws; /* [kind][sun] */
-    float *sunlit; /* [pane][sun]: share of the sun's light that comes to all points of the pane;
-                      -1: not to all the same share */
+    uint64_t seed;
+    /* [pane][sun]: share of the sun's light that comes to all points of the pane; -1: not the same
+     * share to all; -2: not probed yet. NULL: no pane is probed. */
+    _Atomic float *sunlit;
 };
 
 /* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED; orl_panels_done in either case.
  */
 int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *scene,
-                    const struct orl_year_suns *suns, uint64_t seed, struct orl_crew *crew);
+                    const struct orl_year_suns *suns, size_t n_sensors, uint64_t seed,
+                    struct orl_crew *crew);
 void orl_panels_done(struct orl_panels *panels);
 
 /* Adds to direct sunlight, for every sun that is wanted, what comes by panels, and the square of
- * its standard error. name: of the sensor. */
+ * its standard error. name: of the sensor. The crew is asked before each pane if the job is
+ * cancelled, and then the rest is left out; NULL: it never is. */
 void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
-                    const struct orl_sun_rows *rows);
+                    const struct orl_crew *crew, const struct orl_sun_rows *rows);
 
 #endif

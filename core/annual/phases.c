@@ -139,7 +139,7 @@ static void find_suns(void *arg, size_t sensor, uint32_t member)
     }
     float *to = p->result->suns + sensor * ORL_PHASES_SUNS;
     orl_sunlit_hours_find(&p->year->scene, &p->suns, &place, name, p->year->env->run->crew, &rows);
-    orl_panels_add(&p->panels, &place, name, &rows);
+    orl_panels_add(&p->panels, &place, name, p->year->env->run->crew, &rows);
     to[0] = 0;
     for (size_t i = 0; i < n; i++)
         to[i + 1] = solid_sr * orl_sun_row_of(&rows, 0, ORL_SUN_DIRECT)[i];
@@ -195,7 +195,8 @@ static int make_all(struct phases *p)
     if (code == 0)
         code = place_suns(p);
     if (code == 0)
-        code = orl_panels_init(&p->panels, &y->scene, &p->suns, p->request.seed, crew);
+        code =
+            orl_panels_init(&p->panels, &y->scene, &p->suns, p->n_sensors, p->request.seed, crew);
     if (code == 0)
         code = orl_crew_try(crew, p->n_sensors, find_suns, p);
     return code == 0 && atomic_load(&p->failed) ? ORL_ERR_NOMEM : code;

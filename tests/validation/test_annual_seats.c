@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "annual/panels.h"
 #include "annual/seat_view.h"
 #include "annual/trace.h"
 #include "support/scene_text.h"
@@ -140,6 +141,22 @@ static void test_cancelled_paths(void **state)
     orl_crew_stop(crew);
 }
 
+/* Nor is a BSDF pane looked at. */
+static void test_cancelled_panes(void **state)
+{
+    struct orl_crew *crew = orl_crew_start(1);
+    const atomic_bool cancel = true;
+    const struct orl_panels panels = {.count = 1}; /* there is none: looking at it would fail */
+    const struct orl_place place = {.normal = {0, 0, 1}};
+    unsigned char lit = 0;
+    const struct orl_sun_rows rows = {.lit = &lit};
+    (void)state;
+    orl_crew_heed(crew, &cancel);
+    orl_panels_add(&panels, &place, 1, crew, &rows);
+    assert_int_equal(lit, 0);
+    orl_crew_stop(crew);
+}
+
 /* The sum is kept exactly, and each weight on the average. */
 static void test_thinned_terms(void **state)
 {
@@ -185,8 +202,8 @@ static void test_many_terms(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_half_mirrors), cmocka_unit_test(test_cancelled),
-        cmocka_unit_test(test_cancelled_paths), cmocka_unit_test(test_thinned_terms),
-        cmocka_unit_test(test_many_terms)};
+        cmocka_unit_test(test_half_mirrors),    cmocka_unit_test(test_cancelled),
+        cmocka_unit_test(test_cancelled_paths), cmocka_unit_test(test_cancelled_panes),
+        cmocka_unit_test(test_thinned_terms),   cmocka_unit_test(test_many_terms)};
     return cmocka_run_group_tests_name("annual_seats", tests, NULL, NULL);
 }
