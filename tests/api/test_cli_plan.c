@@ -328,6 +328,17 @@ static void test_mistakes(void **state)
     assert_int_equal(f->result.exit_code, 2);
 }
 
+/* The README's example is complete in the repository: no file has to be made first. */
+static void test_example(void **state)
+{
+    static struct cli_result result;
+    const char *const args[] = {"plan", "client/examples/office/office.json", NULL};
+    (void)state;
+    cli_run(args, &result);
+    if (result.exit_code != 0)
+        fail_msg("exit %d: %s", result.exit_code, result.err);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -341,6 +352,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_narrow_lobes, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_nothing_is_written, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_mistakes, set_up, cli_desk_tear_down),
+        cmocka_unit_test(test_example),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
