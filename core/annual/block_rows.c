@@ -83,13 +83,12 @@ static void fill_factors(void *arg, size_t sensor, uint32_t member)
 
 /* The light of a part at a sensor; returns false if there is none. */
 static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
-                     const struct orl_annual_row *row, struct orl_annual_share *ret)
+                     struct orl_annual_share *ret)
 {
     const struct orl_sun_rows suns = orl_block_suns_of(&y->sums, sensor);
     const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;
     const size_t at = sensor * y->n_parts + part;
     *ret = (struct orl_annual_share){
-        .row = row,
         .part = part,
         .factors = y->lit[at] ? &y->factors[at] : NULL,
         .beams = &y->beams[sensor],
@@ -107,18 +106,17 @@ static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
 static void multiply(void *arg, size_t tile, uint32_t member)
 {
     const struct orl_year *y = arg;
-    struct orl_annual_share lights[ORL_ANNUAL_MOST_SHARES];
-    struct orl_annual_row rows[ORL_YEAR_BLOCK];
-    size_t n = 0;
     (void)member;
     for (size_t i = 0; i < y->count; i++) {
-        rows[i] = (struct orl_annual_row){orl_year_row_of(y, i, ORL_YEAR_TOTAL),
-                                          orl_year_row_of(y, i, ORL_YEAR_DIRECT),
-                                          orl_year_row_of(y, i, ORL_YEAR_SE)};
+        const struct orl_annual_row row = {orl_year_row_of(y, i, ORL_YEAR_TOTAL),
+                                           orl_year_row_of(y, i, ORL_YEAR_DIRECT),
+                                           orl_year_row_of(y, i, ORL_YEAR_SE)};
+        struct orl_annual_share lights[ORL_SHADES_MOST_GROUPS + 1];
+        size_t n = 0;
         for (uint32_t part = 0; part < y->n_parts; part++)
-            n += light_of(y, i, part, &rows[i], &lights[n]);
+            n += light_of(y, i, part, &lights[n]);
+        orl_annual_multiply(&row, lights, n, &y->hours, &y->terms, tile);
     }
-    orl_annual_multiply(lights, n, &y->hours, &y->terms, tile);
 }
 
 void orl_block_direct(const struct orl_year *y, size_t sensor, uint32_t part, float *ret_lx)

@@ -8,32 +8,37 @@ enum { TILE = ORL_HOURS_TILE, BATCHES = ORL_ANNUAL_BATCHES, LOTS = ORL_SUN_MAP_L
 
 enum { TOGETHER = 4, LANES = 16 };
 
-/* Some rows of coefficients at a time times some columns side by side: what is read of the sky
- * serves all of them. Bins are added in their order: the same bits whatever the vectors. lanes: a
- * bit for each LANES columns that are wanted; the others become 0. */
-static ORL_FOR_WIDE_VECTORS void add_products(const float *const coefficients[TOGETHER], uint32_t n,
-                                              const float *tile, uint32_t lanes,
-                                              float *const ret_sums[TOGETHER])
+/* Adds the bins in their order: the same bits whatever the vectors. tile: [ORL_BINS][TILE]. */
+static ORL_FOR_WIDE_VECTORS void multiply_sky(const struct orl_annual_factors *f, const float *tile,
+                                              float ret_sky[TILE])
+{
+    float sums[TILE] = {0};
+    for (uint32_t i = 0; i < f->n_bins; i++) {
+        const float *sky = tile + (size_t)f->which[i] * TILE;
+        for (int j = 0; j < TILE; j++)
+            sums[j] += f->bins[i] * sky[j];
+    }
+    memcpy(ret_sky, sums, sizeof sums);
+}
+
+/* Multiplies the differences of TOGETHER batches by the coarse sky. lanes: a bit for each LANES
+ * columns that are wanted; the others are not set. */
+static ORL_FOR_WIDE_VECTORS void multiply_coarse(const struct orl_annual_factors *f, int batch,
+                                                 const float *tile, uint32_t lanes,
+                                                 float ret_off[TOGETHER][TILE])
 {
     for (int at = 0; at < TILE; at += LANES) {
-        float a[LANES] = {0}, b[LANES] = {0}, c[LANES] = {0}, d[LANES] = {0};
-        for (uint32_t bin = 0; bin < n && (lanes >> (at / LANES) & 1); bin++) {
-            const float *sky = tile + (size_t)bin * TILE + at;
-            const float pa = coefficients[0][bin], pb = coefficients[1][bin];
-            const float pc = coefficients[2][bin], pd = coefficients[3][bin];
-            if (pa == 0 && pb == 0 && pc == 0 && pd == 0)
-                continue;
-            for (int j = 0; j < LANES; j++) {
-                a[j] += pa * sky[j];
-                b[j] += pb * sky[j];
-                c[j] += pc * sky[j];
-                d[j] += pd * sky[j];
-            }
+        float sums[TOGETHER][LANES] = {{0}};
+        if (!(lanes >> (at / LANES) & 1))
+            continue;
+        for (uint32_t i = 0; i < f->n_coarse; i++) {
+            const float *sky = tile + (size_t)f->which_coarse[i] * TILE + at;
+            for (int k = 0; k < TOGETHER; k++)
+                for (int j = 0; j < LANES; j++)
+                    sums[k][j] += f->coarse[i][batch + k] * sky[j];
         }
-        memcpy(ret_sums[0] + at, a, sizeof a);
-        memcpy(ret_sums[1] + at, b, sizeof b);
-        memcpy(ret_sums[2] + at, c, sizeof c);
-        memcpy(ret_sums[3] + at, d, sizeof d);
+        for (int k = 0; k < TOGETHER; k++)
+            memcpy(ret_off[k] + at, sums[k], sizeof sums[k]);
     }
 }
 
@@ -110,25 +115,58 @@ void orl_annual_beams_fill(struct orl_annual_beams *beams,
     }
 }
 
+/* The mean of all batches, of bins that have light. */
+static void fill_bins(struct orl_annual_factors *f,
+                      const struct orl_annual_coefficients *coefficients)
+{
+    const double share = 1.0 / coefficients->samples;
+    double sums[ORL_BINS] = {0};
+    for (int b = 0; b < BATCHES; b++)
+        for (uint32_t bin = 0; coefficients->bins[b] && bin < ORL_BINS; bin++)
+            sums[bin] += (double)coefficients->bins[b][bin];
+    f->n_bins = 0;
+    for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
+        if (!(sums[bin] > 0))
+            continue;
+        f->which[f->n_bins] = (uint16_t)bin;
+        f->bins[f->n_bins++] = (float)(sums[bin] * share / BATCHES);
+    }
+}
+
+/* What batches differ from the mean by, of coarse bins that have light. */
+static void fill_coarse(struct orl_annual_factors *f, const struct orl_bins *bins,
+                        const struct orl_annual_coefficients *coefficients)
+{
+    const float share = (float)(1.0 / coefficients->samples);
+    bool lit[ORL_BINS_COARSE] = {false};
+    uint16_t index[ORL_BINS_COARSE];
+    f->n_coarse = 0;
+    for (uint32_t i = 0; i < f->n_bins; i++)
+        lit[bins->coarse_of[f->which[i]]] = true;
+    for (uint32_t c = 0; c < ORL_BINS_COARSE; c++) {
+        index[c] = f->n_coarse;
+        f->which_coarse[f->n_coarse] = (uint16_t)c;
+        f->n_coarse += lit[c];
+    }
+    memset(f->coarse, 0, f->n_coarse * sizeof f->coarse[0]);
+    for (uint32_t i = 0; i < f->n_bins; i++) {
+        const uint32_t bin = f->which[i];
+        float *to = f->coarse[index[bins->coarse_of[bin]]];
+        for (int b = 0; b < BATCHES; b++)
+            to[b] += (coefficients->bins[b] ? coefficients->bins[b][bin] : 0) * share - f->bins[i];
+    }
+}
+
 void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins *bins,
                              const struct orl_annual_coefficients *coefficients, double *nodes)
 {
     const double share = 1.0 / coefficients->samples;
-    memset(f->coarse, 0, sizeof f->coarse);
     f->nodes = nodes;
     f->node_means = nodes + coefficients->n_nodes * BATCHES;
     for (size_t i = 0; i < coefficients->n_nodes; i++)
         f->node_means[i] = fill_sun(coefficients->nodes, i, share, nodes + i * BATCHES);
-    for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
-        double sum = 0;
-        for (int b = 0; b < BATCHES; b++)
-            sum += coefficients->bins[b] ? (double)coefficients->bins[b][bin] : 0;
-        const float mean = (float)(sum * share / BATCHES);
-        f->bins[bin] = mean;
-        for (int b = 0; sum > 0 && b < BATCHES; b++)
-            f->coarse[b][bins->coarse_of[bin]] +=
-                (coefficients->bins[b] ? coefficients->bins[b][bin] : 0) * (float)share - mean;
-    }
+    fill_bins(f, coefficients);
+    fill_coarse(f, bins, coefficients);
 }
 
 _Static_assert(ORL_ANNUAL_PATCHES == ORL_BINS_ABOVE + 1, "the ground, and the sky's bins");
@@ -137,17 +175,19 @@ _Static_assert(ORL_ANNUAL_PATCHES == ORL_BINS_ABOVE + 1, "the ground, and the sk
 void orl_annual_factors_tell(const struct orl_annual_factors *f, float *ret_coefficients)
 {
     double ground = 0;
-    for (uint32_t bin = ORL_BINS_ABOVE; bin < ORL_BINS; bin++)
-        ground += (double)f->bins[bin];
+    memset(ret_coefficients, 0, ORL_ANNUAL_PATCHES * sizeof *ret_coefficients);
+    for (uint32_t i = 0; i < f->n_bins; i++)
+        if (f->which[i] < ORL_BINS_ABOVE)
+            ret_coefficients[1 + f->which[i]] = f->bins[i];
+        else
+            ground += (double)f->bins[i];
     ret_coefficients[0] = (float)ground;
-    memcpy(ret_coefficients + 1, f->bins, ORL_BINS_ABOVE * sizeof *ret_coefficients);
 }
 
 /* ---- A tile of a sensor ---------------------------------------------------------------------- */
 
 /* A sensor's light in each column of a tile, summed over the parts. */
 struct tile_sums {
-    const struct orl_annual_row *row; /* NULL: of no sensor */
     float sky[TILE];
     float off[BATCHES][TILE];  /* of the sky, of each batch: less the mean */
     double sun[TILE][BATCHES]; /* indirect, lx */
@@ -194,20 +234,16 @@ static void add_indirect_sun(const struct tile *tile, const struct orl_annual_sh
         sums->sun[j][b] += batches[b] * of->normal_lx;
 }
 
-/* sky, lanes: of the light. */
+/* lanes: of the light. */
 static void add_indirect(const struct tile *tile, const struct orl_annual_share *light,
-                         const float sky[TILE], uint32_t lanes, struct tile_sums *sums)
+                         uint32_t lanes, struct tile_sums *sums)
 {
-    const float *coarse = tile->hours->coarse + tile->index * ORL_BINS_COARSE * TILE;
+    float sky[TILE];
+    multiply_sky(light->factors, tile->hours->fine + tile->index * ORL_BINS * TILE, sky);
     for (int b = 0; b < BATCHES; b += TOGETHER) {
         float off[TOGETHER][TILE];
-        const float *batches[TOGETHER];
-        float *to[TOGETHER];
-        for (int k = 0; k < TOGETHER; k++) {
-            batches[k] = light->factors->coarse[b + k];
-            to[k] = off[k];
-        }
-        add_products(batches, ORL_BINS_COARSE, coarse, lanes, to);
+        multiply_coarse(light->factors, b,
+                        tile->hours->coarse + tile->index * ORL_BINS_COARSE * TILE, lanes, off);
         for (int k = 0; k < TOGETHER; k++)
             for (uint32_t j = 0; j < tile->n; j++)
                 if (is_wanted(light, tile->index * TILE + j))
@@ -236,19 +272,21 @@ static void add_straight(const struct tile *tile, const struct orl_annual_share 
     }
 }
 
-static void put_direct(const struct tile *tile, const struct orl_annual_share *light)
+static void put_direct(const struct tile *tile, const struct orl_annual_share *light,
+                       const struct orl_annual_row *row)
 {
     for (uint32_t j = 0; j < tile->n && light->by_sun; j++) {
         const struct orl_column_sun *of = sun_of(tile, j);
         if (of->normal_lx > 0)
-            light->row->direct[tile->index * TILE + j] +=
+            row->direct[tile->index * TILE + j] +=
                 (float)(of->normal_lx * (double)light->by_sun[of->sun]);
     }
 }
 
-static void put_columns(const struct tile *tile, const struct tile_sums *sums)
+static void put_columns(const struct tile *tile, const struct tile_sums *sums,
+                        const struct orl_annual_row *row)
 {
-    for (uint32_t j = 0; j < tile->n && sums->row; j++) {
+    for (uint32_t j = 0; j < tile->n; j++) {
         const size_t column = tile->index * TILE + j;
         double sun = 0, squares = sums->squares[j];
         for (int b = 0; b < BATCHES; b++)
@@ -258,13 +296,11 @@ static void put_columns(const struct tile *tile, const struct tile_sums *sums)
                 ORL_EFFICACY_LM_PER_W * (double)sums->off[b][j] + sums->sun[j][b] - sun;
             squares += off * off / (BATCHES * (BATCHES - 1.0));
         }
-        sums->row->total[column] = (float)(ORL_EFFICACY_LM_PER_W * (double)sums->sky[j] +
-                                           fmax(sun, 0) + sums->straight[j]);
-        sums->row->se[column] = (float)sqrt(squares);
+        row->total[column] = (float)(ORL_EFFICACY_LM_PER_W * (double)sums->sky[j] + fmax(sun, 0) +
+                                     sums->straight[j]);
+        row->se[column] = (float)sqrt(squares);
     }
 }
-
-/* ---- All sensors of a tile ------------------------------------------------------------------- */
 
 /* Returns a bit for each LANES columns in some of which the light is wanted. */
 static uint32_t lanes_of(const struct tile *tile, const struct orl_annual_share *light)
@@ -275,52 +311,21 @@ static uint32_t lanes_of(const struct tile *tile, const struct orl_annual_share 
     return lanes;
 }
 
-/* Multiplies up to TOGETHER lights by the sky. Lights without factors give 0. */
-static void multiply_skies(const struct tile *tile, const struct orl_annual_share *const *lights,
-                           const uint32_t *lanes, size_t count, float sky[TOGETHER][TILE])
-{
-    static const float none[ORL_BINS];
-    const float *bins[TOGETHER];
-    float *to[TOGETHER];
-    uint32_t any = 0;
-    for (size_t k = 0; k < TOGETHER; k++) {
-        any |= k < count ? lanes[k] : 0;
-        bins[k] = k < count && lights[k]->factors ? lights[k]->factors->bins : none;
-        to[k] = sky[k];
-    }
-    add_products(bins, ORL_BINS, tile->hours->fine + tile->index * ORL_BINS * TILE, any, to);
-}
-
-void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
-                         const struct orl_hours *hours, const struct orl_sun_terms *terms,
-                         size_t tile)
+void orl_annual_multiply(const struct orl_annual_row *row, const struct orl_annual_share *lights,
+                         size_t count, const struct orl_hours *hours,
+                         const struct orl_sun_terms *terms, size_t tile)
 {
     const size_t left = hours->n_columns - tile * TILE;
     const struct tile here = {hours, terms, tile, left < TILE ? (uint32_t)left : TILE};
-    const struct orl_annual_share *list[ORL_ANNUAL_MOST_SHARES];
-    uint32_t lanes[ORL_ANNUAL_MOST_SHARES];
-    struct tile_sums sums = {.row = NULL};
-    size_t n = 0;
+    struct tile_sums sums;
+    memset(&sums, 0, sizeof sums);
     for (size_t i = 0; i < count; i++) {
-        put_direct(&here, &lights[i]);
-        lanes[n] = lanes_of(&here, &lights[i]);
-        list[n] = &lights[i];
-        n += lanes[n] != 0;
+        const uint32_t lanes = lanes_of(&here, &lights[i]);
+        put_direct(&here, &lights[i], row);
+        if (lanes != 0 && lights[i].factors)
+            add_indirect(&here, &lights[i], lanes, &sums);
+        if (lanes != 0)
+            add_straight(&here, &lights[i], &sums);
     }
-    for (size_t i = 0; i < n; i += TOGETHER) {
-        float sky[TOGETHER][TILE];
-        multiply_skies(&here, list + i, lanes + i, n - i, sky);
-        for (size_t k = 0; k < TOGETHER && i + k < n; k++) {
-            const struct orl_annual_share *light = list[i + k];
-            if (light->row != sums.row) {
-                put_columns(&here, &sums);
-                memset(&sums, 0, sizeof sums);
-                sums.row = light->row;
-            }
-            if (light->factors)
-                add_indirect(&here, light, sky[k], lanes[i + k], &sums);
-            add_straight(&here, light, &sums);
-        }
-    }
-    put_columns(&here, &sums);
+    put_columns(&here, &sums, row);
 }

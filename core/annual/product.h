@@ -26,11 +26,14 @@ struct orl_annual_beam_coefficients {
     size_t n_which, n_beams;
 };
 
-/* Coefficients of a part, divided by samples. Differences between batches are kept by coarse bins
- * of the sky. */
+/* Coefficients of a part, divided by samples. Most parts light a sensor from a few bins only, so
+ * these are listed, in their order. Differences between batches are kept by coarse bins. */
 struct orl_annual_factors {
-    float bins[ORL_BINS];                              /* the mean of all batches */
-    float coarse[ORL_ANNUAL_BATCHES][ORL_BINS_COARSE]; /* of each, less the mean */
+    uint16_t n_bins, n_coarse;
+    uint16_t which[ORL_BINS];
+    float bins[ORL_BINS]; /* of those listed: the mean of all batches */
+    uint16_t which_coarse[ORL_BINS_COARSE];
+    float coarse[ORL_BINS_COARSE][ORL_ANNUAL_BATCHES]; /* of those: of each batch, less the mean */
     double *nodes;                                     /* [node][batch]; borrowed */
     double *node_means;                                /* [node]; borrowed */
 };
@@ -59,7 +62,6 @@ struct orl_annual_row {
 
 /* Light of a part at a sensor. */
 struct orl_annual_share {
-    const struct orl_annual_row *row; /* the sensor's */
     uint32_t part;
     const struct orl_annual_factors *factors; /* NULL: none */
     const struct orl_annual_beams *beams;     /* of all parts */
@@ -68,12 +70,10 @@ struct orl_annual_share {
     const unsigned char *wanted; /* by column; NULL: in all */
 };
 
-enum { ORL_ANNUAL_MOST_SHARES = 1024 };
-
-/* Fills one tile of columns for all sensors, so that the tile's sky is read from the cache. Lights
- * of a sensor follow each other; count is at most ORL_ANNUAL_MOST_SHARES. terms: of the sun. */
-void orl_annual_multiply(const struct orl_annual_share *lights, size_t count,
-                         const struct orl_hours *hours, const struct orl_sun_terms *terms,
-                         size_t tile);
+/* Fills one tile of a sensor's columns. The tile's sky stays in the cache if all sensors of a tile
+ * follow each other. terms: of the sun. */
+void orl_annual_multiply(const struct orl_annual_row *row, const struct orl_annual_share *lights,
+                         size_t count, const struct orl_hours *hours,
+                         const struct orl_sun_terms *terms, size_t tile);
 
 #endif
