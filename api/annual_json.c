@@ -245,6 +245,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {.name = "grids"},
         {.name = "sensors"},
         {"weather", .text = &request->weather_file, .longest = FILE_MAX_BYTES, .required = true},
+        {"year", .whole_int = &request->weather_year, .from = 1, .to = 9999},
         {"north", .real = &request->north_deg, .least = -360, .most = 360},
         {"ground_reflectance", .real = &request->ground_reflectance, .least = 0, .most = 1},
         {"sun", .word = &sun_method, .words = sun_methods},

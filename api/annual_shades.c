@@ -6,13 +6,14 @@
 #include <strings.h>
 
 #include <oriel/annual_shades.h>
+#include <oriel/limits.h>
 
 #include "annual_glare.h"
 #include "encode.h"
 #include "members.h"
 
 /* Names: Honeybee's identifiers have up to 100 characters, and states of groups more. */
-enum { NAME_MAX_BYTES = 127, FILE_MAX_BYTES = 1024, ROWS_MAX = 35136 };
+enum { NAME_MAX_BYTES = 127, FILE_MAX_BYTES = 1024, ROWS_MAX = ORL_LIMIT_YEAR_ROWS };
 
 /* ---- States ---------------------------------------------------------------------------------- */
 

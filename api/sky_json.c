@@ -156,6 +156,7 @@ static int decode_weather(const json_t *value, const char *path, void *into, str
     request->time_given = true;
     const struct orl_json_member members[] = {
         {"file", .text = &request->weather_file, .longest = FILE_NAME_MAX_BYTES, .required = true},
+        {"year", .whole_int = &request->weather_year, .from = 1, .to = 9999},
         DATE(request, timed),
         {"ground_reflectance", .real = &request->ground_reflectance},
         {0}};

@@ -249,16 +249,27 @@ static int tell(const struct visiting *v, enum orl_file_role role, const char *n
     return v->visit(v->ctx, &file, v->err);
 }
 
+static int tell_weather(const struct visiting *v, const struct orl_sky_request *sky,
+                        const char *place)
+{
+    char year[16];
+    snprintf(year, sizeof year, "%d", sky->weather_year);
+    return tell(v, ORL_FILE_WEATHER, sky->weather_file, sky->weather_year ? year : NULL, "%s",
+                place);
+}
+
 static int visit_job(const struct visiting *v, const struct orl_job *job)
 {
     int rc = tell(v, ORL_FILE_SENSORS, job->sensors_file, NULL, "sensors.file");
     for (size_t i = 0; i < job->n_grids && rc == 0; i++)
         rc = tell(v, ORL_FILE_SENSORS, job->grids[i].file, NULL, "grids[%zu].sensors.file", i);
     if (rc == 0)
-        rc = tell(v, ORL_FILE_WEATHER, job->sky.weather_file, NULL, "sky.weather.file");
-    for (size_t i = 0; i < job->n_skies && rc == 0; i++)
-        rc = tell(v, ORL_FILE_WEATHER, job->skies[i].request.weather_file, NULL,
-                  "skies[%zu].weather.file", i);
+        rc = tell_weather(v, &job->sky, "sky.weather.file");
+    for (size_t i = 0; i < job->n_skies && rc == 0; i++) {
+        char place[64];
+        snprintf(place, sizeof place, "skies[%zu].weather.file", i);
+        rc = tell_weather(v, &job->skies[i].request, place);
+    }
     for (size_t i = 0; i < job->n_views && rc == 0; i++) {
         const struct orl_view_request *view = &job->views[i];
         rc = tell(v, ORL_FILE_VIEW, view->file, view->entry, "views[%zu].file", i);
@@ -295,7 +306,10 @@ static int visit_term(const struct visiting *v, const struct orl_matrix_term *te
 
 static int visit_year(const struct visiting *v, const struct orl_annual_job *year)
 {
-    int rc = tell(v, ORL_FILE_YEAR, year->request.weather_file, NULL, "weather");
+    char number[16];
+    snprintf(number, sizeof number, "%d", year->request.weather_year);
+    int rc = tell(v, ORL_FILE_YEAR, year->request.weather_file,
+                  year->request.weather_year ? number : NULL, "weather");
     if (rc == 0)
         rc = tell(v, ORL_FILE_OCCUPANCY, year->wishes.occupancy_file, NULL, "occupancy.file");
     for (size_t g = 0; g < year->request.n_grids && rc == 0; g++)

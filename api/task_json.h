@@ -84,7 +84,7 @@ struct orl_task_file {
     enum orl_file_role role;
     const char *name;
     const char *place; /* where it does: "sky.weather.file" */
-    const char *entry; /* of views: which of them is wanted; or NULL */
+    const char *entry; /* of views: which of them is wanted; of weather: its year; or NULL */
 };
 
 /* Calls visit with each of them, valid during the call, the year before its occupancy; a negative

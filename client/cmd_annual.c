@@ -261,6 +261,10 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
          .metavar = "FILE",
          .help = "of a project: the year's weather, EPW or WEA",
          .value = &project.weather},
+        {.name = "year",
+         .metavar = "YEAR",
+         .help = "of a project: the year of the weather file's rows, if it has several",
+         .value = &project.year},
         {.name = "rules",
          .metavar = "NAME,...",
          .help = "of a project: what it is held to, as \"LEED,EN 17037\"",
@@ -270,7 +274,7 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
     };
     int code;
 
-    if (!orl_local_parse(self, argc, argv, options, 8 + ORL_SHARING_OPTIONS, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 9 + ORL_SHARING_OPTIONS, &line, &code))
         return code;
     output.folder = line.output;
     output.threads = line.threads;

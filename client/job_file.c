@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <oriel/files.h>
 #include <oriel/limits.h>
@@ -157,6 +158,15 @@ static json_t *read_rules(const char *text)
     return rules;
 }
 
+/* A text that is no whole number is left to be refused. */
+static json_t *read_year(const char *text)
+{
+    char *end = NULL;
+    const long year = strtol(text, &end, 10);
+
+    return end > text && *end == '\0' ? json_integer(year) : json_string(text);
+}
+
 static const char *name_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -175,6 +185,22 @@ static int link_weather(const struct orl_job_file *file, const char *path, struc
     return orl_place_link(file->folder, name_of(path), whole, err);
 }
 
+/* The weather file of a sky that the command line gives: below the current folder, or else the
+ * project's own. */
+static int link_sky_weather(const struct orl_job_file *file, struct orl_error *err)
+{
+    json_t *weather = json_object_get(json_object_get(file->doc, "sky"), "weather");
+    const char *path = json_string_value(json_object_get(weather, "file"));
+    int rc;
+
+    if (!path || access(path, F_OK) != 0)
+        return 0;
+    rc = link_weather(file, path, err);
+    if (rc == 0 && json_object_set_new(weather, "file", json_string(name_of(path))) != 0)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return rc;
+}
+
 static int make_year(json_t *doc, const struct orl_project_line *line, struct orl_error *err)
 {
     int rc = json_object_set_new(doc, "kind", json_string("annual"));
@@ -182,6 +208,8 @@ static int make_year(json_t *doc, const struct orl_project_line *line, struct or
     rc |= json_object_set_new(doc, "weather", json_string(name_of(line->weather)));
     if (rc == 0 && line->rules)
         rc = json_object_set_new(doc, "rules", read_rules(line->rules));
+    if (rc == 0 && line->year)
+        rc = json_object_set_new(doc, "year", read_year(line->year));
     return rc ? orl_error_set(err, ORL_ERR_INVALID, "the weather file's name is not UTF-8") : 0;
 }
 
@@ -210,12 +238,13 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
     int rc;
 
     if (!orl_project_is_one(path)) {
-        if (!line->sky && !line->states && !line->weather && !line->rules)
+        if (!line->sky && !line->states && !line->weather && !line->rules && !line->year)
             return orl_job_file_read(path, ret_file, err);
         *ret_file = (struct orl_job_file){.path = path};
         return orl_error_set(err, ORL_ERR_INVALID, "%s for projects: a document says so itself",
-                             line->weather || line->rules ? "--weather and --rules are"
-                                                          : "--sky and --states are");
+                             line->weather || line->rules || line->year
+                                 ? "--weather, --year and --rules are"
+                                 : "--sky and --states are");
     }
     *ret_file = (struct orl_job_file){.path = path, .folder = "."};
     rc = make_document(ret_file, line, err);
@@ -223,6 +252,8 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
         rc = resolve_project(ret_file, NULL, err);
     if (rc == 0 && line->weather)
         rc = link_weather(ret_file, line->weather, err);
+    if (rc == 0)
+        rc = link_sky_weather(ret_file, err);
     return rc ? rc : check_year(ret_file, line, err);
 }
 

@@ -27,9 +27,9 @@ int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct or
 struct orl_project_line {
     const char *sky;    /* its name in the project, or "sky" of a job, as JSON; NULL */
     const char *states; /* "GROUP=STATE,..."; NULL */
-    /* Of a year: its weather file, which makes it one; and the rules that it is to be held to,
-     * "LEED,EN 17037"; NULL. */
-    const char *weather, *rules;
+    /* Of a year: its weather file, which makes it one; the year of that file's rows; and the rules
+     * that it is to be held to, "LEED,EN 17037"; NULL. */
+    const char *weather, *year, *rules;
 };
 /* The scene of a document that asks for it, a new reference, after an error, too. */
 int orl_project_wish(const char *path, const struct orl_project_line *line, json_t **ret_scene,
@@ -38,7 +38,9 @@ int orl_project_wish(const char *path, const struct orl_project_line *line, json
 #define ORL_OPTIONS_PROJECT(line)                                                                  \
     {.name = "sky",                                                                                \
      .metavar = "SKY",                                                                             \
-     .help = "of a project: one of its own by name, or a job's \"sky\" as JSON",                   \
+     .help =                                                                                       \
+         "of a project: one of its own by name (oriel project lists them), or a job's \"sky\" "    \
+         "as JSON, whose weather file is looked for here and in the project",                      \
      .value = &(line)->sky},                                                                       \
     {                                                                                              \
         .name = "states", .metavar = "GROUP=STATE,...",                                            \

@@ -98,6 +98,26 @@ static const char *below_sky(const struct orl_project_finding *f, const char *na
     return path ? path : strncmp(name, "sky/", 4) == 0 ? name + 4 : NULL;
 }
 
+static int refuse_sky(struct orl_project_finding *f)
+{
+    const json_t *name;
+    char names[200] = "";
+    size_t i, length = 0;
+    json_array_foreach(f->skies, i, name)
+    {
+        if (length < sizeof names)
+            length += (size_t)snprintf(names + length, sizeof names - length, "%s%.60s",
+                                       i > 0 ? ", " : "", json_string_value(name));
+    }
+    orl_json_fail(f->err, ORL_ERR_INVALID, "sky", "the project has no sky '%.100s'",
+                  f->choice->sky);
+    orl_error_hint(f->err,
+                   "%s%s. A job's \"sky\" does without, as {\"cie\": {\"type\": \"overcast\", "
+                   "\"diffuse_horizontal_lx\": 10000}}",
+                   names[0] ? "it has " : "it has none", names);
+    return ORL_ERR_INVALID;
+}
+
 int orl_project_add_skies(struct orl_project_finding *f)
 {
     char name[ORL_PROJECT_NAME];
@@ -115,8 +135,7 @@ int orl_project_add_skies(struct orl_project_finding *f)
             return orl_project_no_memory(f);
     }
     if (f->choice->sky && chosen == f->count)
-        return orl_json_fail(f->err, ORL_ERR_INVALID, "sky", "the project has no sky '%.100s'",
-                             f->choice->sky);
+        return refuse_sky(f);
     chosen = f->choice->sky ? chosen : only;
     return chosen < f->count ? orl_project_add_main(f, chosen) : 0;
 }

@@ -196,8 +196,10 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
     struct reader r = {.weather = weather, .name = weather_name, .reflectance = ground_reflectance};
     *hours = (struct orl_hours){.n_steps = n};
     if (n > ORL_HOURS_MOST)
-        return orl_error_set(err, ORL_ERR_LIMIT, "a year of %zu rows is more than %d", n,
-                             ORL_HOURS_MOST);
+        return orl_error_set(
+            err, ORL_ERR_LIMIT,
+            "the weather file has %zu rows, and a year at most %d: those of 10-minute steps", n,
+            ORL_HOURS_MOST);
     int code = ORL_ERR_NOMEM;
     hours->steps = calloc(n + 1, sizeof *hours->steps);
     hours->step_of_column = calloc(n + 1, sizeof *hours->step_of_column);

@@ -15,12 +15,13 @@
 #include <stdbool.h>
 
 #include <oriel/annual.h>
+#include <oriel/limits.h>
 
 #include "annual/bins.h"
 #include "annual/direction_tree.h"
 #include "light/weather.h"
 
-enum { ORL_HOURS_TILE = 64, ORL_HOURS_MOST = 35136 /* rows: a leap year's quarters of hours */ };
+enum { ORL_HOURS_TILE = 64, ORL_HOURS_MOST = ORL_LIMIT_YEAR_ROWS };
 
 /* A sun, as the scene has it (north turned). */
 struct orl_hour_sun {

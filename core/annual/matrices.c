@@ -221,7 +221,8 @@ static void add_sensor(void *arg, size_t index, uint32_t member)
                 (double)a->coefficients->values[3 * (index * a->coefficients->columns + p) + k];
             const float *of = sky->values + 3 * p * sky->columns + k;
             for (size_t c = 0; by != 0 && c < result->n_columns; c++)
-                sums[c] += by * (double)of[3 * (size_t)result->step_of_column[c]];
+                sums[c] +=
+                    by * (double)of[3 * orl_annual_row_of_step(result, result->step_of_column[c])];
         }
 }
 

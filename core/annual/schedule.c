@@ -37,7 +37,8 @@ int orl_shades_schedule(const struct orl_annual_request *request,
                                  "%zu rows",
                                  group->name, group->n_series, n);
         for (size_t i = 0; i < n; i++)
-            states[i] = group->series ? group->series[i] : state_by_spans(group, &result->steps[i]);
+            states[i] = group->series ? group->series[orl_annual_row_of_step(result, i)]
+                                      : state_by_spans(group, &result->steps[i]);
     }
     return 0;
 }

@@ -116,7 +116,8 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     int code = files->open(files->ctx, request->weather_file, &file, err);
     if (code < 0)
         return code;
-    code = orl_weather_parse(request->weather_file, file.data, file.size, &weather, err);
+    code = orl_weather_parse(request->weather_file, file.data, file.size, request->weather_year,
+                             &weather, err);
     files->close(files->ctx, &file);
     if (code < 0)
         return code;
@@ -125,6 +126,7 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     y->result->longitude_deg = weather.longitude_deg;
     y->result->time_zone_h = weather.time_zone_h;
     y->result->first_weekday = weather.first_weekday;
+    y->result->n_moved = weather.n_moved;
     code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
                           request->ground_reflectance, y->env->run->crew, err);
     if (code == 0)
@@ -152,6 +154,7 @@ int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struc
     y->result->longitude_deg = r->longitude_deg;
     y->result->time_zone_h = r->time_zone_h;
     y->result->first_weekday = r->first_weekday;
+    y->result->n_moved = r->n_moved;
     y->hours.steps = malloc(steps + 1);
     y->hours.step_of_column = malloc(columns + 1);
     if (!y->hours.steps || !y->hours.step_of_column) {

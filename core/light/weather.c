@@ -8,12 +8,17 @@
 #include <oriel/scanner.h>
 
 #include "base/number.h"
+#include "light/weather_order.h"
 
 struct reader {
     struct orl_scanner scanner;
     struct orl_weather weather;
     size_t room;
-    short years[12][31][24]; /* of rows by month, day and hour, where they have any */
+    int year;                  /* of the rows that count; 0: all do */
+    int first_year, last_year; /* of the file's rows; 0: they have none */
+    bool has_rows;             /* of any year */
+    int first_date;            /* of the EPW's header: days since 1 January */
+    short years[12][31][24];   /* of rows by month, day and hour, where they have any */
     struct orl_error *err;
 };
 
@@ -53,7 +58,7 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 
 /* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
 static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
-                    struct orl_weather_row *ret_row)
+                    double last_hour, struct orl_weather_row *ret_row)
 {
     static const signed char days[12] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     static const double missing = 9999; /* as both formats mark it */
@@ -63,7 +68,7 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
     if (code == 0)
         code = number(reader, fields[1], "the day", 1, days[(int)month - 1], &day);
     if (code == 0)
-        code = number(reader, fields[2], "the hour", first_hour, 24, &row.hour);
+        code = number(reader, fields[2], "the hour", first_hour, last_hour, &row.hour);
     if (code == 0)
         code = number(reader, fields[3], "direct light", -1e6, 1e6, &row.direct);
     if (code == 0)
@@ -120,12 +125,11 @@ static int read_location(struct reader *reader, struct orl_slice line)
     return code;
 }
 
-/* Returns the weekday of 1 January from that of another date ("7/ 1") of a year of 365 days; -1 if
- * either cannot be read. */
-static int weekday_of_new_year(struct orl_slice name, struct orl_slice date)
+/* Returns the weekday of 1 January from that of another date ("7/ 1") of a year of 365 days, and
+ * how many days lie between; -1 if either cannot be read. */
+static int weekday_of_new_year(struct orl_slice name, struct orl_slice date, int *ret_days)
 {
     static const char *const names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun"};
-    static const int before[12] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
     struct orl_slice fields[2] = {{NULL, 0}};
     double month = 0, day = 0;
     int weekday = 0;
@@ -138,8 +142,8 @@ static int weekday_of_new_year(struct orl_slice name, struct orl_slice date)
         orl_number_read(fields[1].text, fields[1].length, &day) != ORL_NUMBER_OK || !(month >= 1) ||
         month > 12 || !(day >= 1) || day > 31)
         return -1;
-    const int days = before[(int)month - 1] + (int)day - 1;
-    return (weekday + 7 * 53 - days) % 7;
+    *ret_days = orl_weather_days_before((int)month, (int)day, false);
+    return (weekday + 7 * 53 - *ret_days) % 7;
 }
 
 /* DATA PERIODS,how many,records an hour,name,weekday of the first date,first date,last date */
@@ -153,7 +157,7 @@ static int read_periods(struct reader *reader, struct orl_slice line)
         return fail(reader, ORL_ERR_SYNTAX, "DATA PERIODS ends before the records an hour");
     if (orl_slice_take_cell(&line, ',', &name) && orl_slice_take_cell(&line, ',', &weekday) &&
         orl_slice_take_cell(&line, ',', &date))
-        reader->weather.first_weekday = weekday_of_new_year(weekday, date);
+        reader->weather.first_weekday = weekday_of_new_year(weekday, date, &reader->first_date);
     code = number(reader, field, "the records an hour", 1, 60, &an_hour);
     if (code == 0 && an_hour != 1) {
         fail(reader, ORL_ERR_UNSUPPORTED, "only EPW files of one record an hour are read");
@@ -173,20 +177,25 @@ static int year_of(struct orl_slice field)
     return (int)year;
 }
 
-/* Refuses a second year for the same month, day and hour: a job names no year. */
+/* Refuses a second year for the same month, day and hour if no year is chosen. */
 static int check_year(struct reader *reader, const struct orl_weather_row *row)
 {
     short *year = &reader->years[row->month - 1][row->day - 1][(int)row->hour % 24];
-    if (*year != 0 && row->year != 0 && *year != row->year) {
+    if (reader->year == 0 && *year != 0 && row->year != 0 && *year != row->year) {
         orl_error_set(reader->err, ORL_ERR_RANGE,
                       "the file has rows of %d and of %d for month %d, day %d, hour %g", *year,
                       row->year, row->month, row->day, row->hour);
         orl_error_at(reader->err, reader->scanner.name, reader->scanner.line, NULL);
-        orl_error_hint(reader->err, "leave the rows of one year in it");
+        orl_error_hint(reader->err, "say which of them count by \"year\", as \"year\": %d", *year);
         return ORL_ERR_RANGE;
     }
-    if (row->year != 0)
-        *year = (short)row->year;
+    if (row->year == 0)
+        return 0;
+    *year = (short)row->year;
+    if (reader->first_year == 0 || row->year < reader->first_year)
+        reader->first_year = row->year;
+    if (row->year > reader->last_year)
+        reader->last_year = row->year;
     return 0;
 }
 
@@ -218,13 +227,16 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
     if (code < 0)
         return code;
     const struct orl_slice five[5] = {fields[1], fields[2], fields[3], fields[14], fields[15]};
-    code = read_row(reader, five, 1, &row);
+    code = read_row(reader, five, 1, 24, &row);
     if (code < 0)
         return code;
     row.hour -= 0.5;
     row.year = year_of(fields[0]);
+    reader->has_rows = true;
     code = check_year(reader, &row);
-    return code < 0 ? code : keep_row(reader, &row);
+    if (code < 0 || (reader->year != 0 && row.year != reader->year))
+        return code;
+    return keep_row(reader, &row);
 }
 
 static int read_epw(struct reader *reader, struct orl_slice line)
@@ -290,7 +302,7 @@ static int read_wea_row(struct reader *reader, struct orl_slice line)
             return fail(reader, ORL_ERR_SYNTAX,
                         "a row is: month, day, hour, direct and diffuse light");
     }
-    code = read_row(reader, fields, 0, &row);
+    code = read_row(reader, fields, 0, 25, &row);
     return code < 0 ? code : keep_row(reader, &row);
 }
 
@@ -298,6 +310,11 @@ static int read_wea(struct reader *reader)
 {
     struct orl_slice line;
     int code = read_wea_header(reader);
+    if (code == 0 && reader->year != 0) {
+        fail(reader, ORL_ERR_INVALID, "\"year\" is given, and rows of WEA files have no year");
+        orl_error_hint(reader->err, "leave \"year\" out, or take the EPW file");
+        return ORL_ERR_INVALID;
+    }
     while (code == 0 && next_line(reader, &line))
         code = read_wea_row(reader, line);
     return code;
@@ -319,7 +336,61 @@ static double find_interval(const struct orl_weather *weather)
     return least;
 }
 
+/* ---- Years ----------------------------------------------------------------------------------- */
+
+/* The weekday of 1 January in the Gregorian calendar; that of the year 1 was a Monday. */
+static int weekday_of_year(int year)
+{
+    const int before = year - 1;
+    return (365 * before + before / 4 - before / 100 + before / 400) % 7;
+}
+
+/* If the year goes on over 31 December, the header's date is in the year before 1 January. */
+static void place_weekday(struct reader *reader)
+{
+    struct orl_weather *weather = &reader->weather;
+    if (reader->year != 0 && reader->first_year != reader->last_year)
+        weather->first_weekday = weekday_of_year(reader->year);
+    if (weather->n_moved == 0 || weather->first_weekday < 0)
+        return;
+    const struct orl_weather_row *first = &weather->rows[weather->n_moved];
+    const int days = orl_weather_days_before(first->month, first->day, false);
+    const bool leap = first->month <= 2 && orl_weather_has_leap_day(weather);
+    if (days > 0 && reader->first_date >= days)
+        weather->first_weekday = (weather->first_weekday + 365 + leap) % 7;
+}
+
+static int refuse_year(struct reader *reader)
+{
+    if (reader->last_year == 0)
+        return orl_error_set(
+            reader->err, ORL_ERR_RANGE,
+            "the file has no rows of %d: its rows have no year; leave \"year\" out", reader->year);
+    return orl_error_set(reader->err, ORL_ERR_RANGE,
+                         "the file has no rows of %d: its rows are of %d to %d", reader->year,
+                         reader->first_year, reader->last_year);
+}
+
 /* ---- Entry points ---------------------------------------------------------------------------- */
+
+/* Checks that there are rows, and puts them in order. */
+static int finish(struct reader *reader)
+{
+    int code = 0;
+    if (reader->weather.n_rows == 0 && reader->has_rows) {
+        code = refuse_year(reader);
+        orl_error_at(reader->err, reader->scanner.name, 0, NULL);
+    } else if (reader->weather.n_rows == 0) {
+        code = fail(reader, ORL_ERR_SYNTAX, "the weather file has no rows");
+    } else {
+        code = orl_weather_arrange(&reader->weather, reader->scanner.name, reader->err);
+    }
+    if (code < 0)
+        return code;
+    place_weekday(reader);
+    reader->weather.interval_h = find_interval(&reader->weather);
+    return 0;
+}
 
 static int refuse_head(struct reader *reader, struct orl_slice line)
 {
@@ -330,11 +401,12 @@ static int refuse_head(struct reader *reader, struct orl_slice line)
     return ORL_ERR_SYNTAX;
 }
 
-int orl_weather_parse(const char *name, const char *text, size_t size,
+int orl_weather_parse(const char *name, const char *text, size_t size, int year,
                       struct orl_weather *ret_weather, struct orl_error *err)
 {
     struct orl_error local;
-    struct reader reader = {.weather = {.first_weekday = -1}, .err = err ? err : &local};
+    struct reader reader = {
+        .weather = {.first_weekday = -1}, .year = year, .err = err ? err : &local};
     struct orl_slice line = {NULL, 0};
     int code = orl_scanner_init(&reader.scanner, name, text, size, 0, reader.err);
     if (code < 0)
@@ -345,13 +417,12 @@ int orl_weather_parse(const char *name, const char *text, size_t size,
         code = read_wea(&reader);
     else
         code = refuse_head(&reader, line);
-    if (code == 0 && reader.weather.n_rows == 0)
-        code = fail(&reader, ORL_ERR_SYNTAX, "the weather file has no rows");
+    if (code == 0)
+        code = finish(&reader);
     if (code < 0) {
         orl_weather_done(&reader.weather);
         return code;
     }
-    reader.weather.interval_h = find_interval(&reader.weather);
     *ret_weather = reader.weather;
     return 0;
 }

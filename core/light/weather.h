@@ -5,12 +5,17 @@
  * Conventions: longitude in degrees EAST and time zone in hours EAST of Greenwich, whatever the
  * file has (EPW: both east; WEA: degrees west both). Times are the middle of the interval a row
  * stands for: an EPW row of hour 12 is the mean from 11 to 12 and is at 11.5 here; WEA files
- * say 11.5 themselves. A day of 29 February is kept when the file has it.
+ * say 11.5 themselves, and up to 25 for what follows midnight (DAYSIM), which is of the next day
+ * here. A day of 29 February is kept when the file has it.
+ *
+ * Years: no two rows are of the same time, whatever their years. If an EPW has rows of one month,
+ * day and hour in several years, the caller chooses a year. A year may go on over 31 December, as
+ * from July to June: rows are in the order of the calendar here, from 1 January.
  *
  * Invariants: every number is finite; months are 1..12, days exist in a leap year, hours lie in
- * [0, 24]. No two rows of an EPW are of one time in different years. Values that the file marks as
- * missing (9999 and above) are missing here, never numbers. Errors: ORL_ERR_SYNTAX, _RANGE,
- * _UNSUPPORTED (records shorter than an hour in EPW), _LIMIT, with file and line. Threads: none
+ * [0, 24]. Values that the file marks as missing (9999 and above) are missing here, never numbers.
+ * Errors: ORL_ERR_SYNTAX, _RANGE, _INVALID (a year of a WEA file), _UNSUPPORTED (records shorter
+ * than an hour in EPW), _LIMIT, with file and line. Threads: none
  * kept; a parsed file is immutable. References: EnergyPlus, "Auxiliary Programs", chapter on
  * weather data; gendaymtx(1) of Radiance.
  */
@@ -47,12 +52,13 @@ struct orl_weather {
     enum orl_sun_method sun_method; /* of its reader: how rows' suns are placed */
     struct orl_weather_row *rows;
     size_t n_rows;
+    size_t n_moved; /* of those, the first: they are the file's last, after 31 December */
 };
 
-/* Parses either format, told apart by the first word. name is for messages. Any number of rows
- * makes a file: parts of a year are common in WEA. The caller passes *ret_weather to
- * orl_weather_done. */
-int orl_weather_parse(const char *name, const char *text, size_t size,
+/* Parses either format, told apart by the first word. name is for messages. Rows of another year
+ * are left out, unless year is 0. Any number of rows makes a file: parts of a year are common in
+ * WEA. The caller passes *ret_weather to orl_weather_done. */
+int orl_weather_parse(const char *name, const char *text, size_t size, int year,
                       struct orl_weather *ret_weather, struct orl_error *err);
 void orl_weather_done(struct orl_weather *weather); /* NULL is fine */
 

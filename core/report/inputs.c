@@ -95,18 +95,20 @@ static int steps_of(const struct orl_weather *weather, struct orl_annual_steps *
     return code;
 }
 
-int orl_annual_weather_check(const char *name, const char *text, size_t size,
+int orl_annual_weather_check(const char *name, const char *text, size_t size, int year_chosen,
                              struct orl_annual_steps *ret_steps, size_t *ret_rows,
                              struct orl_error *err)
 {
     struct orl_weather weather = {0};
-    int code = orl_weather_parse(name, text, size, &weather, err);
+    int code = orl_weather_parse(name, text, size, year_chosen, &weather, err);
     if (code < 0)
         return code;
     const size_t rows = weather.n_rows;
     if (rows > ORL_HOURS_MOST)
-        code = orl_error_set(err, ORL_ERR_LIMIT, "a year of %zu rows is more than %d", rows,
-                             ORL_HOURS_MOST);
+        code = orl_error_set(
+            err, ORL_ERR_LIMIT,
+            "the weather file has %zu rows, and a year at most %d: those of 10-minute steps", rows,
+            ORL_HOURS_MOST);
     else
         code = steps_of(&weather, ret_steps, err);
     orl_weather_done(&weather);

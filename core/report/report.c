@@ -43,6 +43,16 @@ static int make_grids(const struct orl_report_making *m)
     return 0;
 }
 
+/* The day since 1 January that the weather file begins with; 0 for files of one calendar year. */
+static uint32_t begin_of_year(const struct orl_report_making *m)
+{
+    const struct orl_annual_year *year = &m->report->year;
+    const size_t first = m->result->n_moved;
+    return first > 0
+               ? orl_annual_step_of(year, &m->result->steps[first]) / (24 * year->steps.per_hour)
+               : 0;
+}
+
 static int mark_occupied(const struct orl_report_making *m)
 {
     const struct orl_annual_wishes *wishes = m->wishes;
@@ -52,6 +62,7 @@ static int mark_occupied(const struct orl_report_making *m)
         struct orl_occupancy use = wishes->occupancy;
         if (use.first_day == ORL_FIRST_DAY_OF_WEATHER)
             use.first_day = m->result->first_weekday >= 0 ? (unsigned)m->result->first_weekday : 0;
+        use.begins_day = begin_of_year(m);
         orl_occupancy_mark(&use, &report->year.steps, report->marks);
         return 0;
     }

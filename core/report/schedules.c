@@ -5,11 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/limits.h>
 #include <oriel/scanner.h>
 
 #include "base/number.h"
 
-enum { MOST_ROWS = 35136 /* a leap year's quarters of hours */, NAME_SIZE = 80 };
+enum { MOST_ROWS = ORL_LIMIT_YEAR_ROWS, NAME_SIZE = 80 };
 
 struct table {
     struct orl_scanner scanner;
@@ -144,7 +145,7 @@ static int read_rows(struct table *t, unsigned char *states, size_t *ret_count)
         next_line(t, &line);
     while (code == 0 && next_line(t, &line)) {
         if (*ret_count == MOST_ROWS)
-            return fail(t, ORL_ERR_LIMIT, "a year has no more than 35136 rows, not", line);
+            return fail(t, ORL_ERR_LIMIT, "a year has no more than 52704 rows, not", line);
         code = read_row(t, line, &states[(*ret_count)++]);
     }
     return code;

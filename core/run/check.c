@@ -225,10 +225,11 @@ void orl_floor_plan_done(struct orl_floor_plan *plan)
 
 /* ---- Files beside it ------------------------------------------------------------------------- */
 
-int orl_weather_check(const char *name, const char *text, size_t size, struct orl_error *err)
+int orl_weather_check(const char *name, const char *text, size_t size, int year,
+                      struct orl_error *err)
 {
     struct orl_weather weather = {0};
-    const int code = orl_weather_parse(name, text, size, &weather, err);
+    const int code = orl_weather_parse(name, text, size, year, &weather, err);
     if (code == 0)
         orl_weather_done(&weather);
     return code;

@@ -12,11 +12,12 @@ void orl_run_weather_done(struct orl_run_weather *weather)
 }
 
 /* Reads the file, unless it is the one read last. */
-static int need_weather(const struct orl_files *files, const char *name,
+static int need_weather(const struct orl_files *files, const struct orl_sky_request *request,
                         struct orl_run_weather *weather, struct orl_error *err)
 {
+    const char *name = request->weather_file;
     struct orl_file file;
-    if (weather->file && strcmp(weather->file, name) == 0)
+    if (weather->file && strcmp(weather->file, name) == 0 && weather->year == request->weather_year)
         return 0;
     orl_run_weather_done(weather);
     int code = files->open(files->ctx, name, &file, err);
@@ -24,9 +25,11 @@ static int need_weather(const struct orl_files *files, const char *name,
         orl_error_at(err, NULL, 0, "sky");
         return code;
     }
-    code = orl_weather_parse(name, file.data, file.size, &weather->rows, err);
+    code =
+        orl_weather_parse(name, file.data, file.size, request->weather_year, &weather->rows, err);
     files->close(files->ctx, &file);
     weather->file = code == 0 ? name : NULL;
+    weather->year = request->weather_year;
     return code;
 }
 
@@ -36,7 +39,7 @@ int orl_run_find_sky(const struct orl_files *files, const struct orl_sky_request
 {
     if (request->model != ORL_SKY_BY_WEATHER)
         return orl_daylight_find(request, NULL, ret_daylight, err);
-    int code = need_weather(files, request->weather_file, weather, err);
+    int code = need_weather(files, request, weather, err);
     if (code < 0)
         return code;
     code = orl_daylight_find(request, &weather->rows, ret_daylight, err);

@@ -11,6 +11,7 @@
 /* The weather file read last; all zeros: none. The name is borrowed. */
 struct orl_run_weather {
     const char *file;
+    int year; /* of its rows; 0: of all */
     struct orl_weather rows;
 };
 void orl_run_weather_done(struct orl_run_weather *weather);

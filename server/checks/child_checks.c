@@ -285,9 +285,15 @@ static int read_sensors(struct use *use, struct orl_error *err)
     return rc;
 }
 
+/* The year of the rows that count; 0: all do. */
+static int year_of(const struct use *use)
+{
+    return use->entry ? (int)strtol(use->entry, NULL, 10) : 0;
+}
+
 static int read_weather(struct use *use, struct orl_error *err)
 {
-    return orl_weather_check(use->name, use->data->data, use->data->size, err);
+    return orl_weather_check(use->name, use->data->data, use->data->size, year_of(use), err);
 }
 
 static int read_view(struct use *use, struct orl_error *err)
@@ -303,7 +309,7 @@ static int read_year(struct use *use, struct orl_error *err)
 {
     size_t rows = 0;
     const int rc = orl_annual_weather_check(use->name, use->data->data, use->data->size,
-                                            &use->steps, &rows, err);
+                                            year_of(use), &use->steps, &rows, err);
     use->rows = rows;
     return rc;
 }

@@ -58,10 +58,17 @@ static int add_scene(const struct orl_bundle *scene, struct orl_job_inputs *inpu
     return rc;
 }
 
+static bool is_same_year(const struct orl_named_file *before, const struct orl_named_file *named)
+{
+    const char *const year = named->entry ? named->entry : "";
+    return before && strcmp(before->entry ? before->entry : "", year) == 0;
+}
+
 int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bundle *scene,
                         struct orl_job_inputs *inputs, struct orl_error *err)
 {
-    bool weather[ORL_LIMIT_SCENE_FILES] = {false}; /* all skies of a year name the same one */
+    /* By file: the last use for weather, since all skies of a day name the same file and year. */
+    const struct orl_named_file *weather[ORL_LIMIT_SCENE_FILES] = {NULL};
     struct orl_bundle *files = &inputs->files;
     int rc = brief->whole ? add_scene(scene, inputs, err) : 0;
     for (size_t i = 0; i < brief->n_files && rc == 0; i++) {
@@ -74,10 +81,12 @@ int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bund
         while (at < files->count && strcmp(files->files[at].name, file->name) != 0)
             at++;
         rc = at < files->count ? 0 : add_input(files, file, true, err);
-        const bool again = rc == 0 && named->role == ORL_FILE_WEATHER && weather[at];
+        const bool again =
+            rc == 0 && named->role == ORL_FILE_WEATHER && is_same_year(weather[at], named);
         if (rc == 0 && !again)
             rc = note_use(named, file->name, inputs, err);
-        weather[at] = weather[at] || named->role == ORL_FILE_WEATHER;
+        if (named->role == ORL_FILE_WEATHER)
+            weather[at] = named;
     }
     return rc;
 }

@@ -37,6 +37,8 @@ static const struct {
     {YEAR_ROOM_SEEDED "\"sensors\":{\"file\":\"none.pts\"}", "sensors.file", "", 0, 422},
     {YEAR_ROOM_SEEDED "\"grids\":[{\"sensors\":{\"file\":\"bad.pts\"}}]", "", "bad.pts", 2, 400},
     {YEAR_ROOM_GRIDS "\"weather\":\"none.epw\"", "weather", "", 0, 422},
+    {YEAR_ROOM_SEEDED YEAR_ROOM_GRIDS "\"year\":1999", "", "place.epw", 0, 422},
+    {YEAR_ROOM_SEEDED YEAR_ROOM_GRIDS "\"year\":0", "year", "", 0, 422},
     {YEAR_ROOM_GRIDS "\"weather\":\"bad.wea\"", "", "bad.wea", 7, 400},
     {YEAR_ROOM_GRIDS "\"weather\":\"desks.pts\"", "", "desks.pts", 1, 400},
     {YEAR_ROOM_SEEDED YEAR_ROOM_GRIDS "\"occupancy\":{\"file\":\"none.csv\"}", "occupancy.file", "",

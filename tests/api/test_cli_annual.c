@@ -135,6 +135,82 @@ static void assert_files_are_there(const struct cli_desk *f, const json_t *resul
     assert_true(page && carpet && pdf);
 }
 
+/* ---- Years of the weather file --------------------------------------------------------------- */
+
+enum { HEADER_LINES = 8, DAY_LINES = 24 };
+
+/* Copies so many lines, with that year instead of their own; 0: as they are. Returns the rest. */
+static const char *copy_lines(FILE *to, const char *from, int lines, int year)
+{
+    for (int i = 0; i < lines; i++) {
+        const char *const end = strchr(from, '\n') + 1;
+        if (year > 0) {
+            from = strchr(from, ',');
+            fprintf(to, "%d", year);
+        }
+        fwrite(from, 1, (size_t)(end - from), to);
+        from = end;
+    }
+    return from;
+}
+
+/* place.epw with its days in either order, or both in two years. */
+static void write_weather(const struct cli_desk *f, bool second_first, bool two_years)
+{
+    char *epw = cli_read_file("tests/fixtures", "weather.epw"), *text = NULL;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    assert_true(epw && stream);
+    const char *const first = copy_lines(stream, epw, HEADER_LINES, 0);
+    const char *second = first;
+    for (int i = 0; i < DAY_LINES; i++)
+        second = strchr(second, '\n') + 1;
+    copy_lines(stream, second_first ? second : first, DAY_LINES, 2019);
+    copy_lines(stream, second_first ? first : second, DAY_LINES, 2019);
+    if (two_years)
+        copy_lines(stream, first, 2 * DAY_LINES, 2023);
+    assert_int_equal(fclose(stream), 0);
+    cli_write_file(f->folder, "place.epw", text);
+    free(text);
+    free(epw);
+}
+
+static char *hours_of_year(struct cli_desk *f, const char *member)
+{
+    const char *const args[] = {"annual", f->document, "-o", f->output, "-j", "2", NULL};
+    char text[2048];
+    snprintf(text, sizeof text, "{%s%s", member, year_text + 1);
+    cli_write_file(f->folder, "year.json", text);
+    cli_run(args, &f->result);
+    return f->result.exit_code == 0 ? cli_read_file(f->output, "hours.csv") : NULL;
+}
+
+/* A file that goes on over 31 December gives the hours of one that does not; a file of two years
+ * needs to be told which, and gives the hours of that one. */
+static void test_years_of_the_weather_file(void **state)
+{
+    struct cli_desk *f = *state;
+    write_weather(f, false, false);
+    char *const plain = hours_of_year(f, "");
+    write_weather(f, true, false);
+    char *const moved = hours_of_year(f, "");
+    if (!plain || !moved)
+        fail_msg("%s", f->result.err);
+    assert_string_equal(moved, plain);
+    write_weather(f, false, true);
+    assert_null(hours_of_year(f, ""));
+    assert_says(f->result.err, "rows of 2019 and of 2023");
+    assert_says(f->result.err, "\"year\": 2019");
+    char *const chosen = hours_of_year(f, "\"year\": 2019, ");
+    assert_non_null(chosen);
+    assert_string_equal(chosen, plain);
+    assert_null(hours_of_year(f, "\"year\": 2021, "));
+    assert_says(f->result.err, "no rows of 2021: its rows are of 2019 to 2023");
+    free(plain);
+    free(moved);
+    free(chosen);
+}
+
 /* Two days of the year: the others count nowhere, and a warning says so. */
 static void test_a_year_to_its_end(void **state)
 {
@@ -327,6 +403,7 @@ int main(void)
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_mistakes_name_file_and_place, set_up,
                                         cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_years_of_the_weather_file, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year_to_its_end, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_threads_change_nothing, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_until_a_verdict_is_sure, set_up, cli_desk_tear_down),

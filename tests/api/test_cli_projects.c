@@ -172,6 +172,30 @@ static void test_models_are_known_by_what_they_say(void **state)
         fail_msg("%s", f->result.err);
 }
 
+/* The weather file of a sky that the command line gives is looked for where the command runs; it
+ * has no rows of July. A name of a sky that the project does not have is refused with the remedy.
+ */
+static void test_skies_of_the_command_line(void **state)
+{
+    static const struct {
+        const char *sky, *says;
+    } cases[] = {
+        {"{\"weather\": {\"file\": \"tests/fixtures/weather.epw\", \"month\": 7, \"day\": 1,"
+         " \"hour\": 12}}",
+         "the file has no row for month 7, day 1"},
+        {"{\"weather\": {\"file\": \"none.epw\", \"month\": 7, \"day\": 1, \"hour\": 12}}",
+         "cannot open 'none.epw'"},
+        {"noon", "has no sky 'noon' (it has none. A job's \"sky\" does without, as {\"cie\""}};
+    struct cli_desk *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *const run[] = {"run", model, "-o", f->output, "--sky", cases[i].sky, NULL};
+        cli_run(run, &f->result);
+        assert_int_equal(f->result.exit_code, 1);
+        if (!strstr(f->result.err, cases[i].says))
+            fail_msg("%s", f->result.err);
+    }
+}
+
 /* Sensors of a grid of a run of the document, summed up. */
 static double run_project(struct cli_desk *f, const char *states)
 {
@@ -324,6 +348,12 @@ static void test_a_year_without_a_document(void **state)
     cli_run(document, &f->result);
     assert_int_equal(f->result.exit_code, 1);
     assert_non_null(strstr(f->result.err, "are for projects"));
+    const char *const year[] = {"annual",  model,       "-o",
+                                f->output, "--weather", "tests/fixtures/weather.epw",
+                                "--year",  "1999",      NULL};
+    cli_run(year, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_non_null(strstr(f->result.err, "the file has no rows of 1999"));
     const char *const args[] = {"annual",    model,
                                 "-o",        f->output,
                                 "--weather", "tests/fixtures/weather.epw",
@@ -413,6 +443,7 @@ int main(void)
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_models_are_known_by_what_they_say, set_up,
                                         cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_skies_of_the_command_line, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_let_in_more_or_less, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_model_without_grids_asks_for_nothing, set_up,

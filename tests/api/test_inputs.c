@@ -24,7 +24,7 @@ static void upload(struct daemon *daemon, const char *sensors, size_t size, cons
                                         {"w.wea", weather, strlen(weather), true}};
     struct reply reply;
     daemon_upload(daemon, files, 3, NULL, &reply);
-    assert_int_equal(reply.status, 201);
+    assert_int_equal(reply.status / 100, 2);
     snprintf(ret_id, 65, "%s", reply_text(&reply, "id"));
     reply_done(&reply);
 }
@@ -75,6 +75,43 @@ static void test_wrong(void **state)
     daemon_get(daemon, "/v1/jobs", &reply);
     assert_int_equal(json_array_size(reply_at(&reply, "jobs")), 0);
     reply_done(&reply);
+}
+
+/* A weather file of two years needs to be told which; one without years must not be. */
+static void test_years(void **state)
+{
+    static const char epw[] = "LOCATION,Somewhere,-,TST,made up,000000,47,8,1.0,400.0\n"
+                              "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n"
+                              "2020,3,21,12,0,f,9,7,87,101300,0,0,305,0,500,200,0,0,0\n"
+                              "2021,3,21,12,0,f,9,7,87,101300,0,0,305,0,500,200,0,0,0\n",
+                      wea_of_two[] = HEAD HOUR "3 21 11.5 100 100\n";
+    static const struct {
+        const char *weather, *year, *says;
+        long status;
+    } cases[] = {
+        {epw, "", "rows of 2020 and of 2021", 422},
+        {epw, "\"year\":2019,", "no rows of 2019", 422},
+        {epw, "\"year\":2021,", NULL, 202},
+        {good_weather, "\"year\":2021,", "rows of WEA files have no year", 422},
+        {wea_of_two, "", "lines 7 and 9 are of the same time", 422},
+    };
+    struct daemon *daemon = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char scene[65], text[512];
+        struct reply reply;
+        upload(daemon, good_sensors, strlen(good_sensors), cases[i].weather, scene);
+        snprintf(text, sizeof text,
+                 "{\"scene\":\"%s\",\"technique\":\"direct\",\"gather_samples\":1,\"seed\":1,"
+                 "\"sensors\":[[1,1,1,0,0,1]],\"sky\":{\"weather\":{\"file\":\"w.wea\",%s"
+                 "\"month\":3,\"day\":21,\"hour\":11.5}}}",
+                 scene, cases[i].year);
+        daemon_post_json(daemon, "/v1/jobs", text, &reply);
+        if (reply.status != cases[i].status)
+            fail_msg("%zu: %ld, %s", i, reply.status, reply.body);
+        if (cases[i].says)
+            assert_non_null(strstr(reply_text(&reply, "detail"), cases[i].says));
+        reply_done(&reply);
+    }
 }
 
 /* Of one view of a file with these lines; entry: JSON, and what may follow it. */
@@ -200,6 +237,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_wrong, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_right, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_years, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_views, daemon_set_up, daemon_tear_down),
         cmocka_unit_test(test_memory),
     };

@@ -41,7 +41,7 @@ static void check_year(const char *text, size_t size, const struct orl_weather *
     struct orl_annual_steps steps = {0};
     struct orl_error err = {0};
     size_t rows = 0;
-    const int code = orl_annual_weather_check("weather.epw", text, size, &steps, &rows, &err);
+    const int code = orl_annual_weather_check("weather.epw", text, size, 0, &steps, &rows, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
         return;
@@ -56,7 +56,7 @@ bool fuzz_weather(const uint8_t *data, size_t size)
     enum { SKIES = 4 };
     struct orl_weather weather = {0};
     struct orl_error err = {0};
-    const int code = orl_weather_parse("weather.epw", (const char *)data, size, &weather, &err);
+    const int code = orl_weather_parse("weather.epw", (const char *)data, size, 0, &weather, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
         FUZZ_PROMISE(weather.rows == NULL);

@@ -267,7 +267,7 @@ static void test_09_a_year_with_gaps(void **state)
     struct orl_weather weather;
     long silent = 0, lit_hours = 0, wrong = 0;
     (void)state;
-    assert_int_equal(orl_weather_parse("year.epw", text, strlen(text), &weather, NULL), 0);
+    assert_int_equal(orl_weather_parse("year.epw", text, strlen(text), 0, &weather, NULL), 0);
     assert_int_equal(weather.n_rows, HOURS);
     for (int row = 0, plant = 0; row < HOURS; row++) {
         struct orl_sky_request request = request_of_row(&weather.rows[row]);
@@ -298,7 +298,7 @@ static void test_09_jobs(void **state)
     struct orl_weather weather;
     int silent = 0;
     (void)state;
-    assert_int_equal(orl_weather_parse(name, text, strlen(text), &weather, NULL), 0);
+    assert_int_equal(orl_weather_parse(name, text, strlen(text), 0, &weather, NULL), 0);
     for (int i = 0; i < PLANTS; i++) {
         struct orl_sky_request request = request_of_row(&weather.rows[plants[i].row]);
         request.weather_file = name;
@@ -336,7 +336,7 @@ static void test_09_no_numbers(void **state)
         char *text = make_year(row, broken[i]);
         struct orl_weather weather;
         struct orl_error err = {0};
-        const int code = orl_weather_parse("year.epw", text, strlen(text), &weather, &err);
+        const int code = orl_weather_parse("year.epw", text, strlen(text), 0, &weather, &err);
         if (code == 0)
             orl_weather_done(&weather);
         unnoticed += code == 0 || err.line != row + 1 + HEADER || strcmp(err.file, "year.epw") != 0;

@@ -113,7 +113,7 @@ static int read_views(const struct doubled_input *input, struct orl_error *err)
 static int read_weather(const struct doubled_input *input, struct orl_error *err)
 {
     struct orl_weather weather = {0};
-    const int code = orl_weather_parse("place.wea", input->data, input->size, &weather, err);
+    const int code = orl_weather_parse("place.wea", input->data, input->size, 0, &weather, err);
     orl_weather_done(&weather);
     return code;
 }

@@ -69,7 +69,7 @@ static int read_weather(const char *text, size_t size, struct text_values *value
                         struct orl_error *err)
 {
     struct orl_weather weather = {0};
-    const int code = orl_weather_parse("a.epw", text, size, &weather, err);
+    const int code = orl_weather_parse("a.epw", text, size, 0, &weather, err);
     note(values, weather.latitude_deg);
     note(values, weather.longitude_deg);
     for (size_t i = 0; i < weather.n_rows; i++) {

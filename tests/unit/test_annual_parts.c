@@ -62,7 +62,7 @@ static struct orl_hours hours_of(const struct orl_bins *bins, const char *text, 
     struct orl_weather weather = {0};
     struct orl_hours hours;
     struct orl_error err = {0};
-    assert_int_equal(orl_weather_parse("w.wea", text, strlen(text), &weather, &err), 0);
+    assert_int_equal(orl_weather_parse("w.wea", text, strlen(text), 0, &weather, &err), 0);
     struct orl_crew *crew = orl_crew_start(1);
     assert_int_equal(orl_hours_init(&hours, bins, &weather, "w.wea", north_deg, 0.2, crew, &err),
                      0);

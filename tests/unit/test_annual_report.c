@@ -17,6 +17,7 @@
 #include <oriel/annual_report.h>
 #include <oriel/npy.h>
 
+#include "metrics/annual/calendar.h"
 #include "support/hand_year.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
@@ -191,17 +192,21 @@ static void test_daylight_factor(void **state)
 }
 
 /* A year of 365 days that begins on a Sunday has 260 days from Monday to Friday, one that begins on
- * a Monday, as where nothing is known, 261. The weather file says, unless the occupancy does. */
+ * a Monday, as where nothing is known, 261. The weather file says, unless the occupancy does. If
+ * the file begins on 1 July, its second half is of the next year: 31 December is a Saturday here,
+ * and so is the day before Sunday, 1 January. */
 static void test_weekdays(void **state)
 {
     static const struct {
         int by_weather;
         unsigned asked;
         double hours;
-    } cases[] = {{6, ORL_FIRST_DAY_OF_WEATHER, 2600},
-                 {-1, ORL_FIRST_DAY_OF_WEATHER, 2610},
-                 {6, 0, 2610},
-                 {0, 6, 2600}};
+        size_t n_moved;
+    } cases[] = {{6, ORL_FIRST_DAY_OF_WEATHER, 2600, 0},
+                 {-1, ORL_FIRST_DAY_OF_WEATHER, 2610, 0},
+                 {6, 0, 2610, 0},
+                 {0, 6, 2600, 0},
+                 {6, ORL_FIRST_DAY_OF_WEATHER, 2610, 181 * 24}};
     const struct orl_annual_request request = {.n_sensors = HAND_YEAR_SENSORS};
     struct orl_annual_result result;
     (void)state;
@@ -214,6 +219,7 @@ static void test_weekdays(void **state)
         wishes.occupancy.days = 0x1f;
         wishes.occupancy.first_day = cases[i].asked;
         result.first_weekday = cases[i].by_weather;
+        result.n_moved = cases[i].n_moved;
         assert_int_equal(
             orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL), 0);
         assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, cases[i].hours, 1e-9);
@@ -221,6 +227,43 @@ static void test_weekdays(void **state)
         orl_annual_wishes_done(&wishes);
     }
     hand_year_free(&result);
+}
+
+/* 52 560 rows of 10 minutes are a year, and a row every 5 minutes is refused. */
+static void test_short_steps(void **state)
+{
+    static const struct {
+        uint32_t per_hour;
+        int code;
+    } cases[] = {{6, 0}, {12, ORL_ERR_LIMIT}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const uint32_t per_hour = cases[i].per_hour;
+        char *text = NULL;
+        size_t size, rows = 0;
+        FILE *stream = open_memstream(&text, &size);
+        struct orl_annual_steps steps = {0};
+        struct orl_error err = {0};
+        assert_non_null(stream);
+        fputs("place a\nlatitude 38\nlongitude -27\ntime_zone -30\nsite_elevation 25\n"
+              "weather_data_file_units 1\n",
+              stream);
+        for (uint32_t k = 0; k < 8760 * per_hour; k++) {
+            const struct orl_annual_steps all = {8760 * per_hour, per_hour};
+            const struct orl_calendar_day day = orl_calendar_day_of(&all, k);
+            fprintf(stream, "%d %d %.3f 0 1\n", day.month, day.day, orl_calendar_hour_of(&all, k));
+        }
+        assert_int_equal(fclose(stream), 0);
+        assert_int_equal(orl_annual_weather_check("a.wea", text, size, 0, &steps, &rows, &err),
+                         cases[i].code);
+        if (cases[i].code == 0) {
+            assert_int_equal(rows, 52560);
+            assert_true(steps.count == 52560 && steps.per_hour == 6);
+        } else {
+            assert_non_null(strstr(err.message, "105120 rows, and a year at most 52704"));
+        }
+        free(text);
+    }
 }
 
 /* Grids of 1 and 3 by area: half of the sensors of the second weigh most. */
@@ -410,6 +453,7 @@ int main(void)
         cmocka_unit_test(test_nights_left_out),
         cmocka_unit_test(test_daylight_factor),
         cmocka_unit_test(test_weekdays),
+        cmocka_unit_test(test_short_steps),
         cmocka_unit_test(test_areas_and_files_of_occupancy),
         cmocka_unit_test_setup_teardown(test_arrays, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_honeybees_folder, scratch_set_up, scratch_tear_down),

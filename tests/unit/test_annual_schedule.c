@@ -113,6 +113,12 @@ static void test_spans(void **state)
     memset(found, 9, sizeof found);
     assert_int_equal(orl_shades_schedule(&request, &result, found, NULL), 0);
     assert_memory_equal(found, wanted, sizeof wanted);
+    /* States are by the file's rows, whose last four are the first steps of the year. */
+    struct orl_annual_result moved = result;
+    moved.n_moved = 4;
+    assert_int_equal(orl_shades_schedule(&request, &moved, found, NULL), 0);
+    assert_memory_equal(found, wanted + 8, 4);
+    assert_memory_equal(found + 4, wanted, 8);
     group.n_series = 11;
     assert_int_equal(orl_shades_schedule(&request, &result, found, NULL), ORL_ERR_RANGE);
 }

@@ -278,7 +278,7 @@ static void test_weather_row_is_a_perez_sky(void **state)
     struct orl_daylight a = {0};
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(orl_weather_parse("x", epw, strlen(epw), &weather, &err), 0);
+    assert_int_equal(orl_weather_parse("x", epw, strlen(epw), 0, &weather, &err), 0);
     asked.model = ORL_SKY_BY_WEATHER;
     asked.latitude_deg = asked.longitude_deg = asked.time_zone_h = 0;
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);

@@ -56,7 +56,7 @@ static void test_hours(void **state)
     (void)state;
     static const char *const names[] = {"0228-2230", "0228-2330", "0301-0030", "0301-0130"};
     struct orl_job job;
-    int rc = decode("{\"weather\":{\"file\":\"a.epw\"},\"normalise\":\"gendaylit\","
+    int rc = decode("{\"weather\":{\"file\":\"a.epw\",\"year\":2021},\"normalise\":\"gendaylit\","
                     "\"sun\":\"radiance\",\"from\":{\"month\":2,\"day\":28,\"hour\":22.5},"
                     "\"to\":{\"month\":3,\"day\":1,\"hour\":1.5}}",
                     &job, NULL);
@@ -66,6 +66,7 @@ static void test_hours(void **state)
         const struct orl_sky_request *r = &job.skies[i].request;
         assert_string_equal(job.skies[i].name, names[i]);
         assert_int_equal(r->normalise, ORL_SKY_GENDAYLIT);
+        assert_int_equal(r->weather_year, 2021);
         assert_int_equal(r->sun_method, ORL_SUN_RADIANCE);
         assert_int_equal(r->month, i < 2 ? 2 : 3);
         assert_int_equal(r->day, i < 2 ? 28 : 1);

@@ -225,7 +225,7 @@ static struct orl_daylight row_sky(const char *text, enum orl_sun_method method)
     struct orl_daylight sky = {0};
     struct orl_error err = {0};
     double diffuse;
-    if (orl_weather_parse("w", text, strlen(text), &weather, &err) < 0)
+    if (orl_weather_parse("w", text, strlen(text), 0, &weather, &err) < 0)
         fail_msg("%s", err.message);
     weather.sun_method = method;
     if (orl_daylight_of_row(&weather, &weather.rows[0], &sky, &diffuse, &err) < 0)

@@ -25,7 +25,7 @@
 
 static int parse(const char *text, struct orl_weather *weather, struct orl_error *err)
 {
-    return orl_weather_parse("x.epw", text, strlen(text), weather, err);
+    return orl_weather_parse("x.epw", text, strlen(text), 0, weather, err);
 }
 
 static struct orl_weather parse_good(const char *text)
@@ -77,7 +77,7 @@ static void test_fixtures(void **state)
         size_t size;
         struct orl_error err;
         unsigned char *text = scene_read_bytes(paths[i], &size);
-        assert_int_equal(orl_weather_parse(paths[i], (char *)text, size, &weather[i], &err), 0);
+        assert_int_equal(orl_weather_parse(paths[i], (char *)text, size, 0, &weather[i], &err), 0);
         free(text);
         assert_int_equal(weather[i].n_rows, 48);
     }
@@ -209,7 +209,7 @@ static void test_every_truncation(void **state)
         struct orl_error err = {0};
         assert_non_null(text);
         memcpy(text, good, size);
-        const int code = orl_weather_parse("x.epw", text, size, &weather, &err);
+        const int code = orl_weather_parse("x.epw", text, size, 0, &weather, &err);
         assert_true(code == 0 ? weather.n_rows == 1 : err.code == code && err.line > 0);
         orl_weather_done(&weather);
         free(text);
@@ -246,14 +246,15 @@ static void test_weekday_and_year(void **state)
     orl_weather_done(&wea);
 }
 
-/* A file of two years is refused, with the years; typical years, whose months are of several, are
- * not. */
+/* A file of two years is refused, with the years and the remedy; typical years, whose months are of
+ * several, are not. Two rows of the same time are refused in any file. */
 static void test_two_years(void **state)
 {
     static const char row[] = "%d,%d,22,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n";
     static const struct {
         int year, month, code;
-    } second[] = {{2021, 3, ORL_ERR_RANGE}, {2021, 4, 0}, {2020, 3, 0}, {0, 3, 0}};
+    } second[] = {
+        {2021, 3, ORL_ERR_RANGE}, {2021, 4, 0}, {2020, 3, ORL_ERR_RANGE}, {0, 3, ORL_ERR_RANGE}};
     (void)state;
     for (size_t i = 0; i < sizeof second / sizeof *second; i++) {
         char text[1024], rows[2][200];
@@ -263,12 +264,94 @@ static void test_two_years(void **state)
         snprintf(rows[1], sizeof rows[1], row, second[i].year, second[i].month);
         snprintf(text, sizeof text, "%s%s%s", EPW, rows[0], rows[1]);
         assert_int_equal(parse(text, &weather, &err), second[i].code);
-        if (second[i].code < 0) {
-            assert_non_null(strstr(err.message, "2020 and of 2021"));
+        if (second[i].code < 0)
             assert_int_equal(err.line, 4);
+        if (i == 0) {
+            assert_non_null(strstr(err.message, "2020 and of 2021"));
+            assert_non_null(strstr(err.hint, "\"year\": 2020"));
+        } else if (second[i].code < 0) {
+            assert_non_null(strstr(err.message, "lines 3 and 4 are of the same time"));
         }
         orl_weather_done(&weather);
     }
+}
+
+/* Of several years the chosen one counts, with its own weekdays: 1 January 2021 was a Friday. */
+static void test_chosen_year(void **state)
+{
+    static const char text[] = EPW "2020,3,22,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n"
+                                   "2021,3,22,12,0,f,9,7,87,101300,0,0,305,0,500,150,0,0,0\n"
+                                   "2022,3,22,12,0,f,9,7,87,101300,0,0,305,0,300,170,0,0,0\n";
+    struct orl_weather weather = {0};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(orl_weather_parse("x", text, strlen(text), 2021, &weather, &err), 0);
+    assert_int_equal(weather.n_rows, 1);
+    assert_true(weather.rows[0].year == 2021 && weather.rows[0].direct == 500);
+    assert_int_equal(weather.first_weekday, 4);
+    orl_weather_done(&weather);
+    assert_int_equal(orl_weather_parse("x", text, strlen(text), 2019, &weather, &err),
+                     ORL_ERR_RANGE);
+    assert_non_null(strstr(err.message, "no rows of 2019: its rows are of 2020 to 2022"));
+    const char wea[] = WEA "3 22 11.500 800 120\n";
+    assert_int_equal(orl_weather_parse("x", wea, strlen(wea), 2021, &weather, &err),
+                     ORL_ERR_INVALID);
+    assert_non_null(strstr(err.message, "rows of WEA files have no year"));
+}
+
+/* From July to June: rows are in the order of the calendar; 1 July 2019 was a Monday, 1 January
+ * 2020 a Wednesday. */
+static void test_july_to_june(void **state)
+{
+    static const char row[] = "%d,%d,%d,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n";
+    static const int dates[][3] = {{2019, 7, 1}, {2019, 12, 31}, {2020, 1, 1}, {2020, 6, 30}};
+    static const int months[] = {1, 6, 7, 12};
+    char text[1024] = LOCATION "DATA PERIODS,1,1,Data,Monday, 7/ 1, 6/30\n";
+    (void)state;
+    for (size_t i = 0; i < 4; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), row, dates[i][0], dates[i][1],
+                 dates[i][2]);
+    struct orl_weather weather = parse_good(text);
+    assert_int_equal(weather.n_rows, 4);
+    assert_int_equal(weather.n_moved, 2);
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(weather.rows[i].month, months[i]);
+        assert_int_equal(weather.rows[i].year, i < 2 ? 2020 : 2019);
+    }
+    assert_int_equal(weather.first_weekday, 2);
+    orl_weather_done(&weather);
+    /* Times that overlap are not of one year. */
+    struct orl_weather wea = {0};
+    struct orl_error err = {0};
+    assert_int_equal(parse(WEA "7 1 11.5 1 1\n1 1 11.5 1 1\n7 1 11.5 2 2\n", &wea, &err),
+                     ORL_ERR_RANGE);
+    assert_non_null(strstr(err.message, "lines 7 and 9 are of the same time: month 7, day 1"));
+}
+
+/* DAYSIM writes 24.25 for a quarter past midnight, on 31 December, too. */
+static void test_past_midnight(void **state)
+{
+    static const struct {
+        const char *rows;
+        int month, day;
+    } cases[] = {{"3 22 24.25 7 1\n", 3, 23},
+                 {"2 28 24.25 7 1\n", 3, 1},
+                 {"2 28 24.25 7 1\n2 29 12 1 1\n", 2, 29},
+                 {"12 31 24.25 7 1\n", 1, 1},
+                 {"1 1 0.75 1 1\n12 31 23.75 1 1\n12 31 24.25 7 1\n", 1, 1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "%s%s", WEA, cases[i].rows);
+        struct orl_weather weather = parse_good(text);
+        const struct orl_weather_row *row = &weather.rows[0];
+        assert_true(row->direct == 7 && row->hour == 0.25);
+        assert_true(row->month == cases[i].month && row->day == cases[i].day);
+        orl_weather_done(&weather);
+    }
+    struct orl_weather none;
+    struct orl_error err = {0};
+    assert_int_equal(parse(WEA "3 22 25.5 7 1\n", &none, &err), ORL_ERR_RANGE);
 }
 
 int main(void)
@@ -278,7 +361,8 @@ int main(void)
         cmocka_unit_test(test_nearest_row),        cmocka_unit_test(test_missing_values),
         cmocka_unit_test(test_half_hour_zone),     cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_every_truncation),   cmocka_unit_test(test_weekday_and_year),
-        cmocka_unit_test(test_two_years),
+        cmocka_unit_test(test_two_years),          cmocka_unit_test(test_chosen_year),
+        cmocka_unit_test(test_july_to_june),       cmocka_unit_test(test_past_midnight),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

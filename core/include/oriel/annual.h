@@ -68,6 +68,7 @@ struct orl_annual_request {
     char **scene_files; /* names for the provider, as of a job */
     size_t n_scene_files;
     char *weather_file;             /* EPW or WEA, for the provider */
+    int weather_year;               /* of its rows that count; 0: all do */
     double north_deg;               /* true north, counter-clockwise from +Y */
     double ground_reflectance;      /* of the ground outside, where the scene has none; 0..1 */
     enum orl_sun_method sun_method; /* ORL_SUN_ACCURATE by default */
@@ -116,7 +117,8 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
  * reinhart.cal and gendaymtx, azimuth clockwise from north. */
 enum { ORL_ANNUAL_PATCHES = 2306 };
 
-/* A row of the weather file, in its order. */
+/* A row of the weather file. Steps are in the file's order, unless its year goes on over
+ * 31 December: then the rows from 1 January on come first. */
 struct orl_annual_step {
     int month, day;
     double hour;     /* the middle of the interval, as the sun stands: 11.5 */
@@ -168,6 +170,7 @@ struct orl_annual_result {
     uint32_t threads, samples;
     double latitude_deg, longitude_deg, time_zone_h; /* of the weather file; both east */
     int first_weekday; /* of 1 January by the file: 0 Monday ... 6 Sunday; -1: not said */
+    size_t n_moved;    /* steps from 1 January on that are the file's last rows (below) */
     char **scene_read; /* names of the files that the scene was read from, now or before */
     size_t n_scene_read;
     struct orl_annual_step *steps; /* all rows of the file */
@@ -204,6 +207,12 @@ struct orl_annual_result {
     size_t n_warnings;
 };
 void orl_annual_done(struct orl_annual_result *result); /* NULL and half-filled are fine */
+
+/* The place of a step's row in the weather file, of the rows that count; from 0. */
+static inline size_t orl_annual_row_of_step(const struct orl_annual_result *result, size_t step)
+{
+    return (step + result->n_steps - result->n_moved) % result->n_steps;
+}
 
 /* The three of a sensor's row; of a result that holds arrays. */
 static inline const float *orl_annual_row(const struct orl_annual_result *result,

@@ -89,6 +89,7 @@ struct orl_occupancy {
     double from_h, to_h; /* of a day, from <= middle of the step < to; over midnight if to < from */
     unsigned days;       /* bit 0 Monday ... bit 6 Sunday */
     unsigned first_day;  /* what day 1 January is: 0 Monday ... 6 Sunday, or the next */
+    uint32_t begins_day; /* days from there on are of the year before; 0: none are */
 };
 /* The weather file says what day 1 January is (EPW: DATA PERIODS); where it does not, a Monday. */
 enum { ORL_FIRST_DAY_OF_WEATHER = 7 };

@@ -62,7 +62,7 @@ int orl_annual_schedules_read(struct orl_annual_request *request, const struct o
  * for when its rooms are in use. Errors are those of the year, with file and line, as far as the
  * bytes alone tell.
  */
-int orl_annual_weather_check(const char *name, const char *text, size_t size,
+int orl_annual_weather_check(const char *name, const char *text, size_t size, int year_chosen,
                              struct orl_annual_steps *ret_steps, size_t *ret_rows,
                              struct orl_error *err);
 int orl_occupancy_check(const char *name, const char *text, size_t size,

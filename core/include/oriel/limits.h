@@ -27,6 +27,7 @@
 #define ORL_LIMIT_TREE_DEPTH 8U            /* log2 of a tensor tree's resolution per axis */
 #define ORL_LIMIT_BSDF_VALUES (64UL << 20) /* leaf values in one BSDF file */
 #define ORL_LIMIT_WEATHER_ROWS 527040UL    /* rows of a weather file: a leap year's minutes */
+#define ORL_LIMIT_YEAR_ROWS 52704          /* of an annual job: a leap year's 10-minute steps */
 #define ORL_LIMIT_SENSORS 4000000UL        /* sensors in one job */
 #define ORL_LIMIT_DISTANCE 1e12            /* any coordinate that is given: rays are floats */
 #define ORL_LIMIT_VIEWS 1024U              /* views in one job */

@@ -451,7 +451,8 @@ int orl_sensors_read(const char *name, const char *text, size_t size,
  * Errors: those of the job, with file and line. Of sensors nothing is kept in memory. */
 int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,
                       struct orl_error *err);
-int orl_weather_check(const char *name, const char *text, size_t size, struct orl_error *err);
+int orl_weather_check(const char *name, const char *text, size_t size, int year,
+                      struct orl_error *err);
 /* Reads what the job's views name, lines of views and masks of glare, as the job would. */
 int orl_views_check(const struct orl_job *job, const struct orl_files *files,
                     struct orl_error *err);

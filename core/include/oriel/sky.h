@@ -76,6 +76,7 @@ struct orl_sky_request {
     double turbidity;        /* CIE, clear and intermediate, ORL_SKY_TYPICAL */
     double direct_normal_lx; /* CIE, clear and intermediate: the sun's; negative: gensky's own */
     char *weather_file;      /* a name for the job's file provider; owned by the job */
+    int weather_year;        /* of the rows of weather_file that count; 0: all do */
 };
 
 /* One of several skies of a job. Both are owned by the job. */

@@ -14,13 +14,22 @@ void orl_occupancy_init(struct orl_occupancy *occupancy)
         .from_h = 8, .to_h = 18, .days = 0x7f, .first_day = ORL_FIRST_DAY_OF_WEATHER};
 }
 
+/* 0 Monday ... 6 Sunday */
+static unsigned weekday_of(const struct orl_occupancy *occupancy,
+                           const struct orl_annual_steps *steps, uint32_t day)
+{
+    const uint32_t days = steps->count / (24 * steps->per_hour), weeks_d = 7 * 53;
+    const bool is_before = occupancy->begins_day > 0 && day >= occupancy->begins_day;
+    return (day + occupancy->first_day + (is_before ? weeks_d - days : 0)) % 7;
+}
+
 void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_annual_steps *steps,
                         unsigned char *ret_marks)
 {
     const double from = occupancy->from_h, to = occupancy->to_h;
     for (uint32_t i = 0; i < steps->count; i++) {
         const double hour = orl_calendar_hour_of(steps, i);
-        const unsigned day = (i / (24 * steps->per_hour) + occupancy->first_day) % 7;
+        const unsigned day = weekday_of(occupancy, steps, i / (24 * steps->per_hour));
         const bool within = to >= from ? hour >= from && hour < to : hour >= from || hour < to;
         ret_marks[i] = within && (occupancy->days >> day & 1);
     }
