@@ -43,6 +43,29 @@ static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct 
     return 0;
 }
 
+static void warn(void *ctx, const char *text)
+{
+    orl_year_warn(ctx, "%s", text);
+}
+
+/* Warns of sensors in planes of surfaces, and of those apart from their grid. */
+static void check_sensors(struct orl_year *y, const struct orl_scene *scene)
+{
+    const struct orl_annual_request *r = y->request;
+    const struct orl_crew *crew = y->env->run->crew;
+    struct orl_sensor_warnings warnings = {warn, y, 0};
+    char text[480];
+    if (orl_run_describe_sensors_in_planes(scene, r->sensors, r->n_sensors, crew, text,
+                                           sizeof text))
+        orl_year_warn(y, "%s", text);
+    for (size_t i = 0; i < r->n_grids || i == 0; i++) {
+        const struct orl_annual_grid *g = i < r->n_grids ? &r->grids[i] : NULL;
+        const struct orl_sensor_range range = {g ? g->name : NULL, g ? g->first : 0,
+                                               g ? g->count : r->n_sensors};
+        orl_run_check_sensor_spaces(scene, r->sensors, &range, crew, &warnings);
+    }
+}
+
 /* The scene and the lamps in it, as a job of no sky loads them. */
 static int load_scene(struct orl_year *y, struct orl_error *err)
 {
@@ -50,7 +73,6 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     struct orl_result result = {0};
     struct orl_run_env env = *y->env->run;
     struct orl_told told = {0};
-    char text[480];
     orl_job_init(&job);
     job.scene_files = y->request->scene_files;
     job.n_scene_files = y->request->n_scene_files;
@@ -67,18 +89,15 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
         code = admit_sources(&state.scene->description, err);
     if (code == 0)
         code = name_scene(y, state.scene, err);
-    const bool in_planes = code == 0 && orl_run_describe_sensors_in_planes(
-                                            state.scene, y->request->sensors, y->request->n_sensors,
-                                            y->env->run->crew, text, sizeof text);
-    orl_scene_release(state.scene);
     orl_health_add(&y->result->health, &result.health);
     y->result->warnings = result.warnings;
     y->result->n_warnings = result.n_warnings;
     result.warnings = NULL;
     result.n_warnings = 0;
     orl_result_done(&result);
-    if (in_planes)
-        orl_year_warn(y, "%s", text);
+    if (code == 0)
+        check_sensors(y, state.scene);
+    orl_scene_release(state.scene);
     return code;
 }
 

@@ -81,12 +81,33 @@ static int look_ahead(struct orl_run_state *state, struct orl_plan *plan, struct
     return 0;
 }
 
+static void warn_once(void *ctx, const char *text)
+{
+    orl_run_warn_once(ctx, "%s", text);
+}
+
+/* By grids, where the job has them. */
+static void judge_spaces(struct orl_run_state *state)
+{
+    struct orl_sensor_warnings warnings = {warn_once, state, 0};
+    const struct orl_result *result = state->result;
+    struct orl_sensor_range range = {NULL, 0, state->n_sensors};
+    for (size_t i = 0; i < result->n_grids || i == 0; i++) {
+        if (i < result->n_grids)
+            range = (struct orl_sensor_range){result->grids[i].name, result->grids[i].first,
+                                              result->grids[i].count};
+        orl_run_check_sensor_spaces(state->world->scene, state->sensors, &range, state->env->crew,
+                                    &warnings);
+    }
+}
+
 static void judge_sensors(struct orl_run_state *state)
 {
     char text[480];
     if (orl_run_describe_sensors_in_planes(state->world->scene, state->sensors, state->n_sensors,
                                            state->env->crew, text, sizeof text))
         orl_run_warn_once(state, "%s", text);
+    judge_spaces(state);
 }
 
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err)

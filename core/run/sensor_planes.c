@@ -37,6 +37,12 @@ static bool lies_in_plane(const struct orl_geometry *g, const struct orl_sensor 
            touches_along(g, point, normal, frame.v, ret_touch);
 }
 
+bool orl_run_lies_in_plane(const struct orl_scene *scene, const struct orl_sensor *sensor)
+{
+    struct orl_touch touch;
+    return lies_in_plane(scene->geometry, sensor, &touch);
+}
+
 bool orl_run_describe_sensors_in_planes(const struct orl_scene *scene,
                                         const struct orl_sensor *sensors, size_t n,
                                         const struct orl_crew *crew, char *ret_text, size_t size)

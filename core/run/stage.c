@@ -97,7 +97,7 @@ void orl_run_enter(struct orl_run_state *state, enum orl_stage stage)
     orl_run_progress(state, 0);
 }
 
-enum { WARNING_SIZE = 512 };
+enum { WARNING_SIZE = 1024 };
 
 static void add_warning(struct orl_run_state *state, const char *text)
 {

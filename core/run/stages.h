@@ -128,6 +128,23 @@ void orl_run_judge_views(struct orl_run_state *state);
 bool orl_run_describe_sensors_in_planes(const struct orl_scene *scene,
                                         const struct orl_sensor *sensors, size_t n,
                                         const struct orl_crew *crew, char *ret_text, size_t size);
+bool orl_run_lies_in_plane(const struct orl_scene *scene, const struct orl_sensor *sensor);
+
+/* Sensors that belong together; name: NULL of a job without grids. */
+struct orl_sensor_range {
+    const char *name;
+    size_t first, count;
+};
+struct orl_sensor_warnings {
+    void (*warn)(void *ctx, const char *text);
+    void *ctx;
+    size_t count; /* of all; the first 20 are passed on */
+};
+/* Warns of sensors outdoors, in solids or in other rooms than most of their range, and of sensors
+ * below floors: with their numbers. */
+void orl_run_check_sensor_spaces(const struct orl_scene *scene, const struct orl_sensor *sensors,
+                                 const struct orl_sensor_range *range, const struct orl_crew *crew,
+                                 struct orl_sensor_warnings *warnings);
 
 /* At the end: warns of sensors and views without light among others; without any it is an error,
  * ORL_ERR_UNLIT, unless the job expects that, or it is night. */

@@ -396,6 +396,23 @@ static void test_verify(void **state)
     assert_says(f->result.err, "only results of years say what they were made from");
 }
 
+/* The warning reaches the command line and result.json, by grid. */
+static void test_misplaced_sensors(void **state)
+{
+    static const char wanted[] = "grid 'the desks': 1 of 5 sensors lies outdoors, and the others "
+                                 "in a closed space: number 5 (from 1), the first at (1, 1, -0.1)";
+    struct cli_desk *f = *state;
+    cli_write_file(f->folder, "desks.pts",
+                   "1 1 .8 0 0 1\n2 1 .8 0 0 1\n1 2 .8 0 0 1\n2 2 .8 0 0 1\n1 1 -.1 0 0 1\n");
+    json_t *result = run(f, "1");
+    char *told = json_dumps(json_object_get(result, "warnings"), 0);
+    assert_non_null(told);
+    assert_says(told, wanted);
+    assert_says(f->result.err, wanted);
+    free(told);
+    json_decref(result);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -410,6 +427,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_the_page_tells_of_shades, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_cache_is_used_again, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_verify, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_misplaced_sensors, set_up, cli_desk_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

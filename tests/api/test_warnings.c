@@ -69,6 +69,25 @@ static void test_in_the_document(void **state)
     reply_done(&reply);
 }
 
+/* Sensors are numbered, in the document and in the events. */
+static void test_misplaced_sensors(void **state)
+{
+    static const char wanted[] = "1 of 4 sensors lies in closed spaces without windows, as within "
+                                 "a solid or a wall, and the others do not: number 3 (from 1)";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char job[80], events[96];
+    post(f, ABOVE "," ABOVE "," WITHIN "," ABOVE, "", job);
+    daemon_wait(&f->daemon, job, 60, &reply);
+    assert_string_equal(reply_text(&reply, "state"), "succeeded");
+    assert_non_null(strstr(reply.body, wanted));
+    reply_done(&reply);
+    snprintf(events, sizeof events, "%s/events", job);
+    daemon_get(&f->daemon, events, &reply);
+    assert_non_null(strstr(reply.body, wanted));
+    reply_done(&reply);
+}
+
 static void test_all_dark(void **state)
 {
     struct daemon_room *f = *state;
@@ -124,9 +143,8 @@ static void test_types_are_told(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_in_the_document),
-        cmocka_unit_test(test_all_dark),
-        cmocka_unit_test(test_on_the_command_line),
+        cmocka_unit_test(test_in_the_document), cmocka_unit_test(test_misplaced_sensors),
+        cmocka_unit_test(test_all_dark),        cmocka_unit_test(test_on_the_command_line),
         cmocka_unit_test(test_types_are_told),
     };
     return cmocka_run_group_tests(tests, set_up, daemon_room_tear_down);

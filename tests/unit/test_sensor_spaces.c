@@ -1,0 +1,204 @@
+/*
+ * Sensors outdoors, in solids, in other rooms and below floors are warned of with their numbers;
+ * sensors on surfaces, in rooms with inner panes, in open models and on terrain are not.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/crew.h>
+
+#include "run/stages.h"
+#include "support/scene_text.h"
+
+/* A room of 4 x 4 x 3 m, its front wall with a hole of 2 x 1 m, the pane in that, a ground below,
+ * and a box of 0.5 x 0.5 x 2 m in a corner. */
+#define LOOK "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass p 0 0 3 .9 .9 .9\n"
+#define SHELL                                                                                      \
+    "w polygon floor 0 0 12 -2 0 0 -2 4 0 2 4 0 2 0 0\n"                                           \
+    "w polygon roof 0 0 12 -2 0 3 2 0 3 2 4 3 -2 4 3\n"                                            \
+    "w polygon back 0 0 12 -2 4 0 -2 4 3 2 4 3 2 4 0\n"                                            \
+    "w polygon left 0 0 12 -2 0 0 -2 0 3 -2 4 3 -2 4 0\n"                                          \
+    "w polygon right 0 0 12 2 0 0 2 4 0 2 4 3 2 0 3\n"
+#define FRONT                                                                                      \
+    "w polygon front 0 0 30 -2 0 0 2 0 0 2 0 3 -2 0 3 -2 0 0 -1 0 1 -1 0 2 1 0 2 1 0 1 -1 0 1\n"
+#define PANE "p polygon pane 0 0 12 -1 0 1 1 0 1 1 0 2 -1 0 2\n"
+#define INNER_PANE "p polygon inner 0 0 12 -1 .02 1 1 .02 1 1 .02 2 -1 .02 2\n"
+#define GROUND "w ring ground 0 0 8 0 0 -.2 0 0 1 0 100\n"
+#define BOX "!genbox w box .5 .5 2 | xform -t 1.4 3.4 0\n"
+/* From the right wall on: a second room of the same size, with its own pane. */
+#define SECOND                                                                                     \
+    "w polygon floor2 0 0 12 2 0 0 2 4 0 6 4 0 6 0 0\n"                                            \
+    "w polygon roof2 0 0 12 2 0 3 6 0 3 6 4 3 2 4 3\n"                                             \
+    "w polygon back2 0 0 12 2 4 0 2 4 3 6 4 3 6 4 0\n"                                             \
+    "w polygon right2 0 0 12 6 0 0 6 4 0 6 4 3 6 0 3\n"                                            \
+    "w polygon front2 0 0 30 2 0 0 6 0 0 6 0 3 2 0 3 2 0 0 3 0 1 3 0 2 5 0 2 5 0 1 3 0 1\n"        \
+    "p polygon pane2 0 0 12 3 0 1 5 0 1 5 0 2 3 0 2\n"
+static const char room[] = LOOK SHELL FRONT PANE GROUND BOX;
+
+enum { MOST = 128 };
+
+struct told {
+    char text[4096];
+    size_t count;
+    struct orl_sensor sensors[MOST];
+    size_t n;
+};
+
+static void warn(void *ctx, const char *text)
+{
+    struct told *told = ctx;
+    const size_t at = strlen(told->text);
+    snprintf(told->text + at, sizeof told->text - at, "%s\n", text);
+    told->count++;
+}
+
+static void add(struct told *told, double x, double y, double z, struct orl_vec3 direction)
+{
+    assert_true(told->n < MOST);
+    told->sensors[told->n++] = (struct orl_sensor){orl_v3(x, y, z), direction};
+}
+
+/* Rows of sensors that look up, half a metre apart. */
+static struct told grid(double x, double y, double z, int columns, int rows)
+{
+    struct told told = {.n = 0};
+    for (int i = 0; i < columns * rows; i++)
+        add(&told, x + 0.5 * (i % columns), y + 0.5 * (double)(i / columns), z, orl_v3(0, 0, 1));
+    return told;
+}
+
+static void check(struct told *told, const char *scene)
+{
+    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_world *world = scene_world(scene, NULL, NULL, crew);
+    const struct orl_sensor_range range = {"desks", 0, told->n};
+    struct orl_sensor_warnings warnings = {warn, told, 0};
+    orl_run_check_sensor_spaces(world->scene, told->sensors, &range, crew, &warnings);
+    assert_int_equal(warnings.count, told->count);
+    orl_world_free(world);
+    orl_crew_stop(crew);
+}
+
+static void assert_silent(struct told told, const char *scene)
+{
+    check(&told, scene);
+    assert_string_equal(told.text, "");
+}
+
+static void assert_warns(struct told told, const char *scene, const char *wanted)
+{
+    check(&told, scene);
+    if (told.count != 1 || !strstr(told.text, wanted))
+        fail_msg("expected \"%s\" alone in:\n%s", wanted, told.text);
+}
+
+static void test_right_places(void **state)
+{
+    struct told on_walls = {.n = 0};
+    (void)state;
+    assert_silent(grid(-1.7, 0.3, 0.8, 6, 7), room);
+    assert_silent(grid(-1.7, 0.3, 0, 6, 7), room);    /* on the floor */
+    assert_silent(grid(-2, 0, 0.8, 6, 7), room);      /* some in the planes of walls */
+    assert_silent(grid(1.15, 3.15, 2, 2, 2), room);   /* one on the box */
+    assert_silent(grid(-1.7, -10, 0.8, 6, 7), room);  /* all outdoors */
+    assert_silent(grid(-1.7, -10, -0.2, 6, 7), room); /* on the ground */
+    for (int i = 0; i < 12; i++)
+        add(&on_walls, -2, 0.3 * (i + 1), 1, orl_v3(1, 0, 0));
+    assert_silent(on_walls, room);
+}
+
+static void test_misplaced(void **state)
+{
+    struct told told = grid(-1.7, 0.3, 0.8, 6, 7);
+    const size_t n = told.n;
+    (void)state;
+    add(&told, -2.1, 2, 0.8, orl_v3(0, 0, 1));
+    add(&told, 0, 2, -0.1, orl_v3(0, 0, 1));
+    assert_warns(told, room,
+                 "grid 'desks': 2 of 44 sensors lie outdoors, and the others in a closed space: "
+                 "numbers 43-44 (from 1), the first at (-2.1, 2, 0.8) behind 'left' (");
+    told.n = n;
+    add(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
+    assert_warns(told, room,
+                 "1 of 43 sensors lies in closed spaces without windows, as within a "
+                 "solid or a wall, and the others do not: number 43 (from 1)");
+    assert_warns(grid(-1.7, 0.3, -0.1, 6, 7), room,
+                 "42 of 42 sensors lie closely below the floor of a room: numbers 1-42 (from 1), "
+                 "the first at (-1.7, 0.3, -0.1) behind 'floor' (");
+}
+
+static void test_rooms(void **state)
+{
+    static const char rooms[] = LOOK SHELL FRONT PANE SECOND GROUND;
+    struct told told = grid(-1.7, 0.3, 0.8, 6, 7);
+    (void)state;
+    add(&told, 3, 2, 0.8, orl_v3(0, 0, 1));
+    assert_warns(told, rooms,
+                 "1 of 43 sensors lies in another closed space than the others: "
+                 "number 43 (from 1), the first at (3, 2, 0.8) behind 'right' (");
+    assert_silent(grid(-1.7, 0.3, 0.8, 15, 7), rooms); /* of both rooms, on purpose */
+}
+
+/* Beside panes and without walls nothing tells what is outdoors. */
+static void test_open_models(void **state)
+{
+    static const char panes[] = LOOK SHELL FRONT PANE INNER_PANE GROUND;
+    static const char no_pane[] = LOOK SHELL FRONT GROUND, no_front[] = LOOK SHELL PANE GROUND BOX;
+    struct told told = grid(-1.7, 0.3, 0.8, 6, 7);
+    const size_t n = told.n;
+    (void)state;
+    add(&told, 0, 0.01, 1.5, orl_v3(0, -1, 0));
+    assert_silent(told, panes); /* between the panes */
+    told.n = n;
+    add(&told, 0, -3, 0.8, orl_v3(0, 0, 1));
+    assert_silent(told, no_pane);
+    assert_silent(told, no_front);
+    add(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
+    assert_warns(told, no_front, "number 44 (from 1)"); /* within the box, all the same */
+}
+
+/* Hills of 1 m: no straight line over them connects sensors in the valleys. */
+static void test_terrain(void **state)
+{
+    char text[8192] = LOOK;
+    struct told told = {.n = 0};
+    (void)state;
+    for (int i = 0; i < 20; i++) {
+        const size_t at = strlen(text);
+        const int low = i % 2, high = 1 - low;
+        snprintf(text + at, sizeof text - at,
+                 "w polygon hill%d 0 0 12 %d -20 %d %d -20 %d %d 20 %d %d 20 %d\n", i, i, low,
+                 i + 1, high, i + 1, high, i, low);
+        add(&told, i + 0.4, 3, 0.55 + (low ? 0.1 : -0.1), orl_v3(0, 0, 1));
+    }
+    assert_silent(told, text);
+}
+
+/* Many numbers are cut short. */
+static void test_numbers(void **state)
+{
+    struct told told = {.n = 0};
+    (void)state;
+    for (int i = 0; i < 100; i++)
+        add(&told, i % 5 == 4 ? -3 : -1.5, 0.1 + 0.03 * i, 0.8, orl_v3(0, 0, 1));
+    assert_warns(told, room,
+                 "20 of 100 sensors lie outdoors, and the others in a closed space: "
+                 "numbers 5, 10, 15, 20, 25, 30, 35, 40 and 12 more (from 1)");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_right_places), cmocka_unit_test(test_misplaced),
+        cmocka_unit_test(test_rooms),        cmocka_unit_test(test_open_models),
+        cmocka_unit_test(test_terrain),      cmocka_unit_test(test_numbers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
