@@ -93,7 +93,10 @@ static int write_tables(struct writing *w)
 static int write_matrices(struct writing *w)
 {
     const struct orl_annual_result *result = w->told->result;
-    int rc = 0;
+    char list[PATH_SIZE];
+    int rc = name_file(w, list, "columns.csv");
+    if (rc == 0)
+        rc = orl_annual_columns_csv(list, w->told->report, result, w->err);
     for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++) {
         const struct orl_annual_grid *grid = &w->told->report->grids[g];
         char path[PATH_SIZE], name[GRID_SIZE];
@@ -336,9 +339,9 @@ static size_t count_files(const struct orl_annual_told *told)
     const size_t of_grid = 2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) +
                            formats->coefficients + (formats->honeybee ? 9 : 0) +
                            (told->phases ? 1 + 2 * told->phases->n_windows : 0);
-    return 2 + (told->report->views ? 1U : 0U) + (told->report->n_seats > 0 ? 1U : 0U) +
-           told->report->n_grids * of_grid + (formats->honeybee ? 12 : 0) +
-           (told->phases ? 3 * told->phases->n_windows : 0);
+    return 2 + formats->matrices + (told->report->views ? 1U : 0U) +
+           (told->report->n_seats > 0 ? 1U : 0U) + told->report->n_grids * of_grid +
+           (formats->honeybee ? 12 : 0) + (told->phases ? 3 * told->phases->n_windows : 0);
 }
 
 static int write_all(struct writing *w)

@@ -250,7 +250,9 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
          .help = "all hours as Honeybee's results folder, in DIR/results",
          .flag = &output.formats.honeybee},
         {.name = "ill",
-         .help = "all hours as Radiance matrices, DIR/GRID.ill",
+         .help = "all lit hours as Radiance matrices, DIR/GRID.ill, and DIR/columns.csv, which "
+                 "lists these "
+                 "hours",
          .flag = &output.formats.matrices},
         {.name = "phases",
          .help =

@@ -322,11 +322,24 @@ static double put_shades(const struct sheet *s, double y)
     return n > GROUPS_SHOWN ? put_line(s, y, "   and %zu groups more", n - GROUPS_SHOWN) : y;
 }
 
+/* Plans have the model's +Y up. */
+static double put_north(const struct sheet *s, double y)
+{
+    const double north_deg = s->page->request->north_deg;
+    if (north_deg == 0)
+        return put_line(s, y, "True north is +Y of the model, which is up in plans.");
+    return put_line(s, y, "True north is %g degrees %s of +Y of the model, which is up in plans.",
+                    fabs(north_deg), north_deg > 0 ? "counter-clockwise" : "clockwise");
+}
+
 static void draw_assumptions(const struct sheet *s, double y)
 {
     const struct orl_annual_page *page = s->page;
     const struct orl_occupancy *use = &page->wishes->occupancy;
     const struct orl_annual_report *report = page->report;
+    char year[24] = "";
+    if (page->request->weather_year > 0)
+        snprintf(year, sizeof year, ", rows of %d", page->request->weather_year);
     y = put_heading(s, rim, y, width - rim, "Assumed");
     if (page->wishes->occupancy_file)
         y = put_line(s, y, "Occupied as in %s: %.5g h.", page->wishes->occupancy_file,
@@ -336,13 +349,14 @@ static void draw_assumptions(const struct sheet *s, double y)
                      use->from_h, use->to_h,
                      (use->days & 0x7f) == 0x7f ? "every day" : "on some days of the week",
                      report->periods[ORL_WHEN_OCCUPIED].hours);
-    y = put_line(s, y,
-                 "Weather: %s (%.2f %c, %.2f %c); each hour's sun stands where it is at the middle "
-                 "of it. Ground outside reflects %g %%.",
-                 page->request->weather_file, fabs(page->result->latitude_deg),
-                 page->result->latitude_deg < 0 ? 'S' : 'N', fabs(page->result->longitude_deg),
-                 page->result->longitude_deg < 0 ? 'W' : 'E',
-                 100 * page->request->ground_reflectance);
+    y = put_north(s, y);
+    y = put_line(
+        s, y,
+        "Weather: %s%s (%.2f %c, %.2f %c); each hour's sun stands where it is at the middle "
+        "of it. Ground outside reflects %g %%.",
+        page->request->weather_file, year, fabs(page->result->latitude_deg),
+        page->result->latitude_deg < 0 ? 'S' : 'N', fabs(page->result->longitude_deg),
+        page->result->longitude_deg < 0 ? 'W' : 'E', 100 * page->request->ground_reflectance);
     if (report->year.n_missing > 0)
         y = put_line(s, y,
                      "%zu hours are not in the file, or were not measured: they count "
@@ -385,7 +399,7 @@ static double draw_head(const struct sheet *s)
 
 static int draw(const struct sheet *s)
 {
-    const double assumptions = height - rim - (9 + (double)count_groups(s->page)) * 14 - 24;
+    const double assumptions = height - rim - (10 + (double)count_groups(s->page)) * 14 - 24;
     const double top = draw_head(s);
     const double year = assumptions - 24 - year_height, middle = width / 2;
     const double figures = draw_figures(s, rim, top, middle - 20);

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/percent.h"
+
 const double orl_glare_bounds[ORL_GLARE_BOUNDS] = {0.35, 0.40, 0.45};
 static const double most_percent = 5;
 
@@ -36,7 +38,7 @@ static double share_above(const struct telling *t, const float *dgp, double boun
     size_t n = 0;
     for (size_t c = 0; c < t->result->n_columns; c++)
         n += is_wanted(t, c) && (double)dgp[c] > bound;
-    return 100 * (double)n / (double)t->n_used;
+    return orl_percent((double)n, (double)t->n_used);
 }
 
 static int descending(const void *a, const void *b)
@@ -145,8 +147,9 @@ static struct orl_annual_value autonomy_of(const struct orl_seat_glare *seats, s
         sum.low += seats[i].lowest >= ORL_PROTECTED_MEDIUM;
         sum.high += seats[i].highest >= ORL_PROTECTED_MEDIUM;
     }
-    return (struct orl_annual_value){100 * (sum.value / (double)n), 100 * (sum.low / (double)n),
-                                     100 * (sum.high / (double)n)};
+    return (struct orl_annual_value){orl_percent(sum.value, (double)n),
+                                     orl_percent(sum.low, (double)n),
+                                     orl_percent(sum.high, (double)n)};
 }
 
 int orl_report_seats(const struct orl_annual_result *result, struct orl_annual_report *report,
@@ -161,6 +164,10 @@ int orl_report_seats(const struct orl_annual_result *result, struct orl_annual_r
     for (size_t i = 0; room && i < report->n_seats; i++) {
         t.hours = &report->seat_hours[i];
         tell_seat(&t, &report->seats[i]);
+        if (!orl_report_has_hours(report, ORL_WHEN_OCCUPIED)) { /* any level is possible */
+            report->seats[i].lowest = ORL_PROTECTED_LESS;
+            report->seats[i].highest = ORL_PROTECTED_HIGH;
+        }
     }
     free(t.sorted);
     if (!room)

@@ -110,17 +110,12 @@ static void put_grid_states(FILE *stream, const struct writing *w)
     fputs("}\n", stream);
 }
 
-/* Hours of the year at the middle of steps. */
-static double hour_of(const struct orl_annual_steps *steps, uint32_t step)
-{
-    return (step + 0.5) / steps->per_hour;
-}
-
 static void put_sun_up_hours(FILE *stream, const struct writing *w)
 {
     const struct orl_annual_year *year = &w->report->year;
     for (size_t i = 0; i < year->n_columns; i++)
-        fprintf(stream, "%.10g\n", hour_of(&year->steps, year->step_of_column[i]));
+        fprintf(stream, "%.10g\n",
+                orl_calendar_hour_of_year(&year->steps, year->step_of_column[i]));
 }
 
 static void put_study_info(FILE *stream, const struct writing *w)
@@ -128,7 +123,7 @@ static void put_study_info(FILE *stream, const struct writing *w)
     const struct orl_annual_steps *steps = &w->report->year.steps;
     fprintf(stream, "{\"timestep\": %u, \"study_hours\": [", steps->per_hour);
     for (uint32_t i = 0; i < steps->count; i++)
-        fprintf(stream, "%s%.10g", i ? ", " : "", hour_of(steps, i));
+        fprintf(stream, "%s%.10g", i ? ", " : "", orl_calendar_hour_of_year(steps, i));
     fputs("]}\n", stream);
 }
 

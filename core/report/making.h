@@ -20,6 +20,13 @@ int orl_report_figure_of(const struct orl_report_making *making,
                          const struct orl_annual_figure *figure, size_t grid,
                          struct orl_annual_area *ret_area);
 
+/* Does the weather file have at least ORL_HOURS_LEAST of that period? */
+static inline bool orl_report_has_hours(const struct orl_annual_report *report,
+                                        enum orl_annual_when when)
+{
+    return report->periods[when].hours >= ORL_HOURS_LEAST * report->hours_wanted[when];
+}
+
 /* Is nothing wished for that matrices cannot tell? ORL_ERR_INVALID. */
 int orl_report_check_matrices(const struct orl_annual_wishes *wishes, struct orl_error *err);
 

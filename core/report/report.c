@@ -7,6 +7,7 @@
 #include <oriel/crew.h>
 
 #include "base/kth.h"
+#include "base/percent.h"
 
 _Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than there are");
 
@@ -121,9 +122,13 @@ static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
     if (code == 0)
         code = add_period(m, report->marks, ORL_WHEN_OCCUPIED);
     if (code == 0)
-        code = orl_annual_daylight_mark(year->global_lx, &year->steps, marks, m->err);
+        code =
+            orl_annual_daylight_mark(year->global_lx, year->measured, &year->steps, marks, m->err);
     if (code == 0)
         code = add_period(m, marks, ORL_WHEN_DAYLIGHT);
+    /* Of a part of a year, the lighter half of that part is known. */
+    const uint32_t half_of_year = year->steps.count / 2;
+    report->hours_wanted[ORL_WHEN_DAYLIGHT] = (double)half_of_year / year->steps.per_hour;
     if (code == 0)
         code = find_median(m, marks);
     for (uint32_t i = 0; i < year->steps.count; i++)
@@ -345,7 +350,7 @@ static struct orl_view_shares share_views(const struct orl_annual_report *report
             reached[level] += report->area[i];
     }
     for (int level = 0; level < 3; level++) {
-        shares.percent[level] = all > 0 ? 100 * (reached[level] / all) : 0;
+        shares.percent[level] = orl_percent(reached[level], all);
         shares.level += shares.percent[level] >= enough;
     }
     return shares;

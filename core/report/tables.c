@@ -138,7 +138,8 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
     }
     put_groups(file.stream, request);
     fputc('\n', file.stream);
-    for (size_t i = 0; i < result->n_steps && orl_out_goes_on(&file); i++) {
+    for (size_t row = 0; row < result->n_steps && orl_out_goes_on(&file); row++) {
+        const size_t i = orl_annual_step_of_row(result, row);
         const struct orl_annual_step *s = &result->steps[i];
         step = orl_annual_step_of(&report->year, s);
         fprintf(file.stream, "%d,%d,%.6g,%d,%.4f", s->month, s->day, s->hour, report->marks[step],
@@ -150,6 +151,23 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
             put_number(file.stream, s->missing ? NAN : mean_of(report, result, g, s->column));
         put_states(file.stream, request, result, i);
         fputc('\n', file.stream);
+    }
+    return orl_out_close(&file, 0, err);
+}
+
+int orl_annual_columns_csv(const char *path, const struct orl_annual_report *report,
+                           const struct orl_annual_result *result, struct orl_error *err)
+{
+    struct orl_out_file file = {.stream = NULL};
+    const struct orl_annual_year *year = &report->year;
+    const int code = orl_out_open(&file, path, err);
+    if (code < 0)
+        return code;
+    fputs("column,month,day,hour,hour_of_year\n", file.stream);
+    for (size_t c = 0; c < result->n_columns && orl_out_goes_on(&file); c++) {
+        const struct orl_annual_step *s = &result->steps[result->step_of_column[c]];
+        fprintf(file.stream, "%zu,%d,%d,%.6g,%.10g\n", c, s->month, s->day, s->hour,
+                orl_calendar_hour_of_year(&year->steps, year->step_of_column[c]));
     }
     return orl_out_close(&file, 0, err);
 }

@@ -45,19 +45,28 @@ struct judging {
     bool *needs_blinds; /* for each grid: LM-83 closes blinds in some hour of use; or NULL */
 };
 
-static void note_few_hours(const struct orl_annual_report *report,
-                           struct orl_annual_verdict *verdict)
+/* The hours of the weather that a metric depends on; ORL_WHEN_COUNT: on none. A daylight factor
+ * that gives an illuminance depends on the median over the daylight hours. */
+static enum orl_annual_when hours_of(const struct orl_report_making *m,
+                                     const struct orl_annual_metric *metric)
+{
+    if (metric->kind != ORL_METRIC_DF)
+        return metric->when;
+    return metric->low_lx > 0 && !(m->wishes->median_diffuse_lx > 0) ? ORL_WHEN_DAYLIGHT
+                                                                     : ORL_WHEN_COUNT;
+}
+
+static void note_few_hours(const struct orl_report_making *m, struct orl_annual_verdict *verdict)
 {
     static const char *const kinds[ORL_WHEN_COUNT] = {"occupied hours", "daylight hours",
                                                       "hours of the year"};
-    const struct orl_annual_metric *metric = &verdict->target.figure.metric;
-    const double hours = report->periods[metric->when].hours;
-    const double wanted = report->hours_wanted[metric->when];
-    if (metric->kind == ORL_METRIC_DF || hours >= ORL_HOURS_LEAST * wanted)
+    const enum orl_annual_when when = hours_of(m, &verdict->target.figure.metric);
+    if (when == ORL_WHEN_COUNT || orl_report_has_hours(m->report, when))
         return;
+    const double hours = m->report->periods[when].hours, wanted = m->report->hours_wanted[when];
     verdict->verdict = ORL_VERDICT_UNDECIDED;
     snprintf(verdict->note, sizeof verdict->note, "the weather file has %.6g of %.6g %s", hours,
-             wanted, kinds[metric->when]);
+             wanted, kinds[when]);
 }
 
 /* Returns true if some group closes when LM-83 closes blinds, or sooner. */
@@ -153,7 +162,7 @@ static int judge(const struct judging *judging, const struct orl_annual_rule *ru
         return code;
     verdict->verdict = orl_annual_judge(target, &verdict->area.value);
     note_blinds(judging, verdict);
-    note_few_hours(m->report, verdict);
+    note_few_hours(m, verdict);
     m->report->n_verdicts++;
     return 0;
 }

@@ -185,8 +185,21 @@ static char *hours_of_year(struct cli_desk *f, const char *member)
     return f->result.exit_code == 0 ? cli_read_file(f->output, "hours.csv") : NULL;
 }
 
-/* A file that goes on over 31 December gives the hours of one that does not; a file of two years
- * needs to be told which, and gives the hours of that one. */
+/* The hours of a table, its lines but the first, with so many of the last ones first. */
+static char *turn_lines(char *table, int n)
+{
+    char *const first = strchr(table, '\n') + 1, *at = table + strlen(table), *text = NULL;
+    for (int i = 0; i < n; i++)
+        do
+            at--;
+        while (at[-1] != '\n');
+    assert_true(asprintf(&text, "%s%.*s", at, (int)(at - first), first) > 0);
+    free(table);
+    return text;
+}
+
+/* A file that goes on over 31 December gives the hours of one that does not, in the order of its
+ * rows; a file of two years needs to be told which, and gives the hours of that one. */
 static void test_years_of_the_weather_file(void **state)
 {
     struct cli_desk *f = *state;
@@ -196,7 +209,8 @@ static void test_years_of_the_weather_file(void **state)
     char *const moved = hours_of_year(f, "");
     if (!plain || !moved)
         fail_msg("%s", f->result.err);
-    assert_string_equal(moved, plain);
+    char *const turned = turn_lines(moved, DAY_LINES);
+    assert_string_equal(turned, strchr(plain, '\n') + 1);
     write_weather(f, false, true);
     assert_null(hours_of_year(f, ""));
     assert_says(f->result.err, "rows of 2019 and of 2023");
@@ -207,8 +221,26 @@ static void test_years_of_the_weather_file(void **state)
     assert_null(hours_of_year(f, "\"year\": 2021, "));
     assert_says(f->result.err, "no rows of 2021: its rows are of 2019 to 2023");
     free(plain);
-    free(moved);
+    free(turned);
     free(chosen);
+}
+
+/* The columns of the matrices are hours of 22 March, the 81st day, and of 21 December. */
+static void assert_columns_are_listed(const struct cli_desk *f, double hours)
+{
+    char *const list = cli_read_file(f->output, "columns.csv"), wanted[64];
+    char *const ill = cli_read_file(f->output, "the_desks.ill");
+    int lines = 0;
+    assert_true(list && ill);
+    for (const char *at = list; *at; at++)
+        lines += *at == '\n';
+    assert_true(lines > 10 && lines == 1 + (int)hours);
+    snprintf(wanted, sizeof wanted, "NCOLS=%d\n", lines - 1);
+    assert_says(ill, wanted);
+    assert_int_equal(strncmp(list, "column,month,day,hour,hour_of_year\n0,3,22,", 42), 0);
+    assert_says(list, ",3,22,11.5,1931.5\n");
+    free(list);
+    free(ill);
 }
 
 /* Two days of the year: the others count nowhere, and a warning says so. */
@@ -245,7 +277,9 @@ static void test_a_year_to_its_end(void **state)
     assert_non_null(page);
     assert_says(page, ">A room</text>");
     assert_says(page, "EN 17037 minimum: ");
+    assert_says(page, "True north is +Y of the model, which is up in plans.");
     free(page);
+    assert_columns_are_listed(f, json_number_value(json_object_get(hours, "sun_up")));
     json_decref(result);
 }
 

@@ -281,7 +281,7 @@ static void test_intervals_of_shares(void **state)
     free(room);
 }
 
-/* All of an area is 100 %, whatever its parts add up to. */
+/* All of an area is 100 %, whatever its parts add up to, and n of 100 equal parts are n %. */
 static void test_all_of_an_area(void **state)
 {
     double crossing[300], areas[300];
@@ -294,6 +294,13 @@ static void test_all_of_an_area(void **state)
         }
         assert_int_equal(orl_annual_share(crossing, areas, n, true, NULL, &area, NULL), 0);
         assert_true(area.value.value == 100 && area.value.low == 100 && area.value.high == 100);
+    }
+    for (size_t n = 0; n <= 100; n++) {
+        struct orl_annual_area area;
+        for (size_t i = 0; i < 100; i++)
+            crossing[i] = i < n ? -50 : 50;
+        assert_int_equal(orl_annual_share(crossing, NULL, 100, true, NULL, &area, NULL), 0);
+        assert_true(area.value.value == (double)n);
     }
 }
 

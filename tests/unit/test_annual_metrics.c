@@ -49,7 +49,7 @@ static void make_year(struct year *year, const struct orl_annual_steps *steps, u
     assert_int_equal(orl_annual_period_make(marks, steps, year->step_of, year->n,
                                             &year->periods[ORL_WHEN_OCCUPIED], NULL),
                      0);
-    assert_int_equal(orl_annual_daylight_mark(light, steps, marks, NULL), 0);
+    assert_int_equal(orl_annual_daylight_mark(light, NULL, steps, marks, NULL), 0);
     assert_int_equal(orl_annual_period_make(marks, steps, year->step_of, year->n,
                                             &year->periods[ORL_WHEN_DAYLIGHT], NULL),
                      0);

@@ -187,6 +187,17 @@ static void test_daylight_factor(void **state)
     assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
     assert_near(report.verdicts[1].target.figure.least, 100 * 300 / 10000.5, 1e-9);
     orl_annual_report_done(&report);
+    /* Half a year has no median of the year; a factor by itself does not depend on the weather. */
+    for (size_t i = 181 * 24; i < result.n_steps; i++)
+        result.steps[i].missing = true;
+    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
+                     0);
+    assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
+    assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
+    assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_UNDECIDED);
+    assert_string_equal(report.verdicts[1].note,
+                        "the weather file has 2172 of 4380 daylight hours");
+    orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
     hand_year_free(&result);
 }

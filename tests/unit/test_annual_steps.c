@@ -180,11 +180,11 @@ static void test_daylight_hours(void **state)
     assert_true(light && marks);
     for (uint32_t i = 0; i < 8784; i++)
         light[i] = fmax(0, sin(i * 6.283185307179586 / 24)) + 1e-9 * i;
-    assert_int_equal(orl_annual_daylight_mark(light, &leap, marks, NULL), 0);
+    assert_int_equal(orl_annual_daylight_mark(light, NULL, &leap, marks, NULL), 0);
     assert_int_equal(count_marks(marks, 8784), 4392);
     memset(light, 0, 8784 * sizeof *light);
     light[8000] = 1;
-    assert_int_equal(orl_annual_daylight_mark(light, &hourly, marks, NULL), 0);
+    assert_int_equal(orl_annual_daylight_mark(light, NULL, &hourly, marks, NULL), 0);
     assert_int_equal(count_marks(marks, 8760), 4380);
     assert_true(marks[8000] && marks[0] && marks[4378] && !marks[4379]);
     free(light);

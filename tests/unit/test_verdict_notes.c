@@ -102,7 +102,8 @@ static void test_blinds_of_a_small_grid(void **state)
     hand_year_free(&result);
 }
 
-/* A file without January leaves all verdicts undecided; a file without two weeks does not. */
+/* A file without January leaves all verdicts undecided; a file without two weeks does not. The
+ * daylight hours of half a year are the lighter half of its own hours, without its nights. */
 static void test_few_hours(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -131,12 +132,21 @@ static void test_few_hours(void **state)
         assert_non_null(strstr(report.verdicts[i].note, "of 4380 daylight hours"));
     }
     orl_annual_report_done(&report);
+    for (size_t i = 0; i < result.n_steps; i++)
+        result.steps[i].missing = i >= 181 * 24;
+    report = hand_year_report(&request, &result, &wishes);
+    assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_UNDECIDED);
+    assert_string_equal(report.verdicts[1].note,
+                        "the weather file has 2172 of 4380 daylight hours");
+    assert_int_equal(report.periods[ORL_WHEN_DAYLIGHT].n_columns, 2172);
+    orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
     hand_year_free(&result);
 }
 
 /* A seat faces the sun at noon of every day: DGP is 1 each time, so the illuminance at the eye
- * decides which days are worse. */
+ * decides which days are worse. The level of protection is open if the weather lacks hours of use.
+ */
 static void test_worst_days_of_a_seat(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -170,6 +180,12 @@ static void test_worst_days_of_a_seat(void **state)
         assert_int_equal(step->day, 31);
         assert_int_equal(step->month, months[i]);
     }
+    assert_int_equal(report.seats[0].lowest, report.seats[0].highest);
+    free(report.seats);
+    report.periods[ORL_WHEN_OCCUPIED].hours /= 2;
+    assert_int_equal(orl_report_seats(&result, &report, &err), 0);
+    assert_int_equal(report.seats[0].lowest, ORL_PROTECTED_LESS);
+    assert_int_equal(report.seats[0].highest, ORL_PROTECTED_HIGH);
     orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
     hand_year_free(&result);

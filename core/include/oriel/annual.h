@@ -214,6 +214,11 @@ static inline size_t orl_annual_row_of_step(const struct orl_annual_result *resu
     return (step + result->n_steps - result->n_moved) % result->n_steps;
 }
 
+static inline size_t orl_annual_step_of_row(const struct orl_annual_result *result, size_t row)
+{
+    return (row + result->n_moved) % result->n_steps;
+}
+
 /* The three of a sensor's row; of a result that holds arrays. */
 static inline const float *orl_annual_row(const struct orl_annual_result *result,
                                           const float *array, size_t sensor)

@@ -72,7 +72,8 @@ struct orl_seat_hour {
 struct orl_seat_glare {
     struct orl_annual_value above[ORL_GLARE_BOUNDS]; /* % of the time of use, by orl_glare_bounds */
     struct orl_annual_value exceeded;                /* in 5 % of it: that DGP */
-    enum orl_glare_protection level, lowest, highest; /* the latter two by intervals */
+    enum orl_glare_protection level, lowest, highest; /* the latter two by intervals, or any
+                                                         if the weather lacks hours of use */
     /* The worst hour of each of the worst days, sorted by DGP, then by eye_lx, largest first. */
     struct orl_seat_hour worst[ORL_GLARE_WORST];
     size_t n_worst;

@@ -108,10 +108,11 @@ int orl_occupancy_read(const char *name, const char *text, size_t size,
                        const struct orl_annual_steps *steps, unsigned char *ret_marks,
                        struct orl_error *err);
 
-/* EN 17037's daylight hours: the half of the steps with the most global horizontal daylight, of
- * equal ones the earlier. ORL_ERR_NOMEM. */
-int orl_annual_daylight_mark(const double *global, const struct orl_annual_steps *steps,
-                             unsigned char *ret_marks, struct orl_error *err);
+/* EN 17037's daylight hours: the half of the steps that were measured (NULL: all were) with the
+ * most global horizontal daylight, of equal ones the earlier. ORL_ERR_NOMEM. */
+int orl_annual_daylight_mark(const double *global, const unsigned char *measured,
+                             const struct orl_annual_steps *steps, unsigned char *ret_marks,
+                             struct orl_error *err);
 
 enum orl_annual_when { ORL_WHEN_OCCUPIED, ORL_WHEN_DAYLIGHT, ORL_WHEN_ALWAYS, ORL_WHEN_COUNT };
 const char *orl_annual_when_name(enum orl_annual_when when); /* "occupied", "daylight", "year" */

@@ -319,13 +319,19 @@ int orl_honeybee_write(const char *folder, const struct orl_annual_report *repor
 int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,
                            const struct orl_sensor *sensors, const atomic_bool *cancel,
                            struct orl_error *err);
-/* A line a step: month, day, hour, whether it counts, global and direct light outside, mean
- * illuminance of every grid; where there are shades, the state of every group ("shades of NAME").
+/* A line a row of the weather file: month, day, hour, whether it counts, global and direct light
+ * outside, mean illuminance of every grid; where there are shades, the state of every group
+ * ("shades of NAME").
  */
 int orl_annual_hours_csv(const char *path, const struct orl_annual_request *request,
                          const struct orl_annual_report *report,
                          const struct orl_annual_result *result, const atomic_bool *cancel,
                          struct orl_error *err);
+
+/* A line a column of the result's arrays and matrices: its number from 0, month, day, hour, and the
+ * hour of the year, all in the middle of the step. */
+int orl_annual_columns_csv(const char *path, const struct orl_annual_report *report,
+                           const struct orl_annual_result *result, struct orl_error *err);
 
 /* A line a point, then a line a sensor, of those that views out are told of. */
 int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wishes,

@@ -5,6 +5,7 @@
 
 #include <oriel/crew.h>
 
+#include "base/percent.h"
 #include "base/sum.h"
 #include "metrics/annual/chance.h"
 #include "metrics/annual/sensor.h"
@@ -83,13 +84,12 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
     if (code < 0)
         return failed(code, err);
     const double whole = orl_sum_value(&total), base = orl_sum_value(&sure);
-    const double value = 100 * (orl_sum_value(&passing) / whole);
+    const double value = orl_percent(orl_sum_value(&passing), whole);
     *ret_result = (struct orl_annual_area){{value, NAN, NAN}, 0};
     if (known)
-        *ret_result =
-            (struct orl_annual_area){{value, fmin(value, 100 * ((base + low) / whole)),
-                                      fmax(value, fmin(100 * ((base + high) / whole), 100))},
-                                     undecided};
+        *ret_result = (struct orl_annual_area){{value, fmin(value, orl_percent(base + low, whole)),
+                                                fmax(value, orl_percent(base + high, whole))},
+                                               undecided};
     return 0;
 }
 

@@ -9,7 +9,11 @@ struct orl_calendar_day {
 };
 struct orl_calendar_day orl_calendar_day_of(const struct orl_annual_steps *steps, uint32_t step);
 
-/* The middle of a step, hours from midnight. */
+/* The middle of a step: hours since the year began, and since midnight. */
+static inline double orl_calendar_hour_of_year(const struct orl_annual_steps *steps, uint32_t step)
+{
+    return (step + 0.5) / steps->per_hour;
+}
 double orl_calendar_hour_of(const struct orl_annual_steps *steps, uint32_t step);
 
 #endif

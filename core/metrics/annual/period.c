@@ -57,17 +57,20 @@ static int brighter_first(const void *a, const void *b)
     return x->step < y->step ? -1 : 1;
 }
 
-int orl_annual_daylight_mark(const double *global, const struct orl_annual_steps *steps,
-                             unsigned char *ret_marks, struct orl_error *err)
+int orl_annual_daylight_mark(const double *global, const unsigned char *measured,
+                             const struct orl_annual_steps *steps, unsigned char *ret_marks,
+                             struct orl_error *err)
 {
     struct ranked *all = calloc(steps->count, sizeof *all);
+    uint32_t n = 0;
     if (!all)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory ranking a year's hours");
     for (uint32_t i = 0; i < steps->count; i++)
-        all[i] = (struct ranked){global[i], i};
-    qsort(all, steps->count, sizeof *all, brighter_first);
+        if (!measured || measured[i])
+            all[n++] = (struct ranked){global[i], i};
+    qsort(all, n, sizeof *all, brighter_first);
     memset(ret_marks, 0, steps->count);
-    for (uint32_t i = 0; i < steps->count / 2; i++)
+    for (uint32_t i = 0; i < n / 2; i++)
         ret_marks[all[i].step] = 1;
     free(all);
     return 0;

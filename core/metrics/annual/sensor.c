@@ -7,6 +7,7 @@
 #include <oriel/units.h>
 
 #include "base/kth.h"
+#include "base/percent.h"
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
@@ -107,7 +108,7 @@ double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_an
     case ORL_METRIC_DIRECT_HOURS:
         return hours;
     default:
-        return period->hours > 0 ? 100 * hours / period->hours : 0;
+        return orl_percent(hours, period->hours);
     }
 }
 
