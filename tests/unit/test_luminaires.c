@@ -78,6 +78,55 @@ static void test_far_away(void **state)
         }
 }
 
+/* Beyond its vertical angles a luminaire gives no light, whatever its shape; of angles that LM-63
+ * does not have a warning tells. */
+static void test_beyond_the_angles(void **state)
+{
+    static const struct {
+        const char *text;
+        double lit, dark; /* degrees from straight down */
+        const char *warning;
+    } cases[] = {
+        {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n0 20 45\n0\n9 9 9\n", 44, 60,
+         "its vertical angles are from 0 to 45 degrees: beyond these it gives no light"},
+        {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 .2 .2 0\n1 1 40\n0 20 45\n0\n9 9 9\n", 44,
+         46, "its vertical angles are from 0 to 45 degrees: beyond these it gives no light"},
+        {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n30 60 90\n0\n9 9 9\n", 31,
+         29, "its vertical angles are from 30 to 90 degrees: beyond these it gives no light"},
+        {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n0 45 90\n0\n9 9 9\n", 80,
+         180, NULL},
+        {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n90 135 180\n0\n9 9 9\n", 100,
+         0, NULL},
+    };
+    const double d = 60;
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct orl_sensor sensors[2];
+        for (int k = 0; k < 2; k++) {
+            const double down = (k == 0 ? cases[i].lit : cases[i].dark) * ORL_DEG_TO_RAD;
+            const struct orl_vec3 way = {sin(down), 0, -cos(down)};
+            sensors[k] = (struct orl_sensor){orl_scale(way, d), orl_neg(way)};
+        }
+        struct orl_result result =
+            scene_run(&(struct scene_run){.scene = "!ies2rad lamp.ies\n",
+                                          .resource_name = "lamp.ies",
+                                          .resource_text = cases[i].text,
+                                          .sensors = sensors,
+                                          .n_sensors = 2,
+                                          .technique = ORL_TECHNIQUE_BACKWARD,
+                                          .samples = 1024});
+        const double lit = result.illuminance_lx[0], dark = result.illuminance_lx[1];
+        bool told = false;
+        for (size_t k = 0; k < result.n_warnings; k++)
+            told |= strstr(result.warnings[k],
+                           cases[i].warning ? cases[i].warning : "vertical angles") != NULL;
+        if (!(fabs(lit * d * d / 9 - 1) < .01) || dark != 0 || told != (cases[i].warning != NULL))
+            fail_msg("case %zu: %g and %g cd, %s", i, lit * d * d, dark * d * d,
+                     told ? "with the warning" : "without a warning");
+        orl_result_done(&result);
+    }
+}
+
 /* In millimetres: 60 000 of them away. The colour is the lamp's. */
 static void test_units_and_colors(void **state)
 {
@@ -221,9 +270,13 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_far_away), cmocka_unit_test(test_units_and_colors),
-        cmocka_unit_test(test_geometry), cmocka_unit_test(test_geometry_is_missing),
-        cmocka_unit_test(test_radius),   cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_far_away),
+        cmocka_unit_test(test_beyond_the_angles),
+        cmocka_unit_test(test_units_and_colors),
+        cmocka_unit_test(test_geometry),
+        cmocka_unit_test(test_geometry_is_missing),
+        cmocka_unit_test(test_radius),
+        cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

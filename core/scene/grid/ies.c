@@ -8,6 +8,8 @@
 #include <oriel/vec.h>
 
 static const double feet_m = 0.3048;
+/* Angles that are closer are the same. */
+static const double least_step_deg = 1e-3;
 
 struct reading {
     struct orl_scanner scanner;
@@ -340,6 +342,64 @@ void orl_ies_done(struct orl_ies *ies)
 
 /* ---- As a grid ------------------------------------------------------------------------------- */
 
+/* The vertical angles that a luminaire may have: from straight down, or from the horizon, up. */
+struct reach {
+    double low, high;
+};
+static struct reach reach_of(const struct orl_ies *ies)
+{
+    return ies->type_b ? (struct reach){ies->vertical[0] < 0 ? -90 : 0, 90}
+                       : (struct reach){0, 180};
+}
+
+bool orl_ies_is_whole(const struct orl_ies *ies)
+{
+    const double first = ies->vertical[0], last = ies->vertical[ies->n_vertical - 1];
+    const double ends[] = {0, 90, ies->type_b ? -90 : 180};
+    bool known[2] = {false, false};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        known[0] |= fabs(first - ends[i]) < least_step_deg;
+        known[1] |= fabs(last - ends[i]) < least_step_deg;
+    }
+    return known[0] && known[1];
+}
+
+/* Rows of zeros before and behind what was measured: grids go on beyond their ends, but beyond the
+ * angles of a file there is no light. */
+static int add_zeros(struct orl_ies *ies)
+{
+    const uint32_t n = ies->n_vertical;
+    const struct reach reach = reach_of(ies);
+    const double first = ies->vertical[0], last = ies->vertical[n - 1];
+    const uint32_t before = first - reach.low > 2 * least_step_deg ? 2 : 0;
+    const uint32_t behind = reach.high - last > 2 * least_step_deg ? 2 : 0;
+    const uint32_t all = before + n + behind;
+    double *const angles = malloc(all * sizeof *angles);
+    float *const candela = calloc((size_t)all * ies->n_horizontal, sizeof *candela);
+    if (!angles || !candela) {
+        free(angles);
+        free(candela);
+        return ORL_ERR_NOMEM;
+    }
+    memcpy(angles + before, ies->vertical, n * sizeof *angles);
+    for (size_t i = 0; i < ies->n_horizontal; i++)
+        memcpy(candela + i * all + before, ies->candela + i * n, n * sizeof *candela);
+    if (before > 0) {
+        angles[0] = reach.low;
+        angles[1] = first - least_step_deg;
+    }
+    if (behind > 0) {
+        angles[all - 2] = last + least_step_deg;
+        angles[all - 1] = reach.high;
+    }
+    free(ies->vertical);
+    free(ies->candela);
+    ies->vertical = angles;
+    ies->candela = candela;
+    ies->n_vertical = all;
+    return 0;
+}
+
 static void take_axis(struct orl_grid *grid, double **places, uint32_t n)
 {
     double *const p = *places;
@@ -350,8 +410,10 @@ static void take_axis(struct orl_grid *grid, double **places, uint32_t n)
 int orl_ies_grid(struct orl_ies *ies, struct orl_grid **ret_grid, struct orl_error *err)
 {
     struct orl_grid *const grid = calloc(1, sizeof *grid);
-    if (!grid)
+    if (!grid || add_zeros(ies) < 0) {
+        free(grid);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a luminaire");
+    }
     grid->channels = 1;
     grid->n_values = (size_t)ies->n_vertical * ies->n_horizontal;
     if (ies->n_horizontal > 1)

@@ -52,8 +52,13 @@ int orl_ies_read_tilt(const char *name, const char *text, size_t size, struct or
 bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const char **ret_words,
                        size_t *ret_length);
 
+/* Whether its vertical angles begin and end where LM-63 has them begin and end: straight down, at
+ * the horizon, straight up. */
+bool orl_ies_is_whole(const struct orl_ies *ies);
+
 /* Its intensities as a data file has them, W/sr without the factor: by horizontal angle, if there
- * are several, then by vertical one. Takes its arrays. */
+ * are several, then by vertical one. Beyond the file's vertical angles they are 0. Takes its
+ * arrays. */
 int orl_ies_grid(struct orl_ies *ies, struct orl_grid **ret_grid, struct orl_error *err);
 
 #endif

@@ -148,6 +148,11 @@ static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies
         .lower =
             ies->vertical[0]<90 - tiny, .upper = ies->vertical[ies->n_vertical - 1]> 90 + tiny};
     faces.sides = faces.lower && faces.upper && shape.height > ORL_LUMINAIRE_LEAST_M;
+    if (!orl_ies_is_whole(ies))
+        orl_text_warn(text,
+                      "its vertical angles are from %g to %g degrees: beyond these it gives no "
+                      "light",
+                      ies->vertical[0], ies->vertical[ies->n_vertical - 1]);
     if (ies->tilt.n > 0)
         add_tilt(lamp, &ies->tilt, text);
     add_distribution(lamp, ies, &shape, faces.sides, text);
