@@ -193,6 +193,18 @@ json_t *orl_bsdf_made_to_json(const struct orl_bsdf_made *m)
                      "y", m->cell[2], m->cell[3], "z", m->depth[0], m->depth[1]);
 }
 
+/* Nothing is absorbed, reflected or scattered by chance. */
+static bool is_air(const struct orl_bsdf_made *made)
+{
+    const double rounding = 1e-9;
+    for (int side = 0; side < 2; side++) {
+        const struct orl_bsdf_share *s = made->diffuse[side];
+        if (!(fabs(s[1].value - 1) < rounding) || s[0].value != 0)
+            return false;
+    }
+    return true;
+}
+
 json_t *orl_bsdf_made_warnings(const struct orl_bsdf_made *made,
                                const struct orl_bsdf_make_request *request)
 {
@@ -204,6 +216,12 @@ json_t *orl_bsdf_made_warnings(const struct orl_bsdf_made *made,
             list, json_sprintf("the accuracy was not reached within %u paths a direction: the "
                                "largest standard error is %.2g %% of its value",
                                request->paths_most, 100 * made->worst));
+    if (is_air(made))
+        rc |= json_array_append_new(
+            list,
+            json_sprintf("all light goes through the cell, x %g to %g, y %g to %g, as through "
+                         "air: no surface was met in it",
+                         made->cell[0], made->cell[1], made->cell[2], made->cell[3]));
     if (made->lost > lost_unsaid)
         rc |= json_array_append_new(list, json_sprintf("%.2g %% of the light was given up inside "
                                                        "the panel, and is missing",

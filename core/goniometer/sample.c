@@ -21,6 +21,21 @@ static int refuse_lights(const struct orl_scene *scene, struct orl_error *err)
     return ORL_ERR_INVALID;
 }
 
+/* A cell that no surface reaches into is air: the answer would be a panel that is not there. */
+static int refuse_empty(const struct orl_geometry *g, const double moved[4], struct orl_error *err)
+{
+    if (moved[0] < g->high.x && moved[1] > g->low.x && moved[2] < g->high.y && moved[3] > g->low.y)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "the cell has no surface in it: the panel is from x %.6g to %.6g, y %.6g to %.6g",
+                  g->low.x + g->center.x, g->high.x + g->center.x, g->low.y + g->center.y,
+                  g->high.y + g->center.y);
+    orl_error_at(err, NULL, 0, "cell");
+    orl_error_hint(err, "Move the cell onto the panel, or leave it out for the box around all "
+                        "surfaces");
+    return ORL_ERR_INVALID;
+}
+
 static int find_cell(const struct orl_bsdf_make_request *request, struct orl_gonio_sample *sample,
                      struct orl_error *err)
 {
@@ -41,7 +56,7 @@ static int find_cell(const struct orl_bsdf_make_request *request, struct orl_gon
             orl_error_hint(err, "A panel lies in the xy plane, y up, z towards the inside");
             return ORL_ERR_INVALID;
         }
-    return 0;
+    return refuse_empty(g, moved, err);
 }
 
 int orl_gonio_sample_load(const struct orl_bsdf_make_request *request,

@@ -136,6 +136,41 @@ static void a_panel_becomes_a_file(void **state)
     cli_remove_folder(folder);
 }
 
+static void make_cell(const char *folder, const char *cell)
+{
+    char panel[128], xml[128];
+    snprintf(panel, sizeof panel, "%s/panel.rad", folder);
+    snprintf(xml, sizeof xml, "%s/panel.xml", folder);
+    const char *const args[] = {"bsdf",          "make",    panel, "-o",     xml,  "--basis",
+                                "klems_quarter", "--paths", "16",  "--cell", cell, NULL};
+    cli_run(args, &result);
+}
+
+/* A cell beside the panel is a mistake; one in a gap of it is air, which a warning says. */
+static void an_empty_cell_is_noticed(void **state)
+{
+    char folder[64];
+    (void)state;
+    cli_make_folder(folder);
+    cli_write_file(folder, "panel.rad",
+                   "void trans s 0 0 7 .5 .5 .5 0 0 .6 0\n"
+                   "s polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n"
+                   "s polygon q 0 0 12 3 0 0 4 0 0 4 1 0 3 1 0\n");
+    make_cell(folder, "10 11 0 1");
+    assert_int_equal(result.exit_code, 1);
+    assert_says(result.err, "the cell has no surface in it: the panel is from x 0 to 4, y 0 to 1");
+    make_cell(folder, "0 1 -3 -2");
+    assert_int_equal(result.exit_code, 1);
+    make_cell(folder, "1.5 2.5 0 1");
+    assert_int_equal(result.exit_code, 0);
+    assert_says(result.err, "warning: all light goes through the cell, x 1.5 to 2.5, y 0 to 1, as "
+                            "through air: no surface was met in it");
+    make_cell(folder, "0.5 1.5 0 1"); /* half of it is a gap */
+    assert_int_equal(result.exit_code, 0);
+    assert_null(strstr(result.err, "warning"));
+    cli_remove_folder(folder);
+}
+
 /* White paper of 60 %, as a goniophotometer would see it: three incident directions, 200 places. */
 static void write_paper(const char *folder)
 {
@@ -278,6 +313,7 @@ int main(void)
         cmocka_unit_test(it_speaks_json),
         cmocka_unit_test(faults_end_with_1),
         cmocka_unit_test(a_panel_becomes_a_file),
+        cmocka_unit_test(an_empty_cell_is_noticed),
         cmocka_unit_test(measurements_become_a_file),
         cmocka_unit_test(what_cannot_be_made_is_refused),
         cmocka_unit_test(devices_are_not_replaced),
