@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/circle.h"
 #include "light/direct.h"
 #include "light/path.h"
 
@@ -34,7 +35,12 @@ static int kind_of(struct orl_panels *panels, const struct orl_material *m, stru
             return (int)i;
     if (panels->n_kinds == ORL_PANEL_MOST_KINDS)
         return ORL_ERR_LIMIT;
-    panels->kinds[panels->n_kinds] = (struct orl_panel_kind){m, normal, inward};
+    panels->kinds[panels->n_kinds] =
+        (struct orl_panel_kind){.material = m,
+                                .normal = normal,
+                                .inward = inward,
+                                .frame = orl_bsdf_frame(m, normal),
+                                .data_alone = orl_panel_is_data_alone(m)};
     return (int)panels->n_kinds++;
 }
 
@@ -122,6 +128,30 @@ static bool spans_cells(const struct orl_panel_kind *k, const struct orl_hit *hi
     return most - least > alike * most;
 }
 
+static struct orl_bsdf_incidence incidence_of(const struct orl_panel_kind *k, struct orl_vec3 from)
+{
+    return orl_bsdf_place_incident(k->material->bsdf, orl_to_local(&k->frame, from));
+}
+
+/* Finds the cell of the disc's middle, and whether the whole disc lies in it: its edge does, by
+ * points on a circle that is wider by more than the chords between them are narrower. */
+static void find_cell(const struct orl_panel_kind *k, const struct orl_hour_sun *sun,
+                      struct orl_panel_draws *draws)
+{
+    enum { RIM = 32 };
+    const struct orl_frame frame = orl_frame_about(sun->towards);
+    const double radius = 1.02 * tan(0.5 * sun->angle_rad);
+    draws->middle = incidence_of(k, sun->towards);
+    draws->in_one_cell = true;
+    for (int i = 0; i < RIM && draws->in_one_cell; i++) {
+        const struct orl_circle turn = orl_circle_turn((double)i / RIM);
+        const struct orl_bsdf_incidence rim =
+            incidence_of(k, orl_normalize(orl_to_world(
+                                &frame, orl_v3(radius * turn.cosine, radius * turn.sine, 1))));
+        draws->in_one_cell = orl_bsdf_in_one_cell(k->material->bsdf, &draws->middle, &rim);
+    }
+}
+
 /* Samples the BSDF once by five uniform numbers. Returns false if the sample carries no light. */
 static bool sample_draw(const struct orl_panel_kind *k, const struct orl_hit *hit,
                         const struct orl_sun *disc, const double u[5], struct orl_vec3 *ret_towards,
@@ -158,6 +188,8 @@ static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
     memset(draws, 0, sizeof *draws);
     const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(which * ORL_PANEL_MOST_KINDS + kind));
     draws->spans_cells = spans_cells(k, &hit, &disc);
+    if (k->data_alone)
+        find_cell(k, sun, draws);
     const uint32_t candidates = draws->spans_cells ? CANDIDATES : 1;
     for (uint32_t i = 0; i < DRAWS; i++) {
         struct reservoir chosen = reservoir_begin(orl_mix64(name ^ i));
@@ -298,6 +330,7 @@ struct seen {
     struct orl_vec3 towards; /* from the pane to the sensor */
     double worth;            /* luma of what is let by, times both cosines over distance squared */
     double density;          /* of pane's points, one of them: per steradian */
+    struct orl_bsdf_direction out; /* towards, if the kind has data alone */
 };
 
 /* A pane before a sensor. */
@@ -317,6 +350,7 @@ static void look_at_points(struct before *b, uint64_t name)
 {
     const struct orl_world *world = b->panels->world;
     const struct orl_panel *panel = b->panel;
+    const struct orl_panel_kind *k = &b->panels->kinds[panel->kind];
     const double offset = orl_facet_offset(world->geometry, panel->window.facet);
     struct orl_random random = orl_random_stream(name, ORL_PURPOSE_ANNUAL, ~b->pane);
     double least = INFINITY, most = 0;
@@ -334,9 +368,13 @@ static void look_at_points(struct before *b, uint64_t name)
         }
         const double share =
             orl_luma(orl_transmittance(world, b->place->point, there, distance - 2 * offset, true));
-        b->seen[i] =
-            (struct seen){point, orl_neg(there), share * here * leaving / (distance * distance),
-                          distance * distance / (leaving * panel->area)};
+        b->seen[i] = (struct seen){.point = point,
+                                   .towards = orl_neg(there),
+                                   .worth = share * here * leaving / (distance * distance),
+                                   .density = distance * distance / (leaving * panel->area)};
+        if (k->data_alone)
+            b->seen[i].out =
+                orl_bsdf_place(k->material->bsdf, orl_to_local(&k->frame, orl_neg(there)));
         b->any = b->any || share > 0;
         least = fmin(least, share);
         most = fmax(most, share);
@@ -380,20 +418,41 @@ static uint32_t part_of_group(uint32_t group, uint64_t bits)
 }
 _Static_assert((int)POINTS == (int)GROUPS, "each group has one point");
 
+/* Returns what the BSDF has for light from that point of the disc to the sensor; ret_pdf: of a
+ * draw. */
+static double transmitted_to(const struct orl_panel_kind *k, const struct orl_panel_draws *draws,
+                             const struct orl_hit *hit, const struct seen *s, struct orl_vec3 from,
+                             double *ret_pdf)
+{
+    if (k->data_alone) {
+        struct orl_bsdf_incidence own;
+        const struct orl_bsdf_incidence *in = &draws->middle;
+        if (!draws->in_one_cell) {
+            own = incidence_of(k, from);
+            in = &own;
+        }
+        return orl_luma(orl_bsdf_transmit(k->material->bsdf, in, &s->out, ret_pdf));
+    }
+    const double f = orl_luma(orl_scatter_eval_lobes(k->material, hit, from, s->towards));
+    *ret_pdf = f > 0 ? orl_scatter_pdf(k->material, hit, from, ORL_TRANSPORT_LIGHT,
+                                       ORL_LOBE_TRANSMITTED, s->towards)
+                     : 0;
+    return f;
+}
+
 /* Returns the unoccluded radiance that a point of the pane sends to the sensor for a point of the
  * disc of radiance 1, times the weight of the balance heuristic against the draws. */
-static double weighted_radiance(const struct before *b, const struct orl_hit *hit,
-                                const struct seen *s, struct orl_vec3 from)
+static double weighted_radiance(const struct before *b, const struct orl_panel_draws *draws,
+                                const struct orl_hit *hit, const struct seen *s,
+                                struct orl_vec3 from)
 {
     const struct orl_panel_kind *k = &b->panels->kinds[b->panel->kind];
     const double onto = -orl_dot(from, k->inward);
-    const double f =
-        onto > 0 ? orl_luma(orl_scatter_eval_lobes(k->material, hit, from, s->towards)) : 0;
-    if (!(f > 0))
+    double pdf;
+    if (!(onto > 0))
         return 0;
-    const double of_draws = DRAWS * orl_scatter_pdf(k->material, hit, from, ORL_TRANSPORT_LIGHT,
-                                                    ORL_LOBE_TRANSMITTED, s->towards);
-    return f * onto * POINTS * s->density / (POINTS * s->density + of_draws);
+    const double f = transmitted_to(k, draws, hit, s, from, &pdf);
+    return f > 0 ? f * onto * POINTS * s->density / (POINTS * s->density + DRAWS * pdf) : 0;
 }
 
 /*
@@ -421,7 +480,7 @@ static void add_points(const struct before *b, size_t which, const struct orl_su
             continue;
         for (uint32_t i = 0; i < of_disc; i++) {
             const struct orl_vec3 from = point_of_disc(disc, shift, group * of_disc + i);
-            if (reservoir_add(&sent, weighted_radiance(b, &hit, s, from)))
+            if (reservoir_add(&sent, weighted_radiance(b, draws, &hit, s, from)))
                 chosen = from;
         }
         const double lit = sent.weight_sum > 0 ? sun_at(b, which, chosen, s->point) : 0;

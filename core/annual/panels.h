@@ -22,6 +22,7 @@
 #include "annual/scene.h"
 #include "annual/sun_rows.h"
 #include "annual/windows.h"
+#include "bsdf/placed.h"
 
 enum { ORL_PANEL_PROBING_SENSORS = 16 }; /* with fewer sensors, probes take longer than they save */
 
@@ -45,6 +46,8 @@ struct orl_panel_draws {
     float towards[3][ORL_PANEL_DRAWS];
     struct orl_panel_draw at[ORL_PANEL_DRAWS];
     bool spans_cells; /* the disc spans cells of the BSDF with different transmittances */
+    bool in_one_cell; /* all of the disc is in one cell, which the next one stands for */
+    struct orl_bsdf_incidence middle; /* of the disc; if the kind has data alone */
 };
 
 struct orl_panel {
@@ -57,6 +60,8 @@ struct orl_panel {
 struct orl_panel_kind {
     const struct orl_material *material;
     struct orl_vec3 normal, inward;
+    struct orl_frame frame; /* of the BSDF */
+    bool data_alone;        /* nothing is added to its data, nor taken out of it */
 };
 
 struct orl_panels {

@@ -11,6 +11,7 @@
 #include <oriel/bsdf.h>
 
 #include "bsdf/front.h"
+#include "bsdf/placed.h"
 
 enum { ABREAST = 16 }; /* draws */
 
@@ -23,12 +24,18 @@ struct pair {
 };
 
 /* A direction in the surface itself counts as the back. */
+static const struct orl_component_view *view_between(const struct orl_bsdf *bsdf,
+                                                     struct orl_vec3 in, struct orl_vec3 out)
+{
+    const bool in_front = in.z > 0, out_front = out.z > 0;
+    return &bsdf->views[in_front][in_front != out_front];
+}
+
 static inline struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 in,
                                   struct orl_vec3 out)
 {
     const enum orl_structure structure = bsdf->document.structure;
-    const bool in_front = in.z > 0, out_front = out.z > 0;
-    const struct orl_component_view *view = &bsdf->views[in_front][in_front != out_front];
+    const struct orl_component_view *view = view_between(bsdf, in, out);
     struct pair p = {.component = view->component};
     if (!p.component)
         return p;
@@ -407,4 +414,57 @@ double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                             enum orl_bsdf_side sides, struct orl_vec3 in)
 {
     return pdf(bsdf, ORL_ROLE_OUT, out, sides, in);
+}
+
+/* ---- Directions that are placed once --------------------------------------------------------- */
+
+struct orl_bsdf_direction orl_bsdf_place(const struct orl_bsdf *bsdf, struct orl_vec3 direction)
+{
+    return (struct orl_bsdf_direction){direction,
+                                       orl_coords_of(bsdf->document.structure, direction)};
+}
+
+struct orl_bsdf_incidence orl_bsdf_place_incident(const struct orl_bsdf *bsdf, struct orl_vec3 in)
+{
+    struct orl_bsdf_incidence incidence = {.from = orl_bsdf_place(bsdf, in),
+                                           .gain = gain_of(bsdf, in)};
+    double total[2];
+    totals(bsdf, ORL_ROLE_IN, in.z > 0, &incidence.from.coords, ORL_BSDF_TRANSMIT, total);
+    incidence.transmitted = total[1];
+    return incidence;
+}
+
+struct orl_rgb orl_bsdf_transmit(const struct orl_bsdf *bsdf, const struct orl_bsdf_incidence *in,
+                                 const struct orl_bsdf_direction *out, double *ret_pdf)
+{
+    const enum orl_structure structure = bsdf->document.structure;
+    const struct orl_component_view *view = view_between(bsdf, in->from.at, out->at);
+    struct pair p = {.component = view->component};
+    *ret_pdf = 0;
+    if (!p.component)
+        return orl_gray(0);
+    p.a = view->transposed ? out->coords : in->from.coords;
+    p.b = view->transposed ? in->from.coords : out->coords;
+    p.value = orl_component_eval(structure, p.component, &p.a, &p.b);
+    if (!(p.value > 0))
+        return orl_gray(0);
+    *ret_pdf = p.value * fabs(out->at.z) / in->transmitted;
+    return color_of(bsdf, &p, p.value / in->gain);
+}
+
+bool orl_bsdf_in_one_cell(const struct orl_bsdf *bsdf, const struct orl_bsdf_incidence *a,
+                          const struct orl_bsdf_incidence *b)
+{
+    const bool front = a->from.at.z > 0;
+    const struct orl_component_view *view = &bsdf->views[front][1];
+    const struct orl_component *c = view->component;
+    const enum orl_tree_axis axis = orl_view_axis(view, ORL_ROLE_IN);
+    if (!c || c->chroma.present || front != (b->from.at.z > 0) || a->gain != b->gain)
+        return false;
+    if (bsdf->document.structure == ORL_STRUCTURE_MATRIX)
+        return orl_matrix_cell(&c->matrix, axis, a->from.coords.polar) ==
+               orl_matrix_cell(&c->matrix, axis, b->from.coords.polar);
+    return bsdf->document.structure == ORL_STRUCTURE_TREE4 &&
+           orl_square_cell(axis, a->from.coords.square, c->tree.depth) ==
+               orl_square_cell(axis, b->from.coords.square, c->tree.depth);
 }

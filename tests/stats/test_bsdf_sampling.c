@@ -16,6 +16,7 @@
 
 #include "base/random.h"
 #include "bsdf/incident.h"
+#include "bsdf/placed.h"
 #include "fixtures/bsdf_make.h"
 
 enum {
@@ -334,6 +335,41 @@ static void draws_values_and_pdfs_agree(void **state)
     assert_in_range(drawn, 100000, 200000);
 }
 
+/* Directions that are placed once have the values and pdfs of others; within a cell of incident
+ * directions these are the same. */
+static void placed_directions_have_the_same_values(void **state)
+{
+    const struct fixture *fixture = *state;
+    struct orl_random random = orl_random_stream(11, ORL_PURPOSE_BENCH, 0);
+    size_t alike = 0, apart = 0;
+    for (int i = 0; i < BSDFS; i++)
+        for (int n = 0; n < 400; n++) {
+            const struct orl_bsdf *bsdf = fixture->bsdf[i];
+            const bool front = n & 1;
+            const double u = uniform(&random), v = uniform(&random);
+            const struct orl_vec3 in = place(u, v, front);
+            const struct orl_vec3 out = place(uniform(&random), uniform(&random), !front);
+            const struct orl_vec3 near = place(fmin(u + 0.01 * uniform(&random), 1), v, front);
+            const struct orl_bsdf_incidence a = orl_bsdf_place_incident(bsdf, in);
+            const struct orl_bsdf_incidence b = orl_bsdf_place_incident(bsdf, near);
+            const struct orl_bsdf_direction to = orl_bsdf_place(bsdf, out);
+            double pdf, near_pdf;
+            const struct orl_rgb f = orl_bsdf_transmit(bsdf, &a, &to, &pdf);
+            const struct orl_rgb near_f = orl_bsdf_transmit(bsdf, &b, &to, &near_pdf);
+            const struct orl_rgb expected = orl_bsdf_eval(bsdf, in, out);
+            assert_memory_equal(&f, &expected, sizeof f);
+            assert_true(pdf == orl_bsdf_pdf(bsdf, in, ORL_BSDF_TRANSMIT, out));
+            if (!orl_bsdf_in_one_cell(bsdf, &a, &b)) {
+                apart++;
+                continue;
+            }
+            assert_memory_equal(&f, &near_f, sizeof f);
+            assert_true(pdf == near_pdf);
+            alike++;
+        }
+    assert_true(alike > 1000 && apart > 500);
+}
+
 /* Albedo against jittered quadrature that knows nothing of cells; their steps leave it 0.2 %. */
 static void albedo_is_the_integral_of_f(void **state)
 {
@@ -457,6 +493,7 @@ int main(void)
         cmocka_unit_test(tables_of_a_cone_follow_the_pdf),
         cmocka_unit_test(other_data_have_no_tables),
         cmocka_unit_test(draws_values_and_pdfs_agree),
+        cmocka_unit_test(placed_directions_have_the_same_values),
         cmocka_unit_test(albedo_is_the_integral_of_f),
         cmocka_unit_test(a_trees_integrals_are_sums_over_its_cells),
         cmocka_unit_test(a_matrixs_integrals_are_sums_over_its_cells),

@@ -148,8 +148,6 @@ struct orl_rgb orl_panel_albedo(const struct orl_material *material, const struc
 struct orl_rgb orl_panel_straight(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 eye);
 struct orl_scatter orl_panel_sample(const struct orl_draw *draw, const double u[3]);
-/* Whether it is one with nothing added to the data and nothing taken out. */
-bool orl_panel_is_data_alone(const struct orl_material *material);
 /* Draws of such, those of the list, n at most ORL_PANELS_ABREAST; by orl_bsdf_sample_many. */
 enum { ORL_PANELS_ABREAST = 16 };
 void orl_panel_sample_many(const struct orl_draw *draws, const double (*u)[3], const size_t *which,

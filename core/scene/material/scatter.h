@@ -240,5 +240,8 @@ struct orl_rgb orl_material_emission(const struct orl_material *material, const 
 
 /* The frame in which a BSDF surface is described: z the front normal, y the projected up. */
 struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_vec3 normal);
+/* Returns true if a BSDF material has nothing but its data: nothing is added, nothing goes straight
+ * through. */
+bool orl_panel_is_data_alone(const struct orl_material *material);
 
 #endif
