@@ -131,10 +131,15 @@ static int make_main(struct orl_bundle *bundle, size_t place, const char *name,
     return 0;
 }
 
+static bool has_ending(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), tail = strlen(ending);
+    return length > tail && strcasecmp(name + length - tail, ending) == 0;
+}
+
 static bool ends_in_rad(const char *name)
 {
-    const size_t length = strlen(name);
-    return length > 4 && strcasecmp(name + length - 4, ".rad") == 0;
+    return has_ending(name, ".rad");
 }
 
 static int choose_mains(struct orl_scene_upload *upload, struct orl_error *err)
@@ -224,6 +229,42 @@ static int add_zips(struct orl_scene_upload *upload, const struct orl_bundle *zi
     return rc;
 }
 
+/* The place of the Honeybee model among the parts: a main file that is called .hbjson, or .json if
+ * it is the only one. bundle->count: there is none. */
+static size_t find_model(const struct orl_bundle *bundle, bool alone)
+{
+    for (size_t i = 0; i < bundle->count; i++)
+        if (!bundle->files[i].resource && has_ending(bundle->files[i].name, ".hbjson"))
+            return i;
+    for (size_t i = 0; alone && i < bundle->count; i++)
+        if (!bundle->files[i].resource)
+            return orl_bundle_main_count(bundle) == 1 && has_ending(bundle->files[i].name, ".json")
+                       ? i
+                       : bundle->count;
+    return bundle->count;
+}
+
+/* Puts the files of the model at that place in place of it. Other files are kept beside them. */
+static int add_model(struct orl_scene_upload *upload, size_t place,
+                     const struct orl_folders *folders, struct orl_asking *asking,
+                     struct orl_error *err)
+{
+    struct orl_bundle *bundle = &upload->bundle;
+    json_t *bsdfs = NULL;
+    for (size_t i = 0; i < bundle->count; i++)
+        bundle->files[i].resource = true;
+    int rc = orl_ask_document(asking, bundle->files[place].path, folders, choice_of(upload), bundle,
+                              &bsdfs, err);
+    if (rc && err && !err->file[0])
+        orl_error_at(err, bundle->files[place].name, 0, NULL);
+    if (rc == 0 && bsdfs)
+        rc = add_bsdfs(upload, bsdfs, folders, err);
+    json_decref(bsdfs);
+    orl_bundle_remove(bundle, place);
+    upload->listed = !upload->mains;
+    return rc;
+}
+
 int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,
                                const struct orl_file *body, const struct orl_folders *folders,
                                struct orl_asking *asking, struct orl_error *err)
@@ -236,6 +277,9 @@ int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Conne
     memset(&parts.files, 0, sizeof parts.files);
     if (parts.mains)
         rc = orl_scene_upload_add_main(upload, parts.mains, err);
+    const size_t model = find_model(&upload->bundle, !upload->mains && parts.zips.count == 0);
+    if (rc == 0 && model < upload->bundle.count)
+        rc = add_model(upload, model, folders, asking, err);
     if (rc == 0)
         rc = add_zips(upload, &parts.zips, folders, asking, err);
     if (rc == 0 && parts.bsdfs) {

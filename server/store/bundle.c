@@ -13,16 +13,20 @@
 
 enum { NAME_MAX_BYTES = 255 };
 
+static void file_done(struct orl_bundle_file *file)
+{
+    if (file->temporary)
+        unlink(file->path);
+    free(file->name);
+    free(file->path);
+}
+
 void orl_bundle_done(struct orl_bundle *bundle)
 {
     if (!bundle)
         return;
-    for (size_t i = 0; i < bundle->count; i++) {
-        if (bundle->files[i].temporary)
-            unlink(bundle->files[i].path);
-        free(bundle->files[i].name);
-        free(bundle->files[i].path);
-    }
+    for (size_t i = 0; i < bundle->count; i++)
+        file_done(&bundle->files[i]);
     free(bundle->files);
     memset(bundle, 0, sizeof *bundle);
 }
@@ -124,6 +128,14 @@ int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, c
         snprintf(file.sha, sizeof file.sha, "%s", sha);
     bundle->files[bundle->count++] = file;
     return 0;
+}
+
+void orl_bundle_remove(struct orl_bundle *bundle, size_t place)
+{
+    file_done(&bundle->files[place]);
+    bundle->count--;
+    memmove(&bundle->files[place], &bundle->files[place + 1],
+            (bundle->count - place) * sizeof *bundle->files);
 }
 
 int orl_bundle_move(struct orl_bundle *from, struct orl_bundle *bundle, struct orl_error *err)

@@ -50,6 +50,9 @@ int orl_bundle_check_name(const char *name, struct orl_error *err);
 int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, const char *path,
                    uint64_t bytes, const char *sha, bool temporary, struct orl_error *err);
 
+/* Takes the file at that place out, and removes it from disk if it is temporary. */
+void orl_bundle_remove(struct orl_bundle *bundle, size_t place);
+
 /* Appends the temporary files of one to the other, whose they are then. */
 int orl_bundle_move(struct orl_bundle *from, struct orl_bundle *bundle, struct orl_error *err);
 

@@ -19,8 +19,8 @@ struct orl_multipart {
 
 /*
  * A part with a file name is a file: a resource when its field is "resource" or its name ends in
- * .xml, a main file otherwise; a zip when its type or name says so. Fields other than "bsdfs" and
- * "main" are refused.
+ * .xml, a main file otherwise; a zip when its type or name says so. Models are not told here.
+ * Fields other than "bsdfs" and "main" are refused.
  */
 int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file *body,
                         const struct orl_folders *folders, struct orl_multipart *ret_parts,

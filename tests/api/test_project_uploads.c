@@ -151,6 +151,31 @@ static void test_a_model_comes_with_files(void **state)
     free(job);
 }
 
+/* As a form of a web page sends it: the model and its weather as parts. */
+static void test_a_model_comes_in_a_form(void **state)
+{
+    static const char *const names[] = {"office.hbjson", "office.json"};
+    char *model = read_model();
+    struct reply reply;
+    for (int i = 0; i < 2; i++) {
+        const struct upload_file files[] = {{names[i], model, strlen(model), false},
+                                            {"place.epw", "LOCATION,Here", 13, i == 1}};
+        daemon_upload(*state, files, 2, NULL, &reply);
+        assert_int_equal(reply.status, i == 0 ? 201 : 200);
+        assert_string_equal(reply_text(&reply, "summary.project.grids.0.name"), "desks");
+        assert_string_equal(reply_text(&reply, "summary.project.states.south_glass.chosen"),
+                            "0_south_glass");
+        reply_done(&reply);
+    }
+    const struct upload_file bad[] = {{"bad.hbjson", "{\"type\": \"Model\"}", 17, false}};
+    daemon_upload(*state, bad, 1, NULL, &reply);
+    assert_true(reply.status == 422 || reply.status == 400);
+    assert_string_equal(reply_text(&reply, "file"), "bad.hbjson");
+    assert_non_null(strstr(reply_text(&reply, "detail"), "the model is empty"));
+    reply_done(&reply);
+    free(model);
+}
+
 /* The folder's own name stays: its texts say model/bsdf/NAME.xml. */
 static void test_a_folder_comes_as_a_zip(void **state)
 {
@@ -183,6 +208,7 @@ int main(void)
         cmocka_unit_test(test_a_model_becomes_a_scene),
         cmocka_unit_test(test_mistakes_are_told_by_their_place),
         cmocka_unit_test(test_a_model_comes_with_files),
+        cmocka_unit_test(test_a_model_comes_in_a_form),
         cmocka_unit_test(test_a_folder_comes_as_a_zip),
     };
     return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
