@@ -12,6 +12,22 @@
 #include <oriel/limits.h>
 #include <oriel/open.h>
 
+#include "base/other_case.h"
+
+bool orl_files_hint_case(const struct orl_files *files, const char *name, struct orl_error *err)
+{
+    char other[1024];
+    if (!files->other_case || !files->other_case(files->ctx, name, other, sizeof other))
+        return false;
+    orl_error_hint(err,
+                   "there is '%.300s', whose name differs in upper and lower case: rename it, or "
+                   "correct what names it",
+                   other);
+    return true;
+}
+
+/* ---- Memory ---------------------------------------------------------------------------------- */
+
 static int memory_open(void *ctx, const char *name, struct orl_file *ret_file,
                        struct orl_error *err)
 {
@@ -36,6 +52,25 @@ struct orl_files orl_files_from_memory(struct orl_memory_files *memory)
     return (struct orl_files){.ctx = memory, .open = memory_open, .close = memory_close};
 }
 
+/* ---- Folders --------------------------------------------------------------------------------- */
+
+static bool folder_other_case(void *ctx, const char *name, char *ret_name, size_t size)
+{
+    return orl_find_other_case(ctx, name, ret_name, size);
+}
+
+static int refuse_to_open(const char *folder, const char *name, int why, struct orl_error *err)
+{
+    const struct orl_files files = orl_files_from_folder(folder);
+    if (why == ORL_OPEN_NOT_REGULAR)
+        return orl_error_set(err, ORL_ERR_IO, "'%s' is not a regular file", name);
+    const int code = orl_error_set(err, why == ENOENT ? ORL_ERR_NOT_FOUND : ORL_ERR_IO,
+                                   "cannot open '%s': %s", name, strerror(why));
+    if (why == ENOENT)
+        orl_files_hint_case(&files, name, err);
+    return code;
+}
+
 static int folder_open(void *ctx, const char *name, struct orl_file *ret_file,
                        struct orl_error *err)
 {
@@ -48,13 +83,8 @@ static int folder_open(void *ctx, const char *name, struct orl_file *ret_file,
     if (length < 0 || (size_t)length >= sizeof path)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path of '%s' is too long", name);
     const int fd = orl_open_regular(path, O_RDONLY);
-    if (fd < 0) {
-        const int why = errno;
-        if (why == ORL_OPEN_NOT_REGULAR)
-            return orl_error_set(err, ORL_ERR_IO, "'%s' is not a regular file", name);
-        return orl_error_set(err, why == ENOENT ? ORL_ERR_NOT_FOUND : ORL_ERR_IO,
-                             "cannot open '%s': %s", name, strerror(why));
-    }
+    if (fd < 0)
+        return refuse_to_open(folder, name, errno, err);
     if (fstat(fd, &st) != 0) {
         code = orl_error_set(err, ORL_ERR_IO, "cannot read '%s': %s", name, strerror(errno));
     } else if ((unsigned long)st.st_size > ORL_LIMIT_FILE_BYTES) {
@@ -97,5 +127,6 @@ struct orl_files orl_files_from_folder(const char *folder)
     return (struct orl_files){.ctx = (void *)(uintptr_t)folder,
                               .open = folder_open,
                               .close = folder_close,
-                              .passed = orl_files_let_go};
+                              .passed = orl_files_let_go,
+                              .other_case = folder_other_case};
 }

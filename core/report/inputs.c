@@ -216,6 +216,12 @@ static void noting_passed(void *ctx, const struct orl_file *file, size_t begin, 
     inputs->files->passed(inputs->files->ctx, file, begin, end);
 }
 
+static bool noting_other_case(void *ctx, const char *name, char *ret_name, size_t size)
+{
+    const struct orl_annual_inputs *inputs = ctx;
+    return inputs->files->other_case(inputs->files->ctx, name, ret_name, size);
+}
+
 int orl_annual_inputs_need(struct orl_annual_inputs *inputs, const char *name,
                            struct orl_error *err)
 {
@@ -236,7 +242,8 @@ struct orl_files orl_annual_inputs_of(struct orl_annual_inputs *inputs,
                               .open = noting_open,
                               .close = noting_close,
                               .digest = files->digest ? noting_digest : NULL,
-                              .passed = files->passed ? noting_passed : NULL};
+                              .passed = files->passed ? noting_passed : NULL,
+                              .other_case = files->other_case ? noting_other_case : NULL};
 }
 
 void orl_annual_inputs_done(struct orl_annual_inputs *inputs)

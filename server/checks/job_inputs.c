@@ -7,6 +7,7 @@
 int orl_job_inputs_check(const struct orl_job_brief *brief, const struct orl_bundle *scene,
                          struct orl_error *err)
 {
+    char other[ORL_ERROR_TEXT_MAX];
     for (size_t i = 0; i < brief->n_files; i++) {
         const struct orl_named_file *file = &brief->files[i];
         if (orl_bundle_find(scene, file->name))
@@ -14,9 +15,12 @@ int orl_job_inputs_check(const struct orl_job_brief *brief, const struct orl_bun
         orl_error_set(err, ORL_ERR_NOT_FOUND,
                       "the scene was uploaded without a file named '%.200s'", file->name);
         orl_error_at(err, NULL, 0, file->place);
-        orl_error_hint(err, file->role == ORL_FILE_SENSORS
-                                ? "Upload it as a resource, or give the sensors as an array"
-                                : "Upload it with the scene as a resource");
+        if (orl_bundle_other_case(scene, file->name, other, sizeof other))
+            orl_error_hint(err, "it has '%.200s': upper and lower case differ", other);
+        else
+            orl_error_hint(err, file->role == ORL_FILE_SENSORS
+                                    ? "Upload it as a resource, or give the sensors as an array"
+                                    : "Upload it with the scene as a resource");
         return ORL_ERR_NOT_FOUND;
     }
     return 0;

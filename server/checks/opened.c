@@ -62,9 +62,15 @@ static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
     const struct orl_opened *opened = ctx;
     const struct orl_bundle_file *file = orl_bundle_find(&opened->bundle, name);
     if (!file)
-        return orl_bundle_refuse_missing(name, err);
+        return orl_bundle_refuse_missing(&opened->bundle, name, err);
     *ret_file = opened->data[file - opened->bundle.files];
     return 0;
+}
+
+static bool provider_other_case(void *ctx, const char *name, char *ret_name, size_t size)
+{
+    const struct orl_opened *opened = ctx;
+    return orl_bundle_other_case(&opened->bundle, name, ret_name, size);
 }
 
 static void provider_close(void *ctx, struct orl_file *file)
@@ -74,6 +80,9 @@ static void provider_close(void *ctx, struct orl_file *file)
 
 struct orl_files orl_opened_provider(struct orl_opened *opened)
 {
-    return (struct orl_files){
-        .ctx = opened, .open = provider_open, .close = provider_close, .passed = orl_files_let_go};
+    return (struct orl_files){.ctx = opened,
+                              .open = provider_open,
+                              .close = provider_close,
+                              .passed = orl_files_let_go,
+                              .other_case = provider_other_case};
 }

@@ -244,10 +244,32 @@ int orl_bundle_check_whole(const struct orl_bundle_file *file, const struct orl_
     return ORL_ERR_CORRUPT;
 }
 
-int orl_bundle_refuse_missing(const char *name, struct orl_error *err)
+bool orl_bundle_other_case(const struct orl_bundle *bundle, const char *name, char *ret_name,
+                           size_t size)
 {
+    if (strncmp(name, "./", 2) == 0)
+        name += 2;
+    for (size_t i = 0; i < bundle->count; i++)
+        if (strcasecmp(bundle->files[i].name, name) == 0) {
+            snprintf(ret_name, size, "%s", bundle->files[i].name);
+            return true;
+        }
+    return false;
+}
+
+static bool provider_other_case(void *ctx, const char *name, char *ret_name, size_t size)
+{
+    return orl_bundle_other_case(ctx, name, ret_name, size);
+}
+
+int orl_bundle_refuse_missing(const struct orl_bundle *bundle, const char *name,
+                              struct orl_error *err)
+{
+    const struct orl_files files = {.ctx = (void *)(uintptr_t)bundle,
+                                    .other_case = provider_other_case};
     orl_error_set(err, ORL_ERR_NOT_FOUND, "no file named '%.200s' was uploaded", name);
-    orl_error_hint(err, "Upload it with the scene, under the name by which it is referred to");
+    if (!orl_files_hint_case(&files, name, err))
+        orl_error_hint(err, "Upload it with the scene, under the name by which it is referred to");
     return ORL_ERR_NOT_FOUND;
 }
 
@@ -256,7 +278,7 @@ static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
 {
     const struct orl_bundle_file *file = orl_bundle_find(ctx, name);
     if (!file)
-        return orl_bundle_refuse_missing(name, err);
+        return orl_bundle_refuse_missing(ctx, name, err);
     int rc = orl_map_file(file->path, ret_file, err);
     if (rc)
         return rc;
@@ -286,5 +308,6 @@ struct orl_files orl_bundle_provider(struct orl_bundle *bundle)
                               .open = provider_open,
                               .close = provider_close,
                               .digest = provider_digest,
-                              .passed = orl_files_let_go};
+                              .passed = orl_files_let_go,
+                              .other_case = provider_other_case};
 }

@@ -77,6 +77,26 @@ static void test_wrong(void **state)
     reply_done(&reply);
 }
 
+/* A file that differs from the name in upper and lower case alone is named. */
+static void test_other_case(void **state)
+{
+    static const char rad[] = "!xform S.TXT\n";
+    const struct upload_file files[] = {{"box.rad", rad, strlen(rad), false},
+                                        {"s.txt", good_sensors, strlen(good_sensors), true}};
+    struct daemon *daemon = *state;
+    char scene[65];
+    struct reply reply;
+    upload(daemon, good_sensors, strlen(good_sensors), good_weather, scene);
+    post(daemon, scene, "S.txt", &reply);
+    assert_int_equal(reply.status, 422);
+    assert_non_null(strstr(reply.body, "it has 's.txt': upper and lower case differ"));
+    reply_done(&reply);
+    daemon_upload(daemon, files, 2, NULL, &reply);
+    assert_int_equal(reply.status, 422);
+    assert_non_null(strstr(reply.body, "there is 's.txt', whose name differs in upper and lower"));
+    reply_done(&reply);
+}
+
 /* A weather file of two years needs to be told which; one without years must not be. */
 static void test_years(void **state)
 {
@@ -237,6 +257,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_wrong, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_right, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_other_case, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_years, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_views, daemon_set_up, daemon_tear_down),
         cmocka_unit_test(test_memory),

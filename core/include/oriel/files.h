@@ -31,7 +31,13 @@ struct orl_files {
     /* Opens a file of the user's own library, where function files, fonts and data lie that scenes
      * count on: by a name that open does not know. Errors and close are those of open. */
     int (*library)(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err);
+    /* Finds a file whose name differs from this one in upper and lower case alone. */
+    bool (*other_case)(void *ctx, const char *name, char *ret_name, size_t size);
 };
+
+/* Sets the hint of an error about a name that is not there, if there is one that differs in upper
+ * and lower case alone. Returns false and leaves the hint as it is if there is none. */
+bool orl_files_hint_case(const struct orl_files *files, const char *name, struct orl_error *err);
 
 /* Files held in memory, the caller's: names[i] has contents[i]. Borrowed throughout. */
 struct orl_memory_files {

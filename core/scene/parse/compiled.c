@@ -256,9 +256,10 @@ int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope
         code = orl_parser_enter(parser, &inside.scope, orl_primitive_string(&parser->primitive, 0),
                                 &file, err);
     if (code == ORL_ERR_NOT_FOUND) {
-        snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, err->message);
-        orl_parser_fail(parser, scope, err, code, "its file is missing: %s", name);
-        orl_sources_hint(err);
+        const struct orl_error missing = *err;
+        orl_parser_fail(parser, scope, err, code, "its file is missing: %.*s", (int)sizeof name - 1,
+                        missing.message);
+        orl_error_hint(err, "%s", missing.hint);
         return code;
     }
     if (code == 0)

@@ -225,7 +225,8 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     } else if (code < 0 && err) {
         *err = first;
     }
-    if (code == ORL_ERR_NOT_FOUND)
+    if (code == ORL_ERR_NOT_FOUND && !orl_files_hint_case(sources->files, path, err) &&
+        !orl_files_hint_case(sources->files, plain, err))
         orl_sources_hint(err);
     return code;
 }

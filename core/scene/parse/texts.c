@@ -273,7 +273,7 @@ static int find_file(struct orl_parser *parser, const struct orl_scope *scope, s
         return orl_parser_count_text(parser, scope, (*ret_source)->file.size, err);
     }
     orl_parser_fail(parser, scope, err, code, "%.400s", missing.message);
-    if (code == ORL_ERR_NOT_FOUND)
+    if (code == ORL_ERR_NOT_FOUND && !orl_files_hint_case(parser->sources.files, name, err))
         orl_error_hint(err,
                        "fonts and texts are files: put a copy beside the scene, or into a folder "
                        "of RAYPATH");

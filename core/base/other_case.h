@@ -1,0 +1,14 @@
+/*
+ * Names of files as systems write them that do not tell upper from lower case.
+ */
+#ifndef ORL_BASE_OTHER_CASE_H
+#define ORL_BASE_OTHER_CASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Finds a file below the folder, or from the root for an absolute name, whose name differs from
+ * this one in upper and lower case alone; of several the first by name. */
+bool orl_find_other_case(const char *folder, const char *name, char *ret_name, size_t size);
+
+#endif
