@@ -102,7 +102,7 @@ static int make_report(struct running *r, struct orl_error *err)
 {
     const struct orl_run_env *run = &r->run;
     int rc = orl_annual_report_make(&r->job->request, &r->result, &r->job->wishes, run->files,
-                                    run->cancel, &r->report, err);
+                                    run->cancel, run->crew, &r->report, err);
     if (rc == 0)
         rc = orl_annual_report_expose(&r->job->request, &r->result, &r->job->wishes, run,
                                       &r->report, err);

@@ -131,27 +131,30 @@ void orl_pane_tree_done(struct orl_pane_tree *tree)
 
 /* ---- Rays ------------------------------------------------------------------------------------ */
 
-/* The box test of Williams et al. 2005; a ray within a slab's plane counts as inside it. */
-static bool ray_meets(const struct orl_pane_node *node, struct orl_vec3 origin,
-                      struct orl_vec3 direction, double before)
+struct ray {
+    struct orl_vec3 origin, direction,
+        inverse; /* inverse: one over each coordinate that is not 0 */
+};
+
+/* The box test of Williams et al. 2005; a ray within a slab's plane counts as inside it. Boxes are
+ * wider than their panes by more than the rounding of products with the inverse. */
+static inline bool ray_meets(const struct orl_pane_node *node, const struct ray *ray, double before)
 {
     double near = 0, far = before;
     for (int i = 0; i < 3; i++) {
-        const double d = along(direction, i), o = along(origin, i);
+        const double o = along(ray->origin, i);
         const double low = along(node->low, i) - o, high = along(node->high, i) - o;
-        if (d == 0) {
+        if (along(ray->direction, i) == 0) {
             if (low > 0 || high < 0)
                 return false;
             continue;
         }
-        const double a = low / d, b = high / d;
+        const double a = low * along(ray->inverse, i), b = high * along(ray->inverse, i);
         const double first = a < b ? a : b, last = a < b ? b : a;
         near = first > near ? first : near;
         far = last < far ? last : far;
-        if (near > far)
-            return false;
     }
-    return true;
+    return near <= far;
 }
 
 /* A cone of rays from a point; its half angle is at most a right angle. */
@@ -183,12 +186,15 @@ bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_win
 {
     const double sine = fmin(slack, 1);
     const struct beam beam = {origin, direction, sqrt(1 - sine * sine), sine};
-    uint32_t stack[MOST_DEPTH] = {0};
+    const struct ray ray = {origin, direction,
+                            orl_v3(1 / direction.x, 1 / direction.y, 1 / direction.z)};
+    uint32_t stack[MOST_DEPTH];
+    stack[0] = 0;
     for (int depth = tree->count > 0; depth > 0;) {
         const uint32_t at = stack[--depth];
         const struct orl_pane_node *node = &tree->nodes[at];
         double distance;
-        if (!(slack > 0 ? beam_meets(node, &beam) : ray_meets(node, origin, direction, before)))
+        if (!(slack > 0 ? beam_meets(node, &beam) : ray_meets(node, &ray, before)))
             continue;
         if (node->item == UINT32_MAX) {
             stack[depth++] = node->other;

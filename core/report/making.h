@@ -11,6 +11,7 @@ struct orl_report_making {
     const struct orl_annual_wishes *wishes;
     const struct orl_files *files;
     const atomic_bool *cancel;        /* polled at each sensor; NULL: never */
+    struct orl_crew *crew;            /* NULL: none */
     struct orl_annual_report *report; /* its year, grids and periods are made first */
     struct orl_error *err;
 };

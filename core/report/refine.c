@@ -77,7 +77,7 @@ static int look(struct refining *r)
     wishes.targets = wishes.until;
     wishes.n_targets = 1;
     int code = orl_annual_report_make(r->request, r->result, &wishes, r->env->run->files,
-                                      r->env->run->cancel, &report, r->err);
+                                      r->env->run->cancel, r->env->run->crew, &report, r->err);
     if (code < 0)
         return code;
     const struct orl_annual_verdict *verdict = &report.verdicts[0];

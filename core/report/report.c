@@ -166,12 +166,21 @@ static const float *at(const float *values, size_t i)
     return values ? values + i : NULL;
 }
 
-/* factors: room for a row. */
-static void evaluate_sensor(const struct orl_report_making *m, size_t i, float *factors)
+struct evaluation {
+    const struct orl_report_making *m;
+    float *factors; /* of each member of the crew: room for a row */
+    atomic_size_t n_unlit;
+    atomic_bool cancelled;
+};
+
+static void evaluate_sensor(void *arg, size_t i, uint32_t member)
 {
+    struct evaluation *e = arg;
+    const struct orl_report_making *m = e->m;
     struct orl_annual_report *report = m->report;
     const struct orl_annual_result *result = m->result;
     const float *se = result->se ? orl_annual_row(result, result->se, i) : NULL;
+    float *factors = e->factors + member * result->n_columns;
     const struct orl_annual_light light = {.total_lx = orl_annual_row(result, result->total, i),
                                            .direct_lx = orl_annual_row(result, result->direct, i),
                                            .total_error_lx = se,
@@ -179,35 +188,46 @@ static void evaluate_sensor(const struct orl_report_making *m, size_t i, float *
                                            .overcast_lx = at(result->overcast, i),
                                            .overcast_error_lx = at(result->overcast_se, i),
                                            .total_factor = se ? factors : NULL};
+    if (atomic_load(&e->cancelled))
+        return;
     if (se)
         orl_annual_factors(light.total_lx, se, result->n_columns, factors);
-    report->n_unlit += is_unlit(light.total_lx, result->n_columns);
+    if (is_unlit(light.total_lx, result->n_columns))
+        atomic_fetch_add(&e->n_unlit, 1);
     for (size_t k = 0; k < report->n_metrics; k++)
         orl_annual_evaluate(&report->metrics[k], &report->periods[report->metrics[k].when], &light,
                             &report->values[k * report->n_sensors + i]);
+    if (orl_is_cancelled(m->cancel))
+        atomic_store(&e->cancelled, true);
+}
+
+static int evaluate_sensors(const struct orl_report_making *m)
+{
+    struct evaluation e = {
+        .m = m,
+        .factors = malloc((orl_crew_size(m->crew) * m->result->n_columns + 1) * sizeof(float))};
+    if (!e.factors)
+        return no_memory(m);
+    orl_crew_for(m->crew, m->report->n_sensors, evaluate_sensor, &e);
+    free(e.factors);
+    m->report->n_unlit = atomic_load(&e.n_unlit);
+    return atomic_load(&e.cancelled)
+               ? orl_error_set(m->err, ORL_ERR_CANCELLED, "cancelled while making the report")
+               : 0;
 }
 
 static int make_values(const struct orl_report_making *m)
 {
     struct orl_annual_report *report = m->report;
     const size_t n = m->wishes->n_metrics;
-    float *factors = malloc((m->result->n_columns + 1) * sizeof *factors);
     report->metrics = calloc(n + 1, sizeof *report->metrics);
     report->values = calloc(n * report->n_sensors + 1, sizeof *report->values);
-    int code = factors && report->metrics && report->values ? 0 : no_memory(m);
-    if (code == 0) {
-        report->n_metrics = n;
-        if (n > 0)
-            memcpy(report->metrics, m->wishes->metrics, n * sizeof *report->metrics);
-        for (size_t i = 0; i < report->n_sensors && code == 0; i++) {
-            evaluate_sensor(m, i, factors);
-            if (orl_is_cancelled(m->cancel))
-                code =
-                    orl_error_set(m->err, ORL_ERR_CANCELLED, "cancelled while making the report");
-        }
-    }
-    free(factors);
-    return code;
+    if (!report->metrics || !report->values)
+        return no_memory(m);
+    report->n_metrics = n;
+    if (n > 0)
+        memcpy(report->metrics, m->wishes->metrics, n * sizeof *report->metrics);
+    return evaluate_sensors(m);
 }
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
@@ -267,7 +287,7 @@ int orl_annual_wishes_validate(const struct orl_annual_request *request,
                                const struct orl_annual_wishes *wishes, struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct orl_report_making m = {request, NULL, wishes, NULL, NULL, &report, err};
+    const struct orl_report_making m = {request, NULL, wishes, NULL, NULL, NULL, &report, err};
     int code = request->n_terms > 0 ? orl_report_check_matrices(wishes, err) : 0;
     if (code == 0)
         code = orl_seats_validate(&wishes->glare, request, err);
@@ -289,7 +309,7 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
                             struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct orl_report_making m = {request, result, wishes, files, NULL, &report, err};
+    const struct orl_report_making m = {request, result, wishes, files, NULL, NULL, &report, err};
     const int code = prepare(&m);
     orl_annual_report_done(&report);
     return code;
@@ -298,11 +318,11 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
 int orl_annual_report_make(const struct orl_annual_request *request,
                            const struct orl_annual_result *result,
                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
-                           const atomic_bool *cancel, struct orl_annual_report *ret_report,
-                           struct orl_error *err)
+                           const atomic_bool *cancel, struct orl_crew *crew,
+                           struct orl_annual_report *ret_report, struct orl_error *err)
 {
     struct orl_annual_report report = {.n_grids = 0};
-    const struct orl_report_making m = {request, result, wishes, files, cancel, &report, err};
+    const struct orl_report_making m = {request, result, wishes, files, cancel, crew, &report, err};
     int code = result->total && result->direct
                    ? prepare(&m)
                    : orl_error_set(err, ORL_ERR_INVALID, "the year's series were not kept");

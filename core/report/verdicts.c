@@ -31,6 +31,7 @@ int orl_report_figure_of(const struct orl_report_making *m, const struct orl_ann
 {
     struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
     rows.cancel = m->cancel;
+    rows.crew = m->crew;
     return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
 }
 

@@ -88,7 +88,7 @@ struct orl_annual_report hand_year_report(const struct orl_annual_request *reque
 {
     struct orl_annual_report report;
     struct orl_error err = {0};
-    if (orl_annual_report_make(request, result, wishes, NULL, NULL, &report, &err) < 0)
+    if (orl_annual_report_make(request, result, wishes, NULL, NULL, NULL, &report, &err) < 0)
         fail_msg("%s", err.message);
     return report;
 }

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include <oriel/annual_report.h>
+#include <oriel/crew.h>
 #include <oriel/npy.h>
 
 #include "metrics/annual/calendar.h"
@@ -70,6 +71,38 @@ static void test_years(void **state)
     hand_year_free(&result);
 }
 
+/* Threads share the sensors: the report is the same to the last bit. */
+static void test_threads(void **state)
+{
+    struct orl_annual_grid grids[2];
+    struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_result result;
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report alone, together;
+    struct orl_crew *crew = orl_crew_start(3);
+    struct orl_error err = {0};
+    (void)state;
+    assert_non_null(crew);
+    hand_year_make(&result, false);
+    hand_year_ask(&wishes, "sDA300/50 >= 55 %", "LEED");
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &alone, &err), 0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, crew, &together, &err), 0);
+    assert_int_equal(alone.n_unlit, together.n_unlit);
+    assert_true(alone.n_metrics > 0 && alone.n_verdicts > 0);
+    assert_memory_equal(alone.values, together.values,
+                        alone.n_metrics * alone.n_sensors * sizeof *alone.values);
+    for (size_t i = 0; i < alone.n_verdicts; i++)
+        assert_memory_equal(&alone.verdicts[i].area, &together.verdicts[i].area,
+                            sizeof alone.verdicts[i].area);
+    orl_annual_report_done(&alone);
+    orl_annual_report_done(&together);
+    orl_annual_wishes_done(&wishes);
+    hand_year_free(&result);
+    orl_crew_stop(crew);
+}
+
 /* A file without rows at night gives a whole year. Beyond the polar circle days without a sunrise
  * have no rows at all. */
 static void test_nights_left_out(void **state)
@@ -120,8 +153,8 @@ static void test_reports(void **state)
     request.groups = &blinds;
     request.n_groups = 1;
     hand_year_ask(&wishes, "sDA300/50 of SOUTH >= 55 %", "LEED");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3650, 0);
     assert_near(report.values[2].value, 100, 0); /* DA300 of the third */
     assert_near(report.values[2].low, 0, 0);     /* which two per cent less would end */
@@ -141,12 +174,14 @@ static void test_reports(void **state)
     assert_int_equal(report.verdicts[7].verdict, ORL_VERDICT_FAIL);
     orl_annual_report_done(&report);
     snprintf(wishes.targets[0].grid, sizeof wishes.targets[0].grid, "east");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     ORL_ERR_INVALID);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err),
+        ORL_ERR_INVALID);
     wishes.targets[0].grid[0] = '\0';
     wishes.occupancy.days = 0;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     ORL_ERR_INVALID);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err),
+        ORL_ERR_INVALID);
     orl_annual_wishes_done(&wishes);
     hand_year_free(&result);
 }
@@ -171,8 +206,8 @@ static void test_daylight_factor(void **state)
     result.overcast_se = se;
     hand_year_ask(&wishes, "least DF >= 1 %", "daylight factor by EN 17037 minimum");
     wishes.median_diffuse_lx = 15000;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
     assert_int_equal(report.n_verdicts, 3);
     assert_near(report.verdicts[0].area.value.value, 1, 1e-6);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
@@ -182,16 +217,16 @@ static void test_daylight_factor(void **state)
     assert_near(report.verdicts[2].area.value.value, 100, 1e-9);
     orl_annual_report_done(&report);
     wishes.median_diffuse_lx = 0;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
     assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
     assert_near(report.verdicts[1].target.figure.least, 100 * 300 / 10000.5, 1e-9);
     orl_annual_report_done(&report);
     /* Half a year has no median of the year; a factor by itself does not depend on the weather. */
     for (size_t i = 181 * 24; i < result.n_steps; i++)
         result.steps[i].missing = true;
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, &err),
-                     0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
     assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
     assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_UNDECIDED);
@@ -232,7 +267,7 @@ static void test_weekdays(void **state)
         result.first_weekday = cases[i].by_weather;
         result.n_moved = cases[i].n_moved;
         assert_int_equal(
-            orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL), 0);
+            orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, NULL), 0);
         assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, cases[i].hours, 1e-9);
         orl_annual_report_done(&report);
         orl_annual_wishes_done(&wishes);
@@ -302,14 +337,14 @@ static void test_areas_and_files_of_occupancy(void **state)
     wishes.grid_area[0] = 1;
     wishes.grid_area[1] = 3;
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, &files, NULL, &report, &err), 0);
+        orl_annual_report_make(&request, &result, &wishes, &files, NULL, NULL, &report, &err), 0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 365, 0);
     assert_near(report.areas[3 + 2].value.value, 37.5, 1e-9); /* half of 3 of 4 */
     assert_near(report.areas[2].value.value, 75, 1e-9);
     orl_annual_report_done(&report);
     text[1] = 'x';
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, &files, NULL, &report, &err),
+        orl_annual_report_make(&request, &result, &wishes, &files, NULL, NULL, &report, &err),
         ORL_ERR_SYNTAX);
     orl_annual_wishes_done(&wishes);
     hand_year_free(&result);
@@ -397,8 +432,8 @@ static void test_honeybees_folder(void **state)
     (void)state;
     hand_year_make(&result, false);
     hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL),
-                     0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, NULL), 0);
     for (int again = 0; again < 2; again++)
         assert_int_equal(
             orl_honeybee_write(scratch_path("hb"), &report, &result, NULL, NULL, NULL, NULL), 0);
@@ -434,8 +469,8 @@ static void test_tables(void **state)
     hand_year_make(&result, false);
     result.steps[12].missing = true;
     hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, NULL, &report, NULL),
-                     0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, NULL), 0);
     assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL, NULL),
                      0);
     assert_int_equal(
@@ -461,6 +496,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_years),
         cmocka_unit_test(test_reports),
+        cmocka_unit_test(test_threads),
         cmocka_unit_test(test_nights_left_out),
         cmocka_unit_test(test_daylight_factor),
         cmocka_unit_test(test_weekdays),

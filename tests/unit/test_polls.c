@@ -197,8 +197,8 @@ static void test_reports(void **state)
     assert_int_equal(orl_annual_target_parse("sDA300/50 >= 55 %", wishes.targets, &err), 0);
     wishes.n_targets = 1;
     begin(-1);
-    assert_int_equal(orl_annual_report_make(&request, &result, &wishes, NULL, &flag, &report, &err),
-                     0);
+    assert_int_equal(
+        orl_annual_report_make(&request, &result, &wishes, NULL, &flag, NULL, &report, &err), 0);
     const int all = polls;
     expect_series(&report, &result);
     orl_annual_report_done(&report);
@@ -207,7 +207,7 @@ static void test_reports(void **state)
     for (int at = 0; at < all; at += all / 20) {
         begin(at);
         assert_int_equal(
-            orl_annual_report_make(&request, &result, &wishes, NULL, &flag, &report, &err),
+            orl_annual_report_make(&request, &result, &wishes, NULL, &flag, NULL, &report, &err),
             ORL_ERR_CANCELLED);
         assert_int_equal(polls, at + 1);
     }

@@ -202,6 +202,7 @@ struct orl_annual_rows {
     size_t n_sensors, n_columns;
     const double *area;        /* what each sensor stands for, in any unit; NULL: all the same */
     const atomic_bool *cancel; /* polled at each sensor; NULL: never */
+    struct orl_crew *crew;     /* of threads for shares of the area; NULL: none */
 };
 
 enum orl_annual_over {

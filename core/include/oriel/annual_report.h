@@ -176,12 +176,13 @@ struct orl_annual_report {
 
 /* files: of the occupancy file, else not asked. Of a result that holds its arrays. ORL_ERR_INVALID
  * (a target names no grid there is), what reading the occupancy says, ORL_ERR_RANGE, _NOMEM,
- * _CANCELLED: cancel, or NULL, is polled at each sensor of each figure. */
+ * _CANCELLED: cancel, or NULL, is polled at each sensor of each figure. crew: NULL for the calling
+ * thread alone. */
 int orl_annual_report_make(const struct orl_annual_request *request,
                            const struct orl_annual_result *result,
                            const struct orl_annual_wishes *wishes, const struct orl_files *files,
-                           const atomic_bool *cancel, struct orl_annual_report *ret_report,
-                           struct orl_error *err);
+                           const atomic_bool *cancel, struct orl_crew *crew,
+                           struct orl_annual_report *ret_report, struct orl_error *err);
 /* The same errors as far as they are known once the steps are, before anything is computed
  * (orl_annual_env's begins). */
 int orl_annual_wishes_check(const struct orl_annual_request *request,

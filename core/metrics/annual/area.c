@@ -93,26 +93,45 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
     return 0;
 }
 
+/* Sensors of a share, evaluated by a crew. */
+struct crossings {
+    const struct orl_annual_figure *figure;
+    const struct orl_annual_period *period;
+    const struct orl_annual_rows *rows;
+    double *crossing; /* of each sensor */
+    double *scratch;  /* of each member of the crew: room for the period's columns */
+    atomic_bool unknown, cancelled;
+};
+
+static void find_crossing(void *arg, size_t i, uint32_t member)
+{
+    struct crossings *c = arg;
+    const struct orl_annual_light row = row_of(c->rows, i);
+    if (atomic_load(&c->cancelled))
+        return;
+    if (!orl_annual_errors_known(&c->figure->metric, &row))
+        atomic_store(&c->unknown, true);
+    c->crossing[i] = orl_annual_crossing(&c->figure->metric, c->figure->least, c->period, &row,
+                                         c->scratch + member * c->period->n_columns);
+    if (poll(c->rows) < 0)
+        atomic_store(&c->cancelled, true);
+}
+
 static int share_of(const struct orl_annual_figure *figure, const struct orl_annual_period *period,
                     const struct orl_annual_rows *rows, struct orl_annual_area *ret_area,
                     struct orl_error *err)
 {
-    double *crossing = calloc(rows->n_sensors + period->n_columns + 1, sizeof *crossing);
-    bool known = true;
-    int code = 0;
-    if (!crossing)
+    const size_t n = rows->n_sensors;
+    double *room = calloc(n + orl_crew_size(rows->crew) * period->n_columns + 1, sizeof *room);
+    if (!room)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    for (size_t i = 0; i < rows->n_sensors && code == 0; i++) {
-        const struct orl_annual_light row = row_of(rows, i);
-        known = known && orl_annual_errors_known(&figure->metric, &row);
-        crossing[i] = orl_annual_crossing(&figure->metric, figure->least, period, &row,
-                                          crossing + rows->n_sensors);
-        code = poll(rows);
-    }
-    code = code < 0 ? failed(code, err)
-                    : orl_annual_share(crossing, rows->area, rows->n_sensors, known, rows->cancel,
-                                       ret_area, err);
-    free(crossing);
+    struct crossings c = {figure, period, rows, .crossing = room, .scratch = room + n};
+    orl_crew_for(rows->crew, n, find_crossing, &c);
+    const int code = atomic_load(&c.cancelled)
+                         ? failed(ORL_ERR_CANCELLED, err)
+                         : orl_annual_share(room, rows->area, n, !atomic_load(&c.unknown),
+                                            rows->cancel, ret_area, err);
+    free(room);
     return code;
 }
 
