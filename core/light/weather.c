@@ -18,7 +18,9 @@ struct reader {
     int first_year, last_year; /* of the file's rows; 0: they have none */
     bool has_rows;             /* of any year */
     int first_date;            /* of the EPW's header: days since 1 January */
-    short years[12][31][24];   /* of rows by month, day and hour, where they have any */
+    int an_hour, n_of_hour;    /* an EPW's rows; those of the last one's hour before it */
+    struct orl_weather_row last;
+    short years[12][31][24]; /* of rows by month, day and hour, where they have any */
     struct orl_error *err;
 };
 
@@ -159,12 +161,28 @@ static int read_periods(struct reader *reader, struct orl_slice line)
         orl_slice_take_cell(&line, ',', &date))
         reader->weather.first_weekday = weekday_of_new_year(weekday, date, &reader->first_date);
     code = number(reader, field, "the records an hour", 1, 60, &an_hour);
-    if (code == 0 && an_hour != 1) {
-        fail(reader, ORL_ERR_UNSUPPORTED, "only EPW files of one record an hour are read");
-        orl_error_hint(reader->err, "convert it to WEA, whose rows say their own times");
-        return ORL_ERR_UNSUPPORTED;
-    }
+    if (code == 0 && fmod(60, an_hour) != 0)
+        return fail(reader, ORL_ERR_RANGE, "the records an hour are no whole number of minutes");
+    reader->an_hour = code == 0 ? (int)an_hour : 1;
     return code;
+}
+
+/* Replaces the row's hour by the middle of its interval. Rows of an hour follow each other, and
+ * their minutes are not heeded, as in EnergyPlus: files give the beginning of an interval, its end,
+ * or nothing. */
+static int place_row(struct reader *reader, struct orl_weather_row *row)
+{
+    const struct orl_weather_row *last = &reader->last;
+    const bool same = last->year == row->year && last->month == row->month &&
+                      last->day == row->day && last->hour == row->hour;
+    reader->n_of_hour = same && reader->an_hour > 1 ? reader->n_of_hour + 1 : 0;
+    reader->last = *row;
+    row->hour += (reader->n_of_hour + 0.5) / reader->an_hour - 1;
+    if (reader->n_of_hour < reader->an_hour)
+        return 0;
+    return orl_scanner_fail(&reader->scanner, ORL_ERR_RANGE, reader->err,
+                            "the hour has more than the %d rows that DATA PERIODS give it",
+                            reader->an_hour);
 }
 
 /* Files of no particular year leave the field empty or write 0. */
@@ -230,10 +248,11 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
     code = read_row(reader, five, 1, 24, &row);
     if (code < 0)
         return code;
-    row.hour -= 0.5;
     row.year = year_of(fields[0]);
     reader->has_rows = true;
     code = check_year(reader, &row);
+    if (code == 0)
+        code = place_row(reader, &row);
     if (code < 0 || (reader->year != 0 && row.year != reader->year))
         return code;
     return keep_row(reader, &row);

@@ -4,9 +4,9 @@
  *
  * Conventions: longitude in degrees EAST and time zone in hours EAST of Greenwich, whatever the
  * file has (EPW: both east; WEA: degrees west both). Times are the middle of the interval a row
- * stands for: an EPW row of hour 12 is the mean from 11 to 12 and is at 11.5 here; WEA files
- * say 11.5 themselves, and up to 25 for what follows midnight (DAYSIM), which is of the next day
- * here. A day of 29 February is kept when the file has it.
+ * stands for: an EPW row of hour 12 is the mean from 11 to 12 and is at 11.5 here (of two rows an
+ * hour: at 11.25 and 11.75); WEA files say 11.5 themselves, and up to 25 for what follows midnight
+ * (DAYSIM), which is of the next day here. A day of 29 February is kept when the file has it.
  *
  * Years: no two rows are of the same time, whatever their years. If an EPW has rows of one month,
  * day and hour in several years, the caller chooses a year. A year may go on over 31 December, as
@@ -14,10 +14,9 @@
  *
  * Invariants: every number is finite; months are 1..12, days exist in a leap year, hours lie in
  * [0, 24]. Values that the file marks as missing (9999 and above) are missing here, never numbers.
- * Errors: ORL_ERR_SYNTAX, _RANGE, _INVALID (a year of a WEA file), _UNSUPPORTED (records shorter
- * than an hour in EPW), _LIMIT, with file and line. Threads: none
- * kept; a parsed file is immutable. References: EnergyPlus, "Auxiliary Programs", chapter on
- * weather data; gendaymtx(1) of Radiance.
+ * Errors: ORL_ERR_SYNTAX, _RANGE, _INVALID (a year of a WEA file), _LIMIT, with file and line.
+ * Threads: none kept; a parsed file is immutable. References: EnergyPlus, "Auxiliary Programs",
+ * chapter on weather data; gendaymtx(1) of Radiance.
  */
 #ifndef ORL_LIGHT_WEATHER_H
 #define ORL_LIGHT_WEATHER_H

@@ -161,7 +161,11 @@ static void test_bad_files(void **state)
         {LOCATION "COMMENTS 1,x\n", ORL_ERR_SYNTAX, 3},
         {LOCATION "a\nb\nc\nd\ne\nf\ng\nh\n" PERIODS, ORL_ERR_SYNTAX, 8},
         {LOCATION "DATA PERIODS,1\n", ORL_ERR_SYNTAX, 2},
-        {LOCATION "DATA PERIODS,1,4,Data,Sunday,1/1,12/31\n", ORL_ERR_UNSUPPORTED, 2},
+        {LOCATION "DATA PERIODS,1,7,Data,Sunday,1/1,12/31\n", ORL_ERR_RANGE, 2},
+        {LOCATION
+         "DATA PERIODS,1,2,Data,Sunday,1/1,12/31\n" TO_DIRECT(3, 22, 12) "800,120,0\n" TO_DIRECT(
+             3, 22, 12) "800,120,0\n" TO_DIRECT(3, 22, 12) "8,1,0\n",
+         ORL_ERR_RANGE, 5},
         {EPW, ORL_ERR_SYNTAX, 3},
         {EPW TO_DIRECT(3, 22, 12) "800", ORL_ERR_SYNTAX, 3},
         {EPW TO_DIRECT(3, 22, 12) "800,", ORL_ERR_SYNTAX, 3},
@@ -244,6 +248,27 @@ static void test_weekday_and_year(void **state)
     assert_int_equal(wea.rows[0].year, 0);
     assert_true(fabs(wea.interval_h - 0.25) < 1e-9);
     orl_weather_done(&wea);
+}
+
+/* Of four rows an hour each stands for a quarter, whatever their minutes are called. */
+static void test_quarters(void **state)
+{
+    static const char row[] = "2020,3,22,%d,%d,f,9,7,87,101300,0,0,305,0,%d,120,0,0,0\n";
+    (void)state;
+    for (int first = 0; first <= 15; first += 15) {
+        char text[2048] = LOCATION "DATA PERIODS,1,4,Data,Sunday,1/1,12/31\n";
+        for (int i = 0; i < 8; i++)
+            snprintf(text + strlen(text), sizeof text - strlen(text), row, 12 + i / 4,
+                     first + 15 * (i % 4), i);
+        struct orl_weather weather = parse_good(text);
+        assert_int_equal(weather.n_rows, 8);
+        for (int i = 0; i < 8; i++) {
+            assert_true(weather.rows[i].hour == 11.125 + 0.25 * i);
+            assert_true(weather.rows[i].direct == i);
+        }
+        assert_true(weather.interval_h == 0.25);
+        orl_weather_done(&weather);
+    }
 }
 
 /* A file of two years is refused, with the years and the remedy; typical years, whose months are of
@@ -363,6 +388,7 @@ int main(void)
         cmocka_unit_test(test_every_truncation),   cmocka_unit_test(test_weekday_and_year),
         cmocka_unit_test(test_two_years),          cmocka_unit_test(test_chosen_year),
         cmocka_unit_test(test_july_to_june),       cmocka_unit_test(test_past_midnight),
+        cmocka_unit_test(test_quarters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
