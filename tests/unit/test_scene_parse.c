@@ -310,6 +310,22 @@ static void test_no_extent(void **state)
     orl_description_done(&d);
 }
 
+/* The corners of a square of 4, one of them lifted by 0.8, are 0.4 apart along its mean normal. */
+static void test_bent_polygons(void **state)
+{
+    struct orl_description d = parse(RED "red polygon p 0 0 12 0 0 0 4 0 0 4 4 .8 0 4 0\n"
+                                         "red polygon q 0 0 12 0 0 0 4 0 0 4 4 .1 0 4 0\n"
+                                         "red polygon r 0 0 12 0 0 0 4 0 0 4 4 .001 0 4 0\n");
+    (void)state;
+    assert_int_equal(d.n_surfaces, 3);
+    assert_int_equal(d.n_warnings, 1);
+    assert_non_null(strstr(
+        d.warnings[0], "and 1 others: its corners do not lie in one plane, by up to 0.396: light "
+                       "meets the triangles that it is cut into, and all of these have its mean "
+                       "normal"));
+    orl_description_done(&d);
+}
+
 /* A shell ends a command where a word begins with '#'; within a word it is a sign. */
 static void test_command_comments(void **state)
 {
@@ -516,6 +532,7 @@ int main(void)
         cmocka_unit_test(test_genbox_faces_outwards),
         cmocka_unit_test(test_xform_arrays),
         cmocka_unit_test(test_no_extent),
+        cmocka_unit_test(test_bent_polygons),
         cmocka_unit_test(test_command_comments),
         cmocka_unit_test(test_xform_mirror),
         cmocka_unit_test(test_xform_overrides),

@@ -93,9 +93,15 @@ static void report_unused(struct orl_parser *parser)
 
 void orl_parser_report(struct orl_parser *parser)
 {
+    char bent[192];
     report_unused(parser);
     report(parser, &parser->degenerate, "has no area and was dropped");
-    report(parser, &parser->bent, "its corners do not lie in one plane");
+    snprintf(
+        bent, sizeof bent,
+        "its corners do not lie in one plane, by up to %.3g: light meets the triangles that it "
+        "is cut into, and all of these have its mean normal",
+        parser->largest_bend);
+    report(parser, &parser->bent, bent);
     report(parser, &parser->unmodified,
            "has no material (its modifier is void): light passes as if it were not there");
     report(parser, &parser->white,

@@ -45,6 +45,7 @@ struct orl_parser {
     struct orl_repeats repeats;
     bool cut_short; /* what was refused could not be read past */
     struct orl_warning_tally degenerate, bent, unmodified, white, below;
+    double largest_bend; /* of bent: how far corners are apart along the normal */
 };
 
 /* Where text stands: what is applied to its surfaces, and where file names are looked up. */

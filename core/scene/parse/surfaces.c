@@ -203,8 +203,8 @@ static double extent2(const struct orl_surface *surface)
     return largest;
 }
 
-/* True when a corner lies off the mean plane by more than a thousandth of the polygon's size. */
-static bool is_bent(const struct orl_surface *surface, double size)
+/* How far its corners are apart along the normal. */
+static double bend_of(const struct orl_surface *surface)
 {
     double low = 0, high = 0;
     for (uint32_t i = 1; i < surface->n_vertices; i++) {
@@ -213,7 +213,18 @@ static bool is_bent(const struct orl_surface *surface, double size)
         low = fmin(low, d);
         high = fmax(high, d);
     }
-    return high - low > 1e-3 * size;
+    return high - low;
+}
+
+/* Corners off the mean plane by more than a thousandth of the polygon's size are warned of. */
+static void count_bent(struct orl_parser *parser, const struct orl_scope *scope,
+                       const struct orl_surface *surface, double size)
+{
+    const double bend = surface->n_vertices > 3 ? bend_of(surface) : 0;
+    if (!(bend > 1e-3 * size))
+        return;
+    parser->largest_bend = fmax(parser->largest_bend, bend);
+    orl_parser_count(parser, scope, &parser->bent);
 }
 
 /* Fills the polygon's vertices and normal; ret_keep is false when it has no area. */
@@ -246,8 +257,7 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
         return 0;
     }
     surface->normal = orl_normalize(area);
-    if (surface->n_vertices > 3 && is_bent(surface, sqrt(size2)))
-        orl_parser_count(parser, scope, &parser->bent);
+    count_bent(parser, scope, surface, sqrt(size2));
     return 0;
 }
 
