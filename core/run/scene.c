@@ -145,6 +145,7 @@ static void tell_faults(struct orl_run_state *state)
     orl_run_count_scene(state, state->scene);
     warn_of_proxies(state);
     warn_of_linings(state);
+    orl_run_warn_of_covered_panes(state);
 }
 
 /* ---- Reading it ------------------------------------------------------------------------------ */

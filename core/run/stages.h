@@ -117,6 +117,9 @@ void orl_run_views_done(const struct orl_job *job, struct orl_view_request *view
 /* What the scene's files had wrong, into the result's health. */
 void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *scene);
 
+/* Warns of panes of the scene that lie on an opaque surface. */
+void orl_run_warn_of_covered_panes(struct orl_run_state *state);
+
 /* Whether no light comes to any sensor or view of the job: then photons are not worth tracing. Says
  * so in a warning. */
 bool orl_run_is_dark(struct orl_run_state *state);

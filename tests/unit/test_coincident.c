@@ -352,6 +352,38 @@ static void test_open(void **state)
     }
 }
 
+/* Two panes closer than surfaces are told apart are one to light, which makes a difference. Exact
+ * duplicates, which Radiance takes as one, too, do not. */
+static void test_double_panes(void **state)
+{
+    static const struct {
+        const char *second;
+        int told, alike;
+    } cases[] = {
+        {"12 0 0 1e-4 4 0 1e-4 4 4 1e-4 0 4 1e-4", 1, 0},
+        {"12 0 0 1e-4 0 4 1e-4 4 4 1e-4 4 0 1e-4", 1, 0}, /* looks the other way */
+        {"12 0 0 0 4 0 0 4 4 0 0 4 0", 0, 1},
+        {"12 0 0 .01 4 0 .01 4 4 .01 0 4 .01", 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "%svoid glass clear 0 0 3 .9 .9 .9\nlate ring ground 0 0 8 0 0 -9 0 0 1 0 1000\n"
+                 "clear polygon a 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\nclear polygon b 0 0 %s\n",
+                 MATERIALS, cases[i].second);
+        struct orl_world *world = load(text);
+        if (said(world, "are panes 0.0001 apart, which count as one in a scene of this size: light "
+                        "passes one of them alone; where both are meant, move them at least 0.001 "
+                        "apart") != cases[i].told ||
+            said(world, "makes no difference") != cases[i].alike)
+            fail_msg("case %zu: %zu warnings: %s", i, world->scene->description.n_warnings,
+                     world->scene->description.n_warnings ? world->scene->description.warnings[0]
+                                                          : "none");
+        orl_world_free(world);
+    }
+}
+
 /* Proxies: two that look one way are one too many; a pair, or what they stand for, is not. */
 static void test_proxies(void **state)
 {
@@ -386,6 +418,7 @@ int main(void)
         cmocka_unit_test(test_nothing_to_say), cmocka_unit_test(test_one_paint),
         cmocka_unit_test(test_opposed),        cmocka_unit_test(test_open),
         cmocka_unit_test(test_proxies),        cmocka_unit_test(test_many),
+        cmocka_unit_test(test_double_panes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -52,7 +52,8 @@ static int tell_opposed(struct settling *t, const struct orl_pairs *opposed)
         const struct orl_surface *a = &t->d->surfaces[opposed->items[i].a];
         const struct orl_surface *b = &t->d->surfaces[opposed->items[i].b];
         if (orl_surfaces_alike(t->d, a, b) &&
-            orl_material_is_two_sided(&t->d->materials[a->material]))
+            orl_material_is_two_sided(&t->d->materials[a->material]) &&
+            !orl_coincidence_is_double_pane(t->d, a, b))
             continue;
         if (looked++ == MOST_OPPOSED || looking.overlap.work > most_work_of_words)
             break;
@@ -232,7 +233,7 @@ static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl
     if (code == 0)
         code = orl_concentric_find(t->d, &t->place, &lots[OPEN], looks);
     t->cutting.cut_short = looks->n > looks->most;
-    t->cutting.tolerance = t->place.tolerance;
+    t->cutting.tolerance = t->words.tolerance = t->place.tolerance;
     if (code == 0)
         code = keep_opposed(t->d, &lots[OPPOSED]);
     if (code == 0)

@@ -1,12 +1,17 @@
 #include "scene/geometry/coincident_words.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "scene/geometry/coincidence_rule.h"
+
 /* How many lines name pairs. Every box that stands on something faces it: there a line does for
  * all, and so it does for surfaces of one material. */
-static const uint64_t most_named[ORL_COINCIDENCES] = {3, 0, 3, 0};
+static const uint64_t most_named[ORL_COINCIDENCES] = {3, 0, 3, 0, 3};
+/* Radiance starts a ray so far behind a surface, in the file's unit (FTINY). */
+static const double behind = 1e-6;
 
 static void warn(struct orl_description *d, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -36,11 +41,34 @@ static void name(const struct orl_surface *s, char ret_name[200])
     snprintf(ret_name, 200, "%s %.60s at %.100s:%d", kind_name(s), s->name, s->file, s->line);
 }
 
+static bool is_pane(const struct orl_material *m)
+{
+    return orl_coincidence_class(m) == 1 || (m->kind == ORL_MATERIAL_BSDF && m->thickness == 0);
+}
+
+static double distance_between(const struct orl_surface *a, const struct orl_surface *b)
+{
+    return fabs(orl_dot(orl_sub(a->vertices[0], b->vertices[0]), b->normal));
+}
+
+bool orl_coincidence_is_double_pane(const struct orl_description *description,
+                                    const struct orl_surface *first,
+                                    const struct orl_surface *second)
+{
+    return first->kind == ORL_SURFACE_POLYGON && second->kind == ORL_SURFACE_POLYGON &&
+           first->n_vertices > 0 && second->n_vertices > 0 &&
+           is_pane(&description->materials[first->material]) &&
+           is_pane(&description->materials[second->material]) &&
+           distance_between(first, second) > behind;
+}
+
 void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_description *description,
                           enum orl_coincidence kind, const struct orl_surface *first,
                           const struct orl_surface *second, bool wholly)
 {
     char names[2][200];
+    if (orl_coincidence_is_double_pane(description, first, second))
+        kind = ORL_COINCIDENCE_PANES;
     const uint64_t before = words->told[kind]++;
     if (before >= most_named[kind] && (kind != ORL_COINCIDENCE_OPPOSED || before > 0))
         return;
@@ -50,7 +78,12 @@ void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_descri
         memcpy(words->opposed, names, sizeof names);
     if (before >= most_named[kind])
         return;
-    if (kind == ORL_COINCIDENCE_SETTLED)
+    if (kind == ORL_COINCIDENCE_PANES)
+        warn(description,
+             "%s and %s are panes %.2g apart, which count as one in a scene of this size: light "
+             "passes one of them alone; where both are meant, move them at least %.1g apart",
+             names[0], names[1], distance_between(first, second), 2 * words->tolerance);
+    else if (kind == ORL_COINCIDENCE_SETTLED)
         warn(description, "%s lies %sin one place with %s: there light meets %.60s, as in Radiance",
              names[0], wholly ? "wholly " : "", names[1], second->name);
     else
@@ -83,7 +116,8 @@ void orl_coincidence_end(struct orl_coincidence_words *words, struct orl_descrip
     static const char *const texts[ORL_COINCIDENCES] = {
         "polygons in one place, of which light meets one as in Radiance", NULL,
         "surfaces in one place, of which light may meet either",
-        "surfaces of one material in one place, where it makes no difference which light meets"};
+        "surfaces of one material in one place, where it makes no difference which light meets",
+        "panes that count as one, of which light passes one alone"};
     tell_opposed(words, description);
     for (int kind = 0; kind < ORL_COINCIDENCES; kind++) {
         const uint64_t left =

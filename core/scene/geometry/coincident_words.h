@@ -12,16 +12,24 @@ enum orl_coincidence {
     ORL_COINCIDENCE_OPPOSED, /* each from its front */
     ORL_COINCIDENCE_OPEN,    /* either may be met */
     ORL_COINCIDENCE_ALIKE,   /* either may be met: they are of one material */
+    ORL_COINCIDENCE_PANES,   /* two panes, apart by less than can be told: light passes one alone */
     ORL_COINCIDENCES
 };
 
 /* Zeroed is ready. */
 struct orl_coincidence_words {
+    double tolerance; /* what lies closer is in one place */
     uint64_t told[ORL_COINCIDENCES];
     char opposed[2][200]; /* the first two */
 };
 
-/* wholly: nothing of the first is anywhere else. */
+/* Whether both are panes that Radiance's rays would pass one after the other. */
+bool orl_coincidence_is_double_pane(const struct orl_description *description,
+                                    const struct orl_surface *first,
+                                    const struct orl_surface *second);
+
+/* Of double panes the kind is ORL_COINCIDENCE_PANES. wholly: nothing of the first is anywhere else.
+ */
 void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_description *description,
                           enum orl_coincidence kind, const struct orl_surface *first,
                           const struct orl_surface *second, bool wholly);
