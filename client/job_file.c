@@ -68,16 +68,51 @@ static int check_asks(const char *path, const json_t *doc, struct orl_error *err
     return ORL_ERR_INVALID;
 }
 
+/* Gives names above the document's folder, as "../place.epw", from the root: the project lies in a
+ * folder elsewhere, into which the entries of the document's own folder are linked. */
+static int lead_from_root(json_t *value, const char *folder, json_t **ret_instead,
+                          struct orl_error *err)
+{
+    const char *name = json_string_value(value), *key;
+    char path[4096], whole[PATH_MAX];
+    json_t *item, *instead;
+    size_t i;
+    int rc = 0;
+
+    *ret_instead = NULL;
+    if (name && strncmp(name, "../", 3) == 0 &&
+        orl_join_path(folder, name, path, sizeof path, NULL) == 0 && realpath(path, whole))
+        *ret_instead = json_string(whole);
+    json_object_foreach(value, key, item)
+    {
+        rc = rc ? rc : lead_from_root(item, folder, &instead, err);
+        if (rc == 0 && instead)
+            rc = json_object_set_new(value, key, instead);
+    }
+    json_array_foreach(value, i, item)
+    {
+        rc = rc ? rc : lead_from_root(item, folder, &instead, err);
+        if (rc == 0 && instead)
+            rc = json_array_set_new(value, i, instead);
+    }
+    return rc ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : 0;
+}
+
 /* "scene": {"project": PATH, ...} gives way to what the project has. */
 static int resolve_project(struct orl_job_file *file, const char *beside, struct orl_error *err)
 {
     json_t *scene = json_incref(json_object_get(file->doc, "scene"));
     const char *named = json_string_value(json_object_get(scene, "project"));
     char path[4096];
+    json_t *instead;
     int rc = named ? orl_join_path(file->folder, named, path, sizeof path, err) : 0;
 
     if (rc == 0 && named)
         rc = orl_project_open(scene, path, beside, &file->project, err);
+    if (rc == 0 && named && beside)
+        rc = lead_from_root(file->doc, file->folder, &instead, err);
+    if (named)
+        named = json_string_value(json_object_get(scene, "project"));
     if (rc == 0 && named) {
         orl_project_tell(file->project.project);
         snprintf(file->folder, sizeof file->folder, "%s", file->project.folder);

@@ -371,6 +371,31 @@ static void test_a_year_without_a_document(void **state)
     assert_int_equal(access(path, R_OK), 0);
 }
 
+/* Names in a document are relative to its folder, above it, too. */
+static void test_files_above_the_document(void **state)
+{
+    struct cli_desk *f = *state;
+    char job[600], here[256], path[512];
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(path, sizeof path, "%s/jobs", f->folder);
+    assert_int_equal(mkdir(path, 0700), 0);
+    snprintf(job, sizeof job,
+             "{\"kind\": \"annual\", \"weather\": \"../place.epw\", \"year\": 1999,"
+             " \"scene\": {\"project\": \"%s/%s\"}}",
+             here, model);
+    cli_write_file(f->folder, "jobs/job.json", job);
+    char *weather = cli_read_file("tests/fixtures", "weather.epw");
+    assert_non_null(weather);
+    cli_write_file(f->folder, "place.epw", weather);
+    free(weather);
+    snprintf(path, sizeof path, "%s/jobs/job.json", f->folder);
+    const char *const args[] = {"annual", path, "-o", f->output, NULL};
+    cli_run(args, &f->result);
+    assert_int_equal(f->result.exit_code, 1);
+    if (!strstr(f->result.err, "place.epw: the file has no rows of 1999"))
+        fail_msg("%s", f->result.err);
+}
+
 /* Who has exported the model beside the document, and changed what came of it, keeps that. */
 static void test_own_files_are_not_written_over(void **state)
 {
@@ -444,6 +469,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_models_are_known_by_what_they_say, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_skies_of_the_command_line, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_files_above_the_document, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_let_in_more_or_less, set_up,
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_model_without_grids_asks_for_nothing, set_up,
