@@ -42,36 +42,36 @@ static ORL_FOR_WIDE_VECTORS void multiply_coarse(const struct orl_annual_factors
     }
 }
 
-/* Adds a sun's terms in a range, of all batches. of_batches: [node or beam][batch]. */
-static ORL_FOR_WIDE_VECTORS void add_sun(const struct orl_sun_terms *terms,
-                                         struct orl_sun_range range, const double *of_batches,
-                                         double sums[BATCHES])
+/* Adds a sun's terms in a range, of all batches. of_batches: [node or beam][batch]; means: of them,
+ * 0 where all batches are. Returns how far two ways of interpolation lie apart. */
+static ORL_FOR_WIDE_VECTORS double add_sun(const struct orl_sun_terms *terms,
+                                           struct orl_sun_range range, const double *of_batches,
+                                           const double *means, double sums[BATCHES])
 {
+    double apart = 0;
     for (uint32_t i = range.first; i < range.end; i++) {
+        const double mean = means[terms->which[i]];
         const double weight = (double)terms->weights[i];
         const double *batches = of_batches + (size_t)terms->which[i] * BATCHES;
+        if (mean == 0)
+            continue;
+        apart += (double)terms->apart[i] * mean;
         for (int b = 0; b < BATCHES; b++)
             sums[b] += weight * batches[b];
     }
-}
-
-/* How far two ways of interpolation lie apart. */
-static double distance_apart(const struct orl_sun_terms *terms, struct orl_sun_range range,
-                             const double *means)
-{
-    double sum = 0;
-    for (uint32_t i = range.first; i < range.end; i++)
-        sum += (double)terms->apart[i] * means[terms->which[i]];
-    return sum;
+    return apart;
 }
 
 /* Square of the standard error that the map of the sun has by its photons. */
-static double photon_squares(const struct orl_sun_terms *terms, struct orl_sun_range range,
-                             const double *of_lots)
+static ORL_FOR_WIDE_VECTORS double photon_squares(const struct orl_sun_terms *terms,
+                                                  struct orl_sun_range range, const double *means,
+                                                  const double *of_lots)
 {
     double sums[LOTS] = {0}, mean = 0, squares = 0;
     for (uint32_t i = range.first; i < range.end; i++) {
         const double *lots = of_lots + (size_t)terms->which[i] * LOTS;
+        if (means[terms->which[i]] == 0)
+            continue;
         for (int lot = 0; lot < LOTS; lot++)
             sums[lot] += (double)terms->weights[i] * lots[lot];
     }
@@ -109,7 +109,7 @@ void orl_annual_beams_fill(struct orl_annual_beams *beams,
         for (size_t lot = 0; lot < LOTS; lot++) {
             double sum = 0;
             for (size_t b = 0; b < BATCHES; b++)
-                sum += (double)coefficients->lots[b][lot * n + i];
+                sum += (double)coefficients->lots[b][i * LOTS + lot];
             lots[i * LOTS + lot] = sum * share / BATCHES;
         }
     }
@@ -222,14 +222,15 @@ static void add_indirect_sun(const struct tile *tile, const struct orl_annual_sh
     const struct orl_sun_terms *terms = tile->terms;
     const struct orl_sun_range nodes = orl_sun_terms_nodes(terms, of->sun);
     const struct orl_sun_range beams = orl_sun_terms_beams(terms, of->sun, light->part);
+    const struct orl_annual_beams *of_beams = light->beams;
     double batches[BATCHES] = {0};
-    const double apart = distance_apart(terms, nodes, light->factors->node_means) +
-                         distance_apart(terms, beams, light->beams->means);
+    const double apart =
+        add_sun(terms, nodes, light->factors->nodes, light->factors->node_means, batches) +
+        add_sun(terms, beams, of_beams->sums, of_beams->means, batches);
     const double off = of->normal_lx * share * apart;
-    sums->squares[j] += off * off + of->normal_lx * of->normal_lx *
-                                        photon_squares(terms, beams, light->beams->lots);
-    add_sun(terms, nodes, light->factors->nodes, batches);
-    add_sun(terms, beams, light->beams->sums, batches);
+    sums->squares[j] +=
+        off * off + of->normal_lx * of->normal_lx *
+                        photon_squares(terms, beams, of_beams->means, of_beams->lots);
     for (int b = 0; b < BATCHES; b++)
         sums->sun[j][b] += batches[b] * of->normal_lx;
 }

@@ -21,7 +21,7 @@ struct orl_annual_coefficients {
 struct orl_annual_beam_coefficients {
     uint32_t samples;
     const double *beams[ORL_ANNUAL_BATCHES];
-    const float *lots[ORL_ANNUAL_BATCHES]; /* [ORL_SUN_MAP_LOTS][n_beams]: by each lot alone */
+    const float *lots[ORL_ANNUAL_BATCHES]; /* [n_beams][ORL_SUN_MAP_LOTS]: by each lot alone */
     const uint32_t *which;                 /* those to be made ready */
     size_t n_which, n_beams;
 };

@@ -29,7 +29,7 @@ struct orl_annual_sums {
     double *nodes;      /* [part][n_nodes]: irradiance, of a sun that gives 1 to what faces it */
     size_t n_nodes;
     double *beams; /* by beam of the map: the same, of what comes through its ports alone */
-    float *lots;   /* [ORL_SUN_MAP_LOTS][beam]: the same, as each lot of photons has it */
+    float *lots;   /* [beam][ORL_SUN_MAP_LOTS]: the same, as each lot of photons has it */
     struct orl_annual_exits *exits; /* NULL: windows are gone through */
 };
 

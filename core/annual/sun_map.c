@@ -427,6 +427,6 @@ void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
                                                    : r * (double)light[0] + g * (double)light[1] +
                                                          b * (double)light[2];
             beams[map->which[i]] += here / ORL_SUN_MAP_LOTS;
-            lots[lot * map->beams.count + map->which[i]] += (float)here;
+            lots[(size_t)map->which[i] * ORL_SUN_MAP_LOTS + lot] += (float)here;
         }
 }

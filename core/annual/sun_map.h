@@ -59,7 +59,7 @@ const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map);
 
 /*
  * Adds to the beams what a surface at that hit, on the side that was met, has of them, times the
- * weight: luma, for a sun that gives 1 to what faces it. And to lots the same, [lot][beam], as each
+ * weight: luma, for a sun that gives 1 to what faces it. And to lots the same, [beam][lot], as each
  * lot alone would have it.
  */
 void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
