@@ -341,6 +341,10 @@ void orl_project_tell(const json_t *project)
         }
         fputc('\n', stderr);
     }
+    json_array_foreach(json_object_get(project, "warnings"), i, name)
+    {
+        fprintf(stderr, "warning: %s\n", json_string_value(name));
+    }
     json_array_foreach(json_object_get(project, "left_out"), i, left)
     {
         fprintf(stderr, "left out: %s (%s)\n", json_string_value(json_object_get(left, "file")),

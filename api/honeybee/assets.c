@@ -138,6 +138,11 @@ static int write_grid(struct orl_hb *hb, const json_t *list, const struct grid *
         orl_hb_drop(&file);
         return rc;
     }
+    if (*from - first > 1)
+        orl_hb_warn(hb,
+                    "grid '%.100s': %zu sensor grids of the model have this identifier: their "
+                    "sensors are one grid, in the order of the model",
+                    grids[first].name, *from - first);
     return orl_hb_end(hb, &file, "model/grid/%s.pts", grids[first].name);
 }
 

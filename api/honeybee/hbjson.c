@@ -85,6 +85,9 @@ static int write_files(struct orl_hb *hb)
         rc = orl_hb_grids_write(hb);
     if (rc == 0)
         rc = orl_hb_views_write(hb);
+    if (rc == 0)
+        rc = orl_hb_warnings_end(hb);
+    orl_hb_drop(&hb->warnings);
     orl_hb_groups_done(&groups);
     return rc;
 }

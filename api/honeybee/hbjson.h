@@ -4,7 +4,8 @@
  *     model/scene/{envelope,shades,shade_meshes}.{mat,rad}, model/aperture/aperture.{mat,rad},
  *     model/aperture_group/GROUP..default..STATE.rad and states.json, the same of moving shades in
  *     model/scene_dynamic and model/scene_dynamic/indoor, model/grid/[GROUP/]GRID.pts,
- *     model/view/[GROUP/]VIEW.vf, model/bsdf/MODIFIER.xml
+ *     model/view/[GROUP/]VIEW.vf, model/bsdf/MODIFIER.xml,
+ *     model/warnings.txt: a line for each thing that is not as one may think
  *
  * Rules, those of honeybee-radiance where the schema leaves a choice:
  * - A face is written with its apertures and doors cut out, one outline that runs to each hole and
@@ -16,11 +17,12 @@
  * - Faces of type AirBoundary are not there: light passes.
  * - A modifier is the object's, else its room's set's, else the generic one (modifier_sets.h).
  *   Void is no surface.
- *   Of several modifiers by one identifier the last in the list counts.
+ *   Of several modifiers by one identifier the last in the list counts; where they differ a warning
+ *   tells.
  * - A group (dynamic_group_identifier) is written once for each state: of an object with fewer
  *   states than others the last one stays; one without any stays as it is.
- * - Grids of one identifier are one grid. A grid without sensors has those of its mesh: a face's
- *   middle, along its normal.
+ * - Grids of one identifier are one grid, of which a warning tells. A grid without sensors has
+ * those of its mesh: a face's middle, along its normal.
  * - Lengths stay in the model's units. What is for energy alone, modifier_blk and modifier_direct
  *   are not read. Luminaires are what ies2rad
  *   and xform make of their IES files, in model/ies.

@@ -53,7 +53,7 @@ static int add(struct orl_hb *hb, const char *identifier, const json_t *json, si
 }
 
 /* One of the document's. Of several by one identifier the first counts that stands at an object. */
-static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at *at,
+static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at *at, bool in_list,
                    size_t *ret_place)
 {
     const struct orl_hb_at named = {at, "identifier", 0};
@@ -67,6 +67,11 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
     if (!known)
         return add(hb, identifier, json, ret_place);
     *ret_place = (size_t)json_integer_value(known);
+    if (!json_equal(hb->modifiers[*ret_place].json, json))
+        orl_hb_warn(hb,
+                    "modifier '%.100s': several different ones have this identifier: %s is taken "
+                    "for all",
+                    identifier, in_list ? "the last in the list" : "the first");
     return 0;
 }
 
@@ -81,7 +86,7 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "modifiers", &modifiers);
     for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));) {
-        rc = add_own(hb, modifier, &modifiers.here, &place);
+        rc = add_own(hb, modifier, &modifiers.here, true, &place);
         if (rc == 0)
             hb->modifiers[place].json = modifier; /* of several the last, as in Honeybee */
     }
@@ -104,7 +109,7 @@ int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct or
     const char *identifier = json_string_value(value);
     const json_t *place = json_object_get(hb->modifier_places, identifier ? identifier : "");
     if (json_is_object(value))
-        return add_own(hb, value, at, ret_place);
+        return add_own(hb, value, at, false, ret_place);
     if (!identifier)
         return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "a modifier's identifier is wanted here");
     if (place) {

@@ -243,6 +243,8 @@ static int find_parts(struct orl_project_finding *f)
         rc = orl_project_add_grids(f);
     if (rc == 0)
         rc = orl_project_add_views(f);
+    if (rc == 0)
+        rc = orl_project_add_warnings(f);
     return rc ? rc : tell_rest(f);
 }
 
@@ -257,12 +259,26 @@ static int begin(struct orl_project_finding *f, const char *const *names)
     f->states = json_object();
     f->skies = json_array();
     f->left_out = json_array();
+    f->warnings = json_array();
     if (!f->names || !f->used || !f->is_main || !f->main || !f->grids || !f->views || !f->states ||
-        !f->skies || !f->left_out)
+        !f->skies || !f->left_out || !f->warnings)
         return orl_project_no_memory(f);
     memcpy(f->names, names, f->count * sizeof *names);
     qsort(f->names, f->count, sizeof *f->names, orl_project_compare_names);
     return 0;
+}
+
+static json_t *pack(const struct orl_project_finding *f)
+{
+    json_t *project =
+        json_pack("{s:O, s:O, s:O, s:O, s:O, s:O}", "files", f->main, "grids", f->grids, "views",
+                  f->views, "states", f->states, "skies", f->skies, "left_out", f->left_out);
+    if (json_array_size(f->warnings) == 0 || !project)
+        return project;
+    if (json_object_set(project, "warnings", f->warnings) == 0)
+        return project;
+    json_decref(project);
+    return NULL;
 }
 
 int orl_project_find(const char *const *names, size_t count, const struct orl_files *files,
@@ -275,9 +291,7 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
     if (rc == 0 && find_root(&f) && has_more(&f)) {
         rc = find_parts(&f);
         if (rc == 0) {
-            *ret_project = json_pack("{s:O, s:O, s:O, s:O, s:O, s:O}", "files", f.main, "grids",
-                                     f.grids, "views", f.views, "states", f.states, "skies",
-                                     f.skies, "left_out", f.left_out);
+            *ret_project = pack(&f);
             rc = *ret_project ? 0 : orl_project_no_memory(&f);
         }
     }
@@ -287,6 +301,7 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
     json_decref(f.states);
     json_decref(f.skies);
     json_decref(f.left_out);
+    json_decref(f.warnings);
     free(f.names);
     free(f.used);
     free(f.is_main);

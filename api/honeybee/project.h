@@ -18,7 +18,11 @@
  *      "states": {"south": {"chosen": "0_south", "of": ["0_south", "1_south"],
  *                           "files": ["model/aperture_group/south..default..0.rad", ...]}},
  *      "skies": ["noon"],
- *      "left_out": [{"file": "model/scene/envelope.blk", "why": "..."}]}
+ *      "left_out": [{"file": "model/scene/envelope.blk", "why": "..."}],
+ *      "warnings": ["grid 'room': ..."]}
+ *
+ * Warnings are the lines of the model's warnings.txt, which hbjson.h writes; left out if there are
+ * none.
  */
 #ifndef ORL_API_HONEYBEE_PROJECT_H
 #define ORL_API_HONEYBEE_PROJECT_H

@@ -1,9 +1,11 @@
-/* A project's grids, views and skies. */
+/* A project's grids, views and skies, and what its model's translation warns of. */
 #include "honeybee/project_parts.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
+
+#include <oriel/scanner.h>
 
 #include "decode.h"
 
@@ -138,4 +140,50 @@ int orl_project_add_skies(struct orl_project_finding *f)
         return refuse_sky(f);
     chosen = f->choice->sky ? chosen : only;
     return chosen < f->count ? orl_project_add_main(f, chosen) : 0;
+}
+
+/* ---- Warnings -------------------------------------------------------------------------------- */
+
+static bool is_printable(struct orl_slice line)
+{
+    for (size_t i = 0; i < line.length; i++)
+        if ((unsigned char)line.text[i] < ' ' || line.text[i] == 0x7f)
+            return false;
+    return line.length > 0;
+}
+
+/* Lines that are no plain text are passed over: the file may be anybody's. */
+static int list_lines(const struct orl_project_finding *f, const char *name,
+                      const struct orl_file *file)
+{
+    enum { MOST = 100, LONGEST = 400 };
+    struct orl_scanner scanner;
+    struct orl_slice line;
+    if (orl_scanner_init(&scanner, name, file->data, file->size, 0, NULL) < 0)
+        return 0;
+    while (json_array_size(f->warnings) < MOST && orl_scanner_line(&scanner, &line)) {
+        json_t *text = line.length <= LONGEST && is_printable(line)
+                           ? json_stringn(line.text, line.length)
+                           : NULL;
+        if (text && json_array_append_new(f->warnings, text))
+            return orl_project_no_memory(f);
+    }
+    return 0;
+}
+
+int orl_project_add_warnings(struct orl_project_finding *f)
+{
+    char name[ORL_PROJECT_NAME];
+    struct orl_file file;
+    size_t place;
+    snprintf(name, sizeof name, "%.*swarnings.txt", (int)f->root_length, f->root);
+    if (!orl_project_name(f, name, &place))
+        return 0;
+    f->used[place] = true;
+    int rc = f->files->open(f->files->ctx, name, &file, f->err);
+    if (rc)
+        return rc;
+    rc = list_lines(f, name, &file);
+    f->files->close(f->files->ctx, &file);
+    return rc;
 }

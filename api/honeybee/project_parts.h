@@ -18,9 +18,9 @@ struct orl_project_finding {
     const struct orl_project_choice *choice;
     const char *root; /* of the model, with its slash; borrowed from a name */
     size_t root_length;
-    bool *used;                                               /* told of */
-    bool *is_main;                                            /* of the scene */
-    json_t *main, *grids, *views, *states, *skies, *left_out; /* owned */
+    bool *used;                                                          /* told of */
+    bool *is_main;                                                       /* of the scene */
+    json_t *main, *grids, *views, *states, *skies, *left_out, *warnings; /* owned */
     struct orl_error *err;
 };
 
@@ -42,5 +42,6 @@ int orl_project_add_main(struct orl_project_finding *f, size_t place);
 int orl_project_add_grids(struct orl_project_finding *f);
 int orl_project_add_views(struct orl_project_finding *f);
 int orl_project_add_skies(struct orl_project_finding *f);
+int orl_project_add_warnings(struct orl_project_finding *f);
 
 #endif

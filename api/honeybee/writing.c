@@ -126,6 +126,25 @@ int orl_hb_end(struct orl_hb *hb, struct orl_hb_file *file, const char *name, ..
     return 0;
 }
 
+/* ---- Warnings -------------------------------------------------------------------------------- */
+
+void orl_hb_warn(struct orl_hb *hb, const char *format, ...)
+{
+    enum { MOST = 100 };
+    va_list args;
+    if (hb->n_warnings++ >= MOST || (!hb->warnings.stream && orl_hb_begin(hb, &hb->warnings)))
+        return;
+    va_start(args, format);
+    vfprintf(hb->warnings.stream, format, args);
+    va_end(args);
+    fputc('\n', hb->warnings.stream);
+}
+
+int orl_hb_warnings_end(struct orl_hb *hb)
+{
+    return hb->warnings.stream ? orl_hb_end(hb, &hb->warnings, "model/warnings.txt") : 0;
+}
+
 /* ---- Values ---------------------------------------------------------------------------------- */
 
 const json_t *orl_hb_get(const json_t *object, const char *member)

@@ -41,8 +41,10 @@ struct orl_hb {
     double tolerance;
     struct orl_hb_modifier *modifiers; /* owned */
     size_t n_modifiers, modifier_room;
-    json_t *modifier_places; /* by identifier: where in modifiers */
-    json_t *modifier_sets;   /* by identifier: the set */
+    json_t *modifier_places;     /* by identifier: where in modifiers */
+    json_t *modifier_sets;       /* by identifier: the set */
+    struct orl_hb_file warnings; /* a line each; begun with the first */
+    uint32_t n_warnings;
 };
 
 int orl_hb_begin(struct orl_hb *hb, struct orl_hb_file *file);
@@ -52,6 +54,10 @@ int orl_hb_check(struct orl_hb *hb, const struct orl_hb_file *file);
 int orl_hb_end(struct orl_hb *hb, struct orl_hb_file *file, const char *name, ...)
     __attribute__((format(printf, 3, 4)));
 void orl_hb_drop(struct orl_hb_file *file); /* NULL stream is fine */
+
+/* Adds a line to model/warnings.txt, best effort, unless there are a hundred. */
+void orl_hb_warn(struct orl_hb *hb, const char *format, ...) __attribute__((format(printf, 2, 3)));
+int orl_hb_warnings_end(struct orl_hb *hb);
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 

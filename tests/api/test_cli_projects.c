@@ -149,6 +149,38 @@ static void test_a_model_is_listed_and_written(void **state)
     json_decref(whole);
 }
 
+/* Two grids of one identifier: on standard error, in the list, and in that of the folder written.
+ */
+static void test_a_model_is_warned_of(void **state)
+{
+    static const char wanted[] = "2 sensor grids of the model have this identifier";
+    struct cli_desk *f = *state;
+    char path[128];
+    json_t *doc = load(".", model);
+    json_t *radiance = json_object_get(json_object_get(doc, "properties"), "radiance");
+    json_t *grids = json_object_get(radiance, "sensor_grids");
+    json_array_append(grids, json_array_get(grids, 0));
+    char *text = json_dumps(doc, JSON_COMPACT);
+    cli_write_file(f->folder, "two.hbjson", text);
+    free(text);
+    json_decref(doc);
+    snprintf(path, sizeof path, "%s/two.hbjson", f->folder);
+    const char *const list[] = {"project", path, "-o", f->output, NULL};
+    cli_run(list, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_non_null(strstr(f->result.out, wanted));
+    json_t *folder = list_project(f, f->output, "south_glass=0_south_glass");
+    assert_int_equal(json_array_size(json_object_get(folder, "warnings")), 1);
+    json_decref(folder);
+    const char *const plan[] = {"plan", path, "--sky",
+                                "{\"cie\": {\"type\": \"overcast\","
+                                " \"diffuse_horizontal_lx\": 10000}}",
+                                NULL};
+    cli_run(plan, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    assert_non_null(strstr(f->result.err, wanted));
+}
+
 /* A model is one by what it says, too, and one of Dragonfly's is told from it. */
 static void test_models_are_known_by_what_they_say(void **state)
 {
@@ -468,6 +500,7 @@ int main(void)
                                         cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_models_are_known_by_what_they_say, set_up,
                                         cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_a_model_is_warned_of, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_skies_of_the_command_line, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_files_above_the_document, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_states_let_in_more_or_less, set_up,

@@ -91,6 +91,26 @@ static void test_a_model_becomes_a_scene(void **state)
     free(text);
 }
 
+/* Two grids of one identifier. */
+static void test_a_model_is_warned_of(void **state)
+{
+    char *text = read_model();
+    json_t *model = json_loads(text, 0, NULL);
+    json_t *radiance = json_object_get(json_object_get(model, "properties"), "radiance");
+    json_t *grids = json_object_get(radiance, "sensor_grids");
+    struct reply reply;
+    free(text);
+    json_array_append(grids, json_array_get(grids, 0));
+    text = json_dumps(model, JSON_COMPACT);
+    json_decref(model);
+    post_model(*state, "", text, &reply);
+    expect_model(&reply, "0_south_glass");
+    assert_non_null(strstr(reply_text(&reply, "summary.project.warnings.0"),
+                           "2 sensor grids of the model have this identifier"));
+    reply_done(&reply);
+    free(text);
+}
+
 static void expect_refusal(struct daemon *daemon, const char *query, const char *text,
                            const char *why)
 {
@@ -206,6 +226,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_model_becomes_a_scene),
+        cmocka_unit_test(test_a_model_is_warned_of),
         cmocka_unit_test(test_mistakes_are_told_by_their_place),
         cmocka_unit_test(test_a_model_comes_with_files),
         cmocka_unit_test(test_a_model_comes_in_a_form),

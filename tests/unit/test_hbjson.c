@@ -248,6 +248,42 @@ static void test_the_last_of_two_modifiers_counts(void **state)
                                     "b_reflectance", 0.5));
     struct orl_text_files files = translate(model);
     assert_has(&files, "model/scene/envelope.mat", "void plastic carpet\n0\n0\n5 0.5 0.5 0.5 0 0");
+    assert_string_equal(text_of(&files, "model/warnings.txt"),
+                        "modifier 'carpet': several different ones have this identifier: the last "
+                        "in the list is taken for all\n");
+    orl_text_files_done(&files);
+    json_decref(model);
+}
+
+static bool has_file(const struct orl_text_files *files, const char *name)
+{
+    for (size_t i = 0; i < files->count; i++)
+        if (strcmp(files->items[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+/* Two grids of one name are one grid, and a warning says so; a model without faults has none. */
+static void test_grids_of_one_identifier_are_told(void **state)
+{
+    (void)state;
+    json_t *model = load_model();
+    json_t *radiance = json_object_get(json_object_get(model, "properties"), "radiance");
+    json_t *grids = json_object_get(radiance, "sensor_grids");
+    struct orl_text_files files = translate(model);
+    assert_false(has_file(&files, "model/warnings.txt"));
+    orl_text_files_done(&files);
+    for (size_t i = 0; i < json_array_size(grids); i++)
+        if (strcmp(json_string_value(json_object_get(json_array_get(grids, i), "identifier")),
+                   "desks") == 0) {
+            json_array_append(grids, json_array_get(grids, i));
+            break;
+        }
+    files = translate(model);
+    assert_int_equal(count(text_of(&files, "model/grid/desks.pts"), "\n"), 8);
+    assert_string_equal(text_of(&files, "model/warnings.txt"),
+                        "grid 'desks': 2 sensor grids of the model have this identifier: their "
+                        "sensors are one grid, in the order of the model\n");
     orl_text_files_done(&files);
     json_decref(model);
 }
@@ -542,6 +578,7 @@ int main(void)
         cmocka_unit_test(test_a_plane_says_which_way),
         cmocka_unit_test(test_orphaned_pairs_are_one),
         cmocka_unit_test(test_the_last_of_two_modifiers_counts),
+        cmocka_unit_test(test_grids_of_one_identifier_are_told),
         cmocka_unit_test(test_an_air_boundary_is_not_there),
         cmocka_unit_test(test_groups_have_a_file_for_each_state),
         cmocka_unit_test(test_grids_and_views_have_their_names),
