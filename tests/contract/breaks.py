@@ -30,9 +30,9 @@ def jobs(lit, dark, sheet, measured):
                      "direct_normal_lx": 80000, "ground_reflectance": 0.2}},
             {"cie": {"type": "intermediate", **sun, "turbidity": 3}},
             {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}},
-            {"weather": {"file": "w.epw", **DAY, "hour": 11.5, "ground_reflectance": 0.2}}]
+            {"weather": {"file": "w.epw", "year": 2020, **DAY, "hour": 11.5, "ground_reflectance": 0.2}}]
     several = [[{"name": "one", **sky[8]}, sky[9], {**sky[5], "name": "five"}],
-               {"weather": {"file": "w.epw", "ground_reflectance": 0.2}, "normalise": "flux",
+               {"weather": {"file": "w.epw", "year": 2020, "ground_reflectance": 0.2}, "normalise": "flux",
                 "sun": "radiance", "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}, "step_h": 1},
                {"perez": {**PLACE, "global_horizontal_w_m2": 600},
                 "from": {**DAY, "hour": 11.5}, "to": {**DAY, "hour": 12.5}},
@@ -81,7 +81,7 @@ def jobs(lit, dark, sheet, measured):
              "points": [{"name": "other", "seconds": 1, "rms": 0.1, "rays_per_s": 1e6}]}
     yield {**study, "gather_samples": [8, 16], "sensors": SENSORS}
     yield {**study, "scene": dark, "sky": sky[8], "pixel_samples": [1, 2], "views": [VIEW]}
-    year = {"kind": "annual", "priority": 5, "name": "n", "tags": ["a"], "scene": dark, "weather": "w.epw"}
+    year = {"kind": "annual", "priority": 5, "name": "n", "tags": ["a"], "scene": dark, "weather": "w.epw", "year": 2020}
     yield {**year, "title": "t", "north": 10, "ground_reflectance": 0.3, "sun": "radiance", "samples": 16, "seed": 3,
            "grids": [{"name": "a", "area": 2, "sensors": {"file": "s.txt"}},
                      {"name": "b", "area": 1, "sensors": SENSORS}],
