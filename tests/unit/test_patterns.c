@@ -238,6 +238,36 @@ static void run(const char *scene, enum orl_technique technique, uint32_t thread
  */
 static void test_jobs(void **state)
 {
+    static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
+                                                    ORL_TECHNIQUE_DIRECT,
+                                                    ORL_TECHNIQUE_PRECOMPUTED};
+    static const char patterned[] =
+        ROOM "void colorfunc p 4 r g b f.cal 0 0\np plastic floor 0 0 5 1 1 1 0 0\n"
+             "floor polygon f 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n";
+    (void)state;
+    for (size_t t = 0; t < sizeof techniques / sizeof *techniques; t++) {
+        double split[SENSORS], one[SENSORS], two[SENSORS];
+        run(ROOM SPLIT, techniques[t], 1, split);
+        run(patterned, techniques[t], 1, one);
+        run(patterned, techniques[t], 2, two);
+        assert_memory_equal(one, two, sizeof one);
+        for (int i = 0; i < SENSORS; i++)
+            if (!(fabs(one[i] / split[i] - 1) < .06))
+                fail_msg("technique %zu, sensor %d: %g lx, and %g", t, i, one[i], split[i]);
+    }
+}
+
+/* The sun in a mirror is dimmed by the mirror's pattern, whichever way it is written down. */
+static void test_patterned_mirrors(void **state)
+{
+#define SUN "void light l 0 0 3 1e5 1e5 1e5\nl source s 0 0 4 0 -1 1 .53\n"
+#define SQUARE " polygon p 0 0 12 0 0 0 1 0 0 1 0 1 0 0 1\n"
+    static const char *const scenes[] = {
+        SUN "void mirror m 0 0 3 .9 .9 .9\nm" SQUARE,
+        SUN "void brightfunc dim 2 .5 . 0 0\ndim mirror m 0 0 3 .9 .9 .9\nm" SQUARE,
+        SUN "void mirror m 0 0 3 .9 .9 .9\nm brightfunc dim 2 .5 . 0 0\ndim" SQUARE,
+        SUN "void brightfunc dim 2 if(Px-.4,.5,9) . 0 0\ndim mirror m 0 0 3 .9 .9 .9\nm" SQUARE,
+    };
     static const struct orl_sensor sensor = {{0.5, -0.5, 0.2}, {0, 1, 0}};
     double lx[4];
     (void)state;
