@@ -92,10 +92,11 @@ static void emit(struct orl_sensor_warnings *out, const char *text)
 
 static void describe(const struct check *c, enum misplacement kind)
 {
+    static const char in_solid[] = "in closed spaces without windows, as within a solid or a wall, "
+                                   "and the others do not";
     static const char *const where[MISPLACEMENTS] = {
         [OUTDOORS] = "outdoors, and the others in a closed space",
-        [IN_SOLID] = "in closed spaces without windows, as within a solid or a wall, and the "
-                     "others do not",
+        [IN_SOLID] = in_solid,
         [IN_OTHER_ROOM] = "in another closed space than the others",
         [BELOW_FLOOR] = "closely below the floor of a room"};
     char numbers[160] = "", surface[224], text[800];
@@ -207,12 +208,16 @@ void orl_run_check_sensor_spaces(const struct orl_scene *scene, const struct orl
                                  const struct orl_sensor_range *range, const struct orl_crew *crew,
                                  struct orl_sensor_warnings *warnings)
 {
-    struct check c = {
-        .scene = scene, .range = range, .sensors = sensors + range->first, .out = warnings};
     const size_t n = range->count;
-    c.places = malloc((n + 1) * sizeof *c.places);
-    c.kinds = calloc(n + 1, sizeof *c.kinds);
-    if (c.places && c.kinds && n > 0) {
+    struct orl_outlook *const places = malloc((n + 1) * sizeof *places);
+    uint8_t *const kinds = calloc(n + 1, sizeof *kinds);
+    struct check c = {.scene = scene,
+                      .range = range,
+                      .sensors = sensors + range->first,
+                      .places = places,
+                      .kinds = kinds,
+                      .out = warnings};
+    if (places && kinds && n > 0) {
         list_places(&c);
         if (orl_enclosures_new(scene, c.places, n, crew, &c.enclosures) == 0) {
             sort_apart(&c);
@@ -222,6 +227,6 @@ void orl_run_check_sensor_spaces(const struct orl_scene *scene, const struct orl
         }
     }
     orl_enclosures_free(c.enclosures);
-    free(c.places);
-    free(c.kinds);
+    free(places);
+    free(kinds);
 }
