@@ -97,6 +97,9 @@ static void test_beyond_the_angles(void **state)
          180, NULL},
         {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n90 135 180\n0\n9 9 9\n", 100,
          0, NULL},
+        {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 3 2 2 0 0 0\n1 1 40\n-45 0 45\n-45 0 45\n"
+         "9 9 9\n9 9 9\n9 9 9\n",
+         44, 46, "its vertical angles are from -45 to 45 degrees: beyond these it gives no light"},
     };
     const double d = 60;
     (void)state;
@@ -123,6 +126,50 @@ static void test_beyond_the_angles(void **state)
         if (!(fabs(lit * d * d / 9 - 1) < .01) || dark != 0 || told != (cases[i].warning != NULL))
             fail_msg("case %zu: %g and %g cd, %s", i, lit * d * d, dark * d * d,
                      told ? "with the warning" : "without a warning");
+        orl_result_done(&result);
+    }
+}
+
+/* Planes that are missing at the end: the last one counts, or the first where it is all round; of
+ * type B it is dark there. */
+static void test_missing_planes(void **state)
+{
+#define HEAD(TYPE, PLANES)                                                                         \
+    "IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 " PLANES " " TYPE " 2 0 0 0\n1 1 40\n"
+    static const struct {
+        const char *text;
+        double horizontal, candela; /* 30 degrees from straight down */
+        const char *warning;
+    } cases[] = {
+        {HEAD("1", "3") "0 30 90\n0 20 45\n9 9 9\n8 8 8\n4 4 4\n", 90, 4,
+         "its horizontal angles are from 0 to 45 degrees: beyond these it gives what it gives at "
+         "the last of them"},
+        {HEAD("1", "4") "0 30 90\n0 90 180 270\n9 9 9\n8 8 8\n7 7 7\n3 3 3\n", 315, 6,
+         "its horizontal angles are from 0 to 270 degrees: beyond these it is interpolated to the "
+         "first of them"},
+        {HEAD("1", "3") "0 30 90\n0 45 90\n9 9 9\n8 8 8\n4 4 4\n", 90, 4, NULL},
+    };
+    const double d = 60, down = 30 * ORL_DEG_TO_RAD;
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double around = cases[i].horizontal * ORL_DEG_TO_RAD;
+        const struct orl_vec3 way = {sin(down) * cos(around), sin(down) * sin(around), -cos(down)};
+        const struct orl_sensor sensor = {orl_scale(way, d), orl_neg(way)};
+        struct orl_result result =
+            scene_run(&(struct scene_run){.scene = "!ies2rad lamp.ies\n",
+                                          .resource_name = "lamp.ies",
+                                          .resource_text = cases[i].text,
+                                          .sensors = &sensor,
+                                          .n_sensors = 1,
+                                          .technique = ORL_TECHNIQUE_BACKWARD,
+                                          .samples = 1024});
+        const double candela = result.illuminance_lx[0] * d * d;
+        bool told = false;
+        for (size_t k = 0; k < result.n_warnings; k++)
+            told |= strstr(result.warnings[k],
+                           cases[i].warning ? cases[i].warning : "horizontal angles") != NULL;
+        if (!(fabs(candela / cases[i].candela - 1) < .01) || told != (cases[i].warning != NULL))
+            fail_msg("case %zu: %g cd, %s", i, candela, told ? "warned of" : "no warning");
         orl_result_done(&result);
     }
 }
@@ -270,13 +317,10 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_far_away),
-        cmocka_unit_test(test_beyond_the_angles),
-        cmocka_unit_test(test_units_and_colors),
-        cmocka_unit_test(test_geometry),
-        cmocka_unit_test(test_geometry_is_missing),
-        cmocka_unit_test(test_radius),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_far_away),       cmocka_unit_test(test_beyond_the_angles),
+        cmocka_unit_test(test_missing_planes), cmocka_unit_test(test_units_and_colors),
+        cmocka_unit_test(test_geometry),       cmocka_unit_test(test_geometry_is_missing),
+        cmocka_unit_test(test_radius),         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -342,14 +342,14 @@ void orl_ies_done(struct orl_ies *ies)
 
 /* ---- As a grid ------------------------------------------------------------------------------- */
 
-/* The vertical angles that a luminaire may have: from straight down, or from the horizon, up. */
+/* The ends of the angles that a luminaire may have: from straight down, or from the horizon, up; of
+ * type B to either side, too. */
 struct reach {
     double low, high;
 };
-static struct reach reach_of(const struct orl_ies *ies)
+static struct reach reach_of(const struct orl_ies *ies, const double *angles)
 {
-    return ies->type_b ? (struct reach){ies->vertical[0] < 0 ? -90 : 0, 90}
-                       : (struct reach){0, 180};
+    return ies->type_b ? (struct reach){angles[0] < 0 ? -90 : 0, 90} : (struct reach){0, 180};
 }
 
 bool orl_ies_is_whole(const struct orl_ies *ies)
@@ -364,39 +364,104 @@ bool orl_ies_is_whole(const struct orl_ies *ies)
     return known[0] && known[1];
 }
 
-/* Rows of zeros before and behind what was measured: grids go on beyond their ends, but beyond the
- * angles of a file there is no light. */
+/* Where the horizontal angles end: a quarter, a half or all of the way round; of type B at 90. */
+static double end_of_planes(const struct orl_ies *ies)
+{
+    const double width = ies->horizontal[ies->n_horizontal - 1] - ies->horizontal[0];
+    if (ies->type_b)
+        return 90;
+    return ies->horizontal[0] + (width <= 90 + least_step_deg    ? 90
+                                 : width <= 180 + least_step_deg ? 180
+                                                                 : 360);
+}
+
+bool orl_ies_has_all_planes(const struct orl_ies *ies)
+{
+    return ies->n_horizontal < 2 ||
+           ies->horizontal[ies->n_horizontal - 1] > end_of_planes(ies) - least_step_deg;
+}
+
+/* How many zeros stand before and behind what was measured. */
+struct margins {
+    uint32_t before, behind;
+};
+static struct margins margins_of(const double *angles, uint32_t n, struct reach reach)
+{
+    return (struct margins){angles[0] - reach.low > 2 * least_step_deg ? 2 : 0,
+                            reach.high - angles[n - 1] > 2 * least_step_deg ? 2 : 0};
+}
+
+static double *widen(const double *angles, uint32_t n, struct reach reach, struct margins m)
+{
+    const uint32_t all = m.before + n + m.behind;
+    double *const wide = malloc(all * sizeof *wide);
+    if (!wide)
+        return NULL;
+    memcpy(wide + m.before, angles, n * sizeof *angles);
+    if (m.before > 0) {
+        wide[0] = reach.low;
+        wide[1] = angles[0] - least_step_deg;
+    }
+    if (m.behind > 0) {
+        wide[all - 2] = angles[n - 1] + least_step_deg;
+        wide[all - 1] = reach.high;
+    }
+    return wide;
+}
+
+/* Zeros beyond what was measured: grids go on beyond their ends, but beyond the angles of a file
+ * there is no light. */
 static int add_zeros(struct orl_ies *ies)
 {
-    const uint32_t n = ies->n_vertical;
-    const struct reach reach = reach_of(ies);
-    const double first = ies->vertical[0], last = ies->vertical[n - 1];
-    const uint32_t before = first - reach.low > 2 * least_step_deg ? 2 : 0;
-    const uint32_t behind = reach.high - last > 2 * least_step_deg ? 2 : 0;
-    const uint32_t all = before + n + behind;
-    double *const angles = malloc(all * sizeof *angles);
-    float *const candela = calloc((size_t)all * ies->n_horizontal, sizeof *candela);
-    if (!angles || !candela) {
-        free(angles);
+    const uint32_t n = ies->n_vertical, planes = ies->n_horizontal;
+    const struct reach up = reach_of(ies, ies->vertical), side = reach_of(ies, ies->horizontal);
+    const struct margins v = margins_of(ies->vertical, n, up);
+    const struct margins h = ies->type_b && planes > 1 ? margins_of(ies->horizontal, planes, side)
+                                                       : (struct margins){0, 0};
+    const uint32_t rows = h.before + planes + h.behind, all = v.before + n + v.behind;
+    double *const vertical = widen(ies->vertical, n, up, v);
+    double *const horizontal = widen(ies->horizontal, planes, side, h);
+    float *const candela = calloc((size_t)rows * all, sizeof *candela);
+    if (!vertical || !horizontal || !candela) {
+        free(vertical);
+        free(horizontal);
         free(candela);
         return ORL_ERR_NOMEM;
     }
-    memcpy(angles + before, ies->vertical, n * sizeof *angles);
-    for (size_t i = 0; i < ies->n_horizontal; i++)
-        memcpy(candela + i * all + before, ies->candela + i * n, n * sizeof *candela);
-    if (before > 0) {
-        angles[0] = reach.low;
-        angles[1] = first - least_step_deg;
-    }
-    if (behind > 0) {
-        angles[all - 2] = last + least_step_deg;
-        angles[all - 1] = reach.high;
-    }
+    for (size_t i = 0; i < planes; i++)
+        memcpy(candela + (h.before + i) * all + v.before, ies->candela + i * n,
+               n * sizeof *candela);
     free(ies->vertical);
+    free(ies->horizontal);
     free(ies->candela);
-    ies->vertical = angles;
+    ies->vertical = vertical;
+    ies->horizontal = horizontal;
     ies->candela = candela;
     ies->n_vertical = all;
+    ies->n_horizontal = rows;
+    return 0;
+}
+
+/* Of type C, where the last planes are missing, one more: all of the way round it is the first,
+ * else the last one once more. */
+static int add_plane(struct orl_ies *ies)
+{
+    const size_t n = ies->n_horizontal, angles = ies->n_vertical;
+    if (ies->type_b || orl_ies_has_all_planes(ies))
+        return 0;
+    const double end = end_of_planes(ies);
+    const size_t from = end - ies->horizontal[0] > 180 + least_step_deg ? 0 : n - 1;
+    double *const horizontal = realloc(ies->horizontal, (n + 1) * sizeof *horizontal);
+    if (horizontal)
+        ies->horizontal = horizontal;
+    float *const candela = realloc(ies->candela, (n + 1) * angles * sizeof *candela);
+    if (candela)
+        ies->candela = candela;
+    if (!horizontal || !candela)
+        return ORL_ERR_NOMEM;
+    horizontal[n] = end;
+    memcpy(candela + n * angles, candela + from * angles, angles * sizeof *candela);
+    ies->n_horizontal++;
     return 0;
 }
 
@@ -410,7 +475,7 @@ static void take_axis(struct orl_grid *grid, double **places, uint32_t n)
 int orl_ies_grid(struct orl_ies *ies, struct orl_grid **ret_grid, struct orl_error *err)
 {
     struct orl_grid *const grid = calloc(1, sizeof *grid);
-    if (!grid || add_zeros(ies) < 0) {
+    if (!grid || add_plane(ies) < 0 || add_zeros(ies) < 0) {
         free(grid);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a luminaire");
     }

@@ -56,9 +56,14 @@ bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const cha
  * the horizon, straight up. */
 bool orl_ies_is_whole(const struct orl_ies *ies);
 
+/* Whether its horizontal angles go to the end of a quarter, a half or all of the way round; of type
+ * B, to 90 degrees. */
+bool orl_ies_has_all_planes(const struct orl_ies *ies);
+
 /* Its intensities as a data file has them, W/sr without the factor: by horizontal angle, if there
- * are several, then by vertical one. Beyond the file's vertical angles they are 0. Takes its
- * arrays. */
+ * are several, then by vertical one. Beyond the vertical angles of the file, and of type B beyond
+ * its horizontal ones, they are 0. Of type C the last plane counts for those that are missing, and
+ * all of the way round the first one at 360 degrees. Takes its arrays. */
 int orl_ies_grid(struct orl_ies *ies, struct orl_grid **ret_grid, struct orl_error *err);
 
 #endif

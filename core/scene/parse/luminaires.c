@@ -133,6 +133,23 @@ static void add_distribution(const struct luminaire *lamp, const struct orl_ies 
         orl_text_add(text, "4 %g %g %g %g\n", factor, s->length, s->width, s->height);
 }
 
+/* LM-63 has whole quarters of a sphere alone. */
+static void warn_of_angles(const struct orl_ies *ies, struct orl_text *text)
+{
+    const double first = ies->horizontal[0], last = ies->horizontal[ies->n_horizontal - 1];
+    if (!orl_ies_is_whole(ies))
+        orl_text_warn(text,
+                      "its vertical angles are from %g to %g degrees: beyond these it gives no "
+                      "light",
+                      ies->vertical[0], ies->vertical[ies->n_vertical - 1]);
+    if (!orl_ies_has_all_planes(ies))
+        orl_text_warn(text, "its horizontal angles are from %g to %g degrees: beyond these %s",
+                      first, last,
+                      ies->type_b          ? "it gives no light"
+                      : last - first > 180 ? "it is interpolated to the first of them"
+                                           : "it gives what it gives at the last of them");
+}
+
 /* All of a file that was read, but its geometry: about that it is an illum. */
 static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies, bool geometry,
                          struct orl_text *text, struct orl_luminaire_shape *ret_shape,
@@ -148,11 +165,7 @@ static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies
         .lower =
             ies->vertical[0]<90 - tiny, .upper = ies->vertical[ies->n_vertical - 1]> 90 + tiny};
     faces.sides = faces.lower && faces.upper && shape.height > ORL_LUMINAIRE_LEAST_M;
-    if (!orl_ies_is_whole(ies))
-        orl_text_warn(text,
-                      "its vertical angles are from %g to %g degrees: beyond these it gives no "
-                      "light",
-                      ies->vertical[0], ies->vertical[ies->n_vertical - 1]);
+    warn_of_angles(ies, text);
     if (ies->tilt.n > 0)
         add_tilt(lamp, &ies->tilt, text);
     add_distribution(lamp, ies, &shape, faces.sides, text);
