@@ -329,13 +329,13 @@ oracles: deps-check
 SECONDS ?= 60
 fuzz: deps-fuzz
 	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/fuzz MODE=fuzz CC=clang WERROR= \
-		CFLAGS='-include tests/fuzz/limits.h' fuzzers
+		CFLAGS='-include tests/fuzz/limits.h -iquote server' fuzzers
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
 # What of the daemon reads hostile bytes by itself.
 FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,uploads/unzip uploads/incoming \
 	uploads/multipart http/hold http/framing http/range http/router http/query http/guard http/tokens \
 	process/origin process/times process/carried store/bundle store/folders store/mapped_file store/db store/migrate \
-	store/tokens)
+	store/schema_check store/tokens)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
 		tests/fuzz/driver.c $(BUILD)/flags

@@ -51,6 +51,22 @@ static void check_year(const char *text, size_t size, const struct orl_weather *
     FUZZ_PROMISE(orl_occupancy_check("use.csv", "", 0, &steps, NULL) == ORL_ERR_RANGE);
 }
 
+/* Of the year of its first row: rows of that year alone, each at its own time. */
+static void check_chosen_year(const char *text, size_t size, const struct orl_weather *all)
+{
+    struct orl_weather weather = {0};
+    struct orl_error err = {0};
+    const int year = all->rows[0].year;
+    const int code = orl_weather_parse("weather.epw", text, size, year, &weather, &err);
+    FUZZ_PROMISE(code == 0 && weather.n_rows > 0 && weather.n_rows <= all->n_rows);
+    FUZZ_PROMISE(weather.n_moved < weather.n_rows && weather.first_weekday < 7);
+    for (size_t i = 0; i < weather.n_rows; i++) {
+        check_row(&weather.rows[i]);
+        FUZZ_PROMISE(year == 0 || weather.rows[i].year == year);
+    }
+    orl_weather_done(&weather);
+}
+
 bool fuzz_weather(const uint8_t *data, size_t size)
 {
     enum { SKIES = 4 };
@@ -70,6 +86,7 @@ bool fuzz_weather(const uint8_t *data, size_t size)
     for (size_t i = 0; i < weather.n_rows && i < SKIES; i++)
         check_sky(&weather, &weather.rows[i], i % 2 ? ORL_SKY_FLUX : ORL_SKY_GENDAYLIT);
     check_year((const char *)data, size, &weather);
+    check_chosen_year((const char *)data, size, &weather);
     orl_weather_done(&weather);
     return true;
 }
