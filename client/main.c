@@ -33,7 +33,7 @@ static const struct orl_subcommand commands[] = {
      "Radiance files go to DIR, with job.json that names them.",
      orl_cmd_project},
     {"annual",
-     "JOB.json|PROJECT -o DIR [--weather FILE] [--rules NAME,...] [--cache DIR]\n"
+     "JOB.json|PROJECT -o DIR [--weather FILE [--year YEAR]] [--rules NAME,...] [--cache DIR]\n"
      "  [--honeybee] [--ill] [--phases] [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Daylight over a year: metrics and verdicts with their intervals",
      "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
