@@ -215,27 +215,56 @@ static int put_view(struct orl_hb *hb, const json_t *view, const struct orl_hb_a
     return rc;
 }
 
+/* Of each name the last view's place in the list. */
+static int list_names(struct orl_hb *hb, const json_t *views, const struct orl_hb_at *list,
+                      json_t *ret_last)
+{
+    int rc = ret_last ? 0 : orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < json_array_size(views) && rc == 0; i++) {
+        const struct orl_hb_at here = {list, NULL, i};
+        char name[NAME_SIZE];
+        rc = read_name(hb, json_array_get(views, i), &here, name);
+        if (rc == 0 && json_object_set_new(ret_last, name, json_integer((json_int_t)i)))
+            rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    }
+    return rc;
+}
+
+static int write_view(struct orl_hb *hb, const json_t *view, const struct orl_hb_at *at,
+                      const char *name)
+{
+    struct orl_hb_file file;
+    int rc = orl_hb_begin(hb, &file);
+    if (rc)
+        return rc;
+    rc = put_view(hb, view, at, file.stream);
+    if (rc == 0)
+        return orl_hb_end(hb, &file, "model/view/%s.vf", name);
+    orl_hb_drop(&file);
+    return rc;
+}
+
 int orl_hb_views_write(struct orl_hb *hb)
 {
     const struct orl_hb_at properties = {NULL, "properties", 0},
                            radiance = {&properties, "radiance", 0}, list = {&radiance, "views", 0};
     const json_t *views = NULL;
+    json_t *last = json_object();
     int rc = orl_hb_array(hb, orl_hb_radiance(hb->model), &radiance, "views", &views);
+    if (rc == 0)
+        rc = list_names(hb, views, &list, last);
     for (size_t i = 0; i < json_array_size(views) && rc == 0; i++) {
         const struct orl_hb_at here = {&list, NULL, i};
-        const json_t *view = json_array_get(views, i);
-        struct orl_hb_file file;
         char name[NAME_SIZE];
-        rc = read_name(hb, view, &here, name);
-        if (rc == 0)
-            rc = orl_hb_begin(hb, &file);
-        if (rc)
-            break;
-        rc = put_view(hb, view, &here, file.stream);
-        if (rc)
-            orl_hb_drop(&file);
-        else
-            rc = orl_hb_end(hb, &file, "model/view/%s.vf", name);
+        rc = read_name(hb, json_array_get(views, i), &here, name);
+        if (rc == 0 && (size_t)json_integer_value(json_object_get(last, name)) != i)
+            orl_hb_warn(hb,
+                        "view '%.100s': several views of the model have this identifier: the last "
+                        "one is taken",
+                        name);
+        else if (rc == 0)
+            rc = write_view(hb, json_array_get(views, i), &here, name);
     }
+    json_decref(last);
     return rc;
 }

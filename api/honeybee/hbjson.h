@@ -21,7 +21,8 @@
  *   tells.
  * - A group (dynamic_group_identifier) is written once for each state: of an object with fewer
  *   states than others the last one stays; one without any stays as it is.
- * - Grids of one identifier are one grid, of which a warning tells. A grid without sensors has
+ * - Grids of one identifier are one grid, and of views of one identifier the last counts: of both
+ *   a warning tells. A grid without sensors has
  * those of its mesh: a face's middle, along its normal.
  * - Lengths stay in the model's units. What is for energy alone, modifier_blk and modifier_direct
  *   are not read. Luminaires are what ies2rad

@@ -263,6 +263,29 @@ static bool has_file(const struct orl_text_files *files, const char *name)
     return false;
 }
 
+/* Of two views of one name the last counts. */
+static void test_views_of_one_identifier_are_told(void **state)
+{
+    (void)state;
+    json_t *model = load_model();
+    json_t *radiance = json_object_get(json_object_get(model, "properties"), "radiance");
+    json_t *views = json_object_get(radiance, "views");
+    json_t *other = json_deep_copy(json_array_get(views, 0));
+    json_object_set_new(other, "h_size", json_real(33));
+    json_array_append_new(views, other);
+    struct orl_text_files files = translate(model);
+    size_t n = 0;
+    for (size_t i = 0; i < files.count; i++)
+        n += strcmp(files.items[i].name, "model/view/from_door.vf") == 0;
+    assert_int_equal(n, 1);
+    assert_has(&files, "model/view/from_door.vf", "-vh 33");
+    assert_string_equal(text_of(&files, "model/warnings.txt"),
+                        "view 'from_door': several views of the model have this identifier: the "
+                        "last one is taken\n");
+    orl_text_files_done(&files);
+    json_decref(model);
+}
+
 /* Two grids of one name are one grid, and a warning says so; a model without faults has none. */
 static void test_grids_of_one_identifier_are_told(void **state)
 {
@@ -579,6 +602,7 @@ int main(void)
         cmocka_unit_test(test_orphaned_pairs_are_one),
         cmocka_unit_test(test_the_last_of_two_modifiers_counts),
         cmocka_unit_test(test_grids_of_one_identifier_are_told),
+        cmocka_unit_test(test_views_of_one_identifier_are_told),
         cmocka_unit_test(test_an_air_boundary_is_not_there),
         cmocka_unit_test(test_groups_have_a_file_for_each_state),
         cmocka_unit_test(test_grids_and_views_have_their_names),
