@@ -133,12 +133,35 @@ static bool may_be_beyond(const struct orl_mirrors *mirrors, const struct orl_mi
     return false;
 }
 
-/* Mirrors beyond a port weigh less, as the port hides most of them. */
-static double strength_of(const struct orl_world *world, const struct orl_window *pane, bool beyond)
+/* Returns true if a ray that leaves the building by some port may reach the pane from outdoors, with
+ * no other port in between. */
+static bool may_be_faced(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
+                         const struct orl_window *pane)
 {
+    const struct orl_world *world = mirrors->world;
+    if (plane->port == ORL_NO_PORT || mirrors->ports->all)
+        return true;
+    const struct orl_vec3 outward = world->ports[plane->port].outward;
+    for (size_t i = 0; i < world->n_ports; i++) {
+        const struct orl_window *port = &mirrors->ports->at[i];
+        if (is_before(pane, port, world->ports[i].outward) && is_before(port, pane, outward))
+            return true;
+    }
+    return false;
+}
+
+/* Mirrors beyond a port weigh less, as the port hides most of them, and least of all those that
+ * light reaches by a third window only. */
+static double strength_of(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
+                          const struct orl_window *pane, bool beyond)
+{
+    static const double of_third = 0.1;
+    const struct orl_world *world = mirrors->world;
     const struct orl_material *m =
         &world->materials[orl_facet_material(world->geometry, pane->facet)];
-    return fmin(fmax((beyond ? 1 : 3) * orl_material_mirrored_most(m, true, 0.5), 0.05), 1);
+    const double strength =
+        fmin(fmax((beyond ? 1 : 3) * orl_material_mirrored_most(m, true, 0.5), 0.05), 1);
+    return beyond && !may_be_faced(mirrors, plane, pane) ? of_third * strength : strength;
 }
 
 static void fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirrors, bool beyond,
@@ -150,7 +173,7 @@ static void fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirro
             const struct orl_window *pane = &mirrors->panes[plane->first + i];
             if (beyond && !may_be_beyond(mirrors, plane, pane))
                 continue;
-            strengths[set->count] = strength_of(mirrors->world, pane, beyond);
+            strengths[set->count] = strength_of(mirrors, plane, pane, beyond);
             set->panes[set->count] = *pane;
             set->planes[set->count++] = (uint32_t)p;
         }
