@@ -348,12 +348,14 @@ struct before {
 
 static void look_at_points(struct before *b, uint64_t name)
 {
+    enum { LEAST_AHEAD = PARTS / 2 };
     const struct orl_world *world = b->panels->world;
     const struct orl_panel *panel = b->panel;
     const struct orl_panel_kind *k = &b->panels->kinds[panel->kind];
     const double offset = orl_facet_offset(world->geometry, panel->window.facet);
     struct orl_random random = orl_random_stream(name, ORL_PURPOSE_ANNUAL, ~b->pane);
     double least = INFINITY, most = 0;
+    uint32_t ahead = 0;
     for (uint32_t i = 0; i < PARTS; i++) {
         const struct orl_vec3 point = point_of_part(world, panel, i, &random);
         const struct orl_vec3 way = orl_sub(point, b->place->point);
@@ -362,7 +364,10 @@ static void look_at_points(struct before *b, uint64_t name)
         const double here = orl_dot(there, b->place->normal);
         const double leaving = -orl_dot(there, panel->inward);
         b->seen[i] = (struct seen){.point = point};
-        if (!(here > 0) || !(leaving > 1e-6) || !(distance > 4 * offset)) {
+        if (!(here > 0)) /* no draw comes from there */
+            continue;
+        ahead++;
+        if (!(leaving > 1e-6) || !(distance > 4 * offset)) {
             least = 0;
             continue;
         }
@@ -379,7 +384,7 @@ static void look_at_points(struct before *b, uint64_t name)
         least = fmin(least, share);
         most = fmax(most, share);
     }
-    b->sight = most - least <= alike_share ? most : -1;
+    b->sight = ahead >= LEAST_AHEAD && most - least <= alike_share ? most : -1;
 }
 
 /* The sun's light at a point of the pane. */
