@@ -90,29 +90,37 @@ static int write_tables(struct writing *w)
     return rc;
 }
 
-static int write_matrices(struct writing *w)
+/* GRID.ill, GRID.direct.ill, and GRID.se.ill where errors are known. */
+static int write_grid_matrices(struct writing *w, const struct orl_annual_grid *grid)
 {
     const struct orl_annual_result *result = w->told->result;
-    char list[PATH_SIZE];
-    int rc = name_file(w, list, "columns.csv");
-    if (rc == 0)
-        rc = orl_annual_columns_csv(list, w->told->report, result, w->err);
-    for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++) {
-        const struct orl_annual_grid *grid = &w->told->report->grids[g];
-        char path[PATH_SIZE], name[GRID_SIZE];
-        orl_annual_file_name(grid->name, name, sizeof name);
-        rc = name_file(w, path, "%s.ill", name);
+    const struct {
+        const char *ending;
+        const float *values;
+    } series[] = {{"ill", result->total}, {"direct.ill", result->direct}, {"se.ill", result->se}};
+    char path[PATH_SIZE], name[GRID_SIZE];
+    int rc = 0;
+    orl_annual_file_name(grid->name, name, sizeof name);
+    for (size_t i = 0; i < sizeof series / sizeof *series && rc == 0; i++) {
+        if (!series[i].values)
+            continue;
+        rc = name_file(w, path, "%s.%s", name, series[i].ending);
         if (rc == 0)
-            rc = orl_matrix_write(path, orl_annual_row(result, result->total, grid->first),
-                                  grid->count, result->n_columns, false, w->told->run->cancel,
-                                  w->err);
-        if (rc == 0)
-            rc = name_file(w, path, "%s.direct.ill", name);
-        if (rc == 0)
-            rc = orl_matrix_write(path, orl_annual_row(result, result->direct, grid->first),
+            rc = orl_matrix_write(path, orl_annual_row(result, series[i].values, grid->first),
                                   grid->count, result->n_columns, false, w->told->run->cancel,
                                   w->err);
     }
+    return rc;
+}
+
+static int write_matrices(struct writing *w)
+{
+    char list[PATH_SIZE];
+    int rc = name_file(w, list, "columns.csv");
+    if (rc == 0)
+        rc = orl_annual_columns_csv(list, w->told->report, w->told->result, w->err);
+    for (size_t g = 0; g < w->told->report->n_grids && rc == 0; g++)
+        rc = write_grid_matrices(w, &w->told->report->grids[g]);
     return rc;
 }
 
@@ -336,8 +344,8 @@ static int write_honeybee(struct writing *w)
 static size_t count_files(const struct orl_annual_told *told)
 {
     const struct orl_annual_formats *formats = &told->job->formats;
-    const size_t of_grid = 2 * told->report->n_metrics + 7 + (formats->matrices ? 2 : 0) +
-                           formats->coefficients + (formats->honeybee ? 9 : 0) +
+    const size_t of_grid = 2 * told->report->n_metrics + 7 + (formats->matrices ? 3 : 0) +
+                           formats->coefficients + (formats->honeybee ? 10 : 0) +
                            (told->phases ? 1 + 2 * told->phases->n_windows : 0);
     return 2 + formats->matrices + (told->report->views ? 1U : 0U) +
            (told->report->n_seats > 0 ? 1U : 0U) + told->report->n_grids * of_grid +

@@ -115,13 +115,13 @@ static int compare_files(const void *a, const void *b)
     return strcmp(((const struct file_name *)a)->text, ((const struct file_name *)b)->text);
 }
 
-/* NAME.direct.ill is a file of NAME. */
-static int check_direct(const struct file_name *names, size_t n, struct orl_error *err)
+/* NAME.direct.ill and NAME.se.ill are files of NAME. */
+static int check_ending(const struct file_name *names, size_t n, const char *ending,
+                        struct orl_error *err)
 {
-    static const char ending[] = ".direct";
     for (size_t i = 0; i < n; i++) {
         struct file_name bare = names[i];
-        const size_t length = strlen(bare.text), cut = sizeof ending - 1;
+        const size_t length = strlen(bare.text), cut = strlen(ending);
         if (length <= cut || strcmp(bare.text + length - cut, ending) != 0)
             continue;
         bare.text[length - cut] = '\0';
@@ -161,7 +161,9 @@ static int check_names(const struct orl_annual_request *request, struct orl_erro
     qsort(names, n, sizeof *names, compare_names);
     int rc = compare_neighbours(names, n, err);
     if (rc == 0)
-        rc = check_direct(names, n, err);
+        rc = check_ending(names, n, ".direct", err);
+    if (rc == 0)
+        rc = check_ending(names, n, ".se", err);
     free(names);
     return rc;
 }

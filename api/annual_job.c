@@ -112,7 +112,9 @@ static int make_report(struct running *r, struct orl_error *err)
         rc = orl_annual_report_view(&r->job->wishes, r->views, r->n_views, &r->report, err);
         r->views = NULL;
     }
-    return rc ? rc : orl_annual_report_warn(&r->report, &r->result, run->warned, run->ctx, err);
+    return rc ? rc
+              : orl_annual_report_warn(&r->job->request, &r->report, &r->result, run->warned,
+                                       run->ctx, err);
 }
 
 static int tell(struct running *r, struct orl_error *err)

@@ -256,6 +256,8 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"targets", .list = &targets},
         {"rules", .decode = decode_rules, .into = wishes},
         {"samples", .whole_32 = &request->samples, .from = 1, .to = ORL_ANNUAL_MOST_SAMPLES},
+        {"sun_halvings", .whole_32 = &request->sun_halvings, .from = 0,
+         .to = ORL_ANNUAL_MOST_HALVINGS},
         {"technique", .word = &technique, .words = techniques},
         {"photons", .whole_32 = &request->photons, .from = 1, .to = ORL_ANNUAL_MOST_PHOTONS},
         {"seed", .whole = &request->seed, .from = 0, .to = INT64_MAX},

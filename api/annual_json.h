@@ -13,6 +13,7 @@
  *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
  *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
+ *      "sun_halvings": 0 (to 2: how often the distance between the sun's nodes is halved),
  *      "technique": "paths" or "precomputed", "photons": 300000 (by default as the scene has it),
  *      "median_diffuse": 14200 (lx outside, for daylight factors; by default of the weather),
  *      "exposure": {...} (annual_exposure.h), "view_out": {...} (annual_view_out.h),

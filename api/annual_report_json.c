@@ -192,14 +192,15 @@ static json_t *provenance_to_json(const struct orl_annual_job *job,
 {
     const struct orl_annual_request *request = &job->request;
     return json_pack(
-        "{s:s, s:I, s:I, s:o, s:{s:o, s:o, s:o, s:f, s:f, s:s, s:o, s:o, s:s, s:I}, s:o}",
+        "{s:s, s:I, s:I, s:o, s:{s:o, s:o, s:o, s:f, s:f, s:s, s:o, s:o, s:I, s:s, s:I}, s:o}",
         "version", ORL_VERSION, "seed", (json_int_t)result->seed, "samples",
         (json_int_t)result->samples, "inputs", inputs_to_json(inputs), "settings", "scene",
         scene_to_json(request), "weather", orl_json_from_text(request->weather_file), "year",
         request->weather_year ? json_integer(request->weather_year) : json_null(), "north",
         request->north_deg, "ground_reflectance", request->ground_reflectance, "sun",
         orl_sun_method_name(request->sun_method), "occupancy", occupancy_to_json(&job->wishes),
-        "shades", orl_annual_shades_settings(request), "technique",
+        "shades", orl_annual_shades_settings(request), "sun_halvings",
+        (json_int_t)request->sun_halvings, "technique",
         orl_annual_technique_name(request->technique), "photons", (json_int_t)request->photons,
         "document", document_to_json(job));
 }

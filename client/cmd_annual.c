@@ -247,12 +247,13 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
                  "the same place, and for more samples",
          .value = &output.cache},
         {.name = "honeybee",
-         .help = "all hours as Honeybee's results folder, in DIR/results",
+         .help = "all hours as Honeybee's results folder, in DIR/results, with standard errors in "
+                 "the folder se beside total and direct",
          .flag = &output.formats.honeybee},
         {.name = "ill",
-         .help = "all lit hours as Radiance matrices, DIR/GRID.ill, and DIR/columns.csv, which "
-                 "lists these "
-                 "hours",
+         .help = "all lit hours as Radiance matrices, DIR/GRID.ill, their direct sunlight, "
+                 "DIR/GRID.direct.ill, and standard errors, DIR/GRID.se.ill, and DIR/columns.csv, "
+                 "which lists these hours",
          .flag = &output.formats.matrices},
         {.name = "phases",
          .help =

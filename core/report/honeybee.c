@@ -143,26 +143,32 @@ static int write_with(const struct writing *w, const char *name,
 
 /* ---- Series ---------------------------------------------------------------------------------- */
 
+/* Standard errors lie beside the values. Honeybee-radiance-postprocess reads a folder of series by
+ * its name alone, and asks for "total" and "direct". */
 static int write_series(const struct writing *w)
 {
-    static const char *const names[2] = {"total", "direct"};
     const struct orl_annual_result *result = w->result;
+    const struct {
+        const char *name;
+        const float *values; /* NULL: not known */
+    } series[] = {{"total", result->total}, {"direct", result->direct}, {"se", result->se}};
     int code = make_folder(w, LIGHT_PATH);
     if (code == 0)
         code = make_folder(w, LIGHT_PATH "/default");
-    for (int i = 0; i < 2 && code == 0; i++) {
+    for (size_t i = 0; i < sizeof series / sizeof *series && code == 0; i++) {
         char folder[64];
-        snprintf(folder, sizeof folder, LIGHT_PATH "/default/%s", names[i]);
+        if (!series[i].values)
+            continue;
+        snprintf(folder, sizeof folder, LIGHT_PATH "/default/%s", series[i].name);
         code = make_folder(w, folder);
         for (size_t g = 0; g < w->report->n_grids && code == 0; g++) {
             const struct orl_annual_grid *grid = &w->report->grids[g];
-            const float *array = i == 0 ? result->total : result->direct;
             char path[PATH_SIZE], file[NAME_SIZE];
             orl_annual_file_name(grid->name, file, sizeof file);
             code = name_file(w, path, "%s/%s.npy", folder, file);
             if (code == 0)
-                code = orl_npy_write(path, orl_annual_row(result, array, grid->first), grid->count,
-                                     result->n_columns, w->cancel, w->err);
+                code = orl_npy_write(path, orl_annual_row(result, series[i].values, grid->first),
+                                     grid->count, result->n_columns, w->cancel, w->err);
         }
     }
     return code;

@@ -99,6 +99,31 @@ static double mean_of(const struct orl_annual_report *report,
     return orl_sum_value(&sum) / (double)grid->count;
 }
 
+/* The standard error of the mean over a grid: errors of sensors are independent. */
+static double error_of(const struct orl_annual_report *report,
+                       const struct orl_annual_result *result, size_t g, uint32_t column)
+{
+    const struct orl_annual_grid *grid = &report->grids[g];
+    struct orl_sum squares = {0};
+    if (column == ORL_ANNUAL_DARK || grid->count == 0)
+        return 0;
+    for (size_t i = grid->first; i < grid->first + grid->count; i++) {
+        const double se = (double)orl_annual_row(result, result->se, i)[column];
+        orl_sum_add(&squares, se * se);
+    }
+    return sqrt(orl_sum_value(&squares)) / (double)grid->count;
+}
+
+static void put_error_heads(FILE *stream, const struct orl_annual_report *report)
+{
+    char text[128];
+    for (size_t g = 0; g < report->n_grids; g++) {
+        snprintf(text, sizeof text, "standard error of %.100s", report->grids[g].name);
+        fputc(',', stream);
+        put_field(stream, text);
+    }
+}
+
 static void put_groups(FILE *stream, const struct orl_annual_request *request)
 {
     char text[128];
@@ -136,6 +161,8 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
         fputc(',', file.stream);
         put_field(file.stream, report->grids[g].name);
     }
+    if (result->se)
+        put_error_heads(file.stream, report);
     put_groups(file.stream, request);
     fputc('\n', file.stream);
     for (size_t row = 0; row < result->n_steps && orl_out_goes_on(&file); row++) {
@@ -149,6 +176,8 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
         put_number(file.stream, s->missing ? NAN : s->global_lx);
         for (size_t g = 0; g < report->n_grids; g++)
             put_number(file.stream, s->missing ? NAN : mean_of(report, result, g, s->column));
+        for (size_t g = 0; result->se && g < report->n_grids; g++)
+            put_number(file.stream, s->missing ? NAN : error_of(report, result, g, s->column));
         put_states(file.stream, request, result, i);
         fputc('\n', file.stream);
     }

@@ -1,6 +1,7 @@
 /* What a report shows that whoever asked for it ought to know. */
 #include <oriel/annual_report.h>
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,7 +42,129 @@ static bool sees_out(const struct orl_annual_report *report)
     return i < report->n_views;
 }
 
-int orl_annual_report_warn(const struct orl_annual_report *report, struct orl_annual_result *result,
+/* ---- Errors of hours ------------------------------------------------------------------------- */
+
+/*
+ * An hour of a sensor counts if its standard error is above this share of the illuminance, and the
+ * illuminance may be least_lx or more. That is the lower bound of useful daylight: less light
+ * hardly matters to any metric, and hours at dusk would hide the others.
+ */
+static const double most_share = 0.25, least_lx = 100;
+
+struct uncertain_hours {
+    unsigned char *columns; /* 1: some sensor's hour counts */
+    size_t n_columns, n_sunlit, n_sensors;
+    size_t sensor, column; /* of the largest error relative to its illuminance */
+    double worst;          /* that error */
+};
+
+static void find_of_sensor(const struct orl_annual_result *result, size_t sensor,
+                           struct uncertain_hours *hours)
+{
+    const float *total = orl_annual_row(result, result->total, sensor);
+    const float *se = orl_annual_row(result, result->se, sensor);
+    bool any = false;
+    for (size_t c = 0; c < result->n_columns; c++) {
+        const double lx = (double)total[c], error = (double)se[c];
+        if (!(error > most_share * lx && lx + 2 * error >= least_lx))
+            continue;
+        any = true;
+        hours->columns[c] = 1;
+        if (!(error / lx > hours->worst))
+            continue;
+        hours->worst = error / lx;
+        hours->sensor = sensor;
+        hours->column = c;
+    }
+    hours->n_sensors += any;
+}
+
+static void find_uncertain_hours(const struct orl_annual_result *result,
+                                 struct uncertain_hours *hours)
+{
+    for (size_t i = 0; i < result->n_sensors; i++)
+        find_of_sensor(result, i, hours);
+    for (size_t c = 0; c < result->n_columns; c++) {
+        const struct orl_annual_step *step = &result->steps[result->step_of_column[c]];
+        hours->n_columns += hours->columns[c];
+        hours->n_sunlit += hours->columns[c] && step->direct_normal_lx > 0;
+    }
+}
+
+/* The sky has no nodes: the errors of hours without sun are all of paths. */
+static void name_remedy(const struct orl_annual_request *request,
+                        const struct uncertain_hours *hours, char *ret_text, size_t size)
+{
+    char nodes[64] = ", with \"sun_halvings\" at its most";
+    if (request->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
+        snprintf(nodes, sizeof nodes, " that \"sun_halvings\": %u reduces",
+                 request->sun_halvings + 1);
+    if (hours->n_sunlit == 0)
+        snprintf(ret_text, size, "more \"samples\" reduce it");
+    else
+        snprintf(ret_text, size,
+                 "more \"samples\" reduce the error of paths; in those with sun (%zu) "
+                 "interpolation between positions of the sun adds an error%s",
+                 hours->n_sunlit, nodes);
+}
+
+static const struct orl_annual_grid *grid_of(const struct orl_annual_report *report, size_t sensor)
+{
+    size_t g = 0;
+    while (g + 1 < report->n_grids && sensor >= report->grids[g].first + report->grids[g].count)
+        g++;
+    return &report->grids[g];
+}
+
+static void name_worst(const struct orl_annual_report *report,
+                       const struct orl_annual_result *result, const struct uncertain_hours *hours,
+                       char *ret_text, size_t size)
+{
+    static const char *const months[12] = {"January",   "February", "March",    "April",
+                                           "May",       "June",     "July",     "August",
+                                           "September", "October",  "November", "December"};
+    const struct orl_annual_grid *grid = grid_of(report, hours->sensor);
+    const struct orl_annual_step *step = &result->steps[result->step_of_column[hours->column]];
+    const int minutes = (int)lround(60 * step->hour);
+    snprintf(ret_text, size,
+             "sensor %zu (from 1) of '%.100s' on %d %s at %02d:%02d, %.3g lx with an error of "
+             "%.3g lx",
+             hours->sensor - grid->first + 1, grid->name, step->day, months[step->month - 1],
+             minutes / 60, minutes % 60,
+             (double)orl_annual_row(result, result->total, hours->sensor)[hours->column],
+             (double)orl_annual_row(result, result->se, hours->sensor)[hours->column]);
+}
+
+static int warn_of_uncertain_hours(const struct warning *w,
+                                   const struct orl_annual_request *request,
+                                   const struct orl_annual_report *report)
+{
+    const struct orl_annual_result *result = w->result;
+    struct uncertain_hours hours = {.columns = calloc(result->n_columns + 1, 1)};
+    char worst[256], remedy[256];
+    int code = 0;
+    if (!hours.columns)
+        return orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+    find_uncertain_hours(result, &hours);
+    if (hours.n_columns > 0) {
+        name_worst(report, result, &hours, worst, sizeof worst);
+        name_remedy(request, &hours, remedy, sizeof remedy);
+        code = warn(w,
+                    "the standard error is above %g %% of the illuminance in %zu of %zu lit %s, at "
+                    "%zu of %zu sensors (counted where illuminance and twice the error are %g lx "
+                    "or more; the worst is %s): %s",
+                    100 * most_share, hours.n_columns, result->n_columns,
+                    report->year.steps.per_hour > 1 ? "steps" : "hours", hours.n_sensors,
+                    result->n_sensors, least_lx, worst, remedy);
+    }
+    free(hours.columns);
+    return code;
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+int orl_annual_report_warn(const struct orl_annual_request *request,
+                           const struct orl_annual_report *report, struct orl_annual_result *result,
                            void (*warned)(void *ctx, const char *warning), void *ctx,
                            struct orl_error *err)
 {
@@ -62,5 +185,7 @@ int orl_annual_report_warn(const struct orl_annual_report *report, struct orl_an
         code =
             warn(&w, "no place sees out: openings are panes of glass, or those that the view out "
                      "names, of a building that is closed");
+    if (code == 0 && result->se)
+        code = warn_of_uncertain_hours(&w, request, report);
     return code;
 }

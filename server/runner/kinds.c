@@ -154,8 +154,10 @@ static int annual_suits(const struct orl_contents *contents, struct orl_error *e
 
 /* Of a map's or carpet's outlines and pixels, a page; of a sensor in a map, and in a table. */
 enum { MAP = 100 << 10, PAGE = 1 << 20, MAP_SENSOR = 300, FIGURE = 40, HOURS_ROW = 64 };
+/* Of a grid in a row of hours.csv: its mean and the standard error. */
+enum { HOURS_GRID = 26 };
 /* Of a sensor and hour with light: what is kept until the job ends, and each series of results. */
-enum { KEPT_HOUR = 12, SERIES_HOUR = 8 };
+enum { KEPT_HOUR = 12, SERIES_HOUR = 12 };
 
 /* That leave rows: all open; of shades combinations of states, which are no more than each group's
  * states, and windows in no group. */
@@ -198,7 +200,8 @@ static uint64_t annual_result_bytes(const struct orl_task *task)
     const struct orl_annual_wishes *wishes = &job->wishes;
     const uint64_t maps = wishes->n_metrics + 2;
     const uint64_t points = wishes->exposure.n_points + wishes->view_out.n_points;
-    return DOCUMENT + 8784 * HOURS_ROW + job->request.n_grids * (PAGE + MAP * maps) +
+    return DOCUMENT + 8784 * HOURS_ROW +
+           job->request.n_grids * (PAGE + MAP * maps + 8784 * HOURS_GRID) +
            job->request.n_sensors * annual_sensor_bytes(task) +
            wishes->glare.n_seats * (SEAT_HEADINGS + 8784 * SEAT_HOUR) + points * POINT_ROW;
 }

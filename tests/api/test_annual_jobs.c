@@ -158,7 +158,7 @@ static void test_shades_travel(void **state)
     assert_same_files(here, there, 5);
     snprintf(path, sizeof path, "%s/hours.csv", here);
     char *hours = year_room_read(path, &size);
-    assert_non_null(strstr(hours, ",\"shades of south\"\n"));
+    assert_non_null(strstr(hours, ",\"standard error of grid1\",\"shades of south\"\n"));
     assert_non_null(strstr(hours, ",\"open\"\n"));
     assert_non_null(strstr(hours, ",\"down\"\n"));
     free(hours);
@@ -182,6 +182,7 @@ static void test_files_in_folders(void **state)
                      path);
     year_room_expect(f, path, "succeeded", 1, &job);
     assert_non_null(strstr(reply_text(&job, "links.files.3"), "/files/results%2Fgrids_info.json"));
+    assert_non_null(strstr(reply_text(&job, "warnings.3"), "the standard error is above 25 % of "));
     daemon_get(&f->daemon, reply_text(&job, "links.files.3"), &reply);
     assert_int_equal(reply.status, 200);
     assert_string_equal(reply_header(&reply, "Content-Type"), "application/json");

@@ -110,6 +110,21 @@ static json_t *run(struct cli_desk *f, const char *threads)
     return result;
 }
 
+/* Of the 64 paths a sensor: large errors are told by the command and in the result, with files of
+ * hours and without. */
+static void assert_warns_of_errors(const struct cli_desk *f, const json_t *result)
+{
+    static const char wanted[] = "the standard error is above 25 % of the illuminance in ";
+    const json_t *warnings = json_object_get(result, "warnings"), *warning;
+    size_t i, found = 0;
+    assert_says(f->result.err, wanted);
+    json_array_foreach(warnings, i, warning)
+    {
+        found += strncmp(json_string_value(warning), wanted, sizeof wanted - 1) == 0;
+    }
+    assert_int_equal(found, 1);
+}
+
 static const char *text_at(const json_t *list, size_t i, const char *member)
 {
     const char *text = json_string_value(json_object_get(json_array_get(list, i), member));
@@ -133,6 +148,19 @@ static void assert_files_are_there(const struct cli_desk *f, const json_t *resul
         carpet = carpet || strcmp(json_string_value(name), "grid2.year300.png") == 0;
     }
     assert_true(page && carpet && pdf);
+}
+
+/* Of both grids, as matrices and in Honeybee's folder. */
+static void assert_errors_are_listed(const json_t *result)
+{
+    const json_t *files = json_object_get(result, "files"), *name;
+    size_t i, found = 0;
+    json_array_foreach(files, i, name)
+    {
+        found += strstr(json_string_value(name), ".se.ill") != NULL;
+        found += strstr(json_string_value(name), "__static_apertures__/default/se/") != NULL;
+    }
+    assert_int_equal(found, 4);
 }
 
 /* ---- Years of the weather file --------------------------------------------------------------- */
@@ -205,6 +233,7 @@ static void test_years_of_the_weather_file(void **state)
     struct cli_desk *f = *state;
     write_weather(f, false, false);
     char *const plain = hours_of_year(f, "");
+    assert_says(f->result.err, "the standard error is above 25 % of the illuminance in ");
     write_weather(f, true, false);
     char *const moved = hours_of_year(f, "");
     if (!plain || !moved)
@@ -230,13 +259,16 @@ static void assert_columns_are_listed(const struct cli_desk *f, double hours)
 {
     char *const list = cli_read_file(f->output, "columns.csv"), wanted[64];
     char *const ill = cli_read_file(f->output, "the_desks.ill");
+    char *const errors = cli_read_file(f->output, "the_desks.se.ill");
     int lines = 0;
-    assert_true(list && ill);
+    assert_true(list && ill && errors);
     for (const char *at = list; *at; at++)
         lines += *at == '\n';
     assert_true(lines > 10 && lines == 1 + (int)hours);
     snprintf(wanted, sizeof wanted, "NCOLS=%d\n", lines - 1);
     assert_says(ill, wanted);
+    assert_says(errors, wanted);
+    free(errors);
     assert_int_equal(strncmp(list, "column,month,day,hour,hour_of_year\n0,3,22,", 42), 0);
     assert_says(list, ",3,22,11.5,1931.5\n");
     free(list);
@@ -273,6 +305,8 @@ static void test_a_year_to_its_end(void **state)
     assert_says(f->result.err, " at (4, 2, 0.8), ");
     assert_says(f->result.out, "result.json");
     assert_files_are_there(f, result);
+    assert_warns_of_errors(f, result);
+    assert_errors_are_listed(result);
     char *page = cli_read_file(f->output, "the_desks.page.svg");
     assert_non_null(page);
     assert_says(page, ">A room</text>");

@@ -59,6 +59,8 @@ static void test_rounds(void **state)
 static void test_a_year(void **state)
 {
     parted_compare(*state, parted_annual, in_parts);
+    assert_non_null(strstr(((struct cli_desk *)*state)->result.err,
+                           "the standard error is above 25 % of the illuminance in "));
     parted_compare(*state, parted_annual, in_one);
 }
 

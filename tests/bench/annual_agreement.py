@@ -61,7 +61,7 @@ def read_matrix(path):
 def read_year(folder):
     rows = []
     for name in sorted(os.listdir(folder)):
-        if name.endswith(".ill") and not name.endswith(".direct.ill"):
+        if name.endswith(".ill") and not name.endswith((".direct.ill", ".se.ill")):
             rows += [(name[:-4], i, row) for i, row in enumerate(read_matrix(os.path.join(folder, name)))]
     return rows
 

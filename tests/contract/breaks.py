@@ -82,7 +82,7 @@ def jobs(lit, dark, sheet, measured):
     yield {**study, "gather_samples": [8, 16], "sensors": SENSORS}
     yield {**study, "scene": dark, "sky": sky[8], "pixel_samples": [1, 2], "views": [VIEW]}
     year = {"kind": "annual", "priority": 5, "name": "n", "tags": ["a"], "scene": dark, "weather": "w.epw", "year": 2020}
-    yield {**year, "title": "t", "north": 10, "ground_reflectance": 0.3, "sun": "radiance", "samples": 16, "seed": 3,
+    yield {**year, "title": "t", "north": 10, "ground_reflectance": 0.3, "sun": "radiance", "samples": 16, "sun_halvings": 1, "seed": 3,
            "grids": [{"name": "a", "area": 2, "sensors": {"file": "s.txt"}},
                      {"name": "b", "area": 1, "sensors": SENSORS}],
            "occupancy": {"from": 9, "to": 17, "days": ["mon", "tue"], "first_day": "sun"},

@@ -37,8 +37,8 @@ static const char good[] =
     " \"openings\": [\"clear\"], \"ground\": [\"lawn\", \"path\"]},"
     " \"glare\": {\"seats\": [{\"name\": \"desk\", \"at\": [1, 2, 1.2], \"towards\": [0, -1, 0]},"
     " {\"at\": [3, 2, 1.2], \"towards\": [1, 0, 0]}]},"
-    " \"median_diffuse\": 14200, \"samples\": 64, \"seed\": 7, \"accuracy\": {\"verdict\": \"DA500 "
-    "of desks >= 70 %\"}}";
+    " \"median_diffuse\": 14200, \"samples\": 64, \"sun_halvings\": 1, \"seed\": 7, \"accuracy\": "
+    "{\"verdict\": \"DA500 of desks >= 70 %\"}}";
 
 static int read_year(const char *text, struct orl_annual_job *ret_job, struct orl_error *err)
 {
@@ -62,6 +62,7 @@ static void test_a_whole_document(void **state)
     assert_true(job.request.north_deg == 30 && job.request.ground_reflectance == 0.1);
     assert_int_equal(job.request.sun_method, ORL_SUN_RADIANCE);
     assert_int_equal(job.request.samples, 64);
+    assert_int_equal(job.request.sun_halvings, 1);
     assert_true(job.wishes.median_diffuse_lx == 14200);
     assert_int_equal(job.wishes.exposure.n_points, 2);
     assert_string_equal(job.wishes.exposure.points[0].name, "w");
@@ -237,6 +238,7 @@ static void test_mistakes_are_named(void **state)
         {"\"samples\": 64", "\"samples\": 0", "samples"},
         {"\"samples\": 64", "\"technique\": \"photons\"", "technique"},
         {"\"samples\": 64", "\"photons\": 0", "photons"},
+        {"\"sun_halvings\": 1", "\"sun_halvings\": 3", "sun_halvings"},
         {"\"samples\": 64", "\"technique\": \"precomputed\"", "glare"},
         {"14200", "0", "median_diffuse"},
         {"[4, 5, 6]", "[4, 5]", "exposure.points[1].at"},
@@ -250,6 +252,7 @@ static void test_mistakes_are_named(void **state)
         {">= 70 %", "about 70 %", "accuracy.verdict"},
         {"\"wall\", \"sensors\"", "\"desks\", \"sensors\"", "grids"},
         {"\"wall\", \"sensors\"", "\"desks.direct\", \"sensors\"", "grids"},
+        {"\"wall\", \"sensors\"", "\"desks.se\", \"sensors\"", "grids"},
         {"UDI100-2000 over the year", "DA500", "metrics"},
         {"\"seed\": 7", "\"formats\": [\"hdr\"]", "formats[0]"},
         {"\"seed\": 7", "\"formats\": [\"coefficients\"]", "formats"},

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -421,6 +422,23 @@ static void ask_numpy(void)
     assert_int_equal(system(command), 0);
 }
 
+/* The array of errors has the header and the size of that of values. */
+static void assert_errors_lie_beside(const struct orl_annual_result *result)
+{
+    static const char *const names[] = {"hb/__static_apertures__/default/total/south.npy",
+                                        "hb/__static_apertures__/default/se/south.npy"};
+    const size_t values = 4 * result->n_columns;
+    const float *const wanted[] = {orl_annual_row(result, result->total, 2),
+                                   orl_annual_row(result, result->se, 2)};
+    for (int i = 0; i < 2; i++) {
+        size_t size;
+        char *const bytes = read_file(names[i], &size);
+        assert_int_equal(size, 128 + values * sizeof(float));
+        assert_memory_equal(bytes + 128, wanted[i], values * sizeof(float));
+        free(bytes);
+    }
+}
+
 static void test_honeybees_folder(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -450,7 +468,15 @@ static void test_honeybees_folder(void **state)
     char *hours = read_file("hb/sun-up-hours.txt", &size);
     assert_int_equal(count_lines(hours), 4380);
     free(hours);
+    assert_errors_lie_beside(&result);
     ask_numpy();
+    float *const se = result.se;
+    result.se = NULL; /* as of matrices */
+    assert_int_equal(
+        orl_honeybee_write(scratch_path("bare"), &report, &result, NULL, NULL, NULL, NULL), 0);
+    assert_int_equal(access(scratch_path("bare/__static_apertures__/default/total"), F_OK), 0);
+    assert_int_equal(access(scratch_path("bare/__static_apertures__/default/se"), F_OK), -1);
+    result.se = se;
     orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
     hand_year_free(&result);
@@ -480,14 +506,131 @@ static void test_tables(void **state)
     char *text = read_file("s.csv", &size);
     assert_int_equal(count_lines(text), 1 + HAND_YEAR_SENSORS);
     free(text);
-    assert_holds("h.csv", ",\"North / \"\"old\"\"\",\"south\"\n1,1,0.5,0,");
-    assert_holds("h.csv", "\n1,1,8.5,1,0.0000,0,0,10008,150,450\n");
-    assert_holds("h.csv", "\n1,1,12.5,0,0.0000,,,,,\n"); /* not measured: nobody's */
+    assert_holds("h.csv", ",\"North / \"\"old\"\"\",\"south\",\"standard error of North / "
+                          "\"\"old\"\"\",\"standard error of south\"\n1,1,0.5,0,");
+    /* hypot(2, 4) / 2, and the root of 6^2 + 8^2 + 10^2 + 12^2, by 4. */
+    assert_holds("h.csv", "\n1,1,8.5,1,0.0000,0,0,10008,150,450,2.23607,4.63681\n");
+    assert_holds("h.csv", "\n1,1,12.5,0,0.0000,,,,,,,\n"); /* not measured: nobody's */
     text = read_file("h.csv", &size);
     assert_int_equal(count_lines(text), 8761);
     free(text);
+    float *const se = result.se;
+    result.se = NULL; /* as of matrices */
+    assert_int_equal(
+        orl_annual_hours_csv(scratch_path("h.csv"), &request, &report, &result, NULL, NULL), 0);
+    assert_holds("h.csv", ",\"south\"\n1,1,0.5,0,");
+    assert_holds("h.csv", "\n1,1,8.5,1,0.0000,0,0,10008,150,450\n");
+    result.se = se;
     orl_annual_report_done(&report);
     orl_annual_wishes_done(&wishes);
+    hand_year_free(&result);
+}
+
+/* ---- Errors of hours ------------------------------------------------------------------------- */
+
+enum { NOON = 6 }; /* the column of 12:30 on the first day, of HAND_YEAR_LIT */
+
+static void put_hour(struct orl_annual_result *result, size_t sensor, size_t day, float lx,
+                     float se)
+{
+    const size_t column = day * HAND_YEAR_LIT + NOON, at = sensor * result->n_columns + column;
+    result->total[at] = lx;
+    result->se[at] = se;
+}
+
+/* The only warning there is then, of errors; to be freed, as those of the result are. NULL: none.
+ */
+static char *warn_of_hours(const struct orl_annual_request *request,
+                           struct orl_annual_result *result)
+{
+    struct orl_annual_wishes wishes;
+    struct orl_annual_report report;
+    char *said = NULL;
+    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    report = hand_year_report(request, result, &wishes);
+    assert_int_equal(orl_annual_report_warn(request, &report, result, NULL, NULL, NULL), 0);
+    for (size_t i = 0; i < result->n_warnings; i++) {
+        if (strstr(result->warnings[i], "standard error"))
+            said = strdup(result->warnings[i]);
+        free(result->warnings[i]);
+    }
+    free(result->warnings);
+    result->warnings = NULL;
+    result->n_warnings = 0;
+    orl_annual_report_done(&report);
+    orl_annual_wishes_done(&wishes);
+    return said;
+}
+
+static void assert_warns(const struct orl_annual_request *request, struct orl_annual_result *result,
+                         const char *wanted)
+{
+    char *const said = warn_of_hours(request, result);
+    if (!said || !strstr(said, wanted))
+        fail_msg("'%s' is not in: %s", wanted, said ? said : "(no warning)");
+    free(said);
+}
+
+static void assert_warns_not(const struct orl_annual_request *request,
+                             struct orl_annual_result *result)
+{
+    char *const said = warn_of_hours(request, result);
+    if (said)
+        fail_msg("%s", said);
+}
+
+/* Hours count whose error is above 25 % of the light, and that may have 100 lx. */
+static void test_hours_that_count(void **state)
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_result result;
+    (void)state;
+    hand_year_make(&result, false);
+    assert_warns_not(&request, &result); /* 2 % each */
+    put_hour(&result, 0, 0, 400, 100);   /* not above */
+    put_hour(&result, 1, 0, 5, 47);      /* 99 lx */
+    assert_warns_not(&request, &result);
+    put_hour(&result, 3, 20, 400, 101);
+    assert_warns(&request, &result,
+                 "the standard error is above 25 % of the illuminance in 1 of 4380 lit hours, at 1 "
+                 "of 6 sensors (counted where illuminance and twice the error are 100 lx or more; "
+                 "the worst is sensor 2 (from 1) of 'south' on 21 January at 12:30, 400 lx with an "
+                 "error of 101 lx): more \"samples\" reduce it");
+    put_hour(&result, 1, 30, 40, 30); /* may be 100 lx */
+    put_hour(&result, 2, 30, 400, 150);
+    put_hour(&result, 2, 31, 400, 150);
+    assert_warns(&request, &result, "in 3 of 4380 lit hours, at 3 of 6 sensors");
+    assert_warns(
+        &request, &result,
+        "sensor 2 (from 1) of 'North / \"old\"' on 31 January at 12:30, 40 lx with an error "
+        "of 30 lx)");
+    float *const se = result.se;
+    result.se = NULL;
+    assert_warns_not(&request, &result);
+    result.se = se;
+    hand_year_free(&result);
+}
+
+/* More samples alone do not help where the sun is interpolated. */
+static void test_remedies(void **state)
+{
+    struct orl_annual_grid grids[2];
+    struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_result result;
+    (void)state;
+    hand_year_make(&result, false);
+    put_hour(&result, 3, 20, 400, 200);
+    put_hour(&result, 3, 21, 400, 200);
+    result.steps[result.step_of_column[21 * HAND_YEAR_LIT + NOON]].direct_normal_lx = 5e4;
+    assert_warns(
+        &request, &result,
+        ": more \"samples\" reduce the error of paths; in those with sun (1) interpolation "
+        "between positions of the sun adds an error that \"sun_halvings\": 1 reduces");
+    request.sun_halvings = 1;
+    assert_warns(&request, &result, "that \"sun_halvings\": 2 reduces");
+    request.sun_halvings = ORL_ANNUAL_MOST_HALVINGS;
+    assert_warns(&request, &result, "adds an error, with \"sun_halvings\" at its most");
     hand_year_free(&result);
 }
 
@@ -505,6 +648,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_arrays, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_honeybees_folder, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_tables, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test(test_hours_that_count),
+        cmocka_unit_test(test_remedies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -205,9 +205,14 @@ int orl_annual_report_dazzle(const struct orl_annual_request *request,
                              struct orl_annual_report *report, struct orl_error *err);
 void orl_annual_report_done(struct orl_annual_report *report); /* NULL and zeros are fine */
 
-/* Adds to the result's warnings what the report shows: hours that are not there, or doubtful, and
- * sensors without light. warned, if not NULL, is told of each. ORL_ERR_NOMEM. */
-int orl_annual_report_warn(const struct orl_annual_report *report, struct orl_annual_result *result,
+/*
+ * Adds to the result's warnings what the report shows: hours that are not there, or doubtful,
+ * sensors without light, and hours whose standard error is large. These are hours in which the
+ * error of a sensor is above 25 % of its illuminance, and illuminance and twice the error together
+ * are 100 lx or more. warned, if not NULL, is called with each. ORL_ERR_NOMEM.
+ */
+int orl_annual_report_warn(const struct orl_annual_request *request,
+                           const struct orl_annual_report *report, struct orl_annual_result *result,
                            void (*warned)(void *ctx, const char *warning), void *ctx,
                            struct orl_error *err);
 
