@@ -31,6 +31,7 @@ struct orl_job_memory {
     uint64_t seats;           /* of glare, in a year: the most that are rated together */
     uint64_t matrix_bytes;    /* of others' matrices, with their products */
     uint64_t window_groups;   /* of a year, with shades */
+    uint64_t sun_nodes;       /* of a year: sets of as many as there are by default, beyond one */
 };
 
 /* Files of matrices have so many floats for each value in memory. */

@@ -231,6 +231,7 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
                              ? job->request.photons
                              : ORL_ANNUAL_MOST_MAP_VALUES;
     ret_needs->seats = annual_seats(job);
+    ret_needs->sun_nodes = (1U << 2 * job->request.sun_halvings) - 1;
     /* Light of one group is never told apart from the rest. */
     ret_needs->window_groups = job->request.n_groups > 1 ? job->request.n_groups : 0;
     ret_needs->windows = job->formats.phases ? ORL_PHASES_MOST_WINDOWS : 0;

@@ -95,27 +95,35 @@ static void test_pictures_are_bounded(void **state)
 }
 
 /* What is kept of every hour of every sensor is counted once sensors and hours are. */
-static void test_memory_is_foreseen(void **state)
+/* Says that a year takes too much memory, and for what. */
+static void assert_too_much(struct year_room *f, const char *members, int sensors,
+                            const char *wanted)
 {
-    static const char *const little[] = {"--memory", "1G", NULL};
-    enum { SENSORS = 40000 };
-    struct year_room *f = *state;
+    char *text = malloc((size_t)sensors * 16 + 200);
     struct reply reply;
-    if (ORL_SANITIZED)
-        skip();
-    char *text = malloc(SENSORS * 16 + 200);
     assert_non_null(text);
-    daemon_end(&f->daemon, SIGTERM);
-    daemon_restart(&f->daemon, little);
-    size_t at = (size_t)sprintf(text, "\"weather\":\"whole.wea\",\"sensors\":[");
-    for (int i = 0; i < SENSORS; i++)
+    size_t at = (size_t)sprintf(text, "%s\"weather\":\"whole.wea\",\"sensors\":[", members);
+    for (int i = 0; i < sensors; i++)
         at += (size_t)sprintf(text + at, "%s[2,2,1,0,0,1]", i ? "," : "");
     sprintf(text + at, "]");
     year_room_post(f, text, &reply);
     assert_int_equal(reply.status, 413);
-    assert_non_null(strstr(reply_text(&reply, "detail"), "for 210240000 hours of sensors"));
+    assert_non_null(strstr(reply_text(&reply, "detail"), wanted));
     reply_done(&reply);
     free(text);
+}
+
+static void test_memory_is_foreseen(void **state)
+{
+    static const char *const little[] = {"--memory", "1G", NULL};
+    struct year_room *f = *state;
+    if (ORL_SANITIZED)
+        skip();
+    daemon_end(&f->daemon, SIGTERM);
+    daemon_restart(&f->daemon, little);
+    assert_too_much(f, "", 40000, "for 210240000 hours of sensors");
+    assert_too_much(f, "\"sun_halvings\":2,", 4000,
+                    "720 MiB of them for 15 extra sets of sun nodes");
 }
 
 static void test_a_sky_of_its_own_is_refused(void **state)
