@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include <oriel/annual_report.h>
+#include <oriel/limits.h>
 
 static char file_name[] = "s.csv", group_name[] = "south", open_name[] = "open",
             blinds_name[] = "blinds, half";
@@ -88,7 +89,7 @@ static void test_what_is_wrong(void **state)
 /* More rows than a year can have. */
 static void test_limit(void **state)
 {
-    enum { ROWS = 35137 };
+    enum { ROWS = ORL_LIMIT_YEAR_ROWS + 1 };
     char *text = malloc(2 * ROWS + 1);
     unsigned char *series;
     size_t count;
