@@ -67,7 +67,7 @@ static void test_the_daemon_is_killed(void **state)
     cluster_rest(0.5);
     const int tasks = cluster_tasks_ever(), wave = count_parts(f, path);
     parted_restart(f);
-    parted_wait(f, path);
+    parted_wait_resumed(f, path);
     assert_nothing_twice(f, path, tasks, wave);
     parted_compare_daemons(f, parted_long, path);
 }
@@ -82,7 +82,7 @@ static void test_the_daemon_is_stopped(void **state)
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     assert_true(cluster_tasks(false) > 0);
     parted_restart(f);
-    parted_wait(f, path);
+    parted_wait_resumed(f, path);
     parted_assert_cleared(f);
 }
 

@@ -28,6 +28,8 @@ void parted_fetch(struct parted_daemon *f, const char *path, const char *output)
 
 /* Until it has succeeded, in parts. */
 void parted_wait(struct parted_daemon *f, const char *path);
+/* Likewise after a restart of the daemon, which starts no part if all have ended meanwhile. */
+void parted_wait_resumed(struct parted_daemon *f, const char *path);
 /* Nothing is left in the shared folder. */
 void parted_assert_cleared(const struct parted_daemon *f);
 /* What was fetched into "slurm" is what a daemon finds that has no Slurm. */
