@@ -59,9 +59,9 @@ static struct text make_klems(void)
     return t;
 }
 
-/* screen: more of the scene. */
-static struct orl_annual_result run_pane(enum pane pane, const char *screen,
-                                         const struct orl_window_group *group)
+/* height_m: of the sensors; screen: more of the scene. */
+static struct orl_annual_result run_at(double height_m, enum pane pane, const char *screen,
+                                       const struct orl_window_group *group)
 {
     static struct orl_sensor sensors[SENSORS];
     struct text bsdf = pane == KLEMS ? make_klems() : make_clear_file(5, through, 0);
@@ -69,7 +69,8 @@ static struct orl_annual_result run_pane(enum pane pane, const char *screen,
     for (int i = 0; i < SENSORS; i++) {
         const int row = i / COLUMNS, column = i % COLUMNS;
         sensors[i] = (struct orl_sensor){
-            {width_m * (column + 0.5) / COLUMNS, depth_m * (row + 0.5) / ROWS, 0.8}, {0, 0, 1}};
+            {width_m * (column + 0.5) / COLUMNS, depth_m * (row + 0.5) / ROWS, height_m},
+            {0, 0, 1}};
     }
     snprintf(scene, sizeof scene, "%s%s%s", materials[pane], screen,
              ROOM_GREY ROOM_SHELL ROOM_PANE ROOM_GROUND);
@@ -87,6 +88,12 @@ static struct orl_annual_result run_pane(enum pane pane, const char *screen,
     free(bsdf.data);
     assert_int_equal(year.n_columns, HOURS);
     return year;
+}
+
+static struct orl_annual_result run_pane(enum pane pane, const char *screen,
+                                         const struct orl_window_group *group)
+{
+    return run_at(0.8, pane, screen, group);
 }
 
 /* The flux over all sensors in an hour, lm, and the number of sensors above 1000 lx. */
@@ -183,6 +190,34 @@ static void test_half_a_pane(void **state)
         }
 }
 
+/* Sensors at heights between the pane's edges get what passes the part above them, of half of it
+ * too. The patch is so much less deep than that of the whole pane, and half a row so much more. */
+static void test_cut_panes(void **state)
+{
+    static const double heights_m[] = {1.5, 1.9}, top_m = 2.5, pane_m = 1.5;
+    static const char screen[] = "void plastic k 0 0 5 0 0 0 0 0\n"
+                                 "k polygon screen 0 0 12 .9 .004 .9 2 .004 .9 2 .004 2.6 .9 .004 "
+                                 "2.6\n";
+    (void)state;
+    for (int pane = TREE; pane < PANES; pane++)
+        for (int k = 0; k < 4; k++) {
+            const double height_m = heights_m[k / 2], above = (top_m - height_m) / pane_m;
+            const double seen = k % 2 == 0 ? above : above / 2;
+            struct orl_annual_result year =
+                run_at(height_m, (enum pane)pane, k % 2 == 0 ? "" : screen, NULL);
+            for (size_t c = 0; c < SUNNY; c++) {
+                const double wanted =
+                    seen * flux_through((enum pane)pane, &year.steps[year.step_of_column[c]]);
+                const double flux = sum_hour(&year, c).flux_lm;
+                print_message("# %s, sensors at %.1f m, %s, hour %zu: %.0f lm of %.0f\n",
+                              names[pane], height_m, k % 2 == 0 ? "clear" : "half", c, flux,
+                              wanted);
+                assert_true(fabs(flux - wanted) < 0.02 * wanted / above);
+            }
+            orl_annual_done(&year);
+        }
+}
+
 /* LM-83's blinds close in the hours with sun, behind any of the panes. */
 static void test_blinds_agree(void **state)
 {
@@ -207,8 +242,8 @@ static void test_blinds_agree(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_panes_agree),
-                                       cmocka_unit_test(test_half_a_pane),
-                                       cmocka_unit_test(test_blinds_agree)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_panes_agree), cmocka_unit_test(test_half_a_pane),
+        cmocka_unit_test(test_cut_panes), cmocka_unit_test(test_blinds_agree)};
     return cmocka_run_group_tests_name("annual_direct", tests, NULL, NULL);
 }
