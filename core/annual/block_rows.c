@@ -108,15 +108,26 @@ static void multiply(void *arg, size_t tile, uint32_t member)
     const struct orl_year *y = arg;
     (void)member;
     for (size_t i = 0; i < y->count; i++) {
-        const struct orl_annual_row row = {orl_year_row_of(y, i, ORL_YEAR_TOTAL),
-                                           orl_year_row_of(y, i, ORL_YEAR_DIRECT),
-                                           orl_year_row_of(y, i, ORL_YEAR_SE)};
+        const struct orl_annual_row row = {
+            orl_year_row_of(y, i, ORL_YEAR_TOTAL), orl_year_row_of(y, i, ORL_YEAR_DIRECT),
+            orl_year_row_of(y, i, ORL_YEAR_SE), y->between + i * y->hours.n_columns,
+            &y->error_sums[(tile * y->count + i) * ORL_ERROR_BANDS]};
         struct orl_annual_share lights[ORL_SHADES_MOST_GROUPS + 1];
         size_t n = 0;
         for (uint32_t part = 0; part < y->n_parts; part++)
             n += light_of(y, i, part, &lights[n]);
         orl_annual_multiply(&row, lights, n, &y->hours, &y->terms, tile);
     }
+}
+
+static void find_coherence(void *arg, size_t sensor, uint32_t member)
+{
+    const struct orl_year *y = arg;
+    (void)member;
+    y->result->coherence[y->first + sensor] =
+        orl_coherence_of(y->error_sums + sensor * ORL_ERROR_BANDS, y->hours.n_tiles, y->count,
+                         orl_year_row_of(y, sensor, ORL_YEAR_TOTAL),
+                         y->between + sensor * y->hours.n_columns, &y->cells);
 }
 
 void orl_block_direct(const struct orl_year *y, size_t sensor, uint32_t part, float *ret_lx)
@@ -135,8 +146,12 @@ int orl_block_rows_make(struct orl_year *y)
 {
     struct orl_crew *crew = y->env->run->crew;
     memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
-    const int code = orl_crew_try(crew, y->count, fill_factors, y);
-    return code < 0 ? code : orl_crew_try(crew, y->hours.n_tiles, multiply, y);
+    memset(y->error_sums, 0, y->hours.n_tiles * y->count * ORL_ERROR_BANDS * sizeof *y->error_sums);
+    memset(y->between, 0, y->count * y->hours.n_columns * sizeof *y->between);
+    int code = orl_crew_try(crew, y->count, fill_factors, y);
+    if (code == 0)
+        code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
+    return code == 0 ? orl_crew_try(crew, y->count, find_coherence, y) : code;
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
@@ -199,11 +214,23 @@ static int make_sums(struct orl_year *y)
                : ORL_ERR_NOMEM;
 }
 
+static int make_errors(struct orl_year *y)
+{
+    const size_t bands = y->block * y->hours.n_tiles * ORL_ERROR_BANDS;
+    y->between = malloc((y->block * y->hours.n_columns + 1) * sizeof *y->between);
+    y->error_sums = malloc((bands + 1) * sizeof *y->error_sums);
+    if (!y->between || !y->error_sums)
+        return ORL_ERR_NOMEM;
+    return orl_sun_cells_init(&y->cells, &y->hours, &y->terms);
+}
+
 int orl_block_rows_init(struct orl_year *y)
 {
     const size_t floats = y->block * ORL_YEAR_ROWS * y->hours.n_columns;
     y->rows = malloc((floats + 1) * sizeof *y->rows);
-    return y->rows ? make_sums(y) : ORL_ERR_NOMEM;
+    if (!y->rows || make_sums(y) < 0)
+        return ORL_ERR_NOMEM;
+    return orl_year_is_sun_only(y) ? 0 : make_errors(y);
 }
 
 void orl_block_rows_done(struct orl_year *y)
@@ -218,5 +245,8 @@ void orl_block_rows_done(struct orl_year *y)
     free(y->beam_factors);
     free(y->lot_factors);
     free(y->beam_lists);
+    free(y->between);
+    free(y->error_sums);
+    orl_sun_cells_done(&y->cells);
     free(y->rows);
 }

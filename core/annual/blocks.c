@@ -239,13 +239,13 @@ static int make_rows(struct orl_year *y, struct orl_error *err)
     return code < 0 ? orl_year_failed(y, code, err) : 0;
 }
 
-enum { ROW_ARRAYS = 3 };
+enum { ROW_ARRAYS = 4 };
 struct array {
     void *at;
     size_t bytes;
 };
 
-/* Rows, and the overcast sky's light with its error. */
+/* Rows, the overcast sky's light with its error, and coherence. */
 static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARRAYS])
 {
     const struct orl_annual_result *r = y->result;
@@ -253,7 +253,8 @@ static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARR
         (struct array){y->rows, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows};
     ret[1] = (struct array){r->overcast + y->first, y->count * sizeof *r->overcast};
     ret[2] = (struct array){r->overcast_se + y->first, y->count * sizeof *r->overcast_se};
-    return ret[0].bytes + ret[1].bytes + ret[2].bytes;
+    ret[3] = (struct array){r->coherence + y->first, y->count * sizeof *r->coherence};
+    return ret[0].bytes + ret[1].bytes + ret[2].bytes + ret[3].bytes;
 }
 
 static bool take_rows(const struct orl_year *y, const struct orl_keeping *it)
@@ -319,7 +320,8 @@ static int make_room(struct orl_year *y)
     orl_overcast_init(&y->overcast, &y->bins, y->request->ground_reflectance);
     r->overcast = calloc(n + 1, sizeof *r->overcast);
     r->overcast_se = calloc(n + 1, sizeof *r->overcast_se);
-    if (!r->overcast || !r->overcast_se)
+    r->coherence = calloc(n + 1, sizeof *r->coherence);
+    if (!r->overcast || !r->overcast_se || !r->coherence)
         return ORL_ERR_NOMEM;
     if (y->request->coefficients) {
         r->coefficients = calloc(n * ORL_ANNUAL_PATCHES + 1, sizeof *r->coefficients);
@@ -349,7 +351,8 @@ static struct orl_annual_block block_of(const struct orl_year *y)
                                      .direct = r->direct + at,
                                      .se = r->se + at,
                                      .overcast = r->overcast + y->first,
-                                     .overcast_se = r->overcast_se + y->first};
+                                     .overcast_se = r->overcast_se + y->first,
+                                     .coherence = r->coherence + y->first};
 }
 
 static bool is_kept(struct orl_year *y)

@@ -286,7 +286,8 @@ int orl_annual_run_matrices(const struct orl_annual_request *request,
     free(result.se);
     free(result.overcast);
     free(result.overcast_se);
-    result.se = result.overcast = result.overcast_se = NULL;
+    free(result.coherence);
+    result.se = result.overcast = result.overcast_se = result.coherence = NULL;
     if (code < 0)
         orl_annual_done(&result);
     else

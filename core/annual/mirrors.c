@@ -133,8 +133,8 @@ static bool may_be_beyond(const struct orl_mirrors *mirrors, const struct orl_mi
     return false;
 }
 
-/* Returns true if a ray that leaves the building by some port may reach the pane from outdoors, with
- * no other port in between. */
+/* Returns true if a ray that leaves the building by some port may reach the pane from outdoors,
+ * with no other port in between. */
 static bool may_be_faced(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
                          const struct orl_window *pane)
 {

@@ -62,10 +62,11 @@ static ORL_FOR_WIDE_VECTORS double add_sun(const struct orl_sun_terms *terms,
     return apart;
 }
 
-/* Square of the standard error that the map of the sun has by its photons. */
+/* Deviations of the lots of photons of the sun's map from their mean. Returns the square of its
+ * standard error. */
 static ORL_FOR_WIDE_VECTORS double photon_squares(const struct orl_sun_terms *terms,
                                                   struct orl_sun_range range, const double *means,
-                                                  const double *of_lots)
+                                                  const double *of_lots, double ret_off[LOTS])
 {
     double sums[LOTS] = {0}, mean = 0, squares = 0;
     for (uint32_t i = range.first; i < range.end; i++) {
@@ -77,8 +78,10 @@ static ORL_FOR_WIDE_VECTORS double photon_squares(const struct orl_sun_terms *te
     }
     for (int lot = 0; lot < LOTS; lot++)
         mean += sums[lot] / LOTS;
-    for (int lot = 0; lot < LOTS; lot++)
-        squares += (sums[lot] - mean) * (sums[lot] - mean) / (LOTS * (LOTS - 1.0));
+    for (int lot = 0; lot < LOTS; lot++) {
+        ret_off[lot] = sums[lot] - mean;
+        squares += ret_off[lot] * ret_off[lot] / (LOTS * (LOTS - 1.0));
+    }
     return squares;
 }
 
@@ -192,7 +195,9 @@ struct tile_sums {
     float off[BATCHES][TILE];  /* of the sky, of each batch: less the mean */
     double sun[TILE][BATCHES]; /* indirect, lx */
     double straight[TILE];     /* by the sun, and by mirrors, lx */
-    double squares[TILE];      /* of the standard error, but for what batches differ by */
+    double lots[TILE][LOTS];   /* of photons: less the mean, lx */
+    /* Of the standard error, lx2: by photons, interpolation, and sampling of panes and the disc. */
+    double photons[TILE], between[TILE], sampling[TILE];
 };
 
 struct tile {
@@ -223,14 +228,16 @@ static void add_indirect_sun(const struct tile *tile, const struct orl_annual_sh
     const struct orl_sun_range nodes = orl_sun_terms_nodes(terms, of->sun);
     const struct orl_sun_range beams = orl_sun_terms_beams(terms, of->sun, light->part);
     const struct orl_annual_beams *of_beams = light->beams;
-    double batches[BATCHES] = {0};
+    double batches[BATCHES] = {0}, lots[LOTS];
     const double apart =
         add_sun(terms, nodes, light->factors->nodes, light->factors->node_means, batches) +
         add_sun(terms, beams, of_beams->sums, of_beams->means, batches);
     const double off = of->normal_lx * share * apart;
-    sums->squares[j] +=
-        off * off + of->normal_lx * of->normal_lx *
-                        photon_squares(terms, beams, of_beams->means, of_beams->lots);
+    sums->between[j] += off * off;
+    sums->photons[j] += of->normal_lx * of->normal_lx *
+                        photon_squares(terms, beams, of_beams->means, of_beams->lots, lots);
+    for (int lot = 0; lot < LOTS; lot++)
+        sums->lots[j][lot] += lots[lot] * of->normal_lx;
     for (int b = 0; b < BATCHES; b++)
         sums->sun[j][b] += batches[b] * of->normal_lx;
 }
@@ -269,7 +276,7 @@ static void add_straight(const struct tile *tile, const struct orl_annual_share 
             continue;
         sums->straight[j] +=
             lx * ((double)light->by_sun[of->sun] + (double)light->mirrored[of->sun]);
-        sums->squares[j] += lx * lx * (double)light->squares[of->sun];
+        sums->sampling[j] += lx * lx * (double)light->squares[of->sun];
     }
 }
 
@@ -284,22 +291,43 @@ static void put_direct(const struct tile *tile, const struct orl_annual_share *l
     }
 }
 
+/* Adds a column's errors, relative to its light, or to its error if that is more: values are not
+ * shifted by more than their own size. off: of batches, lx. */
+static void add_errors(const struct tile *tile, const struct tile_sums *sums, uint32_t j,
+                       const double off[BATCHES], const struct orl_annual_row *row)
+{
+    const size_t column = tile->index * TILE + j;
+    const double total = (double)row->total[column], se = (double)row->se[column];
+    const double whole = fmax(total, se);
+    if (!(total > 0) || !(sun_of(tile, j)->normal_lx > 0))
+        return;
+    struct orl_error_sums *band = &row->sums[orl_error_band(total)];
+    band->errors += se / whole;
+    band->squares += sums->sampling[j] / (whole * whole);
+    for (int b = 0; b < BATCHES; b++)
+        band->batches[b] += (float)(off[b] / whole);
+    for (int lot = 0; lot < LOTS; lot++)
+        band->lots[lot] += (float)(sums->lots[j][lot] / whole);
+    row->between[column] = (float)(sqrt(sums->between[j]) / whole);
+}
+
 static void put_columns(const struct tile *tile, const struct tile_sums *sums,
                         const struct orl_annual_row *row)
 {
     for (uint32_t j = 0; j < tile->n; j++) {
         const size_t column = tile->index * TILE + j;
-        double sun = 0, squares = sums->squares[j];
+        double sun = 0, squares = sums->photons[j] + sums->between[j] + sums->sampling[j];
+        double off[BATCHES];
         for (int b = 0; b < BATCHES; b++)
             sun += sums->sun[j][b] / BATCHES;
         for (int b = 0; b < BATCHES; b++) {
-            const double off =
-                ORL_EFFICACY_LM_PER_W * (double)sums->off[b][j] + sums->sun[j][b] - sun;
-            squares += off * off / (BATCHES * (BATCHES - 1.0));
+            off[b] = ORL_EFFICACY_LM_PER_W * (double)sums->off[b][j] + sums->sun[j][b] - sun;
+            squares += off[b] * off[b] / (BATCHES * (BATCHES - 1.0));
         }
         row->total[column] = (float)(ORL_EFFICACY_LM_PER_W * (double)sums->sky[j] + fmax(sun, 0) +
                                      sums->straight[j]);
         row->se[column] = (float)sqrt(squares);
+        add_errors(tile, sums, j, off, row);
     }
 }
 

@@ -6,6 +6,7 @@
 #ifndef ORL_ANNUAL_PRODUCT_H
 #define ORL_ANNUAL_PRODUCT_H
 
+#include "annual/coherence.h"
 #include "annual/hours.h"
 #include "annual/terms.h"
 
@@ -58,6 +59,8 @@ void orl_annual_factors_tell(const struct orl_annual_factors *factors, float *re
 /* A sensor's columns, all 0 before. Direct sunlight is that of all parts, wanted or not. */
 struct orl_annual_row {
     float *total, *direct, *se;
+    float *between;              /* of coherence.h, of columns with sun */
+    struct orl_error_sums *sums; /* [band]: of the tile; all 0 before */
 };
 
 /* Light of a part at a sensor. */

@@ -143,6 +143,7 @@ void orl_annual_done(struct orl_annual_result *result)
     free(result->states);
     free(result->overcast);
     free(result->overcast_se);
+    free(result->coherence);
     free(result->coefficients);
     free(result->total);
     free(result->direct);

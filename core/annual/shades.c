@@ -30,11 +30,19 @@ static int run_open(struct orl_shading *s, double share)
         s->result->se = run.se;
         s->result->overcast = run.overcast;
         s->result->overcast_se = run.overcast_se;
+        s->result->coherence = run.coherence;
         s->opened = true;
-        run.total = run.direct = run.se = run.overcast = run.overcast_se = NULL;
+        run.total = run.direct = run.se = run.overcast = run.overcast_se = run.coherence = NULL;
     }
     orl_annual_done(&run);
     return code;
+}
+
+/* Errors of a year of several runs are taken to add up as far as those of any of them do. */
+static void raise_coherence(struct orl_annual_result *all, const struct orl_annual_result *run)
+{
+    for (size_t i = 0; i < all->n_sensors; i++)
+        all->coherence[i] = fmaxf(all->coherence[i], run->coherence[i]);
 }
 
 /* Of the hours that have it, total and errors are the run's. */
@@ -52,6 +60,8 @@ static int run_combination(struct orl_shading *s, size_t index, double share)
             all->total[i * columns + c] = run.total[i * columns + c];
             all->se[i * columns + c] = run.se[i * columns + c];
         }
+    if (code == 0)
+        raise_coherence(all, &run);
     orl_annual_done(&run);
     return code;
 }
@@ -265,12 +275,15 @@ static void add_run(struct orl_shading *s, struct orl_annual_result *run, bool f
         all->total[at] += run->total[at];
         all->se[at] = hypotf(all->se[at], run->se[at]);
     }
+    if (all->coherence)
+        raise_coherence(all, run);
     if (!first)
         return;
     all->direct = run->direct;
     all->overcast = run->overcast;
     all->overcast_se = run->overcast_se;
-    run->direct = run->overcast = run->overcast_se = NULL;
+    all->coherence = run->coherence;
+    run->direct = run->overcast = run->overcast_se = run->coherence = NULL;
 }
 
 static int run_pass(struct orl_shading *s, struct pass *pass, double share)

@@ -86,7 +86,10 @@ struct orl_year {
     uint32_t traced_before; /* samples of each batch that were there */
     struct orl_place places[ORL_YEAR_BLOCK];
     struct orl_block_sums sums;
-    float *rows;                        /* [sensor][of each][column] */
+    float *rows;                       /* [sensor][of each][column] */
+    float *between;                    /* [sensor][column]: of coherence.h, as the next two are */
+    struct orl_error_sums *error_sums; /* [tile][sensor][band] */
+    struct orl_sun_cells cells;
     bool *lit;                          /* by sensor and part: it has factors */
     struct orl_annual_factors *factors; /* by sensor and part */
     double *factor_nodes;               /* of those */

@@ -55,7 +55,9 @@ static int pick(struct refining *r, const struct orl_annual_report *report, size
             .total_error_lx = rows.total_error_lx + at,
             .direct_error_lx = rows.direct_error_lx + at,
             .overcast_lx = rows.overcast_lx ? rows.overcast_lx + i : NULL,
-            .overcast_error_lx = rows.overcast_error_lx ? rows.overcast_error_lx + i : NULL};
+            .overcast_error_lx = rows.overcast_error_lx ? rows.overcast_error_lx + i : NULL,
+            .coherence = rows.coherence ? rows.coherence + i : NULL,
+            .sunny = rows.sunny};
         if (figure->over != ORL_OVER_SHARE ||
             fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
                 far_off)
@@ -109,15 +111,26 @@ static float weigh_errors(bool rough, double a, double wa, double b, double wb)
     return rough ? weigh(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
 }
 
-/* Relative squares of errors, of hours with sun: the sky has no nodes. */
-static double squares_of(const struct orl_annual_result *result, size_t sensor)
+/* The error of the sum over hours with sun, by the sum of their errors, of a mean of two years. */
+static float weigh_coherence(bool rough, double sum_a, double a, double wa, double sum_b, double b,
+                             double wb)
+{
+    const double whole = (double)weigh_errors(rough, sum_a, wa, sum_b, wb);
+    return whole > 0 ? (float)((double)weigh_errors(rough, sum_a * a, wa, sum_b * b, wb) / whole)
+                     : 0;
+}
+
+/* Relative errors, or their squares, of hours with sun: the sky has no nodes. */
+static double sum_errors(const struct orl_annual_result *result, size_t sensor, bool squares)
 {
     const float *total = orl_annual_row(result, result->total, sensor);
     const float *se = orl_annual_row(result, result->se, sensor);
     double sum = 0;
     for (size_t k = 0; k < result->n_columns; k++)
-        if (result->steps[result->step_of_column[k]].direct_normal_lx > 0 && total[k] > 0)
-            sum += (double)(se[k] / total[k]) * (double)(se[k] / total[k]);
+        if (result->steps[result->step_of_column[k]].direct_normal_lx > 0 && total[k] > 0) {
+            const double error = (double)(se[k] / total[k]);
+            sum += squares ? error * error : error;
+        }
     return sum;
 }
 
@@ -127,8 +140,8 @@ static bool is_rough(const struct refining *r, const struct orl_annual_result *m
 {
     double before = 0, after = 0;
     for (size_t i = 0; i < r->n_open; i++) {
-        before += squares_of(r->result, r->open[i]) * (double)r->samples[r->open[i]];
-        after += squares_of(more, i) * samples;
+        before += sum_errors(r->result, r->open[i], true) * (double)r->samples[r->open[i]];
+        after += sum_errors(more, i, true) * samples;
     }
     return after > mostly_of_nodes * before;
 }
@@ -145,6 +158,9 @@ static void merge(struct refining *r, const struct orl_annual_result *more, uint
             weigh(r->result->overcast[sensor], old, more->overcast[i], add);
         r->result->overcast_se[sensor] =
             weigh_errors(false, r->result->overcast_se[sensor], old, more->overcast_se[i], add);
+        r->result->coherence[sensor] = weigh_coherence(
+            rough, sum_errors(r->result, sensor, false), (double)r->result->coherence[sensor], old,
+            sum_errors(more, i, false), (double)more->coherence[i], add);
         for (size_t k = 0; k < n; k++) {
             r->result->total[to + k] =
                 weigh(r->result->total[to + k], old, more->total[from + k], add);

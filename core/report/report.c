@@ -187,11 +187,13 @@ static void evaluate_sensor(void *arg, size_t i, uint32_t member)
                                            .direct_error_lx = se,
                                            .overcast_lx = at(result->overcast, i),
                                            .overcast_error_lx = at(result->overcast_se, i),
+                                           .coherence = at(result->coherence, i),
+                                           .sunny = report->year.sunny,
                                            .total_factor = se ? factors : NULL};
     if (atomic_load(&e->cancelled))
         return;
     if (se)
-        orl_annual_factors(light.total_lx, se, result->n_columns, factors);
+        orl_annual_factors(&light, result->n_columns, factors);
     if (is_unlit(light.total_lx, result->n_columns))
         atomic_fetch_add(&e->n_unlit, 1);
     for (size_t k = 0; k < report->n_metrics; k++)

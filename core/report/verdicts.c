@@ -21,6 +21,8 @@ struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report
         .direct_error_lx = se,
         .overcast_lx = result->overcast ? result->overcast + first : NULL,
         .overcast_error_lx = result->overcast_se ? result->overcast_se + first : NULL,
+        .coherence = result->coherence ? result->coherence + first : NULL,
+        .sunny = report->year.sunny,
         .n_sensors = one ? one->count : report->n_sensors,
         .n_columns = result->n_columns,
         .area = report->area + first};

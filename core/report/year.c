@@ -61,8 +61,10 @@ static int enter(const struct orl_annual_result *result, size_t i, struct orl_an
     year->n_missing -= !row->missing;
     year->n_doubtful +=
         !row->missing && row->column == ORL_ANNUAL_DARK && row->sun_altitude_deg >= doubtful_deg;
-    if (row->column != ORL_ANNUAL_DARK)
+    if (row->column != ORL_ANNUAL_DARK) {
         year->step_of_column[row->column] = step;
+        year->sunny[row->column] = row->direct_normal_lx > 0;
+    }
     return 0;
 }
 
@@ -111,11 +113,13 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
                                    .diffuse_lx = calloc(count, sizeof *year.diffuse_lx),
                                    .step_of_column =
                                        calloc(result->n_columns + 1, sizeof *year.step_of_column),
+                                   .sunny = calloc(result->n_columns + 1, 1),
                                    .n_columns = result->n_columns,
                                    .n_missing = count};
     uint32_t next = 0;
     int code = 0;
-    if (!year.measured || !year.global_lx || !year.diffuse_lx || !year.step_of_column) {
+    if (!year.measured || !year.global_lx || !year.diffuse_lx || !year.step_of_column ||
+        !year.sunny) {
         orl_annual_year_done(&year);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
@@ -138,5 +142,6 @@ void orl_annual_year_done(struct orl_annual_year *year)
     free(year->global_lx);
     free(year->diffuse_lx);
     free(year->step_of_column);
+    free(year->sunny);
     *year = (struct orl_annual_year){.measured = NULL};
 }

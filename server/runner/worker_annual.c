@@ -27,7 +27,7 @@ struct array {
     size_t count;
 };
 
-enum { ARRAYS = 5 };
+enum { ARRAYS = 6 };
 
 static void list_arrays(const struct orl_annual_block *block, struct array ret_arrays[ARRAYS])
 {
@@ -36,13 +36,14 @@ static void list_arrays(const struct orl_annual_block *block, struct array ret_a
                                          {block->direct, n},
                                          {block->se, n},
                                          {block->overcast, block->count},
-                                         {block->overcast_se, block->count}};
+                                         {block->overcast_se, block->count},
+                                         {block->coherence, block->count}};
     memcpy(ret_arrays, arrays, sizeof arrays);
 }
 
 static size_t bytes_of(const struct orl_annual_block *block)
 {
-    return (3 * numbers_of(block) + 2 * block->count) * sizeof(float);
+    return (3 * numbers_of(block) + 3 * block->count) * sizeof(float);
 }
 
 /* A block that cannot be kept costs time alone, after a

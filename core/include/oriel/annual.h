@@ -187,6 +187,10 @@ struct orl_annual_result {
     /* Of each sensor, lx: under the CIE's overcast sky of ORL_OVERCAST_LX on a level plane, and the
      * ground beneath it, shades being open; and standard errors. */
     float *overcast, *overcast_se;
+    /* Of each sensor, 0 to 1: the standard error of the sum of relative errors over all hours with
+     * sun, divided by the sum of their relative standard errors. Under the sky alone it is near 1.
+     * With shades: the largest of the runs. NULL: not known. */
+    float *coherence;
     /*
      * Daylight coefficients [sensor * ORL_ANNUAL_PATCHES + patch], sr, where they were asked for:
      * irradiance by a patch whose radiance is 1, all ways by surfaces included. The sky of an hour
@@ -233,7 +237,7 @@ struct orl_annual_block {
     uint32_t round; /* the env's */
     size_t first, count, n_columns;
     float *total, *direct, *se;
-    float *overcast, *overcast_se; /* [count] */
+    float *overcast, *overcast_se, *coherence; /* [count] */
 };
 
 struct orl_annual_env {

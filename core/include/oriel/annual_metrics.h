@@ -8,18 +8,19 @@
  * and they count as 0 lx: no tool that leaves them out of UDI's lower part adds up to 100 %.
  *
  * Errors. An hour's value has a standard error, by 16 batches: intervals are Student's of 15
- * degrees, t = 2.13. Errors of one sensor are correlated strongly over hours, as its paths are the
- * same ones: a sensor's metric has the interval of the metric at E exp(-t se / E) to E exp(t se /
- * E) of all hours together. That is exact where errors have one common factor, and else too wide.
- * (By factors, since values that come out low have errors that are too small; se is never above E,
- * both being of means that are not negative. What is 0 stays so. UDI's
- * useful part gains at one bound what it loses at the other: what the two would move it by is added
- * in squares.) Sensors have paths of their own: their errors are independent. Whether a sensor
- * passes is told by the t at which it would change sides, of which the chance to pass follows; how
- * many pass, by the convolution of those chances (the Poisson-binomial distribution). That takes a
- * sensor's truth to lie anywhere around its value alike; where a large part of an area lies within
- * a standard error of the bound, all on one side, it is too sure of itself.
- * Without standard errors intervals are NaN, and verdicts are unknown.
+ * degrees, t = 2.13. Errors of one sensor are correlated over hours, as its paths are the same
+ * ones: a sensor's metric has the interval of the metric at E exp(-t k se / E) to E exp(t k se / E)
+ * of all hours together. k is 1 in hours without sun, whose errors have one common factor. In hours
+ * with sun it is the sensor's coherence (oriel/annual.h), since the sun's places share less; where
+ * that is not known it is 1, and intervals are too wide. (By factors, since values that come out
+ * low have errors that are too small; se is never above E, both being of means that are not
+ * negative. What is 0 stays so. UDI's useful part gains at one bound what it loses at the other:
+ * what the two would move it by is added in squares.) Sensors have paths of their own: their errors
+ * are independent. Whether a sensor passes is told by the t at which it would change sides, of
+ * which the chance to pass follows; how many pass, by the convolution of those chances (the
+ * Poisson-binomial distribution). That takes a sensor's truth to lie anywhere around its value
+ * alike; where a large part of an area lies within a standard error of the bound, all on one side,
+ * it is too sure of itself. Without standard errors intervals are NaN, and verdicts are unknown.
  *
  * Definitions, with what other tools do otherwise:
  *
@@ -165,10 +166,13 @@ struct orl_annual_light {
     const float *total_lx, *direct_lx;             /* direct: of kinds that ask for it */
     const float *total_error_lx, *direct_error_lx; /* standard errors; NULL: not known */
     const float *overcast_lx, *overcast_error_lx;  /* one number each, of kinds that ask for it */
-    const float *total_factor; /* as orl_annual_factors leaves them, to save time; or NULL */
+    const float *coherence;     /* one number: of errors of total_lx in hours with sun; NULL: 1 */
+    const unsigned char *sunny; /* of each column: it is an hour with sun; NULL: none is */
+    const float *total_factor;  /* as orl_annual_factors leaves them, to save time; or NULL */
 };
-/* What the interval's upper end is, as a factor: metrics of one row share them. */
-void orl_annual_factors(const float *value, const float *error, size_t n, float *ret_factors);
+/* What the interval's upper end is, as a factor: metrics of one row share them. row has values and
+ * errors of the total. */
+void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret_factors);
 
 struct orl_annual_value {
     double value, low, high; /* 95 %; NaN where errors are not known */
@@ -198,7 +202,8 @@ bool orl_annual_grows(enum orl_metric_kind kind); /* with E: all but UDI's lower
 /* Series of sensors as arrays, sensor by sensor. */
 struct orl_annual_rows {
     const float *total_lx, *direct_lx, *total_error_lx, *direct_error_lx; /* as of one row */
-    const float *overcast_lx, *overcast_error_lx;                         /* of each sensor */
+    const float *overcast_lx, *overcast_error_lx, *coherence;             /* of each sensor */
+    const unsigned char *sunny;                                           /* of each column */
     size_t n_sensors, n_columns;
     const double *area;        /* what each sensor stands for, in any unit; NULL: all the same */
     const atomic_bool *cancel; /* polled at each sensor; NULL: never */

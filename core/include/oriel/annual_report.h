@@ -25,6 +25,7 @@ struct orl_annual_year {
      * its day has other rows or no sunrise: it is dark. Owned, as the arrays below. */
     unsigned char *measured;
     uint32_t *step_of_column;    /* of the result's arrays, ascending */
+    unsigned char *sunny;        /* of each column: 1 if the sun's disc gives light */
     double *global_lx;           /* of each step; 0 where it is dark or not known */
     double *diffuse_lx;          /* likewise */
     size_t n_columns, n_missing; /* columns; steps that are not measured */

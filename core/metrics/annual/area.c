@@ -29,7 +29,9 @@ static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t
                                      .direct_error_lx = row_at(rows->direct_error_lx, n, sensor),
                                      .overcast_lx = row_at(rows->overcast_lx, 1, sensor),
                                      .overcast_error_lx =
-                                         row_at(rows->overcast_error_lx, 1, sensor)};
+                                         row_at(rows->overcast_error_lx, 1, sensor),
+                                     .coherence = row_at(rows->coherence, 1, sensor),
+                                     .sunny = rows->sunny};
 }
 
 static int failed(int code, struct orl_error *err)
@@ -221,6 +223,18 @@ static int mean_columns(const float *values, const struct orl_annual_rows *rows,
     return 0;
 }
 
+/* Sensors have independent errors: their squares are added. */
+static float mean_coherence(const struct orl_annual_rows *rows)
+{
+    double sum = 0, whole = 0;
+    for (size_t i = 0; i < rows->n_sensors; i++) {
+        const double mine = area_at(rows->area, i), coherence = (double)rows->coherence[i];
+        sum += mine * mine * coherence * coherence;
+        whole += mine * mine;
+    }
+    return (float)sqrt(sum / whole);
+}
+
 static int of_mean(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
                    const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
                    struct orl_error *err)
@@ -237,10 +251,13 @@ static int of_mean(const struct orl_annual_metric *metric, const struct orl_annu
             made[i] = means + i * rows->n_columns;
         }
     if (code == 0) {
+        const float coherence = rows->coherence ? mean_coherence(rows) : 1;
         const struct orl_annual_light row = {.total_lx = made[0],
                                              .direct_lx = made[1],
                                              .total_error_lx = made[2],
-                                             .direct_error_lx = made[3]};
+                                             .direct_error_lx = made[3],
+                                             .coherence = &coherence,
+                                             .sunny = rows->sunny};
         orl_annual_evaluate(metric, period, &row, ret_value);
     }
     free(means);

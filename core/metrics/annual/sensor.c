@@ -19,16 +19,27 @@ static bool is_direct(enum orl_metric_kind kind)
 /* What of a row a metric is made of. */
 struct light {
     const float *value, *error, *factor;
+    const unsigned char *sunny; /* columns whose errors are coherent in part; NULL: none are */
+    double coherence;           /* of those */
 };
+
+static struct light light_of_total(const struct orl_annual_light *row)
+{
+    return (struct light){.value = row->total_lx,
+                          .error = row->total_error_lx,
+                          .factor = row->total_factor,
+                          .sunny = row->coherence ? row->sunny : NULL,
+                          .coherence = row->coherence ? (double)*row->coherence : 1};
+}
 
 static struct light light_of(const struct orl_annual_metric *metric,
                              const struct orl_annual_light *row)
 {
     if (metric->kind == ORL_METRIC_DF)
-        return (struct light){row->overcast_lx, row->overcast_error_lx, NULL};
-    return is_direct(metric->kind)
-               ? (struct light){row->direct_lx, row->direct_error_lx, NULL}
-               : (struct light){row->total_lx, row->total_error_lx, row->total_factor};
+        return (struct light){.value = row->overcast_lx, .error = row->overcast_error_lx};
+    if (is_direct(metric->kind))
+        return (struct light){.value = row->direct_lx, .error = row->direct_error_lx};
+    return light_of_total(row);
 }
 
 bool orl_annual_errors_known(const struct orl_annual_metric *metric,
@@ -38,14 +49,17 @@ bool orl_annual_errors_known(const struct orl_annual_metric *metric,
 }
 
 /*
+ * The standard error of a column as far as all columns share it, relative to its light.
+ *
  * Light adds up from few bright paths and many dim ones: an estimate that comes out low thinks
  * itself surer than it is, as its error shrinks with it. In proportion, errors are even: values
  * move by factors, and no further than the error allows of means that are never below zero, which
  * is their own size.
  */
-static double proportion(double value, double error)
+static double proportion(const struct light *light, size_t column)
 {
-    return fmin(error / value, 1);
+    const double error = fmin((double)light->error[column] / (double)light->value[column], 1);
+    return light->sunny && light->sunny[column] ? light->coherence * error : error;
 }
 
 static double shifted(const struct light *light, uint32_t column, double z)
@@ -55,14 +69,15 @@ static double shifted(const struct light *light, uint32_t column, double z)
         return fmax(0, value);
     if (light->factor && fabs(z) == ORL_ANNUAL_Z)
         return z > 0 ? value * light->factor[column] : value / light->factor[column];
-    return value * exp(z * proportion(value, light->error[column]));
+    return value * exp(z * proportion(light, column));
 }
 
-void orl_annual_factors(const float *value, const float *error, size_t n, float *ret_factors)
+void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret_factors)
 {
+    const struct light light = light_of_total(row);
     for (size_t i = 0; i < n; i++)
-        ret_factors[i] = value[i] > 0 && error[i] > 0
-                             ? (float)exp(ORL_ANNUAL_Z * proportion(value[i], error[i]))
+        ret_factors[i] = light.value[i] > 0 && light.error[i] > 0
+                             ? (float)exp(ORL_ANNUAL_Z * proportion(&light, i))
                              : 1;
 }
 
@@ -178,9 +193,10 @@ static double step_crossing(const struct orl_annual_metric *metric, const struct
     const double lx = light->value[column], error = light->error ? light->error[column] : 0;
     const bool strict =
         metric->kind == ORL_METRIC_UDI_UPPER || metric->kind == ORL_METRIC_DIRECT_HOURS;
-    if (!(error > 0 && lx > 0))
+    const double share = error > 0 && lx > 0 ? proportion(light, column) : 0;
+    if (!(share > 0))
         return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
-    const double z = log(metric->low_lx / lx) / proportion(lx, error);
+    const double z = log(metric->low_lx / lx) / share;
     return strict && lx <= metric->low_lx ? fmax(z, DBL_MIN) : z; /* met exactly is not more */
 }
 

@@ -1,0 +1,140 @@
+/* How far errors of hours add up, of sums that are known; and intervals by it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "annual/coherence.h"
+#include "metrics/annual/sensor.h"
+
+enum { HOURS = 16, TILES = 2 };
+
+static void assert_near(double value, double wanted, double within)
+{
+    if (!(fabs(value - wanted) <= within))
+        fail_msg("%.9g, not %.9g", value, wanted);
+}
+
+/* Hours with 200 lx, each with a standard error of 1 %; their sums are half in each of two tiles.
+ * All of other sources is 0. */
+static struct orl_error_sums sums[TILES * ORL_ERROR_BANDS];
+static float total[HOURS], between[HOURS];
+static uint32_t columns[HOURS], node[HOURS];
+static const struct orl_sun_cells cells = {columns, node, HOURS};
+
+static struct orl_error_sums *band_of(size_t tile)
+{
+    return &sums[tile * ORL_ERROR_BANDS + (size_t)orl_error_band(200)];
+}
+
+static void begin(void)
+{
+    memset(sums, 0, sizeof sums);
+    for (uint32_t i = 0; i < HOURS; i++) {
+        total[i] = 200;
+        between[i] = 0;
+        columns[i] = i;
+        node[i] = i / 4;
+    }
+    for (size_t tile = 0; tile < TILES; tile++)
+        band_of(tile)->errors = 0.01 * HOURS / TILES;
+}
+
+static double found(void)
+{
+    return (double)orl_coherence_of(sums, TILES, 1, total, between, &cells);
+}
+
+/* Batches that deviate by the same in all hours; the same of lots. */
+static void test_common_errors(void **state)
+{
+    (void)state;
+    begin();
+    for (size_t tile = 0; tile < TILES; tile++)
+        for (int b = 0; b < ORL_ANNUAL_BATCHES; b++)
+            band_of(tile)->batches[b] =
+                (float)(0.01 * sqrt(ORL_ANNUAL_BATCHES - 1.0) * (b % 2 ? 1 : -1) * HOURS / TILES);
+    assert_near(found(), 1, 1e-6);
+    begin();
+    for (size_t tile = 0; tile < TILES; tile++)
+        for (int lot = 0; lot < ORL_SUN_MAP_LOTS; lot++)
+            band_of(tile)->lots[lot] =
+                (float)(0.01 * sqrt(ORL_SUN_MAP_LOTS - 1.0) * (lot % 2 ? 1 : -1) * HOURS / TILES);
+    assert_near(found(), 1, 1e-6);
+}
+
+/* Batches whose deviations in one tile are undone in the other add nothing. */
+static void test_errors_that_cancel(void **state)
+{
+    (void)state;
+    begin();
+    for (int b = 0; b < ORL_ANNUAL_BATCHES; b++) {
+        band_of(0)->batches[b] = b % 2 ? 1 : -1;
+        band_of(1)->batches[b] = b % 2 ? -1 : 1;
+    }
+    assert_near(found(), 0, 1e-6);
+}
+
+/* Of n independent errors the sum has the root of n times one. Those between the same nodes are one
+ * error: here four cells of four hours. In bands of illuminance each is on its own. */
+static void test_independent_errors(void **state)
+{
+    (void)state;
+    begin();
+    for (size_t tile = 0; tile < TILES; tile++)
+        band_of(tile)->squares = 0.01 * 0.01 * HOURS / TILES;
+    assert_near(found(), 1 / sqrt(HOURS), 1e-6);
+    begin();
+    for (int i = 0; i < HOURS; i++)
+        between[i] = 0.01F;
+    assert_near(found(), 1 / sqrt(4), 1e-6);
+    for (int i = 0; i < HOURS; i++)
+        total[i] = i < 8 ? 200 : 2000;
+    for (size_t tile = 0; tile < TILES; tile++) {
+        band_of(tile)->errors /= 2;
+        sums[tile * ORL_ERROR_BANDS + (size_t)orl_error_band(2000)].errors = band_of(tile)->errors;
+    }
+    assert_near(found(), 1 / sqrt(2), 1e-6);
+    memset(sums, 0, sizeof sums);
+    assert_near(found(), 0, 0);
+}
+
+/* A year of two hours at 200 lx, of which one has sun: errors of that one count by the coherence,
+ * in intervals, with factors made before, and where thresholds are crossed. */
+static void test_intervals(void **state)
+{
+    const float lx[] = {200, 200}, errors[] = {20, 20}, coherence = 0.5F;
+    const unsigned char sunny[] = {1, 0};
+    uint32_t both[] = {0, 1}, first[] = {0};
+    const struct orl_annual_metric mean = {ORL_METRIC_MEAN, 0, 0, 0},
+                                   da = {ORL_METRIC_DA, 0, 210, 0};
+    const struct orl_annual_period year = {both, 2, 1, 2}, hour = {first, 1, 1, 1};
+    struct orl_annual_light light = {
+        .total_lx = lx, .total_error_lx = errors, .coherence = &coherence, .sunny = sunny};
+    struct orl_annual_value plain, ready;
+    float factors[2];
+    double scratch[2];
+    (void)state;
+    orl_annual_evaluate(&mean, &year, &light, &plain);
+    assert_near(plain.high, 100 * (exp(0.05 * ORL_ANNUAL_Z) + exp(0.1 * ORL_ANNUAL_Z)), 1e-4);
+    orl_annual_factors(&light, 2, factors);
+    light.total_factor = factors;
+    orl_annual_evaluate(&mean, &year, &light, &ready);
+    assert_near(ready.high, plain.high, 1e-4);
+    assert_near(ready.low, plain.low, 1e-4);
+    assert_near(orl_annual_crossing(&da, 100, &hour, &light, scratch), log(1.05) / 0.05, 1e-6);
+    light.coherence = NULL;
+    assert_near(orl_annual_crossing(&da, 100, &hour, &light, scratch), log(1.05) / 0.1, 1e-6);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_common_errors), cmocka_unit_test(test_errors_that_cancel),
+        cmocka_unit_test(test_independent_errors), cmocka_unit_test(test_intervals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
