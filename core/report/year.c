@@ -9,6 +9,7 @@
 #include "scene/generate/sun.h"
 
 static const double doubtful_deg = 3;
+static const double rounding_h = 0.001; /* of times, which files print with three digits or more */
 enum { MONTHS = 12 };
 static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
 
@@ -22,6 +23,16 @@ static uint32_t find_per_hour(const struct orl_annual_result *result)
             gap = fmin(gap, b->hour - a->hour);
     }
     return (uint32_t)lrint(fmin(60, 1 / gap));
+}
+
+/* Returns true if there is a row at midnight: rows are at 0, 1/4 h ... as Honeybee writes them for
+ * steps below an hour, and not at the middles or the ends of their steps. */
+static bool begin_steps(const struct orl_annual_result *result)
+{
+    for (size_t i = 0; i < result->n_steps; i++)
+        if (result->steps[i].hour < rounding_h)
+            return true;
+    return false;
 }
 
 static bool has_leap_day(const struct orl_annual_result *result)
@@ -38,9 +49,10 @@ uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl
     const bool leap = steps->count == 8784 * steps->per_hour;
     const uint32_t month = (uint32_t)row->month - 1;
     const uint32_t day = days_before[month] + (leap && month > 1) + (uint32_t)row->day - 1;
-    const double hair = 1e-6, last = 24.0 * steps->per_hour - 1;
-    const double within = fmin(last, fmax(0, floor(row->hour * steps->per_hour - hair)));
-    return day * 24 * steps->per_hour + (uint32_t)within;
+    const double time = steps->per_hour * row->hour, hair = steps->per_hour * rounding_h;
+    const double last = 24.0 * steps->per_hour - 1;
+    const double within = floor(time + (year->times_begin_steps ? hair : -hair));
+    return day * 24 * steps->per_hour + (uint32_t)fmin(last, fmax(0, within));
 }
 
 /* One row's step; `next` is the first one that is still free. */
@@ -49,11 +61,15 @@ static int enter(const struct orl_annual_result *result, size_t i, struct orl_an
 {
     const struct orl_annual_step *row = &result->steps[i];
     const uint32_t step = orl_annual_step_of(year, row);
-    if (step >= year->steps.count || step < *next)
-        return orl_error_set(err, ORL_ERR_RANGE,
-                             "the weather file's row %zu (%d/%d, %g h) is out of order: a year's "
-                             "figures want rows that follow each other",
-                             i + 1, row->month, row->day, row->hour);
+    if (step >= year->steps.count || step < *next) {
+        orl_error_set(err, ORL_ERR_RANGE,
+                      "the weather file's row %zu (month %d, day %d, %g h) is out of order: a "
+                      "year's figures want rows that follow each other",
+                      i + 1, row->month, row->day, row->hour);
+        orl_error_hint(err, "sort the file's rows by time, with one row for each step of %g h",
+                       1.0 / year->steps.per_hour);
+        return ORL_ERR_RANGE;
+    }
     *next = step + 1;
     year->measured[step] = !row->missing;
     year->global_lx[step] = row->missing ? 0 : row->global_lx;
@@ -108,6 +124,7 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
     const uint32_t per_hour = find_per_hour(result);
     const uint32_t count = (has_leap_day(result) ? 8784 : 8760) * per_hour;
     struct orl_annual_year year = {.steps = {count, per_hour},
+                                   .times_begin_steps = begin_steps(result),
                                    .measured = calloc(count, 1),
                                    .global_lx = calloc(count, sizeof *year.global_lx),
                                    .diffuse_lx = calloc(count, sizeof *year.diffuse_lx),

@@ -72,6 +72,34 @@ static void test_years(void **state)
     hand_year_free(&result);
 }
 
+/* The times of rows as files print them: the beginnings of steps, as Honeybee's, their ends or
+ * their middles, by 1/6 h. */
+static void test_times_of_steps(void **state)
+{
+    static const double firsts[] = {0, 1, 0.5};
+    enum { DAY = 24 * 6 };
+    static struct orl_annual_step steps[3 * DAY];
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        const struct orl_annual_result result = {.steps = steps,
+                                                 .n_steps = sizeof steps / sizeof *steps};
+        struct orl_annual_year year;
+        struct orl_error err = {0};
+        for (size_t i = 0; i < result.n_steps; i++)
+            steps[i] = (struct orl_annual_step){
+                .month = 6,
+                .day = 1 + (int)(i / DAY),
+                .hour = round(1000 * ((double)(i % DAY) + firsts[k]) / 6) / 1000,
+                .column = ORL_ANNUAL_DARK};
+        if (orl_annual_year_make(&result, &year, &err) < 0)
+            fail_msg("first time %g / 6 h: %s", firsts[k], err.message);
+        assert_int_equal(year.steps.per_hour, 6);
+        for (uint32_t i = 0; i < result.n_steps; i++)
+            assert_int_equal(orl_annual_step_of(&year, &steps[i]), 151 * DAY + i);
+        orl_annual_year_done(&year);
+    }
+}
+
 /* Threads share the sensors: the report is the same to the last bit. */
 static void test_threads(void **state)
 {
@@ -638,6 +666,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_years),
+        cmocka_unit_test(test_times_of_steps),
         cmocka_unit_test(test_reports),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_nights_left_out),

@@ -21,6 +21,7 @@
 
 struct orl_annual_year {
     struct orl_annual_steps steps;
+    bool times_begin_steps; /* rows' times: 0, 1/4 h ...; else middles or ends of steps */
     /* For each step: 1 if the file has a row for it. Also 1 for a step at night without a row, if
      * its day has other rows or no sunrise: it is dark. Owned, as the arrays below. */
     unsigned char *measured;
