@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "light/night_light.h"
+#include "light/time_shift.h"
 #include "run/stages.h"
 
 void orl_year_warn(struct orl_year *y, const char *format, ...)
@@ -98,11 +99,17 @@ int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err)
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* Light measured while the sun is down is in no hour. */
-static void warn_night(struct orl_year *y, const struct orl_weather *weather)
+/* Light measured while the sun is down is in no hour. A shift of times explains it. */
+static void warn_of_times(struct orl_year *y, const struct orl_weather *weather)
 {
-    const struct orl_night_light night = orl_night_light_find(weather);
+    const struct orl_time_shift shift = orl_time_shift_find(weather);
+    struct orl_night_light night = orl_night_light_find(weather);
     char text[640];
+    if (orl_time_shift_describe(&shift, text, sizeof text)) {
+        orl_year_warn(y, "%s", text);
+        night.cause = ORL_NIGHT_SHIFT;
+        night.shift_h = shift.shift_h;
+    }
     if (orl_night_light_describe(&night, text, sizeof text))
         orl_year_warn(y, "%s", text);
 }
@@ -130,7 +137,7 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
                           request->ground_reflectance, y->env->run->crew, err);
     if (code == 0)
-        warn_night(y, &weather);
+        warn_of_times(y, &weather);
     orl_weather_done(&weather);
     if (code < 0)
         return code;

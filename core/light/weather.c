@@ -58,14 +58,15 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
+static const double missing = 9999; /* as both formats mark it */
+
 /* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
 static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
                     double last_hour, struct orl_weather_row *ret_row)
 {
     static const signed char days[12] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    static const double missing = 9999; /* as both formats mark it */
     double month = 0, day = 0;
-    struct orl_weather_row row = {.line = reader->scanner.line};
+    struct orl_weather_row row = {.line = reader->scanner.line, .global = NAN};
     int code = number(reader, fields[0], "the month", 1, 12, &month);
     if (code == 0)
         code = number(reader, fields[1], "the day", 1, days[(int)month - 1], &day);
@@ -87,6 +88,16 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
         row.missing = row.direct >= missing || row.diffuse >= missing;
     *ret_row = row;
     return 0;
+}
+
+/* Global irradiance is only for checks: NaN where the field has no value. */
+static double global_of(struct orl_slice field)
+{
+    double value = 0;
+    if (orl_number_read(field.text, field.length, &value) != ORL_NUMBER_OK || !(value >= 0) ||
+        value >= missing)
+        return NAN;
+    return value;
 }
 
 static int keep_row(struct reader *reader, const struct orl_weather_row *row)
@@ -249,6 +260,7 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
     if (code < 0)
         return code;
     row.year = year_of(fields[0]);
+    row.global = global_of(fields[13]);
     reader->has_rows = true;
     code = check_year(reader, &row);
     if (code == 0)

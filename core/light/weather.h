@@ -41,6 +41,7 @@ struct orl_weather_row {
     bool missing;
     double hour; /* the middle of its interval */
     double direct, diffuse;
+    double global; /* irradiance of the horizontal, W/m2; NaN: the file has none, as WEA */
 };
 
 struct orl_weather {

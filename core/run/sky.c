@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "light/daylight.h"
+#include "light/time_shift.h"
 #include "run/sky.h"
 #include "run/stages.h"
 
@@ -48,6 +49,14 @@ int orl_run_find_sky(const struct orl_files *files, const struct orl_sky_request
     return code;
 }
 
+static void warn_of_times(struct orl_run_state *state, const struct orl_weather *weather)
+{
+    const struct orl_time_shift shift = orl_time_shift_find(weather);
+    char text[640];
+    if (orl_time_shift_describe(&shift, text, sizeof text))
+        orl_run_warn(state, "sky: %s", text);
+}
+
 int orl_run_sky(struct orl_run_state *state, const struct orl_description *description,
                 struct orl_daylight *ret_daylight, struct orl_error *err)
 {
@@ -56,6 +65,8 @@ int orl_run_sky(struct orl_run_state *state, const struct orl_description *descr
     if (request->model == ORL_SKY_OF_SCENE)
         return 0;
     int code = orl_run_find_sky(state->env->files, request, &weather, ret_daylight, err);
+    if (code == 0 && weather.file)
+        warn_of_times(state, &weather.rows);
     orl_run_weather_done(&weather);
     if (code == 0)
         code = orl_lights_admit(description, err);

@@ -1,6 +1,6 @@
 /*
- * Rows of weather files against the sun: places at the date line, the Arctic, and light that a file
- * has while the sun is down.
+ * Rows of weather files against the sun: places at the date line, the Arctic, light that a file has
+ * while the sun is down, and global irradiance that tells a shift of its times.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -14,6 +14,7 @@
 
 #include "light/daylight.h"
 #include "light/night_light.h"
+#include "light/time_shift.h"
 #include "scene/generate/generate.h"
 
 enum { YEAR_ROWS = 8760 };
@@ -45,8 +46,11 @@ static void shine(const struct place *place, struct orl_weather_row *row)
         struct orl_weather_row at = *row;
         at.hour += (i + 0.5) / MOMENTS - 0.5;
         const double up = sin(altitude_deg(place, &at) * ORL_DEG_TO_RAD);
-        row->direct += up > 0 ? 900 * up / (up + 0.15) / MOMENTS : 0;
-        row->diffuse += up > 0 ? (20 + 80 * up) / MOMENTS : 0;
+        const double direct = up > 0 ? 900 * up / (up + 0.15) / MOMENTS : 0;
+        const double diffuse = up > 0 ? (20 + 80 * up) / MOMENTS : 0;
+        row->direct += direct;
+        row->diffuse += diffuse;
+        row->global += direct * up + diffuse;
     }
 }
 
@@ -278,13 +282,69 @@ static void test_single_sky(void **state)
     assert_true(sky.black && !strstr(sky.warnings, "left out"));
 }
 
+/* ---- Shifts of times ------------------------------------------------------------------------- */
+
+static void move_times(struct orl_weather *weather, double by_h)
+{
+    for (size_t i = 0; i < weather->n_rows; i++)
+        weather->rows[i].hour += by_h;
+}
+
+static struct orl_time_shift find_shift(const struct orl_weather *weather, char *text, size_t size)
+{
+    const struct orl_time_shift shift = orl_time_shift_find(weather);
+    text[0] = '\0';
+    assert_int_equal(orl_time_shift_describe(&shift, text, size), shift.shift_h != 0);
+    if (text[0])
+        print_message("# %s\n", text);
+    return shift;
+}
+
+/* Half an hour either way, and 42 minutes as in files of PVGIS: the time zone that the warning
+ * names is a remedy. */
+static void test_shifted_times(void **state)
+{
+    static const struct place *const places[] = {&tromso, &athens, &samoa, &denver};
+    static const double shifts_h[] = {0, -0.5, 0.5, 0.7};
+    char text[640];
+    (void)state;
+    for (size_t p = 0; p < sizeof places / sizeof *places; p++)
+        for (size_t i = 0; i < sizeof shifts_h / sizeof *shifts_h; i++) {
+            struct orl_weather weather = clear_year(places[p]);
+            move_times(&weather, -shifts_h[i]);
+            const struct orl_time_shift shift = find_shift(&weather, text, sizeof text);
+            if (!(fabs(shift.shift_h - shifts_h[i]) < 0.11))
+                fail_msg("%s: %g h, not %g", places[p]->name, shift.shift_h, shifts_h[i]);
+            assert_true(shift.shift_h == 0 || strstr(text, shift.shift_h < 0 ? "late" : "early"));
+            weather.time_zone_h -= shift.shift_h;
+            assert_true(find_shift(&weather, text, sizeof text).shift_h == 0);
+        }
+}
+
+/* Nothing is told by WEA files, which have no global irradiance, nor by a global irradiance that
+ * agrees with no sun. */
+static void test_shifts_unknown(void **state)
+{
+    struct orl_weather weather = clear_year(&athens);
+    char text[640];
+    (void)state;
+    for (size_t i = 0; i < weather.n_rows; i++)
+        weather.rows[i].global = i % 2 ? 900 : 50;
+    assert_true(find_shift(&weather, text, sizeof text).shift_h == 0);
+    move_times(&weather, 0.5);
+    for (size_t i = 0; i < weather.n_rows; i++)
+        weather.rows[i].global = NAN;
+    assert_true(find_shift(&weather, text, sizeof text).shift_h == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_arctic),       cmocka_unit_test(test_part_of_an_hour),
-        cmocka_unit_test(test_date_line),    cmocka_unit_test(test_commands),
-        cmocka_unit_test(test_count),        cmocka_unit_test(test_causes),
-        cmocka_unit_test(test_half_an_hour), cmocka_unit_test(test_single_sky),
+        cmocka_unit_test(test_shifted_times), cmocka_unit_test(test_shifts_unknown),
+        cmocka_unit_test(test_arctic),        cmocka_unit_test(test_part_of_an_hour),
+        cmocka_unit_test(test_date_line),     cmocka_unit_test(test_commands),
+        cmocka_unit_test(test_count),         cmocka_unit_test(test_causes),
+        cmocka_unit_test(test_half_an_hour),  cmocka_unit_test(test_single_sky),
     };
     return cmocka_run_group_tests_name("night_light", tests, NULL, NULL);
 }
