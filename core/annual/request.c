@@ -87,6 +87,9 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
         const struct orl_annual_grid *g = &request->grids[i];
         if (g->first > request->n_sensors || g->count > request->n_sensors - g->first)
             return orl_error_set(err, ORL_ERR_RANGE, "grid %zu goes beyond the last sensor", i + 1);
+        if (i > 0 && g->first < g[-1].first + g[-1].count)
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "grid %zu begins before the end of the one before it", i + 1);
     }
     if (request->coefficients && request->n_groups > 0)
         return orl_error_set(err, ORL_ERR_INVALID,

@@ -1,5 +1,6 @@
 #include "annual/schedule.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -53,7 +54,7 @@ bool orl_shades_controlled(const struct orl_annual_request *request)
     return false;
 }
 
-size_t orl_shades_grids(const struct orl_annual_request *request)
+static size_t count_grids(const struct orl_annual_request *request)
 {
     return request->n_grids > 0 ? request->n_grids : 1;
 }
@@ -69,19 +70,6 @@ static bool looks_at(const struct orl_shade_control *control, const struct orl_a
     return !control->grid || (grid->name && strcasecmp(grid->name, control->grid) == 0);
 }
 
-void orl_shades_count(const struct orl_annual_request *request,
-                      const struct orl_shade_control *control, size_t sensor, const float *lx,
-                      size_t columns, uint32_t *counts)
-{
-    for (size_t g = 0; g < orl_shades_grids(request); g++) {
-        const struct orl_annual_grid grid = grid_of(request, g);
-        if (!looks_at(control, &grid) || sensor < grid.first || sensor >= grid.first + grid.count)
-            continue;
-        for (size_t c = 0; c < columns; c++)
-            counts[g * columns + c] += (double)lx[c] >= control->above_lx;
-    }
-}
-
 static bool closes(const struct orl_shade_control *control, uint32_t lit, size_t sensors)
 {
     return control->kind == ORL_SHADES_BY_LIGHT
@@ -89,14 +77,55 @@ static bool closes(const struct orl_shade_control *control, uint32_t lit, size_t
                : 100.0 * lit > control->share_percent * (double)sensors;
 }
 
-void orl_shades_decide(const struct orl_annual_request *request,
-                       const struct orl_shade_control *control, const uint32_t *counts,
-                       size_t columns, bool *ret_closed)
+int orl_shade_count_init(struct orl_shade_count *count, size_t columns)
 {
-    memset(ret_closed, 0, columns * sizeof *ret_closed);
-    for (size_t g = 0; g < orl_shades_grids(request); g++) {
-        const struct orl_annual_grid grid = grid_of(request, g);
-        for (size_t c = 0; c < columns && looks_at(control, &grid); c++)
-            ret_closed[c] = ret_closed[c] || closes(control, counts[g * columns + c], grid.count);
+    *count = (struct orl_shade_count){.lit = calloc(columns + 1, sizeof *count->lit),
+                                      .closed = calloc(columns + 1, sizeof *count->closed),
+                                      .columns = columns};
+    return count->lit && count->closed ? 0 : ORL_ERR_NOMEM;
+}
+
+void orl_shade_count_done(struct orl_shade_count *count)
+{
+    free(count->lit);
+    free(count->closed);
+    *count = (struct orl_shade_count){.lit = NULL};
+}
+
+/* Notes what the grid decides, and goes on to the next. */
+static void end_grid(struct orl_shade_count *count, const struct orl_annual_request *request,
+                     const struct orl_shade_control *control)
+{
+    const struct orl_annual_grid grid = grid_of(request, count->grid++);
+    if (!looks_at(control, &grid))
+        return;
+    for (size_t c = 0; c < count->columns; c++) {
+        count->closed[c] = count->closed[c] || closes(control, count->lit[c], grid.count);
+        count->lit[c] = 0;
     }
+}
+
+void orl_shade_count_add(struct orl_shade_count *count, const struct orl_annual_request *request,
+                         const struct orl_shade_control *control, size_t sensor, const float *lx)
+{
+    struct orl_annual_grid grid;
+    for (;;) {
+        if (count->grid >= count_grids(request))
+            return;
+        grid = grid_of(request, count->grid);
+        if (sensor < grid.first + grid.count)
+            break;
+        end_grid(count, request, control);
+    }
+    if (sensor < grid.first || !looks_at(control, &grid))
+        return;
+    for (size_t c = 0; c < count->columns; c++)
+        count->lit[c] += (double)lx[c] >= control->above_lx;
+}
+
+void orl_shade_count_end(struct orl_shade_count *count, const struct orl_annual_request *request,
+                         const struct orl_shade_control *control)
+{
+    while (count->grid < count_grids(request))
+        end_grid(count, request, control);
 }

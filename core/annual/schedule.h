@@ -14,18 +14,26 @@ int orl_shades_schedule(const struct orl_annual_request *request,
 bool orl_shades_controlled(const struct orl_annual_request *request);
 
 /*
- * Control by light: sensors are counted one by one, then the counts decide.
- * counts: [grid][column], 0 at first; orl_shades_grids of them, all sensors being one grid if there
- * is none. lx: the sensor's, by column: total light, or direct light of the group's own windows,
- * all groups being open.
+ * Control by light: sensors are counted in their order, one by one, and what a grid decides is
+ * noted when its last one has been, so that memory does not grow with the grids. All sensors are
+ * one grid if there is none.
  */
-size_t orl_shades_grids(const struct orl_annual_request *request);
-void orl_shades_count(const struct orl_annual_request *request,
-                      const struct orl_shade_control *control, size_t sensor, const float *lx,
-                      size_t columns, uint32_t *counts);
-/* Sets closed of every column. */
-void orl_shades_decide(const struct orl_annual_request *request,
-                       const struct orl_shade_control *control, const uint32_t *counts,
-                       size_t columns, bool *ret_closed);
+struct orl_shade_count {
+    size_t grid;   /* that is counted now */
+    uint32_t *lit; /* by column: its sensors above the bound */
+    bool *closed;  /* by column: some grid before it closes the group */
+    size_t columns;
+};
+
+/* Returns 0 or ORL_ERR_NOMEM; orl_shade_count_done in either case. */
+int orl_shade_count_init(struct orl_shade_count *count, size_t columns);
+void orl_shade_count_done(struct orl_shade_count *count);
+/* lx: the sensor's, by column: total light, or direct light of the group's own windows, all groups
+ * being open. A sensor that is left out has none. */
+void orl_shade_count_add(struct orl_shade_count *count, const struct orl_annual_request *request,
+                         const struct orl_shade_control *control, size_t sensor, const float *lx);
+/* After the last sensor: then closed is that of all grids. */
+void orl_shade_count_end(struct orl_shade_count *count, const struct orl_annual_request *request,
+                         const struct orl_shade_control *control);
 
 #endif

@@ -10,11 +10,15 @@
 #include <oriel/annual_glare.h>
 
 #include "annual/matrices.h"
-#include "annual/schedule.h"
 #include "annual/shading.h"
 #include "scene/swap.h"
 
 enum { MOST = ORL_SHADES_MOST_COMBINATIONS };
+
+static int poll(const struct orl_shading *s)
+{
+    return orl_is_cancelled(s->env->run->cancel) ? orl_year_cancelled(s->err) : 0;
+}
 
 /* ---- Runs of all light ----------------------------------------------------------------------- */
 
@@ -52,14 +56,16 @@ static int run_combination(struct orl_shading *s, size_t index, double share)
         .states = s->combinations[index], .index = (uint32_t)index, .share = share};
     struct orl_annual_result run = {.n_sensors = 0}, *all = s->result;
     const size_t columns = all->n_columns;
-    const int code = orl_shading_run(s, &sub, &run);
-    for (size_t i = 0; i < all->n_sensors && code == 0; i++)
+    int code = orl_shading_run(s, &sub, &run);
+    for (size_t i = 0; i < all->n_sensors && code == 0; i++) {
         for (size_t c = 0; c < columns; c++) {
             if (s->which[c] != index)
                 continue;
             all->total[i * columns + c] = run.total[i * columns + c];
             all->se[i * columns + c] = run.se[i * columns + c];
         }
+        code = poll(s);
+    }
     if (code == 0)
         raise_coherence(all, &run);
     orl_annual_done(&run);
@@ -71,14 +77,16 @@ static int run_combination(struct orl_shading *s, size_t index, double share)
 static void count_sunlit(void *ctx, size_t sensor, uint32_t part, const float *lx)
 {
     struct orl_shading *s = ctx;
-    if (part < s->request->n_groups && s->counts[part])
-        orl_shades_count(s->request, &s->request->groups[part].control, sensor, lx,
-                         s->result->n_columns, s->counts[part]);
+    if (part < s->request->n_groups && s->counts[part].lit)
+        orl_shade_count_add(&s->counts[part], s->request, &s->request->groups[part].control, sensor,
+                            lx);
 }
 
-static uint32_t *new_counts(const struct orl_shading *s)
+static int begin_count(struct orl_shading *s, size_t g)
 {
-    return calloc(orl_shades_grids(s->request) * s->result->n_columns + 1, sizeof(uint32_t));
+    return orl_shade_count_init(&s->counts[g], s->result->n_columns) < 0
+               ? orl_year_no_memory(s->err)
+               : 0;
 }
 
 static bool is_by_sun(const struct orl_shading *s, size_t g)
@@ -94,8 +102,8 @@ static int count_direct(struct orl_shading *s, double share)
     for (size_t g = 0; g < groups; g++) {
         used[g] = is_by_sun(s, g);
         any = any || used[g];
-        if (used[g] && !(s->counts[g] = new_counts(s)))
-            return orl_year_no_memory(s->err);
+        if (used[g] && begin_count(s, g) < 0)
+            return ORL_ERR_NOMEM;
     }
     if (!any)
         return 0;
@@ -107,17 +115,19 @@ static int count_direct(struct orl_shading *s, double share)
                                     .sun_only = true,
                                     .share = share};
     struct orl_annual_result run = {.n_sensors = 0};
-    const int code = orl_shading_run(s, &sub, &run);
+    int code = orl_shading_run(s, &sub, &run);
     orl_annual_done(&run);
     if (code == 0 || code != ORL_ERR_UNSUPPORTED || groups > 1 || !s->opened)
         return code;
     /* Light through openings, or through windows inside a building, has no group. With one group,
      * all direct sunlight counts. */
-    memset(s->counts[0], 0,
-           orl_shades_grids(s->request) * s->result->n_columns * sizeof **s->counts);
-    for (size_t i = 0; i < s->result->n_sensors; i++)
+    orl_shade_count_done(&s->counts[0]);
+    code = begin_count(s, 0);
+    for (size_t i = 0; i < s->result->n_sensors && code == 0; i++) {
         count_sunlit(s, i, 0, orl_annual_row(s->result, s->result->direct, i));
-    return 0;
+        code = poll(s);
+    }
+    return code;
 }
 
 /* In which columns a seat is dazzled, all groups being open. */
@@ -147,15 +157,18 @@ static int find_light(struct orl_shading *s, size_t g, bool *closed)
 {
     const struct orl_shade_control *control = &s->request->groups[g].control;
     const struct orl_annual_result *r = s->result;
-    if (!s->counts[g]) {
-        s->counts[g] = new_counts(s);
-        if (!s->counts[g])
-            return orl_year_no_memory(s->err);
-        for (size_t i = 0; i < r->n_sensors; i++)
-            orl_shades_count(s->request, control, i, orl_annual_row(r, r->total, i), r->n_columns,
-                             s->counts[g]);
+    struct orl_shade_count *count = &s->counts[g];
+    if (!count->lit) {
+        int code = begin_count(s, g);
+        for (size_t i = 0; i < r->n_sensors && code == 0; i++) {
+            orl_shade_count_add(count, s->request, control, i, orl_annual_row(r, r->total, i));
+            code = poll(s);
+        }
+        if (code < 0)
+            return code;
     }
-    orl_shades_decide(s->request, control, s->counts[g], r->n_columns, closed);
+    orl_shade_count_end(count, s->request, control);
+    memcpy(closed, count->closed, r->n_columns * sizeof *closed);
     return 0;
 }
 
@@ -268,22 +281,28 @@ static int make_pass(const struct orl_shading *s, size_t state, struct pass *pas
 
 /* Adds a run's light to the result. The first pass, if there was no run of all open, also gives the
  * direct sunlight and the overcast sky's light. */
-static void add_run(struct orl_shading *s, struct orl_annual_result *run, bool first)
+static int add_run(struct orl_shading *s, struct orl_annual_result *run, bool first)
 {
     struct orl_annual_result *all = s->result;
-    for (size_t at = 0; at < all->n_sensors * all->n_columns; at++) {
-        all->total[at] += run->total[at];
-        all->se[at] = hypotf(all->se[at], run->se[at]);
+    const size_t columns = all->n_columns;
+    int code = 0;
+    for (size_t i = 0; i < all->n_sensors && code == 0; i++) {
+        for (size_t at = i * columns; at < (i + 1) * columns; at++) {
+            all->total[at] += run->total[at];
+            all->se[at] = hypotf(all->se[at], run->se[at]);
+        }
+        code = poll(s);
     }
     if (all->coherence)
         raise_coherence(all, run);
-    if (!first)
-        return;
+    if (!first || code < 0)
+        return code;
     all->direct = run->direct;
     all->overcast = run->overcast;
     all->overcast_se = run->overcast_se;
     all->coherence = run->coherence;
     run->direct = run->overcast = run->overcast_se = run->coherence = NULL;
+    return 0;
 }
 
 static int run_pass(struct orl_shading *s, struct pass *pass, double share)
@@ -300,9 +319,9 @@ static int run_pass(struct orl_shading *s, struct pass *pass, double share)
     struct orl_annual_result run = {.n_sensors = 0};
     if (!pass->any && !first)
         return 0;
-    const int code = orl_shading_run(s, &sub, &run);
+    int code = orl_shading_run(s, &sub, &run);
     if (code == 0)
-        add_run(s, &run, first);
+        code = add_run(s, &run, first);
     orl_annual_done(&run);
     return code;
 }

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/schedule.h"
 #include "annual/variant.h"
 
 enum { ROUNDS = 4096 }; /* runs of one round of refinement, at the most */
@@ -120,6 +119,6 @@ void orl_shading_done(struct orl_shading *s)
     free(s->which);
     free(s->combinations);
     for (size_t g = 0; s->counts && g < s->request->n_groups; g++)
-        free(s->counts[g]);
+        orl_shade_count_done(&s->counts[g]);
     free(s->counts);
 }

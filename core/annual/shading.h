@@ -2,6 +2,7 @@
 #ifndef ORL_ANNUAL_SHADING_H
 #define ORL_ANNUAL_SHADING_H
 
+#include "annual/schedule.h"
 #include "annual/year.h"
 
 struct orl_shading {
@@ -12,11 +13,11 @@ struct orl_shading {
     unsigned char *states;            /* [group * n_steps + step] */
     unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first: all open */
     size_t n_combinations;
-    unsigned char *which; /* of them, by column; MOST: one that there was no room for */
-    bool opened;          /* the run of all open is done */
-    bool summed;          /* light is added up by parts of the windows */
-    uint32_t **counts;    /* by group: sensors in direct sunlight (schedule.h), or NULL */
-    double told;          /* of the whole, by runs that are over */
+    unsigned char *which;           /* of them, by column; MOST: one that there was no room for */
+    bool opened;                    /* the run of all open is done */
+    bool summed;                    /* light is added up by parts of the windows */
+    struct orl_shade_count *counts; /* by group: sensors in direct sunlight; or not begun */
+    double told;                    /* of the whole, by runs that are over */
     struct orl_error *err;
 };
 

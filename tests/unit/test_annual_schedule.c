@@ -18,12 +18,13 @@ static void decide(const struct orl_annual_request *request,
                    const struct orl_shade_control *control, const float *lx, size_t columns,
                    bool *ret_closed)
 {
-    uint32_t *counts = calloc(orl_shades_grids(request) * columns, sizeof *counts);
-    assert_non_null(counts);
+    struct orl_shade_count count;
+    assert_int_equal(orl_shade_count_init(&count, columns), 0);
     for (size_t i = 0; i < request->n_sensors; i++)
-        orl_shades_count(request, control, i, lx + i * columns, columns, counts);
-    orl_shades_decide(request, control, counts, columns, ret_closed);
-    free(counts);
+        orl_shade_count_add(&count, request, control, i, lx + i * columns);
+    orl_shade_count_end(&count, request, control);
+    memcpy(ret_closed, count.closed, columns * sizeof *ret_closed);
+    orl_shade_count_done(&count);
 }
 
 /* Of LM-83: more than 2 % of the points have 1000 lx or more; both bounds met exactly. */

@@ -74,7 +74,7 @@ struct orl_annual_request {
     enum orl_sun_method sun_method; /* ORL_SUN_ACCURATE by default */
     struct orl_sensor *sensors;
     size_t n_sensors;
-    struct orl_annual_grid *grids; /* may be none */
+    struct orl_annual_grid *grids; /* may be none; one after the other: no sensor is in two */
     size_t n_grids;
     struct orl_window_group *groups; /* of windows with shades; may be none */
     size_t n_groups;
