@@ -34,7 +34,6 @@ static void print_table(const struct orl_result *result, const struct orl_curve 
     orl_plan_print(stdout, &result->plan);
     if (curve)
         orl_curve_print(stdout, curve);
-    fflush(stdout); /* before what follows on the other stream */
     for (size_t i = 0; i < result->n_warnings; i++) {
         fputs(mark, stderr);
         orl_print_wrapped(stderr, sizeof mark - 1, sizeof mark - 1, result->warnings[i]);

@@ -77,7 +77,6 @@ static void print_job(const json_t *job)
     }
     if (json_object_get(job, "bsdf"))
         printf("bsdf     %s\n", orl_json_text(json_object_get(job, "bsdf"), "id"));
-    fflush(stdout);
     orl_report_job_error(job);
 }
 

@@ -133,7 +133,6 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
         code = orl_report_error(&err);
     } else {
         printf("%s\n", orl_json_text(reply, "id"));
-        fflush(stdout);
         code = wait ? orl_follow_job(&http, orl_json_text(reply, "id")) : ORL_EXIT_OK;
     }
     json_decref(reply);

@@ -45,7 +45,6 @@ static void take_job(struct watch *watch, json_t *job)
     if (!is_news(json_object_get(watch->told, id), job))
         return;
     orl_print_job(job);
-    fflush(stdout);
     json_object_set(watch->told, id, job);
 }
 
@@ -57,7 +56,6 @@ static void take_event(struct watch *watch)
         take_job(watch, doc);
     } else if (doc && strcmp(watch->event, "removed") == 0) {
         printf("%-8.8s  removed\n", orl_json_text(doc, "id"));
-        fflush(stdout);
         json_object_del(watch->told, orl_json_text(doc, "id"));
     }
     json_decref(doc);

@@ -6,6 +6,8 @@
  * verify, there is nothing to compare with.
  * Standard output carries what a script wants (an id, a table, JSON); everything else, progress
  * and errors, goes to stderr.
+ * Standard output is flushed at the end of each line, so that in a log of both (`> log 2>&1`) lines
+ * stand whole and in the order in which they were written.
  */
 #ifndef ORL_CLIENT_COMMAND_H
 #define ORL_CLIENT_COMMAND_H

@@ -210,6 +210,7 @@ int main(int argc, char **argv)
     const struct orl_subcommand *command;
     int code;
 
+    setvbuf(stdout, NULL, _IOLBF, 0); /* command.h */
     if (argc < 2) {
         print_overview(stderr);
         return ORL_EXIT_USAGE;

@@ -24,7 +24,6 @@
 static void announce(const char *url)
 {
     printf("listening on %s\n", url);
-    fflush(stdout);
 }
 
 /*
@@ -62,7 +61,8 @@ int main(int argc, char **argv)
     struct orl_error err;
     enum orl_config_action action;
     char pool[16];
-    umask(077); /* what is kept is nobody else's to read */
+    setvbuf(stdout, NULL, _IOLBF, 0); /* in a log of both outputs lines keep their order */
+    umask(077);                       /* what is kept is nobody else's to read */
     if (sodium_init() < 0) {
         fprintf(stderr, "orield: no source of random numbers\n");
         return 1;

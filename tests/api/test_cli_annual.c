@@ -339,6 +339,31 @@ static void test_threads_change_nothing(void **state)
     }
 }
 
+/* Where the text stands in the log, which is to have it at the beginning of a line. */
+static const char *find_line(const char *log, const char *text)
+{
+    for (const char *at = strstr(log, text); at; at = strstr(at + 1, text))
+        if (at == log || at[-1] == '\n')
+            return at;
+    fail_msg("no line begins with \"%s\" in:\n%s", text, log);
+    return NULL;
+}
+
+/* In one log, as by `> log 2>&1`, lines are whole and in the order in which they were written:
+ * verdicts, seconds, the path of the result. */
+static void test_both_outputs_in_one_log(void **state)
+{
+    struct cli_desk *f = *state;
+    const char *const args[] = {"annual", f->document, "-o", f->output, NULL};
+    cli_run_merged(args, &f->result);
+    assert_int_equal(f->result.exit_code, 0);
+    const char *const seconds = find_line(f->result.out, "seconds: ");
+    const char *const path = find_line(f->result.out, f->output);
+    assert_true(strstr(f->result.out, "sDA300/50 of the desks") < seconds);
+    assert_true(strstr(f->result.out, "EN 17037 minimum: ") < seconds);
+    assert_true(seconds < path);
+}
+
 /* A bound in the midst of what its first paths leave open: only some sensors get more of them. */
 static void test_until_a_verdict_is_sure(void **state)
 {
@@ -491,6 +516,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_years_of_the_weather_file, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_year_to_its_end, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_threads_change_nothing, set_up, cli_desk_tear_down),
+        cmocka_unit_test_setup_teardown(test_both_outputs_in_one_log, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_until_a_verdict_is_sure, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_the_page_tells_of_shades, set_up, cli_desk_tear_down),
         cmocka_unit_test_setup_teardown(test_a_cache_is_used_again, set_up, cli_desk_tear_down),

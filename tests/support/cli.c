@@ -25,16 +25,12 @@ static int temporary_file(void)
     return fd;
 }
 
-struct cli_child cli_start(const char *const *args)
-{
-    return cli_start_program("oriel", args);
-}
-
-struct cli_child cli_start_program(const char *name, const char *const *args)
+/* Takes the descriptors. */
+static struct cli_child start(const char *name, const char *const *args, int out_fd, int err_fd)
 {
     const char *build = getenv("ORIEL_BUILD");
     char program[1024], *argv[MAX_ARGS] = {program};
-    struct cli_child child = {.out_fd = temporary_file(), .err_fd = temporary_file()};
+    struct cli_child child = {.out_fd = out_fd, .err_fd = err_fd};
 
     snprintf(program, sizeof program, "%s/%s", build ? build : "build", name);
     assert_int_equal(access(program, X_OK), 0);
@@ -51,6 +47,16 @@ struct cli_child cli_start_program(const char *name, const char *const *args)
         _exit(127);
     }
     return child;
+}
+
+struct cli_child cli_start_program(const char *name, const char *const *args)
+{
+    return start(name, args, temporary_file(), temporary_file());
+}
+
+struct cli_child cli_start(const char *const *args)
+{
+    return cli_start_program("oriel", args);
 }
 
 void cli_peek(const struct cli_child *child, char *ret_text)
@@ -83,6 +89,15 @@ void cli_finish(struct cli_child *child, struct cli_result *ret_result)
 void cli_run(const char *const *args, struct cli_result *ret_result)
 {
     struct cli_child child = cli_start(args);
+
+    cli_finish(&child, ret_result);
+}
+
+void cli_run_merged(const char *const *args, struct cli_result *ret_result)
+{
+    const int log = temporary_file(), again = fcntl(log, F_DUPFD_CLOEXEC, 0);
+    assert_true(again >= 0);
+    struct cli_child child = start("oriel", args, log, again);
 
     cli_finish(&child, ret_result);
 }
