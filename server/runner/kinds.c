@@ -200,10 +200,11 @@ static uint64_t annual_result_bytes(const struct orl_task *task)
     const struct orl_annual_wishes *wishes = &job->wishes;
     const uint64_t maps = wishes->n_metrics + 2;
     const uint64_t points = wishes->exposure.n_points + wishes->view_out.n_points;
-    return DOCUMENT + 8784 * HOURS_ROW +
-           job->request.n_grids * (PAGE + MAP * maps + 8784 * HOURS_GRID) +
+    return DOCUMENT + UINT64_C(8784) * HOURS_ROW +
+           job->request.n_grids * (PAGE + MAP * maps + UINT64_C(8784) * HOURS_GRID) +
            job->request.n_sensors * annual_sensor_bytes(task) +
-           wishes->glare.n_seats * (SEAT_HEADINGS + 8784 * SEAT_HOUR) + points * POINT_ROW;
+           wishes->glare.n_seats * (SEAT_HEADINGS + UINT64_C(8784) * SEAT_HOUR) +
+           points * POINT_ROW;
 }
 
 /* Glare seats of the largest list: reported ones, or those of a control; each list is one run. */

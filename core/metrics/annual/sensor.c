@@ -190,10 +190,11 @@ void orl_annual_evaluate(const struct orl_annual_metric *metric,
 static double step_crossing(const struct orl_annual_metric *metric, const struct light *light,
                             uint32_t column)
 {
-    const double lx = light->value[column], error = light->error ? light->error[column] : 0;
+    const double lx = light->value[column];
     const bool strict =
         metric->kind == ORL_METRIC_UDI_UPPER || metric->kind == ORL_METRIC_DIRECT_HOURS;
-    const double share = error > 0 && lx > 0 ? proportion(light, column) : 0;
+    const bool unsure = light->error && light->error[column] > 0 && lx > 0;
+    const double share = unsure ? proportion(light, column) : 0;
     if (!(share > 0))
         return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
     const double z = log(metric->low_lx / lx) / share;

@@ -250,9 +250,9 @@ int orl_coincident_settle(struct orl_description *description, struct orl_error 
     struct settling t = {.d = description, .cutting = {.d = description}};
     struct orl_pairs lots[NOTHING] = {{0}};
     t.cutting.words = &t.words;
-    t.cut = list_cut(description);
-    const int code = t.cut ? settle(&t, lots, err) : ORL_ERR_NOMEM;
-    free(t.cut);
+    bool *const cut = t.cut = list_cut(description);
+    const int code = cut ? settle(&t, lots, err) : ORL_ERR_NOMEM;
+    free(cut);
     orl_coincidence_end(&t.words, description);
     if (t.cutting.cut_short)
         orl_description_warn(description,
