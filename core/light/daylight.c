@@ -398,6 +398,40 @@ static int find(const struct orl_sky_request *request, struct orl_text *text,
     return code;
 }
 
+double orl_daylight_altitude_of_row(const struct orl_weather *weather,
+                                    const struct orl_weather_row *row)
+{
+    const struct orl_sky_request request = {.time_given = true,
+                                            .sun_method = weather->sun_method,
+                                            .year = row->year,
+                                            .month = row->month,
+                                            .day = row->day,
+                                            .hour = row->hour,
+                                            .interval_h = weather->interval_h,
+                                            .latitude_deg = weather->latitude_deg,
+                                            .longitude_deg = weather->longitude_deg,
+                                            .time_zone_h = weather->time_zone_h};
+    return sun_of(&request).altitude_rad / ORL_DEG_TO_RAD;
+}
+
+/* Limits direct normal light of a low sun to what the sun has, with a warning: programs divide by
+ * the sine of its altitude. What a high sun cannot have is left, and refused. */
+static void limit_low_sun(const struct orl_weather *weather, const struct orl_weather_row *row,
+                          struct orl_sky_request *request, struct orl_text *text)
+{
+    static const double low_deg = 10;
+    const bool lux = weather->units == ORL_WEATHER_NORMAL_LX;
+    const double most = lux ? ORL_DAYLIGHT_MOST_LX : ORL_DAYLIGHT_MOST_W;
+    if (weather->units == ORL_WEATHER_HORIZONTAL_W || request->first <= most ||
+        orl_daylight_altitude_of_row(weather, row) > low_deg)
+        return;
+    orl_text_warn(text,
+                  "line %d of the weather file: %g %s of direct light from a low sun are taken as "
+                  "%g, the most that the sun has",
+                  row->line, request->first, lux ? "lx" : "W/m2", most);
+    request->first = most;
+}
+
 /* A weather row as the Perez sky that it stands for, at the middle of its interval. */
 static int take_row(const struct orl_weather *weather, const struct orl_weather_row *row,
                     struct orl_sky_request *request, struct orl_text *text, struct orl_error *err)
@@ -425,26 +459,14 @@ static int take_row(const struct orl_weather *weather, const struct orl_weather_
     request->input = inputs[weather->units];
     request->first = fmax(row->direct, 0.0);
     request->second = fmax(row->diffuse, 0.0);
+    limit_low_sun(weather, row, request, text);
     const int code = orl_daylight_check(request, err);
-    if (code < 0)
+    if (code < 0) {
         orl_error_at(err, NULL, row->line, NULL);
+        orl_error_hint(err, "correct the row; if others are like it, the file's light is not in %s",
+                       weather->units == ORL_WEATHER_NORMAL_LX ? "lx" : "W/m2");
+    }
     return code;
-}
-
-double orl_daylight_altitude_of_row(const struct orl_weather *weather,
-                                    const struct orl_weather_row *row)
-{
-    const struct orl_sky_request request = {.time_given = true,
-                                            .sun_method = weather->sun_method,
-                                            .year = row->year,
-                                            .month = row->month,
-                                            .day = row->day,
-                                            .hour = row->hour,
-                                            .interval_h = weather->interval_h,
-                                            .latitude_deg = weather->latitude_deg,
-                                            .longitude_deg = weather->longitude_deg,
-                                            .time_zone_h = weather->time_zone_h};
-    return sun_of(&request).altitude_rad / ORL_DEG_TO_RAD;
 }
 
 static int request_of_row(const struct orl_sky_request *request, const struct orl_weather *weather,

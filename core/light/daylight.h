@@ -17,6 +17,10 @@
 #include "light/weather.h"
 #include "scene/description.h"
 
+/* The most direct normal light, as gendaylit has it: the solar constant. */
+#define ORL_DAYLIGHT_MOST_W 1367.0
+#define ORL_DAYLIGHT_MOST_LX 127500.0
+
 struct orl_daylight {
     struct orl_sky pattern; /* sky above, ground below */
     bool black;             /* nothing shines */

@@ -78,19 +78,18 @@ static int check_sun(const struct orl_sky_request *r, bool needed, struct orl_er
     return ORL_ERR_INVALID;
 }
 
-/* The bounds are the solar constant, above which gendaylit's sky is black, and its model's own. */
+/* Above the solar constant gendaylit's sky is black; the other bounds are its model's own. */
 static int check_perez(const struct orl_sky_request *r, struct orl_error *err)
 {
-    static const double constant_w = 1367, constant_lx = 127500;
-    struct range ranges[2] = {{"direct_normal_w_m2", r->first, 0, constant_w},
-                              {"diffuse_horizontal_w_m2", r->second, 0, constant_w}};
+    struct range ranges[2] = {{"direct_normal_w_m2", r->first, 0, ORL_DAYLIGHT_MOST_W},
+                              {"diffuse_horizontal_w_m2", r->second, 0, ORL_DAYLIGHT_MOST_W}};
     size_t count = 2;
     switch (r->input) {
     case ORL_SKY_NORMAL_W:
         break;
     case ORL_SKY_NORMAL_LX:
-        ranges[0] = (struct range){"direct_normal_lx", r->first, 0, constant_lx};
-        ranges[1] = (struct range){"diffuse_horizontal_lx", r->second, 0, constant_lx};
+        ranges[0] = (struct range){"direct_normal_lx", r->first, 0, ORL_DAYLIGHT_MOST_LX};
+        ranges[1] = (struct range){"diffuse_horizontal_lx", r->second, 0, ORL_DAYLIGHT_MOST_LX};
         break;
     case ORL_SKY_HORIZONTAL_W:
         ranges[0].name = "direct_horizontal_w_m2";

@@ -297,12 +297,42 @@ static void test_weather_row_is_a_perez_sky(void **state)
     asked.hour = 13.5; /* more than the sun has */
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 5);
+    assert_non_null(strstr(err.hint, "W/m2"));
     asked.hour = 14.5;
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
     assert_non_null(strstr(a.warnings, "negative"));
     asked.day = 23;
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_NOT_FOUND);
     orl_weather_done(&weather);
+}
+
+/* Direct normal light that a program got by a division by the sine of a low sun: the row is taken
+ * with the most that the sun has, aloud. */
+static void test_too_much_of_a_low_sun(void **state)
+{
+    static const char *const values[] = {"9998", "1367"};
+    struct orl_sky_request asked = request_by_time();
+    struct orl_daylight skies[2] = {0};
+    (void)state;
+    asked.model = ORL_SKY_BY_WEATHER;
+    asked.hour = 6.5;
+    for (int i = 0; i < 2; i++) {
+        struct orl_weather weather;
+        struct orl_error err = {0};
+        char epw[200];
+        const int n = snprintf(epw, sizeof epw,
+                               "LOCATION,a,b,c,d,e,38.42,27.14,2.0,25\nDATA PERIODS,1,1,Data\n"
+                               "0,3,22,7,0,f,0,0,0,0,0,0,0,0,%s,20,0\n",
+                               values[i]);
+        assert_int_equal(orl_weather_parse("x", epw, (size_t)n, 0, &weather, &err), 0);
+        if (orl_daylight_find(&asked, &weather, &skies[i], &err) < 0)
+            fail_msg("%s", err.message);
+        orl_weather_done(&weather);
+    }
+    assert_true(skies[0].sun_radiance > 0 && skies[0].sun.z < 0.1);
+    assert_true(skies[0].sun_radiance == skies[1].sun_radiance);
+    assert_non_null(strstr(skies[0].warnings, "line 3 of the weather file: 9998 W/m2"));
+    assert_null(strstr(skies[1].warnings, "low sun"));
 }
 
 static void test_scene_with_a_sky_is_refused(void **state)
@@ -418,6 +448,7 @@ int main(void)
         cmocka_unit_test(test_black_skies_say_so),
         cmocka_unit_test(test_sunset),
         cmocka_unit_test(test_weather_row_is_a_perez_sky),
+        cmocka_unit_test(test_too_much_of_a_low_sun),
         cmocka_unit_test(test_scene_with_a_sky_is_refused),
         cmocka_unit_test(test_bad_requests),
         cmocka_unit_test(test_sources_over_one_another),
