@@ -138,25 +138,50 @@ static int read_location(struct reader *reader, struct orl_slice line)
     return code;
 }
 
-/* Returns the weekday of 1 January from that of another date ("7/ 1") of a year of 365 days, and
- * how many days lie between; -1 if either cannot be read. */
+/* Returns the index of the name that the field begins with, or n. */
+static int find_name(struct orl_slice field, const char *const *names, int n)
+{
+    int i = 0;
+    while (i < n && !orl_slice_begins_nocase(field, names[i]))
+        i++;
+    return i;
+}
+
+/* Reads a date of the header: "7/ 1", or "1-Jul" and "Jul-01", which spreadsheets make of it.
+ * Returns the days since 1 January, or -1. */
+static int days_of_date(struct orl_slice date)
+{
+    static const char *const names[] = {"jan", "feb", "mar", "apr", "may", "jun",
+                                        "jul", "aug", "sep", "oct", "nov", "dec"};
+    enum { MONTHS = sizeof names / sizeof *names };
+    const bool dashed = date.text && memchr(date.text, '-', date.length);
+    struct orl_slice parts[2] = {{NULL, 0}};
+    double month = 0, day = 0;
+    if (!orl_slice_take_cell(&date, dashed ? '-' : '/', &parts[0]) ||
+        !orl_slice_take_cell(&date, dashed ? '-' : '/', &parts[1]))
+        return -1;
+    const int by_name = dashed ? (find_name(parts[0], names, MONTHS) < MONTHS ? 0 : 1) : 0;
+    if (dashed)
+        month = find_name(parts[by_name], names, MONTHS) + 1;
+    else if (orl_number_read(parts[0].text, parts[0].length, &month) != ORL_NUMBER_OK)
+        return -1;
+    const struct orl_slice other = parts[1 - by_name];
+    if (orl_number_read(other.text, other.length, &day) != ORL_NUMBER_OK || !(month >= 1) ||
+        month > MONTHS || !(day >= 1) || day > 31)
+        return -1;
+    return orl_weather_days_before((int)month, (int)day, false);
+}
+
+/* Returns the weekday of 1 January from that of another date of a year of 365 days, and how many
+ * days lie between; -1 if either cannot be read. */
 static int weekday_of_new_year(struct orl_slice name, struct orl_slice date, int *ret_days)
 {
     static const char *const names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun"};
-    struct orl_slice fields[2] = {{NULL, 0}};
-    double month = 0, day = 0;
-    int weekday = 0;
-    while (weekday < 7 && !orl_slice_begins_nocase(name, names[weekday]))
-        weekday++;
-    if (weekday == 7 || !orl_slice_take_cell(&date, '/', &fields[0]) ||
-        !orl_slice_take_cell(&date, '/', &fields[1]))
+    const int weekday = find_name(name, names, 7), days = days_of_date(date);
+    if (weekday == 7 || days < 0)
         return -1;
-    if (orl_number_read(fields[0].text, fields[0].length, &month) != ORL_NUMBER_OK ||
-        orl_number_read(fields[1].text, fields[1].length, &day) != ORL_NUMBER_OK || !(month >= 1) ||
-        month > 12 || !(day >= 1) || day > 31)
-        return -1;
-    *ret_days = orl_weather_days_before((int)month, (int)day, false);
-    return (weekday + 7 * 53 - *ret_days) % 7;
+    *ret_days = days;
+    return (weekday + 7 * 53 - days) % 7;
 }
 
 /* DATA PERIODS,how many,records an hour,name,weekday of the first date,first date,last date */
@@ -353,10 +378,11 @@ static int read_wea(struct reader *reader)
 
 /* ---- Intervals ------------------------------------------------------------------------------- */
 
-/* Returns the least time between successive rows of a day, at most an hour: files may omit
- * nights. */
+/* Returns the least time between successive rows of a day, at most an hour: files may omit nights.
+ * The times of 10-minute rows are rounded: the hour's part is taken that they mean. */
 static double find_interval(const struct orl_weather *weather)
 {
+    static const double rounded = 0.07; /* 0.016 h of 1/60 h */
     double least = 1;
     for (size_t i = 1; i < weather->n_rows; i++) {
         const struct orl_weather_row *a = &weather->rows[i - 1], *b = &weather->rows[i];
@@ -364,7 +390,8 @@ static double find_interval(const struct orl_weather *weather)
         if (a->month == b->month && a->day == b->day && step > 1e-6)
             least = fmin(least, step);
     }
-    return least;
+    const double an_hour = round(fmin(60, 1 / least));
+    return fabs(least * an_hour - 1) < rounded ? 1 / an_hour : least;
 }
 
 /* ---- Years ----------------------------------------------------------------------------------- */
@@ -423,12 +450,41 @@ static int finish(struct reader *reader)
     return 0;
 }
 
+/* TMY2 files begin with a station's number, its city, state, time zone, and N or S. */
+static bool is_tmy2(struct orl_slice line)
+{
+    struct orl_slice word, last = {NULL, 0};
+    double number = 0;
+    bool first = true;
+    while ((word = orl_slice_take_word(&line)).length > 0) {
+        const bool is_number = orl_number_read(word.text, word.length, &number) == ORL_NUMBER_OK;
+        if (first && !is_number)
+            return false;
+        if (!first && is_number && last.length == 1 && (*last.text == 'N' || *last.text == 'S'))
+            return true;
+        first = false;
+        last = word;
+    }
+    return false;
+}
+
 static int refuse_head(struct reader *reader, struct orl_slice line)
 {
+    static const char convert[] = "take the EPW file of the place, or convert this one to EPW";
     fail(reader, ORL_ERR_SYNTAX, "a weather file begins with LOCATION (EPW) or place (WEA)");
     if (orl_slice_begins_nocase(line, "LOCATION;"))
         orl_error_hint(reader->err, "this EPW file has semicolons: save it with commas between its "
                                     "fields and points in its numbers");
+    else if (orl_slice_begins_nocase(line, "Latitude (decimal degrees)"))
+        orl_error_hint(reader->err, "this is a table of PVGIS, which has years as EPW files, too");
+    else if (orl_slice_begins_nocase(line, "Source,Location ID,"))
+        orl_error_hint(reader->err, "this is a table of NSRDB: %s", convert);
+    else if (is_tmy2(line))
+        orl_error_hint(reader->err, "this is a file of TMY2: %s", convert);
+    else if (next_line(reader, &line) && orl_slice_begins_nocase(line, "Date (MM/DD/YYYY),"))
+        orl_error_hint(reader->err, "this is a table of TMY3: %s", convert);
+    else
+        orl_error_hint(reader->err, "this is another form of file: %s", convert);
     return ORL_ERR_SYNTAX;
 }
 

@@ -202,6 +202,33 @@ static void test_bad_files(void **state)
     }
 }
 
+/* Tables of other sources are refused by their names, with what to do. */
+static void test_other_forms(void **state)
+{
+    static const struct {
+        const char *text, *form;
+    } forms[] = {
+        {"723170,\"A TOWN\",NC,-5.0,36.100,-79.950,273\nDate (MM/DD/YYYY),Time (HH:MM),ETR "
+         "(W/m^2)\n",
+         "TMY3"},
+        {" 13723 A_TOWN                 NC  -5 N 36  5 W  79 57   270\n 68010101000000000000?0\n",
+         "TMY2"},
+        {"Latitude (decimal degrees): 45.000\r\nLongitude (decimal degrees): 8.000\r\n", "PVGIS"},
+        {"Source,Location ID,City,State,Country,Latitude,Longitude\nNSRDB,1,-,-,-,40,-108\n",
+         "NSRDB"},
+        {"time(UTC),T2m,RH\n", "another form"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        struct orl_weather weather;
+        struct orl_error err = {0};
+        assert_int_equal(parse(forms[i].text, &weather, &err), ORL_ERR_SYNTAX);
+        print_message("# %s: %s\n", err.message, err.hint);
+        assert_int_equal(err.line, 1);
+        assert_non_null(strstr(err.hint, forms[i].form));
+        assert_non_null(strstr(err.hint, "EPW"));
+    }
+}
+
 /* Every beginning of a good file is a good file or an error, in a block of its exact size. */
 static void test_every_truncation(void **state)
 {
@@ -230,6 +257,8 @@ static void test_weekday_and_year(void **state)
     } cases[] = {{"DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31\n", 6},
                  {"DATA PERIODS,1,1,Data,monday,1/1,12/31\n", 0},
                  {"DATA PERIODS,1,1,Data,Tuesday, 7/ 1,12/31\n", 2},
+                 {"DATA PERIODS,1,1,Data,Tuesday,1-Jul,Dec-31,,,\n", 2},
+                 {"DATA PERIODS,1,1,Data,Tuesday,Jul-01,31-Dec\n", 2},
                  {"DATA PERIODS,1,1,Data,Someday,1/1,12/31\n", -1},
                  {"DATA PERIODS,1,1,Data,Sunday,13/1,12/31\n", -1},
                  {"DATA PERIODS,1,1\n", -1}};
@@ -247,6 +276,10 @@ static void test_weekday_and_year(void **state)
     assert_int_equal(wea.first_weekday, -1);
     assert_int_equal(wea.rows[0].year, 0);
     assert_true(fabs(wea.interval_h - 0.25) < 1e-9);
+    orl_weather_done(&wea);
+    /* Times are rounded: 0.166 h and 0.167 h are 10 minutes. */
+    wea = parse_good(WEA "3 22 0.583 0 0\n3 22 0.750 0 0\n3 22 0.917 0 0\n3 22 1.083 0 0\n");
+    assert_true(fabs(wea.interval_h - 1.0 / 6) < 1e-9);
     orl_weather_done(&wea);
 }
 
@@ -388,7 +421,7 @@ int main(void)
         cmocka_unit_test(test_every_truncation),   cmocka_unit_test(test_weekday_and_year),
         cmocka_unit_test(test_two_years),          cmocka_unit_test(test_chosen_year),
         cmocka_unit_test(test_july_to_june),       cmocka_unit_test(test_past_midnight),
-        cmocka_unit_test(test_quarters),
+        cmocka_unit_test(test_quarters),           cmocka_unit_test(test_other_forms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
