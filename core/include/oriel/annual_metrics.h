@@ -19,8 +19,11 @@
  * are independent. Whether a sensor passes is told by the t at which it would change sides, of
  * which the chance to pass follows; how many pass, by the convolution of those chances (the
  * Poisson-binomial distribution). That takes a sensor's truth to lie anywhere around its value
- * alike; where a large part of an area lies within a standard error of the bound, all on one side,
- * it is too sure of itself. Without standard errors intervals are NaN, and verdicts are unknown.
+ * alike. Where many lie on one side of the bound, close to it, that is not so: the lower end is
+ * found as if all sensors were 0.35 standard errors behind, the upper end as if they were as far
+ * ahead. Where a large part of an area lies within a standard error of the bound, all on one side,
+ * an interval can still be too narrow. Without standard errors intervals are NaN, and verdicts are
+ * unknown.
  *
  * Definitions, with what other tools do otherwise:
  *

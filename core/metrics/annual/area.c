@@ -48,8 +48,9 @@ static int poll(const struct orl_annual_rows *rows)
 
 /* ---- Shares ---------------------------------------------------------------------------------- */
 
-/* Those whose side is open go to parts; of the others the area that passes for sure. */
-static size_t sort_out(const double *crossing, const double *area, size_t n,
+/* Those whose side is open go to parts; of the others the area that passes for sure. All pass by
+ * `harder` standard errors less than they are told to. */
+static size_t sort_out(const double *crossing, double harder, const double *area, size_t n,
                        struct orl_area_part *ret_parts, struct orl_sum *sure)
 {
     const double certain = 30; /* standard errors: 1e-14 on the other side */
@@ -57,41 +58,64 @@ static size_t sort_out(const double *crossing, const double *area, size_t n,
     for (size_t i = 0; i < n; i++) {
         const double mine = area_at(area, i);
         if (fabs(crossing[i]) < certain)
-            ret_parts[open++] = (struct orl_area_part){mine, orl_student_above(crossing[i])};
+            ret_parts[open++] =
+                (struct orl_area_part){mine, orl_student_above(crossing[i] + harder)};
         else if (crossing[i] < 0)
             orl_sum_add(sure, mine);
     }
     return open;
 }
 
+/*
+ * The area that passes, with 2.5 % below and above. A sensor's chance takes its truth to lie
+ * anywhere around its value alike. Where those of many lie on the same side of the bound, close to
+ * it, more values cross it one way than the other, and no value tells: so the lower end is found as
+ * if all sensors passed by `one_sided` standard errors less, and the upper one by as much more.
+ * Measured with 48 sensors of 64 paths each in two rooms, over all thresholds: by 0, 93 and 94 % of
+ * intervals held the truth (in the worst thresholds 71 %), and 3 and 1.2 % missed it by 3 % of the
+ * area or more; by 0.35, 98 and 99 % (0.3 and 0.1 %).
+ */
+static int find_bounds(const double *crossing, const double *area, size_t n,
+                       const atomic_bool *cancel, double *ret_low, double *ret_high)
+{
+    static const double one_sided = 0.35, tail = 0.025;
+    struct orl_area_part *parts = calloc(n + 1, sizeof *parts);
+    int code = parts ? 0 : ORL_ERR_NOMEM;
+    for (int end = 0; end < 2 && code == 0; end++) {
+        struct orl_sum sure = {0};
+        double low = 0, high = 0;
+        const size_t open =
+            sort_out(crossing, end == 0 ? one_sided : -one_sided, area, n, parts, &sure);
+        code = orl_chance_bounds(parts, open, tail, cancel, &low, &high);
+        *(end == 0 ? ret_low : ret_high) = orl_sum_value(&sure) + (end == 0 ? low : high);
+    }
+    free(parts);
+    return code;
+}
+
 int orl_annual_share(const double *crossing, const double *area, size_t n, bool known,
                      const atomic_bool *cancel, struct orl_annual_area *ret_result,
                      struct orl_error *err)
 {
-    struct orl_area_part *parts = calloc(n + 1, sizeof *parts);
-    struct orl_sum total = {0}, passing = {0}, sure = {0};
+    struct orl_sum total = {0}, passing = {0};
     double low = 0, high = 0;
     size_t undecided = 0;
-    if (!parts)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < n; i++) {
         orl_sum_add(&total, area_at(area, i));
         if (crossing[i] <= 0)
             orl_sum_add(&passing, area_at(area, i));
         undecided += fabs(crossing[i]) < ORL_ANNUAL_Z;
     }
-    const size_t open = sort_out(crossing, area, n, parts, &sure);
-    const int code = orl_chance_bounds(parts, open, 0.025, cancel, &low, &high);
-    free(parts);
+    const int code = find_bounds(crossing, area, n, cancel, &low, &high);
     if (code < 0)
         return failed(code, err);
-    const double whole = orl_sum_value(&total), base = orl_sum_value(&sure);
+    const double whole = orl_sum_value(&total);
     const double value = orl_percent(orl_sum_value(&passing), whole);
     *ret_result = (struct orl_annual_area){{value, NAN, NAN}, 0};
     if (known)
-        *ret_result = (struct orl_annual_area){{value, fmin(value, orl_percent(base + low, whole)),
-                                                fmax(value, orl_percent(base + high, whole))},
-                                               undecided};
+        *ret_result = (struct orl_annual_area){
+            {value, fmin(value, orl_percent(low, whole)), fmax(value, orl_percent(high, whole))},
+            undecided};
     return 0;
 }
 
