@@ -15,8 +15,8 @@
 #include "checks/keeper.h"
 #include "http/tokens.h"
 #include "process/config.h"
-#include "process/hangup.h"
 #include "process/limits.h"
+#include "process/signals.h"
 #include "resources/routes.h"
 #include "server.h"
 #include "upkeep/store_command.h"
@@ -89,7 +89,7 @@ int main(int argc, char **argv)
     raise_file_limit();
     give_memory_back();
     signal(SIGPIPE, SIG_IGN); /* a client that hangs up is an error of write, not of ours */
-    orl_hangup_ignore();
+    orl_signal_ignore(SIGHUP);
     signal(SIGXFSZ, SIG_IGN); /* so is a file that grows beyond ulimit -f */
     if (orl_server_run(&config, &orl_routes, announce, &err))
         return complain(&err, 1);

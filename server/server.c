@@ -7,9 +7,9 @@
 #include "health/notify.h"
 #include "health/stop_limit.h"
 #include "jobs/job_bounds.h"
-#include "process/hangup.h"
 #include "process/limits.h"
 #include "process/pool.h"
+#include "process/signals.h"
 #include "process/times.h"
 #include "runner/program.h"
 #include "store/opening.h"
@@ -39,10 +39,7 @@ static void stop_if_quiet(struct orl_server *server)
     uv_close((uv_handle_t *)&server->drain, NULL);
     uv_close((uv_handle_t *)&server->saving, NULL);
     uv_close((uv_handle_t *)&server->log_lines, NULL);
-    orl_hangup_stop();
-    for (int i = 0; i < 2; i++)
-        if (!uv_is_closing((uv_handle_t *)&server->signals[i]))
-            uv_close((uv_handle_t *)&server->signals[i], NULL);
+    orl_signals_stop();
 }
 
 static void on_settled(void *ctx)
@@ -61,9 +58,6 @@ static void stop(struct orl_server *server)
 {
     if (server->context.stopping)
         return;
-    /* The next one has its default effect. */
-    for (int i = 0; i < 2; i++)
-        uv_signal_stop(&server->signals[i]);
     orl_stop_limit_begin();
     server->context.stopping = true;
     server->checks.stopping = true;
@@ -124,9 +118,11 @@ static void on_job_leaving(void *ctx, const struct orl_jobs_job *job)
     orl_hub_forget(server->hub, job);
 }
 
-static void on_signal(uv_signal_t *handle, int signum)
+static void on_signal(int signum, void *ctx)
 {
-    struct orl_server *server = handle->data;
+    struct orl_server *server = ctx;
+    if (server->context.stopping)
+        return;
     orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
     orl_notify("STOPPING=1");
     if (server->draining || server->config.drain_s == 0) {
@@ -139,10 +135,11 @@ static void on_signal(uv_signal_t *handle, int signum)
 }
 
 /* SIGHUP. Tokens are looked up with every request: there is nothing to read anew. */
-static void on_reload(uv_async_t *handle)
+static void on_reload(int signum, void *ctx)
 {
-    struct orl_server *server = handle->data;
+    struct orl_server *server = ctx;
     struct orl_error err;
+    (void)signum;
     if (orl_http_reload(server->http, &err))
         orl_log_event(&server->log, ORL_LOG_ERROR, "reload-failed", "s", "why", err.message);
     else
@@ -354,12 +351,10 @@ static void watch_signals(struct orl_server *server)
     uv_timer_init(&server->loop, &server->saving);
     server->saving.data = server;
     uv_timer_start(&server->saving, on_saving, SAVING_MS, SAVING_MS);
-    orl_hangup_heed(&server->loop, on_reload, server);
+    orl_signal_heed(&server->loop, SIGHUP, on_reload, server);
     static const int numbers[2] = {SIGTERM, SIGINT};
     for (int i = 0; i < 2; i++) {
-        uv_signal_init(&server->loop, &server->signals[i]);
-        server->signals[i].data = server;
-        uv_signal_start(&server->signals[i], on_signal, numbers[i]);
+        orl_signal_heed(&server->loop, numbers[i], on_signal, server);
         orl_stop_limit_heed(numbers[i], server->config.drain_s);
     }
 }

@@ -5,8 +5,8 @@
  * it drains first, that is, takes and starts no jobs, but answers for those it has, until none
  * runs, the time for that is over, or a second signal comes. Then: no new connections, jobs that
  * still run asked to stop and queued again, the answers under way sent, and all is closed in the
- * opposite order. A third signal ends the process at once, and so does a stop that takes longer
- * than health/stop_limit.h allows.
+ * opposite order. Further signals change nothing (process/signals.h); a stop that takes longer than
+ * health/stop_limit.h allows ends the process at once.
  */
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
@@ -43,7 +43,6 @@ struct orl_server {
     struct orl_log log;
     uv_loop_t loop;
     uv_async_t kept_changed;
-    uv_signal_t signals[2];
     uv_timer_t drain, saving;
     uv_prepare_t log_lines;    /* written out before the loop sleeps */
     char program[ORL_SHA_HEX]; /* program.h */

@@ -34,10 +34,15 @@ static struct timespec now(void)
     return time;
 }
 
+/* A deadline that is set already may come nearer, but is never put off: signals that go on coming
+ * must not keep the process alive. */
 static void begin(unsigned seconds)
 {
-    /* Rounded up. */
-    atomic_store(&limit.deadline_s, (long long)now().tv_sec + 1 + (long long)seconds);
+    const long long rounded_up = (long long)now().tv_sec + 1 + (long long)seconds;
+    long long before = atomic_load(&limit.deadline_s);
+    while ((before == 0 || rounded_up < before) &&
+           !atomic_compare_exchange_weak(&limit.deadline_s, &before, rounded_up))
+        continue;
     sem_post(&limit.changed);
 }
 

@@ -17,12 +17,12 @@ void orl_stop_limit_open(void);
 /* Cancels the limit. */
 void orl_stop_limit_close(void);
 
-/* To be called for each signal that libuv handles already: the first that arrives begins a limit of
- * drain_s + ORL_SERVER_STOP_S, a second one of ORL_SERVER_STOP_S. */
+/* To be called for each signal that has a handler already: the first that arrives begins a limit of
+ * drain_s + ORL_SERVER_STOP_S, a second one of ORL_SERVER_STOP_S. Later ones do not extend it. */
 void orl_stop_limit_heed(int signum, unsigned drain_s);
 
-/* The process ends ORL_SERVER_STOP_S from now, unless the limit is closed or begins again before.
- */
+/* The process ends ORL_SERVER_STOP_S from now, or at the limit that has begun if that is earlier,
+ * unless the limit is closed before. */
 void orl_stop_limit_begin(void);
 
 #endif

@@ -228,11 +228,32 @@ static void test_retention(void **state)
 
 static atomic_bool storm_over;
 
-static void *send_hangups(void *pid)
+struct storm {
+    pid_t pid;
+    int signum;
+    pthread_t thread;
+};
+
+static void *send_signals(void *ctx)
 {
+    const struct storm *storm = ctx;
     while (!atomic_load(&storm_over))
-        kill(*(const pid_t *)pid, SIGHUP);
+        kill(storm->pid, storm->signum);
     return NULL;
+}
+
+static void start_storm(struct storm *storm, const struct daemon *daemon, int signum)
+{
+    storm->pid = daemon->pid;
+    storm->signum = signum;
+    atomic_store(&storm_over, false);
+    assert_int_equal(pthread_create(&storm->thread, NULL, send_signals, storm), 0);
+}
+
+static void end_storm(struct storm *storm)
+{
+    atomic_store(&storm_over, true);
+    pthread_join(storm->thread, NULL);
 }
 
 /* The daemon starts beside it, answers, and ends in order by SIGTERM. */
@@ -240,21 +261,42 @@ static void test_hangups_at_every_moment(void **state)
 {
     struct daemon daemon;
     struct reply reply;
+    struct storm storm;
     (void)state;
     daemon_start(&daemon, NULL);
     for (int i = 0; i < 5; i++) {
-        pthread_t thread;
-        pid_t pid = daemon.pid;
-        atomic_store(&storm_over, false);
-        assert_int_equal(pthread_create(&thread, NULL, send_hangups, &pid), 0);
+        start_storm(&storm, &daemon, SIGHUP);
         daemon_get(&daemon, "/healthz", &reply);
         const long status = reply.status;
         reply_done(&reply);
         const int ended = daemon_end(&daemon, SIGTERM);
-        atomic_store(&storm_over, true);
-        pthread_join(thread, NULL);
+        end_storm(&storm);
         assert_int_equal(status, 200);
         assert_int_equal(ended, 0);
+        daemon_restart(&daemon, NULL);
+    }
+    daemon_remove(&daemon);
+}
+
+/* Signals that come until the process has ended do not keep it from closing its files. */
+static void test_stops_at_every_moment(void **state)
+{
+    static const int signals[] = {SIGTERM, SIGINT, SIGTERM};
+    static const char *const kept[] = {"oriel.db-wal", "oriel.db-shm"};
+    struct daemon daemon;
+    struct storm storm;
+    (void)state;
+    daemon_start(&daemon, NULL);
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        start_storm(&storm, &daemon, signals[i]);
+        const int ended = daemon_wait_end(&daemon);
+        end_storm(&storm);
+        assert_int_equal(ended, 0);
+        for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) {
+            char path[96];
+            snprintf(path, sizeof path, "%.64s/%s", daemon.root, kept[k]);
+            assert_int_equal(access(path, F_OK), -1);
+        }
         daemon_restart(&daemon, NULL);
     }
     daemon_remove(&daemon);
@@ -266,6 +308,7 @@ int main(void)
         cmocka_unit_test(test_notify),
         cmocka_unit_test(test_reload),
         cmocka_unit_test(test_hangups_at_every_moment),
+        cmocka_unit_test(test_stops_at_every_moment),
         cmocka_unit_test(test_job_timeout),
         cmocka_unit_test(test_retention),
     };

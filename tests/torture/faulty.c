@@ -15,7 +15,7 @@
  * in it overflows its stack.
  *
  * A thread that moves a file to a name with FAULTY_HANG in it is blocked for good, as by a file
- * server that does not answer.
+ * server that does not answer; it makes the folder FAULTY_HANG_NOTE before.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -183,8 +183,12 @@ int open(const char *path, int flags, ...)
 
 static void hang_at(const char *to)
 {
-    const char *name = getenv("FAULTY_HANG");
-    while (name && strstr(to, name))
+    const char *name = getenv("FAULTY_HANG"), *note = getenv("FAULTY_HANG_NOTE");
+    if (!name || !strstr(to, name))
+        return;
+    if (note)
+        mkdir(note, 0700);
+    for (;;)
         pause();
 }
 

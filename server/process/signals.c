@@ -1,0 +1,72 @@
+#include "process/signals.h"
+
+#include <signal.h>
+#include <stdatomic.h>
+
+enum { SIGNALS = 3 };
+
+/* A signal's handler has no argument but its number. */
+static struct handled {
+    int signum; /* 0: this entry is free */
+    uv_async_t arrival;
+    atomic_uint arrived; /* signals whose callback is due */
+    orl_signal_cb on_signal;
+    void *ctx;
+} table[SIGNALS];
+
+static void note_signal(int signum)
+{
+    for (int i = 0; i < SIGNALS; i++)
+        if (table[i].signum == signum) {
+            atomic_fetch_add(&table[i].arrived, 1);
+            uv_async_send(&table[i].arrival); /* async-signal-safe */
+        }
+}
+
+static void on_arrival(uv_async_t *arrival)
+{
+    struct handled *handled = arrival->data;
+    for (unsigned n = atomic_exchange(&handled->arrived, 0); n > 0; n--)
+        handled->on_signal(handled->signum, handled->ctx);
+}
+
+static void handle_by(int signum, void (*handler)(int signum))
+{
+    struct sigaction action = {.sa_handler = handler, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(signum, &action, NULL);
+}
+
+void orl_signal_ignore(int signum)
+{
+    handle_by(signum, SIG_IGN);
+}
+
+int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx)
+{
+    int i = 0;
+    while (i < SIGNALS && table[i].signum != 0)
+        i++;
+    if (i == SIGNALS)
+        return UV_ENOBUFS;
+    const int rc = uv_async_init(loop, &table[i].arrival, on_arrival);
+    if (rc)
+        return rc;
+    table[i].on_signal = on_signal;
+    table[i].ctx = ctx;
+    table[i].arrival.data = &table[i];
+    table[i].signum = signum;
+    handle_by(signum, note_signal);
+    return 0;
+}
+
+void orl_signals_stop(void)
+{
+    for (int i = 0; i < SIGNALS; i++) {
+        if (table[i].signum == 0)
+            continue;
+        orl_signal_ignore(table[i].signum);
+        uv_close((uv_handle_t *)&table[i].arrival, NULL);
+        table[i].signum = 0;
+    }
+}
