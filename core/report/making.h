@@ -16,6 +16,18 @@ struct orl_report_making {
     struct orl_error *err;
 };
 
+/*
+ * An hour of a sensor is uncertain if its standard error is above this share of the illuminance,
+ * and the illuminance may be least_lx or more. That is the lower bound of useful daylight: less
+ * light hardly matters to any metric, and hours at dusk would hide the others.
+ */
+#define ORL_UNCERTAIN_SHARE 0.25
+#define ORL_UNCERTAIN_LEAST_LX 100.0
+static inline bool orl_report_is_uncertain(double lx, double error)
+{
+    return error > ORL_UNCERTAIN_SHARE * lx && lx + 2 * error >= ORL_UNCERTAIN_LEAST_LX;
+}
+
 /* Of a grid, or of ORL_ALL_GRIDS. */
 int orl_report_figure_of(const struct orl_report_making *making,
                          const struct orl_annual_figure *figure, size_t grid,

@@ -1,5 +1,5 @@
 /* What a report shows that whoever asked for it ought to know. */
-#include <oriel/annual_report.h>
+#include "report/making.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -44,13 +44,6 @@ static bool sees_out(const struct orl_annual_report *report)
 
 /* ---- Errors of hours ------------------------------------------------------------------------- */
 
-/*
- * An hour of a sensor counts if its standard error is above this share of the illuminance, and the
- * illuminance may be least_lx or more. That is the lower bound of useful daylight: less light
- * hardly matters to any metric, and hours at dusk would hide the others.
- */
-static const double most_share = 0.25, least_lx = 100;
-
 struct uncertain_hours {
     unsigned char *columns; /* 1: some sensor's hour counts */
     size_t n_columns, n_sunlit, n_sensors;
@@ -66,7 +59,7 @@ static void find_of_sensor(const struct orl_annual_result *result, size_t sensor
     bool any = false;
     for (size_t c = 0; c < result->n_columns; c++) {
         const double lx = (double)total[c], error = (double)se[c];
-        if (!(error > most_share * lx && lx + 2 * error >= least_lx))
+        if (!orl_report_is_uncertain(lx, error))
             continue;
         any = true;
         hours->columns[c] = 1;
@@ -153,9 +146,9 @@ static int warn_of_uncertain_hours(const struct warning *w,
                     "the standard error is above %g %% of the illuminance in %zu of %zu lit %s, at "
                     "%zu of %zu sensors (counted where illuminance and twice the error are %g lx "
                     "or more; the worst is %s): %s",
-                    100 * most_share, hours.n_columns, result->n_columns,
+                    100 * ORL_UNCERTAIN_SHARE, hours.n_columns, result->n_columns,
                     report->year.steps.per_hour > 1 ? "steps" : "hours", hours.n_sensors,
-                    result->n_sensors, least_lx, worst, remedy);
+                    result->n_sensors, ORL_UNCERTAIN_LEAST_LX, worst, remedy);
     }
     free(hours.columns);
     return code;

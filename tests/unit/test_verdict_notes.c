@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,6 +145,54 @@ static void test_few_hours(void **state)
     hand_year_free(&result);
 }
 
+/* The verdict on the mean illuminance being so many of the interval's longer sides above what it
+ * is at most, and its note. */
+static enum orl_verdict judge_mean(const struct orl_annual_result *result, double sides,
+                                   char note[sizeof((struct orl_annual_verdict *)0)->note])
+{
+    struct orl_annual_grid grids[2];
+    const struct orl_annual_request request = hand_year_request(grids);
+    struct orl_annual_wishes wishes;
+    double bound = 0;
+    enum orl_verdict verdict = ORL_VERDICT_UNDECIDED;
+    for (int round = 0; round < 2; round++) {
+        char target[64];
+        snprintf(target, sizeof target, "illuminance of south <= %.9g lx", bound);
+        hand_year_ask(&wishes, target, "EN 17037 minimum");
+        struct orl_annual_report report = hand_year_report(&request, result, &wishes);
+        const struct orl_annual_value *v = &report.verdicts[0].area.value;
+        bound = v->value + sides * fmax(v->value - v->low, v->high - v->value);
+        verdict = report.verdicts[0].verdict;
+        memcpy(note, report.verdicts[0].note, sizeof report.verdicts[0].note);
+        orl_annual_report_done(&report);
+        orl_annual_wishes_done(&wishes);
+    }
+    return verdict;
+}
+
+/* One hour in five with an error of 30 % is too many for a bound near the interval; one in twenty
+ * is not. */
+static void test_uncertain_hours(void **state)
+{
+    struct orl_annual_result result;
+    char note[sizeof((struct orl_annual_verdict *)0)->note];
+    (void)state;
+    hand_year_make(&result, false);
+    assert_int_equal(judge_mean(&result, 2, note), ORL_VERDICT_PASS);
+    for (size_t i = 0; i < HAND_YEAR_SENSORS * result.n_columns; i += 20)
+        result.se[i] = 0.3F * result.total[i];
+    assert_int_equal(judge_mean(&result, 2, note), ORL_VERDICT_PASS);
+    assert_string_equal(note, "");
+    for (size_t i = 0; i < HAND_YEAR_SENSORS * result.n_columns; i += 5)
+        result.se[i] = 0.3F * result.total[i];
+    assert_int_equal(judge_mean(&result, 2, note), ORL_VERDICT_UNDECIDED);
+    assert_string_equal(note, "20 % of the hours have standard errors above 25 %: more "
+                              "\"samples\"");
+    assert_int_equal(judge_mean(&result, 4, note), ORL_VERDICT_PASS);
+    assert_string_equal(note, "");
+    hand_year_free(&result);
+}
+
 /* A seat faces the sun at noon of every day: DGP is 1 each time, so the illuminance at the eye
  * decides which days are worse. The level of protection is open if the weather lacks hours of use.
  */
@@ -195,6 +244,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_blinds_of_rules), cmocka_unit_test(test_blinds_of_a_small_grid),
-        cmocka_unit_test(test_few_hours), cmocka_unit_test(test_worst_days_of_a_seat)};
+        cmocka_unit_test(test_few_hours), cmocka_unit_test(test_uncertain_hours),
+        cmocka_unit_test(test_worst_days_of_a_seat)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
