@@ -192,7 +192,7 @@ static void draw_tick(const struct sheet *s, double x, double value, bool last)
     write_text(s, x + 7, y + letters_size / 2, ORL_CANVAS_LEFT, letters_size, text);
 }
 
-/* At fifths of the scale, or at 1 and 3 of every decade and its top. */
+/* At fifths of the scale, or at its top and at 1 and 3 of every decade that keep clear of that. */
 static void draw_ticks(const struct sheet *s, double x)
 {
     enum { TICKS = 5 };
@@ -201,11 +201,12 @@ static void draw_ticks(const struct sheet *s, double x)
     if (!s->map->logarithmic)
         return;
     const double low = s->top * pow(10, -DECADES), hair = 1e-9;
+    const double clear = 1 - 2 * letters_size / (s->y1 - s->y0);
     for (int decade = 0; decade <= DECADES; decade++) {
         const double power = pow(10, floor(log10(low) + hair) + decade);
         const double values[2] = {power, 3 * power};
         for (int i = 0; i < 2; i++)
-            if (values[i] >= low * (1 - hair) && values[i] < 0.8 * s->top)
+            if (values[i] >= low * (1 - hair) && share_of(s, values[i]) < clear)
                 draw_tick(s, x, values[i], false);
     }
     draw_tick(s, x, s->top, true);

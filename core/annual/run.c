@@ -48,21 +48,35 @@ static void warn(void *ctx, const char *text)
     orl_year_warn(ctx, "%s", text);
 }
 
-/* Warns of sensors in planes of surfaces, and of those apart from their grid. */
+/* Warns of the sensors of a range that lie in the planes of surfaces. */
+static void check_planes(struct orl_year *y, const struct orl_scene *scene,
+                         const struct orl_sensor_range *range, size_t *n_warned)
+{
+    enum { MOST = 20 };
+    char text[480];
+    if (!orl_run_describe_sensors_in_planes(scene, y->request->sensors + range->first, range->count,
+                                            y->env->run->crew, text, sizeof text))
+        return;
+    const size_t before = (*n_warned)++;
+    if (before < MOST)
+        orl_year_warn(y, "%s%.100s%s%s", range->name ? "grid '" : "",
+                      range->name ? range->name : "", range->name ? "': " : "", text);
+    else if (before == MOST)
+        orl_year_warn(y, "more grids have sensors in planes of surfaces: they are not listed");
+}
+
+/* Warns, grid by grid, of sensors in planes of surfaces, and of those apart from their grid. */
 static void check_sensors(struct orl_year *y, const struct orl_scene *scene)
 {
     const struct orl_annual_request *r = y->request;
-    const struct orl_crew *crew = y->env->run->crew;
     struct orl_sensor_warnings warnings = {warn, y, 0};
-    char text[480];
-    if (orl_run_describe_sensors_in_planes(scene, r->sensors, r->n_sensors, crew, text,
-                                           sizeof text))
-        orl_year_warn(y, "%s", text);
+    size_t n_in_planes = 0;
     for (size_t i = 0; i < r->n_grids || i == 0; i++) {
         const struct orl_annual_grid *g = i < r->n_grids ? &r->grids[i] : NULL;
         const struct orl_sensor_range range = {g ? g->name : NULL, g ? g->first : 0,
                                                g ? g->count : r->n_sensors};
-        orl_run_check_sensor_spaces(scene, r->sensors, &range, crew, &warnings);
+        check_planes(y, scene, &range, &n_in_planes);
+        orl_run_check_sensor_spaces(scene, r->sensors, &range, y->env->run->crew, &warnings);
     }
 }
 

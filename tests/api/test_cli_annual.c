@@ -300,8 +300,8 @@ static void test_a_year_to_its_end(void **state)
     assert_string_equal(text_at(inputs, 0, "name"), "desks.pts");
     assert_int_equal(strlen(text_at(inputs, 0, "sha256")), 64);
     assert_says(f->result.err, "steps of the year are not in the weather file");
-    assert_says(f->result.err, "warning: 1 of ");
-    assert_says(f->result.err, " sensors: the sensor lies in the plane of a surface; the first, ");
+    assert_says(f->result.err, "warning: grid 'grid2': 1 of 2 sensors: the sensor lies in the "
+                               "plane of a surface; the first, number 2 ");
     assert_says(f->result.err, " at (4, 2, 0.8), ");
     assert_says(f->result.out, "result.json");
     assert_files_are_there(f, result);
@@ -311,6 +311,12 @@ static void test_a_year_to_its_end(void **state)
     assert_non_null(page);
     assert_says(page, ">A room</text>");
     assert_says(page, "EN 17037 minimum: ");
+    assert_says(page, ">Warnings<");
+    assert_null(strstr(page, "in the plane of a surface")); /* which is of the other grid */
+    free(page);
+    page = cli_read_file(f->output, "grid2.page.svg");
+    assert_non_null(page);
+    assert_says(page, ">grid 'grid2': 1 of 2 sensors: the sensor lies in the plane of a surface; ");
     assert_says(page, "True north is +Y of the model, which is up in plans.");
     free(page);
     assert_columns_are_listed(f, json_number_value(json_object_get(hours, "sun_up")));

@@ -1,0 +1,136 @@
+#include "chart/page_sheet.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const unsigned char orl_page_ink[3] = {26, 26, 26}, orl_page_gray[3] = {105, 105, 105};
+static const unsigned char faint[3] = {205, 205, 205};
+
+enum { LINE_BYTES = 320 }; /* more than fit across a page */
+
+void orl_page_put(const struct orl_page_sheet *s, double x, double y, enum orl_canvas_align align,
+                  double size, const unsigned char rgb[3], const char *text)
+{
+    struct orl_canvas_letters letters = {
+        .size = size, .align = align, .bold = size > ORL_PAGE_TEXT};
+    memcpy(letters.rgb, rgb, 3);
+    orl_canvas_text(s->canvas, x, y, &letters, text);
+}
+
+/* Bytes of UTF-8 after the first of a character. */
+static bool is_inside(char byte)
+{
+    return ((unsigned char)byte & 0xc0) == 0x80;
+}
+
+static size_t drop_last(char *text, size_t length)
+{
+    do
+        length--;
+    while (length > 0 && is_inside(text[length]));
+    text[length] = '\0';
+    return length;
+}
+
+/* Ends the text with dots, and as many characters before them as there is room for. */
+static void cut_to(char text[LINE_BYTES], double most)
+{
+    size_t length = strlen(text);
+    while (length > LINE_BYTES - 3)
+        length = drop_last(text, length);
+    memcpy(text + length, "..", 3);
+    while (length > 1 && orl_canvas_text_width(text, ORL_PAGE_TEXT) > most) {
+        length = drop_last(text, length);
+        memcpy(text + length, "..", 3);
+    }
+}
+
+void orl_page_put_within(const struct orl_page_sheet *s, double x, double y, double most,
+                         const unsigned char rgb[3], const char *text)
+{
+    char cut[LINE_BYTES];
+    snprintf(cut, sizeof cut, "%s", text);
+    if (strlen(text) >= sizeof cut || orl_canvas_text_width(cut, ORL_PAGE_TEXT) > most)
+        cut_to(cut, most);
+    orl_page_put(s, x, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, rgb, cut);
+}
+
+double orl_page_put_heading(const struct orl_page_sheet *s, double x, double y, double right,
+                            const char *text)
+{
+    orl_page_put(s, x, y, ORL_CANVAS_LEFT, ORL_PAGE_HEAD, orl_page_ink, text);
+    orl_canvas_line(s->canvas, x, y + 6, right, y + 6, 0.8, faint);
+    return y + ORL_PAGE_HEADING;
+}
+
+/* How many bytes of the text make one line: up to a space, or to where a long word is broken. */
+static size_t line_length(const char *text, double width)
+{
+    char line[LINE_BYTES] = "";
+    size_t fits = 0, length = 0;
+    while (text[length] && length + 1 < sizeof line) {
+        line[length] = text[length];
+        line[++length] = '\0';
+        if (is_inside(text[length]))
+            continue;
+        if (orl_canvas_text_width(line, ORL_PAGE_TEXT) > width)
+            break;
+        if (!text[length] || text[length] == ' ')
+            fits = length;
+    }
+    if (fits > 0 || length == 0)
+        return fits;
+    if (text[length])
+        length = drop_last(line, length);
+    return length > 0 ? length : 1;
+}
+
+size_t orl_page_put_wrapped(const struct orl_page_sheet *s, double x, double y, double width,
+                            size_t n_most, const unsigned char rgb[3], const char *text)
+{
+    size_t n = 0;
+    while (*text && n < n_most) {
+        const size_t length = line_length(text, width);
+        const char *rest = text + length + (text[length] == ' ');
+        char line[LINE_BYTES];
+        n++;
+        snprintf(line, sizeof line, "%.*s", (int)length, text);
+        if (*rest && n == n_most)
+            cut_to(line, width);
+        if (s)
+            orl_page_put(s, x, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, rgb, line);
+        y += ORL_PAGE_FINE_LINE;
+        text = rest;
+    }
+    return n;
+}
+
+/* ---- Values ---------------------------------------------------------------------------------- */
+
+static void put_number(double value, const char *unit, char *ret_text, size_t size)
+{
+    const bool percent = unit[0] == '%', counts = unit[0] == 'h';
+    snprintf(ret_text, size, percent ? "%.1f" : counts || value >= 100 ? "%.0f" : "%.3g", value);
+}
+
+void orl_page_value_text(const struct orl_annual_value *value, const char *unit, char *ret_text,
+                         size_t size)
+{
+    char middle[32], low[32], high[32];
+    const bool sum = strcmp(unit, "lx h") == 0; /* large: in thousands */
+    const double scale = sum ? 1e-3 : 1;
+    put_number(scale * value->value, unit, middle, sizeof middle);
+    put_number(scale * value->low, unit, low, sizeof low);
+    put_number(scale * value->high, unit, high, sizeof high);
+    unit = sum ? "klx h" : unit;
+    if (isnan(value->low))
+        snprintf(ret_text, size, "%s %s", middle, unit);
+    else
+        snprintf(ret_text, size, "%s %s (%s to %s)", middle, unit, low, high);
+}
+
+const char *orl_page_figure_unit(const struct orl_annual_figure *figure)
+{
+    return figure->over == ORL_OVER_SHARE ? "%" : orl_annual_unit(figure->metric.kind);
+}

@@ -1,0 +1,274 @@
+/* Verdicts on targets, in two columns. */
+#include "chart/page_sheet.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { LEAST_LINES = 4, PARTS_APART = 10, INDENT = 16 }; /* fewer lines get no heading */
+
+static const char of_grid[] = "Targets", of_all[] = "Targets, all grids together";
+
+static void draw_mark(const struct orl_page_sheet *s, double x, double y, enum orl_verdict verdict)
+{
+    static const unsigned char colors[4][3] = {
+        {200, 60, 50}, {225, 160, 30}, {45, 140, 80}, {150, 150, 150}};
+    orl_canvas_disc(s->canvas, x, y - ORL_PAGE_TEXT / 2.0, 5, colors[verdict]);
+}
+
+/* A rule's name, and what all of its targets make together; with the mark of that if brief. */
+static void draw_rule(const struct orl_page_sheet *s, size_t i, bool brief,
+                      const struct orl_page_column *at)
+{
+    const struct orl_annual_report *report = s->page->report;
+    const struct orl_annual_verdict *v = report->verdicts;
+    enum orl_verdict all = ORL_VERDICT_PASS;
+    const double x = at->x + (brief ? INDENT : 0);
+    char text[128];
+    for (size_t k = 0; k < report->n_verdicts; k++)
+        if (v[k].rule == v[i].rule && v[k].grid == v[i].grid)
+            all = orl_verdict_both(all, v[k].verdict);
+    snprintf(text, sizeof text, "%s: %s", v[i].rule->name, orl_verdict_name(all));
+    if (brief)
+        draw_mark(s, at->x + 5, at->y, all);
+    orl_page_put_within(s, x, at->y, at->right - x, orl_page_ink, text);
+}
+
+/* name: in front of the target; indent: of the mark. */
+static void draw_verdict(const struct orl_page_sheet *s, const struct orl_annual_verdict *v,
+                         const char *name, double indent, const struct orl_page_column *at)
+{
+    char value[120], text[320];
+    const double from = at->x + INDENT + indent;
+    orl_page_value_text(&v->area.value, orl_page_figure_unit(&v->target.figure), value,
+                        sizeof value);
+    draw_mark(s, at->x + 5 + indent, at->y, v->verdict);
+    snprintf(text, sizeof text, "%s%s: %s", name, v->target.text, orl_verdict_name(v->verdict));
+    orl_page_put(s, at->right, at->y, ORL_CANVAS_RIGHT, ORL_PAGE_TEXT, orl_page_ink, value);
+    orl_page_put_within(s, from, at->y,
+                        at->right - from - orl_canvas_text_width(value, ORL_PAGE_TEXT) - 8,
+                        orl_page_ink, text);
+}
+
+/* Whether a rule has one target, which finds room behind its name: the text before the target. */
+static bool fits_one_line(const struct orl_annual_report *report, size_t i,
+                          const struct orl_page_column *at, char *ret_name, size_t size)
+{
+    const struct orl_annual_verdict *v = &report->verdicts[i];
+    char value[120], text[320];
+    size_t n = 0;
+    for (size_t k = 0; k < report->n_verdicts; k++)
+        n += report->verdicts[k].rule == v->rule && report->verdicts[k].grid == v->grid;
+    orl_page_value_text(&v->area.value, orl_page_figure_unit(&v->target.figure), value,
+                        sizeof value);
+    snprintf(ret_name, size, "%s: ", v->rule->name);
+    snprintf(text, sizeof text, "%s%s: %s", ret_name, v->target.text, orl_verdict_name(v->verdict));
+    return n == 1 && INDENT + orl_canvas_text_width(text, ORL_PAGE_TEXT) + 8 +
+                             orl_canvas_text_width(value, ORL_PAGE_TEXT) <=
+                         at->right - at->x;
+}
+
+/* ---- One list -------------------------------------------------------------------------------- */
+
+/* Verdicts of one grid, or of all together, in the order of the report. */
+struct list {
+    size_t grid;
+    const char *heading;
+    bool brief;                         /* rules without their targets */
+    bool begun;                         /* has a heading */
+    size_t next;                        /* verdict of the report, to be drawn */
+    size_t n_left;                      /* of the list, from next on */
+    const struct orl_annual_rule *rule; /* of the last one, as what follows */
+    const char *note;
+    size_t n_noted; /* that share the note, which is still to be written */
+};
+
+static void skip_others(const struct orl_annual_report *report, struct list *list)
+{
+    while (list->next < report->n_verdicts && report->verdicts[list->next].grid != list->grid)
+        list->next++;
+}
+
+static struct list list_of(const struct orl_annual_report *report, size_t grid, bool brief)
+{
+    struct list list = {.grid = grid, .heading = grid == ORL_ALL_GRIDS ? of_all : of_grid};
+    list.brief = brief;
+    list.note = "";
+    for (size_t i = 0; i < report->n_verdicts; i++)
+        list.n_left += report->verdicts[i].grid == grid;
+    skip_others(report, &list);
+    return list;
+}
+
+/* Writes the note of the last verdicts, which share it. */
+static void put_note(const struct orl_page_sheet *s, struct list *list,
+                     struct orl_page_column *column)
+{
+    const double x = column->x + INDENT + (list->rule ? 12 : 0);
+    char text[ORL_VERDICT_NOTE + 32];
+    if (list->n_noted == 0)
+        return;
+    if (list->n_noted == 1)
+        snprintf(text, sizeof text, "%s", list->note);
+    else
+        snprintf(text, sizeof text, "these %zu: %s", list->n_noted, list->note);
+    if (s->canvas)
+        orl_page_put_within(s, x, column->y, column->right - x, orl_page_gray, text);
+    column->y += ORL_PAGE_LINE;
+    list->n_noted = 0;
+}
+
+/* Draws a verdict with its rule's name before or above it, as high as was measured. */
+static void draw_one(const struct orl_page_sheet *s, const struct list *list, const char *name,
+                     bool above, bool alone, struct orl_page_column at)
+{
+    const struct orl_annual_verdict *v = &s->page->report->verdicts[list->next];
+    if (above)
+        draw_rule(s, list->next, list->brief, &at);
+    if (above)
+        at.y += ORL_PAGE_LINE;
+    if (!alone)
+        draw_verdict(s, v, name, v->rule && !name[0] ? 12 : 0, &at);
+}
+
+/* Draws the next verdict, or returns false where there is no room for it and its note. A sheet
+ * without a canvas is to measure. */
+static bool draw_next(const struct orl_page_sheet *s, struct list *list,
+                      struct orl_page_column *column, double bottom)
+{
+    const struct orl_annual_report *report = s->page->report;
+    const struct orl_annual_verdict *v = &report->verdicts[list->next];
+    const bool named = v->rule && v->rule != list->rule, alone = list->brief && v->rule;
+    char name[128] = "";
+    const bool joined =
+        named && !alone && fits_one_line(report, list->next, column, name, sizeof name);
+    const bool above = named && !joined, noted = v->note[0] && !alone;
+    if (!noted || strcmp(v->note, list->note) != 0)
+        put_note(s, list, column);
+    const int high = (above + !alone) * ORL_PAGE_LINE;
+    if (column->y + high + (noted - 1) * ORL_PAGE_LINE > bottom)
+        return false;
+    if (s->canvas)
+        draw_one(s, list, joined ? name : "", above, alone, *column);
+    column->y += high;
+    list->note = v->note;
+    list->n_noted += noted;
+    list->rule = v->rule;
+    list->next++;
+    list->n_left--;
+    skip_others(report, list);
+    return true;
+}
+
+/* As far as there is room in the column, where that is for some lines below a heading. */
+static void draw_list(const struct orl_page_sheet *s, struct list *list,
+                      struct orl_page_column *column, double bottom)
+{
+    char text[64];
+    if (list->n_left == 0 || column->y + ORL_PAGE_HEADING + LEAST_LINES * ORL_PAGE_LINE > bottom)
+        return;
+    snprintf(text, sizeof text, "%s%s", list->heading, list->begun ? ", continued" : "");
+    if (s->canvas)
+        orl_page_put_heading(s, column->x, column->y, column->right, text);
+    column->y += ORL_PAGE_HEADING;
+    list->begun = true;
+    if (!list->brief)
+        list->rule = NULL; /* is named again */
+    while (list->n_left > 0 && draw_next(s, list, column, bottom))
+        ;
+    put_note(s, list, column);
+    column->y += PARTS_APART;
+}
+
+/* How much a list, or what is left of it, takes in a column with its heading. */
+static double measure(const struct orl_page_sheet *s, struct list list,
+                      struct orl_page_column column)
+{
+    const struct orl_page_sheet measuring = {.page = s->page};
+    column.y = 0;
+    draw_list(&measuring, &list, &column, INFINITY);
+    return column.y > 0 ? fmax(column.y, ORL_PAGE_HEADING + LEAST_LINES * ORL_PAGE_LINE) : 0;
+}
+
+/* ---- Both lists ------------------------------------------------------------------------------ */
+
+struct lists {
+    struct list own, all;
+};
+
+/* Returns how many verdicts find no room. */
+static size_t draw_lists(const struct orl_page_sheet *s, struct lists lists,
+                         struct orl_page_column *left, struct orl_page_column *right, double bottom)
+{
+    left->y += PARTS_APART;
+    draw_list(s, &lists.all, left, bottom);
+    draw_list(s, &lists.own, right, bottom - measure(s, lists.all, *right));
+    draw_list(s, &lists.all, right, bottom);
+    draw_list(s, &lists.own, left, bottom);
+    return lists.own.n_left + lists.all.n_left;
+}
+
+/* Where not all targets find room, rules of the grid are told without them, and then those of all
+ * grids, too. */
+static struct lists choose_lists(const struct orl_page_sheet *s, const struct orl_page_column *left,
+                                 const struct orl_page_column *right, double bottom)
+{
+    const struct orl_page_sheet measuring = {.page = s->page};
+    struct lists lists = {.own.n_left = 0};
+    for (int brief = 0; brief < 3; brief++) {
+        struct orl_page_column columns[2] = {*left, *right};
+        lists.own = list_of(s->page->report, s->page->grid, brief > 0);
+        lists.all = list_of(s->page->report, ORL_ALL_GRIDS, brief > 1);
+        if (draw_lists(&measuring, lists, &columns[0], &columns[1], bottom) == 0)
+            break;
+    }
+    return lists;
+}
+
+/* The least bottom with which both lists find the same room: maps below take the rest. */
+static double level_columns(const struct orl_page_sheet *s, struct lists lists,
+                            const struct orl_page_column *left, const struct orl_page_column *right,
+                            double bottom)
+{
+    const struct orl_page_sheet measuring = {.page = s->page};
+    struct orl_page_column columns[2];
+    do {
+        columns[0] = *left;
+        columns[1] = *right;
+        bottom -= ORL_PAGE_LINE;
+    } while (bottom > left->y &&
+             draw_lists(&measuring, lists, &columns[0], &columns[1], bottom) == 0);
+    return bottom + ORL_PAGE_LINE;
+}
+
+static void put_rest(const struct orl_page_sheet *s, size_t n_left, bool brief,
+                     struct orl_page_column *column)
+{
+    char text[64] = "values of the targets are in result.json";
+    if (n_left > 0)
+        snprintf(text, sizeof text, "and %zu more, in result.json", n_left);
+    else if (!brief)
+        return;
+    orl_page_put(s, column->x, column->y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray, text);
+    column->y += ORL_PAGE_LINE;
+}
+
+static void put_none(const struct orl_page_sheet *s, struct orl_page_column *column)
+{
+    column->y = orl_page_put_heading(s, column->x, column->y, column->right, of_grid);
+    orl_page_put(s, column->x, column->y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray,
+                 "none were named");
+    column->y += ORL_PAGE_LINE;
+}
+
+void orl_page_draw_targets(const struct orl_page_sheet *s, struct orl_page_column *left,
+                           struct orl_page_column *right, double bottom)
+{
+    bottom -= ORL_PAGE_LINE; /* for what is left out */
+    if (s->page->report->n_verdicts == 0)
+        put_none(s, right);
+    const struct lists lists = choose_lists(s, left, right, bottom);
+    bottom = level_columns(s, lists, left, right, bottom);
+    const size_t n_left = draw_lists(s, lists, left, right, bottom);
+    put_rest(s, n_left, lists.own.brief, right);
+}

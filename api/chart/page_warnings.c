@@ -1,0 +1,70 @@
+/* What was warned of, in plain view above the figures that it may make worthless. */
+#include "chart/page_sheet.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { LINES_OF_ONE = 2, LINES_OF_ALL = 8, INDENT = 16 };
+
+static const unsigned char amber[3] = {225, 160, 30};
+
+/* Warnings of one grid begin with "grid 'NAME': ". */
+static bool is_of(const char *warning, const char *grid)
+{
+    char begins[ORL_TARGET_GRID + 16];
+    snprintf(begins, sizeof begins, "grid '%s': ", grid);
+    return strncmp(warning, begins, strlen(begins)) == 0;
+}
+
+static bool is_of_another_grid(const struct orl_annual_page *page, const char *warning)
+{
+    for (size_t g = 0; g < page->report->n_grids; g++)
+        if (g != page->grid && is_of(warning, page->report->grids[g].name))
+            return true;
+    return false;
+}
+
+struct list {
+    double y;
+    size_t lines, left_out;
+};
+
+static void put_warning(const struct orl_page_sheet *s, const char *text, struct list *list)
+{
+    const double x = ORL_PAGE_RIM + INDENT, width = ORL_PAGE_WIDTH - ORL_PAGE_RIM - x;
+    const size_t n =
+        orl_page_put_wrapped(NULL, x, list->y, width, LINES_OF_ONE, orl_page_ink, text);
+    if (list->left_out > 0 || list->lines + n > LINES_OF_ALL) {
+        list->left_out++;
+        return;
+    }
+    orl_canvas_disc(s->canvas, ORL_PAGE_RIM + 5, list->y - ORL_PAGE_TEXT / 2, 5, amber);
+    orl_page_put_wrapped(s, x, list->y, width, LINES_OF_ONE, orl_page_ink, text);
+    list->y += (double)n * ORL_PAGE_FINE_LINE + 3;
+    list->lines += n;
+}
+
+double orl_page_draw_warnings(const struct orl_page_sheet *s, double y)
+{
+    const struct orl_annual_page *page = s->page;
+    const struct orl_annual_result *result = page->result;
+    const char *grid = page->report->grids[page->grid].name;
+    struct list list = {.y = y + ORL_PAGE_HEADING};
+    for (int own = 1; own >= 0; own--)
+        for (size_t i = 0; i < result->n_warnings; i++)
+            if (is_of(result->warnings[i], grid) == own &&
+                (own || !is_of_another_grid(page, result->warnings[i])))
+                put_warning(s, result->warnings[i], &list);
+    if (list.lines == 0)
+        return y;
+    orl_page_put_heading(s, ORL_PAGE_RIM, y, ORL_PAGE_WIDTH - ORL_PAGE_RIM, "Warnings");
+    if (list.left_out > 0) {
+        char text[64];
+        snprintf(text, sizeof text, "and %zu more warning%s, in result.json", list.left_out,
+                 list.left_out > 1 ? "s" : "");
+        orl_page_put(s, ORL_PAGE_RIM + INDENT, list.y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT,
+                     orl_page_gray, text);
+        list.y += ORL_PAGE_LINE;
+    }
+    return list.y + 10;
+}
