@@ -13,6 +13,7 @@
 #include "problem.h"
 #include "report.h"
 #include "sharing_line.h"
+#include "verdict_line.h"
 
 /* What the command line asks for beside the document. */
 struct output {
@@ -29,17 +30,6 @@ struct telling {
 };
 
 /* ---- What came of it ------------------------------------------------------------------------- */
-
-static void print_verdict(const struct orl_annual_report *report,
-                          const struct orl_annual_verdict *v)
-{
-    const char *grid = v->grid == ORL_ALL_GRIDS ? "all grids" : report->grids[v->grid].name;
-
-    printf("%-10s %s%s%s (%s): %.4g [%.4g, %.4g]%s%s\n", orl_verdict_name(v->verdict),
-           v->rule ? v->rule->name : "", v->rule ? ": " : "", v->target.text, grid,
-           v->area.value.value, v->area.value.low, v->area.value.high, v->note[0] ? ": " : "",
-           v->note);
-}
 
 /* A line a point, as "medium     sunlight by EN 17037, living room: 3.4 h on 2/14". */
 static void print_exposure(const struct orl_exposure_wish *wish,
@@ -103,10 +93,10 @@ static void print_reuse(const struct orl_annual_result *result)
 }
 
 static void print_summary(const struct orl_annual_result *result,
-                          const struct orl_annual_report *report, const struct telling *telling)
+                          const struct orl_annual_report *report, const json_t *document,
+                          const struct telling *telling)
 {
-    for (size_t i = 0; i < report->n_verdicts; i++)
-        print_verdict(report, &report->verdicts[i]);
+    orl_print_verdicts(stdout, json_object_get(document, "verdicts"));
     print_exposure(&telling->job->wishes.exposure, report);
     print_views(&telling->job->wishes.view_out, report);
     print_glare(&telling->job->wishes.glare, report);
@@ -136,7 +126,7 @@ static int tell(void *ctx, const struct orl_annual_result *result,
     const int rc = write_result(telling->folder, document, err);
 
     if (rc == 0)
-        print_summary(result, report, telling);
+        print_summary(result, report, document, telling);
     return rc;
 }
 

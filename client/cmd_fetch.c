@@ -8,6 +8,7 @@
 #include "http.h"
 #include "json_get.h"
 #include "parts/files.h"
+#include "problem.h"
 #include "report.h"
 
 static const char result_name[] = "result.json";
@@ -74,6 +75,24 @@ static int fetch_result(struct orl_http *http, const char *id, const char *folde
     return rc;
 }
 
+/* Why a job that has ended has no result: what its document says, and where to read on. */
+static int explain_absence(const json_t *job, const char *id, struct orl_error *err)
+{
+    const json_t *problem = json_object_get(job, "error");
+    struct orl_error why = {.code = ORL_ERR_INVALID};
+
+    if (json_is_object(problem))
+        orl_problem_to_error(problem, &why);
+    *err = why;
+    if (strcmp(orl_json_text(job, "state"), "cancelled") == 0)
+        snprintf(err->message, sizeof err->message, "the job was cancelled");
+    else
+        snprintf(err->message, sizeof err->message, "the job failed%s%.480s",
+                 why.message[0] ? ": " : "", why.message);
+    orl_error_hint(err, "%.400s%ssee `oriel status %.64s`", why.hint, why.hint[0] ? "; " : "", id);
+    return err->code;
+}
+
 /* The job's document lists its files; without any, asking for the result tells why. */
 static int fetch_all(struct orl_http *http, const char *id, const char *folder,
                      struct orl_error *err)
@@ -99,6 +118,9 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
     /* Last: who finds result.json finds the files that belong to it. */
     if (rc == 0)
         rc = fetch_result(http, id, folder, err);
+    if (rc && http->status == 409 && orl_job_has_ended(job) &&
+        strcmp(orl_json_text(job, "state"), "succeeded") != 0)
+        rc = explain_absence(job, id, err);
     json_decref(job);
     return rc;
 }

@@ -11,6 +11,7 @@
 #include "progress.h"
 #include "report.h"
 #include "study_table.h"
+#include "verdict_line.h"
 
 /* What a study is at, and the points so far. */
 static void print_study(const json_t *study)
@@ -33,7 +34,7 @@ static void print_study(const json_t *study)
 
 static void print_job(const json_t *job)
 {
-    const json_t *maps = json_object_get(job, "maps"), *map, *warning, *verdict, *tag;
+    const json_t *maps = json_object_get(job, "maps"), *map, *warning, *tag;
     const double eta_s = orl_json_number(job, "eta_s", -1);
     const double position = orl_json_number(job, "queue_position", -1);
     char text[320];
@@ -70,11 +71,7 @@ static void print_job(const json_t *job)
         printf("warning  %s\n", json_string_value(warning));
     }
     print_study(json_object_get(job, "study"));
-    json_array_foreach(json_object_get(json_object_get(job, "annual"), "verdicts"), i, verdict)
-    {
-        orl_format_verdict(verdict, text, sizeof text);
-        printf("%s\n", text);
-    }
+    orl_print_verdicts(stdout, json_object_get(json_object_get(job, "annual"), "verdicts"));
     if (json_object_get(job, "bsdf"))
         printf("bsdf     %s\n", orl_json_text(json_object_get(job, "bsdf"), "id"));
     orl_report_job_error(job);

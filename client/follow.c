@@ -11,6 +11,7 @@
 #include "progress.h"
 #include "report.h"
 #include "study_table.h"
+#include "verdict_line.h"
 
 /* How long a daemon that stopped answering is waited for: it may be restarting. */
 #define PATIENCE_S 60.0
@@ -196,32 +197,6 @@ static void note_timings(json_t *job)
     fputc('\n', stderr);
 }
 
-void orl_format_verdict(const json_t *verdict, char *ret_text, size_t size)
-{
-    const char *target = orl_json_text(verdict, "target"), *grid = orl_json_text(verdict, "grid");
-
-    const char *note = orl_json_text(verdict, "note");
-
-    snprintf(ret_text, size, "%-10s %s (%s)%s%s", orl_json_text(verdict, "verdict"),
-             *target ? target : orl_json_text(verdict, "rule"), *grid ? grid : "all grids",
-             *note ? ": " : "", note);
-}
-
-/* What a year comes to, by its rules and targets. */
-static void note_verdicts(const json_t *job)
-{
-    const json_t *verdicts = json_object_get(json_object_get(job, "annual"), "verdicts"), *one;
-    size_t i;
-
-    json_array_foreach(verdicts, i, one)
-    {
-        char text[320];
-
-        orl_format_verdict(one, text, sizeof text);
-        fprintf(stderr, "%s\n", text);
-    }
-}
-
 /* Says how the job ended; the exit code. */
 static int conclude(json_t *job, const char *id)
 {
@@ -235,7 +210,7 @@ static int conclude(json_t *job, const char *id)
                 json_is_true(json_object_get(accuracy, "met")) ? "met" : "not met",
                 orl_json_text(accuracy, "why"));
     note_timings(job);
-    note_verdicts(job);
+    orl_print_verdicts(stderr, json_object_get(json_object_get(job, "annual"), "verdicts"));
     if (json_object_get(job, "bsdf"))
         fprintf(stderr, "BSDF %s, for scenes to name\n",
                 orl_json_text(json_object_get(job, "bsdf"), "id"));

@@ -21,9 +21,6 @@ bool orl_job_has_ended(const json_t *job);
 /* "global map: found in the cache (2.0 M photons), 12.3 s saved", or what building it took. */
 void orl_format_map(const json_t *map, char *ret_text, size_t size);
 
-/* "pass       EN 17037 minimum (desks)", of one of a year's. */
-void orl_format_verdict(const json_t *verdict, char *ret_text, size_t size);
-
 /* "/v1/jobs/ID" and what follows, escaped. */
 int orl_job_path(const char *id, const char *rest, char *ret_path, size_t size,
                  struct orl_error *err);

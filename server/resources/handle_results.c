@@ -166,7 +166,9 @@ static void refuse_for_now(struct orl_request *request, const struct orl_jobs_jo
     const enum orl_job_state state = job->row.state;
     orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
                       orl_jobs_state_name(job),
-                      state <= ORL_JOB_RUNNING ? "; ask again later" : "");
+                      state <= ORL_JOB_RUNNING  ? "; ask again later"
+                      : state == ORL_JOB_FAILED ? "; its document says why, as \"error\""
+                                                : "");
     if (state <= ORL_JOB_RUNNING)
         orl_reply_header(request, "Retry-After", "1");
 }

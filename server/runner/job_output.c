@@ -382,27 +382,37 @@ static int add_verdict(json_t *verdicts, const json_t *of)
     if (json_array_size(verdicts) >= ORL_JOB_VERDICTS)
         return 0;
     return json_array_append_new(
-        verdicts, json_pack("{s:o, s:o, s:o, s:o, s:o}", "rule", copy_or_null(of, "rule"), "target",
-                            copy_or_null(of, "target"), "grid", copy_or_null(of, "grid"), "verdict",
-                            copy_or_null(of, "verdict"), "note", copy_or_null(of, "note")));
+        verdicts,
+        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "rule", copy_or_null(of, "rule"),
+                  "target", copy_or_null(of, "target"), "grid", copy_or_null(of, "grid"), "unit",
+                  copy_or_null(of, "unit"), "value", copy_or_null(of, "value"), "interval_95",
+                  copy_or_null(of, "interval_95"), "verdict", copy_or_null(of, "verdict"), "note",
+                  copy_or_null(of, "note")));
 }
 
-/* Of all targets of a rule together, and of each of the job's own. */
+/* Those on targets of rules, or on the job's own. */
+static int add_verdicts(json_t *verdicts, const json_t *of, bool of_rules)
+{
+    const json_t *one;
+    size_t i;
+    int rc = 0;
+    json_array_foreach(of, i, one)
+    {
+        if (json_is_null(json_object_get(one, "rule")) != of_rules)
+            rc |= add_verdict(verdicts, one);
+    }
+    return rc;
+}
+
+/* Of all targets of a rule together, of each of the job's own, and of each of a rule's. */
 static json_t *short_verdicts(const json_t *document)
 {
     json_t *verdicts = json_array();
-    const json_t *one;
-    size_t i;
+    const json_t *all = json_object_get(document, "verdicts");
     int rc = verdicts ? 0 : -1;
-    json_array_foreach(json_object_get(document, "rules"), i, one)
-    {
-        rc |= add_verdict(verdicts, one);
-    }
-    json_array_foreach(json_object_get(document, "verdicts"), i, one)
-    {
-        if (json_is_null(json_object_get(one, "rule")))
-            rc |= add_verdict(verdicts, one);
-    }
+    rc |= add_verdicts(verdicts, json_object_get(document, "rules"), true);
+    rc |= add_verdicts(verdicts, all, false);
+    rc |= add_verdicts(verdicts, all, true);
     if (rc) {
         json_decref(verdicts);
         return NULL;

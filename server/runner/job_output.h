@@ -68,8 +68,8 @@ int orl_skies_output_write(json_t *results, const char *state, size_t count, con
 /*
  * The same of a year, whose files but result.json are there already, some in folders: the summary
  * is {"threads", "timings_s", "annual": {"accuracy", "verdicts": [{"rule", "target", "grid",
- * "verdict", "note"}]}, "warnings", "files"}, of verdicts the first ORL_JOB_VERDICTS: of rules,
- * then of the job's own targets.
+ * "unit", "value", "interval_95", "verdict", "note"}]}, "warnings", "files"}, of verdicts the first
+ * ORL_JOB_VERDICTS: of rules, of the job's own targets, then of rules' targets.
  */
 enum { ORL_JOB_VERDICTS = 64 };
 int orl_annual_output_write(const json_t *document, const json_t *names, const char *folder,

@@ -77,11 +77,32 @@ static void check_status(struct year_room *f, const char *id)
     assert_non_null(strstr(reply_text(&reply, "warnings.1"), "not in the weather file"));
     assert_string_equal(reply_text(&reply, "annual.verdicts.0.rule"), "EN 17037 minimum");
     assert_non_null(strstr(reply_text(&reply, "annual.verdicts.3.target"), "sDA300/50"));
+    assert_true(reply_number(&reply, "annual.verdicts.3.value") >= 0);
+    assert_true(reply_number(&reply, "annual.verdicts.3.interval_95.1") >=
+                reply_number(&reply, "annual.verdicts.3.value"));
+    assert_true(json_is_null(reply_at(&reply, "annual.verdicts.0.value")));
+    /* Behind both, what each target of the rule comes to. */
+    assert_string_equal(reply_text(&reply, "annual.verdicts.4.rule"), "EN 17037 minimum");
+    assert_string_equal(reply_text(&reply, "annual.verdicts.4.unit"), "%");
+    assert_true(reply_number(&reply, "annual.verdicts.4.value") >= 0);
     assert_true(json_is_true(reply_at(&reply, "annual.accuracy.settled")));
     assert_true(reply_number(&reply, "timings_s.paths") > 0);
     assert_int_equal(json_array_size(reply_at(&reply, "files")),
                      json_array_size(reply_at(&reply, "links.files")));
     reply_done(&reply);
+}
+
+/* Verdicts as the command prints them, all lines but the last, which is the result's path. */
+static void assert_has_lines(const char *text, const char *lines)
+{
+    int count = 0;
+    for (const char *at = lines, *end; (end = strchr(at, '\n')) && end[1]; at = end + 1, count++) {
+        char line[512];
+        snprintf(line, sizeof line, "\n%.*s", (int)(end + 1 - at), at);
+        if (!strstr(text, line))
+            fail_msg("no line \"%s\" in:\n%s", line + 1, text);
+    }
+    assert_true(count > 6);
 }
 
 static void test_bytes_are_the_commands(void **state)
@@ -104,7 +125,10 @@ static void test_bytes_are_the_commands(void **state)
     const char *const annual[] = {"annual", path, "-o", here, "-j", "1", NULL};
     const char *const send[] = {"submit", path, "--wait", "--server", f->daemon.url, NULL};
     run_command(annual, &result);
+    char *const lines = strdup(result.out);
+    assert_non_null(lines);
     run_command(send, &result);
+    assert_has_lines(result.err, lines);
     assert_non_null(strstr(result.err, "warning: 8713 steps of the year are not in the weather"));
     assert_non_null(strstr(result.err, ": sDA1000/40 of the desks >= 20 %: "));
     assert_non_null(strstr(result.err, "EN 17037 minimum (all grids): the weather file has "));
@@ -119,8 +143,8 @@ static void test_bytes_are_the_commands(void **state)
     const char *const status[] = {"status", id, "--server", f->daemon.url, NULL};
     run_command(status, &result);
     assert_non_null(strstr(result.out, "kind     annual\n"));
-    assert_non_null(
-        strstr(result.out, " sDA300/50 of the desks >= 1 % (the desks): the weather file has "));
+    assert_has_lines(result.out, lines);
+    free(lines);
     cli_remove_folder(folder);
     free(weather);
 }

@@ -289,6 +289,56 @@ static void test_fetch_keeps_nothing_that_failed(void **state)
     assert_null(cli_read_file(f->folder, "evil.hdr"));
 }
 
+/* The reason is the job's, as status and wait have it; where to look is said, too. */
+static void test_fetch_says_why_there_is_nothing(void **state)
+{
+    static const struct canned canned[] = {
+        {"GET /v1/jobs/7", 200,
+         "{\"state\": \"failed\", \"error\": {\"type\": \"urn:oriel:error:range\","
+         " \"detail\": \"not a number\", \"file\": \"room.rad\", \"line\": 12,"
+         " \"hint\": \"mend the vertex\"}}"},
+        {"GET /v1/jobs/7/result", 409, "{\"detail\": \"its state is 'failed'\"}"},
+        {"GET /v1/jobs/8", 200, "{\"state\": \"cancelled\"}"},
+        {"GET /v1/jobs/8/result", 409, "{\"detail\": \"its state is 'cancelled'\"}"},
+        {NULL, 0, NULL}};
+    struct canned_daemon *f = *state;
+
+    canned_run(f, canned, "fetch", "7", f->folder);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_string_equal(f->result.err, "room.rad:12: the job failed: not a number (mend the vertex;"
+                                       " see `oriel status 7`)\n");
+    canned_run(f, canned, "fetch", "8", f->folder);
+    assert_int_equal(f->result.exit_code, 1);
+    assert_string_equal(f->result.err, "oriel: the job was cancelled (see `oriel status 8`)\n");
+}
+
+#define VERDICTS                                                                                   \
+    "{\"id\": \"7\", \"kind\": \"annual\", \"state\": \"succeeded\", \"annual\": {\"verdicts\": [" \
+    "{\"rule\": \"LEED\", \"target\": null, \"grid\": \"desks\", \"verdict\": \"pass\", "          \
+    "\"note\": null,"                                                                              \
+    " \"unit\": null, \"value\": null, \"interval_95\": null},"                                    \
+    "{\"rule\": null, \"target\": \"ASE <= 10 %\", \"grid\": null, \"verdict\": \"undecided\","    \
+    " \"unit\": \"%\", \"value\": 9.5, \"interval_95\": [8.25, 11], \"note\": \"no blinds\"},"     \
+    "{\"rule\": \"LEED\", \"target\": \"sDA300/50 >= 55 %\", \"grid\": \"desks\", \"verdict\":"    \
+    " \"pass\", \"unit\": \"%\", \"value\": 61, \"interval_95\": [60, 62.5], \"note\": null}]}}"
+
+/* As of a year that runs here. */
+static void test_verdicts_with_their_intervals(void **state)
+{
+    static const struct canned canned[] = {{"GET /v1/jobs/7", 200, VERDICTS}, {NULL, 0, NULL}};
+    static const char wanted[] = "pass       LEED (desks)\n"
+                                 "undecided  ASE <= 10 % (all grids): 9.5 [8.25, 11]: no blinds\n"
+                                 "pass       LEED: sDA300/50 >= 55 % (desks): 61 [60, 62.5]\n";
+    struct canned_daemon *f = *state;
+
+    canned_run(f, canned, "status", "7", NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    canned_says(f->result.out, wanted);
+    canned_run(f, canned, "wait", "7", NULL);
+    assert_int_equal(f->result.exit_code, 0);
+    canned_says(f->result.err, wanted);
+}
+
 static void test_cancel(void **state)
 {
     static const struct canned canned[] = {
@@ -322,6 +372,8 @@ int main(void)
         TEST(test_maps_table_adds_up),
         TEST(test_fetch_keeps_images_and_result),
         TEST(test_fetch_keeps_nothing_that_failed),
+        TEST(test_fetch_says_why_there_is_nothing),
+        TEST(test_verdicts_with_their_intervals),
         TEST(test_cancel),
     };
 
