@@ -145,7 +145,9 @@ static void refuse_xml(struct orl_xml_reader *r, bool last)
     const enum XML_Error error = XML_GetErrorCode(r->parser);
     FAIL(r, error == XML_ERROR_NO_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_SYNTAX, "XML: %s",
          XML_ErrorString(error));
-    if (error == XML_ERROR_INVALID_TOKEN)
+    if (error == XML_ERROR_UNKNOWN_ENCODING)
+        orl_error_hint(r->err, "save the file as UTF-8, and let its first line say so");
+    else if (error == XML_ERROR_INVALID_TOKEN)
         orl_error_hint(r->err, "letters beyond ASCII must be in UTF-8: save the file as UTF-8");
     else if (last)
         orl_error_hint(r->err, "the file may be cut short");

@@ -133,6 +133,8 @@ static int read_row(const struct table *t, struct orl_slice line, unsigned char 
     fail(t, ORL_ERR_RANGE, "the group has no state", state);
     if (state.length == 0)
         orl_error_hint(t->err, "this is an empty cell: write a state's name or number");
+    else if (orl_slice_is_decimal_comma(state))
+        orl_error_hint(t->err, "this is a decimal comma, and states are names or whole numbers");
     return ORL_ERR_RANGE;
 }
 

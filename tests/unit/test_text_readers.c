@@ -173,6 +173,78 @@ static void test_bad_numbers_are_refused_by_line(void **state)
     }
 }
 
+/* XML in Latin-1 that does not name its encoding, and in one that the parser does not know. */
+static void test_xml_in_other_encodings(void **state)
+{
+    static const char *const heads[] = {"", "<?xml version=\"1.0\" encoding=\"UTF-8\"?>",
+                                        "<?xml version=\"1.0\" encoding=\"windows-1252\"?>"};
+    (void)state;
+    EACH_READER(reader)
+    for (size_t i = 0; text_reader_takes_utf16(reader) && i < sizeof heads / sizeof *heads; i++) {
+        char bytes[TEXT_BYTES];
+        const int n = snprintf(bytes, sizeof bytes, "%s%s", heads[i],
+                               TWO_CELL_XML("f\xfcr", "0.5", "0.1 0.2 0.1 0.05"));
+        assert_refused(reader, heads[i], bytes, (size_t)n, 1, "as UTF-8");
+    }
+}
+
+/* ---- Table ----------------------------------------------------------------------------------- */
+
+/* Writes "read", if the values are the plain file's, or the line of the error. Returns false for
+ * other values. */
+static bool tell(const struct text_reader *reader, const char *bytes, size_t size,
+                 char ret_cell[16])
+{
+    struct text_values plain, values;
+    struct orl_error err;
+    assert_int_equal(read_bytes(reader, reader->text, strlen(reader->text), &plain, &err), 0);
+    const int code = read_bytes(reader, bytes, size, &values, &err);
+    if (code < 0)
+        snprintf(ret_cell, 16, "line %d", err.line);
+    else
+        snprintf(ret_cell, 16, "read");
+    return code == 0 ? strcmp(plain.text, values.text) == 0 : err.line > 0;
+}
+
+static void tell_row(const struct text_reader *reader)
+{
+    enum { VARIANTS = 9 };
+    static const char *const faulty[] = {"decimal comma", "empty cell"};
+    const struct text_fault *const faults[] = {&reader->decimal_comma, &reader->empty_cell};
+    char bytes[VARIANTS][TEXT_BYTES], row[200] = "";
+    size_t sizes[VARIANTS] = {0}, at = 0;
+    sizes[0] = (size_t)snprintf(bytes[0], TEXT_BYTES, "\xef\xbb\xbf%s", reader->text);
+    sizes[1] = with_line_ends(reader->text, "\r\n", bytes[1]);
+    sizes[2] = with_line_ends(reader->text, "\r", bytes[2]);
+    sizes[3] = as_utf16(reader->text, true, bytes[3]);
+    sizes[4] = (size_t)snprintf(bytes[4], TEXT_BYTES, "%s", reader->latin1 ? reader->latin1 : "");
+    for (int i = 0; i < 2; i++)
+        sizes[5 + i] = (size_t)snprintf(bytes[5 + i], TEXT_BYTES, "%s",
+                                        faults[i]->text ? faults[i]->text : "");
+    sizes[7] = (size_t)snprintf(bytes[7], TEXT_BYTES, "%s", reader->text) - 1;
+    sizes[8] = (size_t)snprintf(bytes[8], TEXT_BYTES, "%s\x1a", reader->text);
+    for (int i = 0; i < VARIANTS; i++) {
+        char cell[16] = "-";
+        if (sizes[i] > 0 && !tell(reader, bytes[i], sizes[i], cell))
+            fail_msg("%s, %s: %s", reader->name, i == 5 || i == 6 ? faulty[i - 5] : "form", cell);
+        at += (size_t)snprintf(row + at, sizeof row - at, " | %7s", cell);
+    }
+    print_message("# %-26s%s\n", reader->name, row);
+}
+
+/* What becomes of each, in a line a reader: read, refused at a line, or - where there is no such
+ * thing. */
+static void test_table(void **state)
+{
+    (void)state;
+    print_message(
+        "# %-26s |     BOM |    CRLF |      CR |  UTF-16 | Latin-1 |     0,5 |   empty | no "
+        "end |  Ctrl-Z\n",
+        "");
+    EACH_READER(reader)
+    tell_row(reader);
+}
+
 /* A program's own message, in front of the XML that it writes. */
 static void test_text_before_xml_is_passed_over(void **state)
 {
@@ -210,6 +282,8 @@ int main(void)
         cmocka_unit_test(test_latin1_is_read_where_text_is_free),
         cmocka_unit_test(test_utf16_is_refused_with_the_remedy_or_read),
         cmocka_unit_test(test_bad_numbers_are_refused_by_line),
+        cmocka_unit_test(test_xml_in_other_encodings),
+        cmocka_unit_test(test_table),
         cmocka_unit_test(test_text_before_xml_is_passed_over)};
     return cmocka_run_group_tests_name("text_readers", tests, NULL, NULL);
 }
