@@ -268,6 +268,12 @@ static int check_fields(struct reader *reader, struct orl_slice rest)
     return 0;
 }
 
+static bool is_zero(struct orl_slice field)
+{
+    double value = 1;
+    return orl_number_read(field.text, field.length, &value) == ORL_NUMBER_OK && value == 0;
+}
+
 static int read_epw_row(struct reader *reader, struct orl_slice line)
 {
     struct orl_slice fields[EPW_FIELDS_READ] = {0};
@@ -282,6 +288,9 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
         return code;
     const struct orl_slice five[5] = {fields[1], fields[2], fields[3], fields[14], fields[15]};
     code = read_row(reader, five, 1, 24, &row);
+    if (code < 0 && is_zero(fields[3]))
+        orl_error_hint(reader->err, "an EPW file's rows are of the hours 1 to 24, which are their "
+                                    "intervals' ends: add 1 to the hours");
     if (code < 0)
         return code;
     row.year = year_of(fields[0]);

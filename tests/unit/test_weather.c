@@ -202,6 +202,17 @@ static void test_bad_files(void **state)
     }
 }
 
+/* Rows from hour 0 to 23 are no EPW's, whose hours end at 1 to 24. */
+static void test_hours_from_zero(void **state)
+{
+    struct orl_weather weather;
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse(EPW TO_DIRECT(1, 1, 0) "0,0,0\n", &weather, &err), ORL_ERR_RANGE);
+    assert_int_equal(err.line, 3);
+    assert_non_null(strstr(err.hint, "add 1 to the hours"));
+}
+
 /* Tables of other sources are refused by their names, with what to do. */
 static void test_other_forms(void **state)
 {
@@ -421,7 +432,8 @@ int main(void)
         cmocka_unit_test(test_every_truncation),   cmocka_unit_test(test_weekday_and_year),
         cmocka_unit_test(test_two_years),          cmocka_unit_test(test_chosen_year),
         cmocka_unit_test(test_july_to_june),       cmocka_unit_test(test_past_midnight),
-        cmocka_unit_test(test_quarters),           cmocka_unit_test(test_other_forms),
+        cmocka_unit_test(test_hours_from_zero),    cmocka_unit_test(test_quarters),
+        cmocka_unit_test(test_other_forms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
