@@ -11,7 +11,7 @@
 static bool tells(const struct orl_weather_row *row)
 {
     static const double bright_w_m2 = 100;
-    return !row->missing && row->direct >= bright_w_m2 && isfinite(row->global);
+    return !row->missing && row->direct >= bright_w_m2 && row->global > 0;
 }
 
 /* Returns the mean difference of global irradiance, of every stride-th of the rows that tell. */
