@@ -76,19 +76,28 @@ static bool is_listed(const json_t *list, const char *name)
     return false;
 }
 
-/* Of the Radiance files: which are main ones, and which nobody reads. */
+static bool has_ending(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), tail = strlen(ending);
+    return length > tail && strcasecmp(name + length - tail, ending) == 0;
+}
+
+/* Whether a file of that name holds surfaces or materials. */
+static bool describes_scene(const char *name)
+{
+    return has_ending(name, ".rad") || has_ending(name, ".mat") || has_ending(name, ".hbjson");
+}
+
+/* Which files are main ones, and which that describe a scene are not read. */
 static void add_files(json_t *summary, const struct orl_bundle *bundle)
 {
     json_t *mains = json_array(), *unread = json_array();
     const json_t *referenced = json_object_get(summary, "referenced");
     for (size_t i = 0; i < bundle->count; i++) {
         const char *name = bundle->files[i].name;
-        const size_t length = strlen(name);
-        const char *suffix = name + (length > 4 ? length - 4 : 0);
-        const bool radiance = strcasecmp(suffix, ".rad") == 0 || strcasecmp(suffix, ".mat") == 0;
         if (!bundle->files[i].resource)
             json_array_append_new(mains, json_string(name));
-        else if (radiance && !is_listed(referenced, name))
+        else if (describes_scene(name) && !is_listed(referenced, name))
             json_array_append_new(unread, json_string(name));
     }
     json_object_set_new(summary, "main", mains);

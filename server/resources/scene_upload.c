@@ -244,6 +244,22 @@ static size_t find_model(const struct orl_bundle *bundle, bool alone)
     return bundle->count;
 }
 
+/* One scene is of one model: the second is refused, not kept unread. */
+static int refuse_second_model(const struct orl_bundle *bundle, size_t first, struct orl_error *err)
+{
+    for (size_t i = first + 1; i < bundle->count; i++) {
+        if (bundle->files[i].resource || !has_ending(bundle->files[i].name, ".hbjson"))
+            continue;
+        orl_error_set(err, ORL_ERR_INVALID,
+                      "a scene is one Honeybee model, and '%.100s' came before",
+                      bundle->files[first].name);
+        orl_error_at(err, bundle->files[i].name, 0, NULL);
+        orl_error_hint(err, "Upload each model by itself");
+        return ORL_ERR_INVALID;
+    }
+    return 0;
+}
+
 /* Puts the files of the model at that place in place of it. Other files are kept beside them. */
 static int add_model(struct orl_scene_upload *upload, size_t place,
                      const struct orl_folders *folders, struct orl_asking *asking,
@@ -278,6 +294,8 @@ int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Conne
     if (parts.mains)
         rc = orl_scene_upload_add_main(upload, parts.mains, err);
     const size_t model = find_model(&upload->bundle, !upload->mains && parts.zips.count == 0);
+    if (rc == 0)
+        rc = refuse_second_model(&upload->bundle, model, err);
     if (rc == 0 && model < upload->bundle.count)
         rc = add_model(upload, model, folders, asking, err);
     if (rc == 0)

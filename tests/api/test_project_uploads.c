@@ -196,6 +196,59 @@ static void test_a_model_comes_in_a_form(void **state)
     free(model);
 }
 
+static bool is_unread(const struct reply *reply, const char *name)
+{
+    bool found = false;
+    for (int i = 0; i < 16 && !found; i++) {
+        char path[32];
+        snprintf(path, sizeof path, "summary.unread.%d", i);
+        found = strcmp(reply_text(reply, path), name) == 0;
+    }
+    return found;
+}
+
+/* Nothing that describes a scene is kept unread without a word. */
+static void test_files_beside_a_model(void **state)
+{
+    static const char rad[] = "void plastic grey\n0\n0\n5 0.4 0.4 0.4 0 0\n";
+    char *model = read_model();
+    struct reply reply;
+    const struct upload_file two[] = {{"a.hbjson", model, strlen(model), false},
+                                      {"b.HBJSON", model, strlen(model), false}};
+    daemon_upload(*state, two, 2, NULL, &reply);
+    assert_int_equal(reply.status, 422);
+    assert_string_equal(reply_text(&reply, "file"), "b.HBJSON");
+    assert_non_null(strstr(reply_text(&reply, "detail"), "'a.hbjson' came before"));
+    reply_done(&reply);
+    const struct upload_file more[] = {{"a.hbjson", model, strlen(model), false},
+                                       {"b.hbjson", model, strlen(model), true},
+                                       {"room.rad", rad, strlen(rad), false}};
+    daemon_upload(*state, more, 3, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    assert_true(is_unread(&reply, "b.hbjson"));
+    assert_true(is_unread(&reply, "room.rad"));
+    reply_done(&reply);
+    free(model);
+}
+
+/* Models in a zip of Radiance files are no part of the scene, and the reply says so. */
+static void test_models_in_a_zip(void **state)
+{
+    static const char rad[] =
+        "void plastic grey\n0\n0\n5 0.4 0.4 0.4 0 0\ngrey sphere ball\n0\n0\n4 1 1 1 0.4\n";
+    const struct zip_entry entries[] = {ZIP_TEXT("a.hbjson", "{}"), ZIP_TEXT("b.hbjson", "{}"),
+                                        ZIP_TEXT("ball.rad", rad)};
+    size_t size;
+    struct reply reply;
+    char *zip = zip_make(entries, 3, &size);
+    daemon_request(*state, "POST", "/v1/scenes", "application/zip", zip, size, NULL, &reply);
+    assert_int_equal(reply.status, 201);
+    assert_string_equal(reply_text(&reply, "summary.unread.0"), "a.hbjson");
+    assert_string_equal(reply_text(&reply, "summary.unread.1"), "b.hbjson");
+    reply_done(&reply);
+    free(zip);
+}
+
 /* The folder's own name stays: its texts say model/bsdf/NAME.xml. */
 static void test_a_folder_comes_as_a_zip(void **state)
 {
@@ -230,6 +283,8 @@ int main(void)
         cmocka_unit_test(test_mistakes_are_told_by_their_place),
         cmocka_unit_test(test_a_model_comes_with_files),
         cmocka_unit_test(test_a_model_comes_in_a_form),
+        cmocka_unit_test(test_files_beside_a_model),
+        cmocka_unit_test(test_models_in_a_zip),
         cmocka_unit_test(test_a_folder_comes_as_a_zip),
     };
     return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);
