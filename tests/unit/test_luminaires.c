@@ -78,6 +78,31 @@ static void test_far_away(void **state)
         }
 }
 
+/* A file is an IES file however many lines come before TILT=. */
+static void test_long_head(void **state)
+{
+    enum { LINES = 1500 };
+    static const char begin[] = "IESNA:LM-63-2002\n", line[] = "[MORE] x\n";
+    static char text[sizeof begin + LINES * sizeof line + 256];
+    const struct orl_sensor sensor = {{0, 0, -60}, {0, 0, 1}};
+    double lx;
+    (void)state;
+    size_t length = (size_t)snprintf(text, sizeof text, "%s", begin);
+    for (int i = 0; i < LINES; i++)
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s", line);
+    snprintf(text + length, sizeof text - length,
+             "TILT=NONE\n1 1000 1 6 1 1 2 0 0 0\n1 1 40\n" ROUND "0\n" ALL);
+    scene_run_lx(&(struct scene_run){.scene = "!ies2rad -s lamp.ies\n",
+                                     .resource_name = "lamp.ies",
+                                     .resource_text = text,
+                                     .sensors = &sensor,
+                                     .n_sensors = 1,
+                                     .technique = ORL_TECHNIQUE_BACKWARD,
+                                     .samples = 64},
+                 &lx);
+    assert_true(fabs(lx / (50.0 / (60 * 60)) - 1) < .01);
+}
+
 /* Beyond its vertical angles a luminaire gives no light, whatever its shape; of angles that LM-63
  * does not have a warning tells. */
 static void test_beyond_the_angles(void **state)
@@ -317,10 +342,15 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_far_away),       cmocka_unit_test(test_beyond_the_angles),
-        cmocka_unit_test(test_missing_planes), cmocka_unit_test(test_units_and_colors),
-        cmocka_unit_test(test_geometry),       cmocka_unit_test(test_geometry_is_missing),
-        cmocka_unit_test(test_radius),         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_far_away),
+        cmocka_unit_test(test_long_head),
+        cmocka_unit_test(test_beyond_the_angles),
+        cmocka_unit_test(test_missing_planes),
+        cmocka_unit_test(test_units_and_colors),
+        cmocka_unit_test(test_geometry),
+        cmocka_unit_test(test_geometry_is_missing),
+        cmocka_unit_test(test_radius),
+        cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

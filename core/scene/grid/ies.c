@@ -51,7 +51,7 @@ bool orl_ies_is(const char *text, size_t size)
     struct orl_slice line;
     if (orl_scanner_init(&scanner, NULL, text, size, ORL_SCANNER_TEXT_HEADER, NULL) < 0)
         return false;
-    for (int lines = 0; lines < 1000 && next_line(&scanner, &line); lines++)
+    while (next_line(&scanner, &line))
         if (orl_slice_begins(line, "TILT="))
             return true;
     return false;
