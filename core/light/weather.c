@@ -60,6 +60,19 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 
 static const double missing = 9999; /* as both formats mark it */
 
+/* Instruments read a little less than nothing at night. Values below that are refused: they would
+ * count as darkness. */
+static int irradiance(struct reader *reader, struct orl_slice field, const char *what,
+                      double *ret_value)
+{
+    const double low = reader->weather.units == ORL_WEATHER_NORMAL_LX ? -1e4 : -100;
+    const int code = number(reader, field, what, low, 1e6, ret_value);
+    if (code == ORL_ERR_RANGE)
+        orl_error_hint(reader->err, "a value that is missing is written as %g",
+                       reader->weather.units == ORL_WEATHER_NORMAL_LX ? 100 * missing : missing);
+    return code;
+}
+
 /* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
 static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
                     double last_hour, struct orl_weather_row *ret_row)
@@ -73,9 +86,9 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
     if (code == 0)
         code = number(reader, fields[2], "the hour", first_hour, last_hour, &row.hour);
     if (code == 0)
-        code = number(reader, fields[3], "direct light", -1e6, 1e6, &row.direct);
+        code = irradiance(reader, fields[3], "direct light", &row.direct);
     if (code == 0)
-        code = number(reader, fields[4], "diffuse light", -1e6, 1e6, &row.diffuse);
+        code = irradiance(reader, fields[4], "diffuse light", &row.diffuse);
     if (code < 0)
         return code;
     if (month != floor(month) || day != floor(day))
@@ -197,6 +210,8 @@ static int read_periods(struct reader *reader, struct orl_slice line)
         orl_slice_take_cell(&line, ',', &date))
         reader->weather.first_weekday = weekday_of_new_year(weekday, date, &reader->first_date);
     code = number(reader, field, "the records an hour", 1, 60, &an_hour);
+    if (code == 0 && an_hour != floor(an_hour))
+        return fail(reader, ORL_ERR_RANGE, "the records an hour are no whole number");
     if (code == 0 && fmod(60, an_hour) != 0)
         return fail(reader, ORL_ERR_RANGE, "the records an hour are no whole number of minutes");
     reader->an_hour = code == 0 ? (int)an_hour : 1;
