@@ -237,8 +237,7 @@ static double draw_head(const struct orl_page_sheet *s)
     const struct orl_annual_page *page = s->page;
     const struct orl_annual_grid *grid = &page->report->grids[page->grid];
     char text[160];
-    orl_page_put(s, ORL_PAGE_RIM, ORL_PAGE_RIM + ORL_PAGE_TITLE, ORL_CANVAS_LEFT, ORL_PAGE_TITLE,
-                 orl_page_ink, page->title ? page->title : grid->name);
+    orl_page_put_title(s, ORL_PAGE_RIM + ORL_PAGE_TITLE, page->title ? page->title : grid->name);
     snprintf(text, sizeof text, "%s%sA year of daylight at %zu sensors",
              page->title ? grid->name : "", page->title ? ": " : "", grid->count);
     orl_page_put_within(s, ORL_PAGE_RIM, ORL_PAGE_RIM + ORL_PAGE_TITLE + 20,

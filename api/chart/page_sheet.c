@@ -34,26 +34,38 @@ static size_t drop_last(char *text, size_t length)
 }
 
 /* Ends the text with dots, and as many characters before them as there is room for. */
-static void cut_to(char text[LINE_BYTES], double most)
+static void cut_to(char text[LINE_BYTES], double size, double most)
 {
     size_t length = strlen(text);
     while (length > LINE_BYTES - 3)
         length = drop_last(text, length);
     memcpy(text + length, "..", 3);
-    while (length > 1 && orl_canvas_text_width(text, ORL_PAGE_TEXT) > most) {
+    while (length > 1 && orl_canvas_text_width(text, size) > most) {
         length = drop_last(text, length);
         memcpy(text + length, "..", 3);
     }
 }
 
-void orl_page_put_within(const struct orl_page_sheet *s, double x, double y, double most,
-                         const unsigned char rgb[3], const char *text)
+static void put_within(const struct orl_page_sheet *s, double x, double y, double most, double size,
+                       const unsigned char rgb[3], const char *text)
 {
     char cut[LINE_BYTES];
     snprintf(cut, sizeof cut, "%s", text);
-    if (strlen(text) >= sizeof cut || orl_canvas_text_width(cut, ORL_PAGE_TEXT) > most)
-        cut_to(cut, most);
-    orl_page_put(s, x, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, rgb, cut);
+    if (strlen(text) >= sizeof cut || orl_canvas_text_width(cut, size) > most)
+        cut_to(cut, size, most);
+    orl_page_put(s, x, y, ORL_CANVAS_LEFT, size, rgb, cut);
+}
+
+void orl_page_put_within(const struct orl_page_sheet *s, double x, double y, double most,
+                         const unsigned char rgb[3], const char *text)
+{
+    put_within(s, x, y, most, ORL_PAGE_TEXT, rgb, text);
+}
+
+void orl_page_put_title(const struct orl_page_sheet *s, double y, const char *text)
+{
+    put_within(s, ORL_PAGE_RIM, y, ORL_PAGE_WIDTH - 2 * ORL_PAGE_RIM, ORL_PAGE_TITLE, orl_page_ink,
+               text);
 }
 
 double orl_page_put_heading(const struct orl_page_sheet *s, double x, double y, double right,
@@ -97,7 +109,7 @@ size_t orl_page_put_wrapped(const struct orl_page_sheet *s, double x, double y, 
         n++;
         snprintf(line, sizeof line, "%.*s", (int)length, text);
         if (*rest && n == n_most)
-            cut_to(line, width);
+            cut_to(line, ORL_PAGE_TEXT, width);
         if (s)
             orl_page_put(s, x, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, rgb, line);
         y += ORL_PAGE_FINE_LINE;

@@ -33,6 +33,7 @@ void orl_page_put(const struct orl_page_sheet *s, double x, double y, enum orl_c
 /* Cuts the text short, with dots, where it is wider than most. */
 void orl_page_put_within(const struct orl_page_sheet *s, double x, double y, double most,
                          const unsigned char rgb[3], const char *text);
+void orl_page_put_title(const struct orl_page_sheet *s, double y, const char *text); /* likewise */
 double orl_page_put_heading(const struct orl_page_sheet *s, double x, double y, double right,
                             const char *text);
 

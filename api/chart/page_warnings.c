@@ -27,21 +27,37 @@ static bool is_of_another_grid(const struct orl_annual_page *page, const char *w
 struct list {
     double y;
     size_t lines, left_out;
+    bool cut; /* some are cut short */
 };
 
 static void put_warning(const struct orl_page_sheet *s, const char *text, struct list *list)
 {
     const double x = ORL_PAGE_RIM + INDENT, width = ORL_PAGE_WIDTH - ORL_PAGE_RIM - x;
-    const size_t n =
-        orl_page_put_wrapped(NULL, x, list->y, width, LINES_OF_ONE, orl_page_ink, text);
+    const size_t n_all =
+        orl_page_put_wrapped(NULL, x, list->y, width, LINES_OF_ONE + 1, orl_page_ink, text);
+    const size_t n = n_all > LINES_OF_ONE ? LINES_OF_ONE : n_all;
     if (list->left_out > 0 || list->lines + n > LINES_OF_ALL) {
         list->left_out++;
         return;
     }
+    list->cut = list->cut || n_all > n;
     orl_canvas_disc(s->canvas, ORL_PAGE_RIM + 5, list->y - ORL_PAGE_TEXT / 2, 5, amber);
     orl_page_put_wrapped(s, x, list->y, width, LINES_OF_ONE, orl_page_ink, text);
     list->y += (double)n * ORL_PAGE_FINE_LINE + 3;
     list->lines += n;
+}
+
+static void put_rest(const struct orl_page_sheet *s, struct list *list)
+{
+    char text[64] = "at length in result.json";
+    if (list->left_out > 0)
+        snprintf(text, sizeof text, "and %zu more warning%s, in result.json", list->left_out,
+                 list->left_out > 1 ? "s" : "");
+    else if (!list->cut)
+        return;
+    orl_page_put(s, ORL_PAGE_RIM + INDENT, list->y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray,
+                 text);
+    list->y += ORL_PAGE_LINE;
 }
 
 double orl_page_draw_warnings(const struct orl_page_sheet *s, double y)
@@ -58,13 +74,6 @@ double orl_page_draw_warnings(const struct orl_page_sheet *s, double y)
     if (list.lines == 0)
         return y;
     orl_page_put_heading(s, ORL_PAGE_RIM, y, ORL_PAGE_WIDTH - ORL_PAGE_RIM, "Warnings");
-    if (list.left_out > 0) {
-        char text[64];
-        snprintf(text, sizeof text, "and %zu more warning%s, in result.json", list.left_out,
-                 list.left_out > 1 ? "s" : "");
-        orl_page_put(s, ORL_PAGE_RIM + INDENT, list.y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT,
-                     orl_page_gray, text);
-        list.y += ORL_PAGE_LINE;
-    }
+    put_rest(s, &list);
     return list.y + 10;
 }

@@ -23,6 +23,7 @@
 enum { NORTH, SOUTH }; /* two sensors, without a map; four, with one */
 
 struct year {
+    const char *title;
     struct orl_annual_grid grids[2];
     struct orl_sensor sensors[HAND_YEAR_SENSORS];
     struct orl_annual_request request;
@@ -102,7 +103,8 @@ static void free_year(struct year *y)
 /* As an SVG; owned. */
 static char *draw(const struct year *y, size_t grid)
 {
-    const struct orl_annual_page page = {.request = &y->request,
+    const struct orl_annual_page page = {.title = y->title,
+                                         .request = &y->request,
                                          .wishes = &y->wishes,
                                          .result = &y->result,
                                          .report = &y->report,
@@ -392,6 +394,27 @@ static void test_warnings_are_in_view(void **state)
     free_year(&y);
 }
 
+/* Long words are cut to the page's width, and it says where to read them. */
+static void test_long_words_are_cut(void **state)
+{
+    enum { LONG = 900 };
+    static char words[LONG + 1], *one[] = {words};
+    struct year y;
+    (void)state;
+    for (int i = 0; i < LONG; i++)
+        words[i] = i % 7 == 6 ? ' ' : 'm';
+    make_year(&y, 6, 4, long_list);
+    y.title = words;
+    y.result.warnings = one;
+    y.result.n_warnings = 1;
+    char *page = draw(&y, SOUTH);
+    assert_non_null(strstr(page, ">at length in result.json<"));
+    assert_texts_are_apart(page);
+    free(page);
+    y.result.warnings = NULL;
+    free_year(&y);
+}
+
 /* Many warnings, and long ones, leave the room to the rest, and are counted. */
 static void test_many_warnings(void **state)
 {
@@ -434,6 +457,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_no_part_is_blank, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_warnings_are_in_view, scratch_set_up,
                                         scratch_tear_down),
+        cmocka_unit_test_setup_teardown(test_long_words_are_cut, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_many_warnings, scratch_set_up, scratch_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
