@@ -282,8 +282,8 @@ double year_dgp(const struct year_run *run, const struct orl_annual_step *step,
     return dgp;
 }
 
-void year_hour(const struct year_run *run, const struct orl_annual_step *step, uint32_t samples,
-               double *ret_lx, double *ret_se)
+struct orl_result year_hour_result(const struct year_run *run, const struct orl_annual_step *step,
+                                   uint32_t samples)
 {
     struct place place;
     struct orl_job job;
@@ -296,8 +296,15 @@ void year_hour(const struct year_run *run, const struct orl_annual_step *step, u
     job.n_sensors = run->n_sensors;
     if (orl_run(&job, &place.env, &result, &err) < 0)
         fail_with(&err);
+    close_place(&place);
+    return result;
+}
+
+void year_hour(const struct year_run *run, const struct orl_annual_step *step, uint32_t samples,
+               double *ret_lx, double *ret_se)
+{
+    struct orl_result result = year_hour_result(run, step, samples);
     memcpy(ret_lx, result.illuminance_lx, run->n_sensors * sizeof *ret_lx);
     memcpy(ret_se, result.standard_error_lx, run->n_sensors * sizeof *ret_se);
     orl_result_done(&result);
-    close_place(&place);
 }

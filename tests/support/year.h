@@ -60,6 +60,10 @@ int year_run_fails(const struct year_run *run, struct orl_error *ret_err);
 void year_hour(const struct year_run *run, const struct orl_annual_step *step, uint32_t samples,
                double *ret_lx, double *ret_se);
 
+/* The same, with all that the run says; the caller's, for orl_result_done. */
+struct orl_result year_hour_result(const struct year_run *run, const struct orl_annual_step *step,
+                                   uint32_t samples);
+
 /* Glare of seats in the columns that are wanted of the run's year; the caller's, for
  * orl_seat_hours_free. */
 struct orl_seat_hours *year_glare(const struct year_run *run, const struct orl_annual_result *year,

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "fixtures/bsdf_make.h"
+#include "scene/generate/sun.h"
 #include "support/year.h"
 
 #define HEAD(latitude, longitude, zone)                                                            \
@@ -296,6 +297,52 @@ static void test_north(void **state)
     orl_annual_done(&turned);
 }
 
+/* An EPW of twenty days of clear hours, global irradiance by a sun that is so much later than at
+ * the middles of the rows' hours. */
+static void write_clear_days(double later_h, char *text, size_t size)
+{
+    const struct orl_location site = {38 * ORL_DEG_TO_RAD, 0, 0};
+    size_t n = (size_t)snprintf(
+        text, size, "LOCATION,a,b,c,d,e,38,0,0,25\nDATA PERIODS,1,1,Data,Sunday,6/1,6/20\n");
+    for (int day = 1; day <= 20; day++)
+        for (int hour = 8; hour <= 17; hour++) {
+            const struct orl_moment at = {2021, 6, day, hour - 0.5 + later_h, false};
+            const double sine = sin(orl_sun_accurate(&site, &at).altitude_rad);
+            n += (size_t)snprintf(text + n, size - n,
+                                  "2021,6,%d,%d,0,f,0,0,0,0,0,0,0,%.2f,700,100\n", day, hour,
+                                  100 + 700 * sine);
+            assert_true(n < size);
+        }
+}
+
+static bool says_shift(char *const *warnings, size_t n)
+{
+    bool says = false;
+    for (size_t i = 0; i < n; i++)
+        says = says || strstr(warnings[i], "30 minutes too late");
+    return says;
+}
+
+/* Years and single skies tell that the file's times are half an hour late. */
+static void test_shifted_file(void **state)
+{
+    static const double later_h[] = {0, -0.5};
+    static const struct orl_annual_step noon = {.month = 6, .day = 10, .hour = 11.5};
+    static char text[200 * 80];
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const struct year_run run = {
+            .scene = stone, .weather = text, .sensors = &up, .n_sensors = 1, .samples = 16};
+        write_clear_days(later_h[i], text, sizeof text);
+        struct orl_annual_result year = year_run(&run);
+        struct orl_result hour = year_hour_result(&run, &noon, 16);
+        assert_int_equal(says_shift(year.warnings, year.n_warnings), i == 1);
+        assert_int_equal(says_shift(hour.warnings, hour.n_warnings), i == 1);
+        orl_annual_done(&year);
+        orl_result_done(&hour);
+    }
+}
+
 /* Of a glass ball what it mirrors is left out, and who asked is told where it is. */
 static void test_curved_glass(void **state)
 {
@@ -351,11 +398,11 @@ static void test_midnight_sun(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_half_covered),      cmocka_unit_test(test_slit),
-        cmocka_unit_test(test_polar_night),       cmocka_unit_test(test_south),
-        cmocka_unit_test(test_leap_day),          cmocka_unit_test(test_north),
-        cmocka_unit_test(test_curved_glass),      cmocka_unit_test(test_midnight_sun),
-        cmocka_unit_test(test_disc_in_two_cells),
+        cmocka_unit_test(test_shifted_file), cmocka_unit_test(test_half_covered),
+        cmocka_unit_test(test_slit),         cmocka_unit_test(test_polar_night),
+        cmocka_unit_test(test_south),        cmocka_unit_test(test_leap_day),
+        cmocka_unit_test(test_north),        cmocka_unit_test(test_curved_glass),
+        cmocka_unit_test(test_midnight_sun), cmocka_unit_test(test_disc_in_two_cells),
     };
     return cmocka_run_group_tests_name("annual_edges", tests, NULL, NULL);
 }
