@@ -65,19 +65,43 @@ static void check_planes(struct orl_year *y, const struct orl_scene *scene,
         orl_year_warn(y, "more grids have sensors in planes of surfaces: they are not listed");
 }
 
-/* Warns, grid by grid, of sensors in planes of surfaces, and of those apart from their grid. */
-static void check_sensors(struct orl_year *y, const struct orl_scene *scene)
+/* Grid by grid, where there are any. */
+static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
 {
     const struct orl_annual_request *r = y->request;
-    struct orl_sensor_warnings warnings = {warn, y, 0};
+    const size_t n = r->n_grids > 0 ? r->n_grids : 1;
     size_t n_in_planes = 0;
-    for (size_t i = 0; i < r->n_grids || i == 0; i++) {
-        const struct orl_annual_grid *g = i < r->n_grids ? &r->grids[i] : NULL;
-        const struct orl_sensor_range range = {g ? g->name : NULL, g ? g->first : 0,
-                                               g ? g->count : r->n_sensors};
-        check_planes(y, scene, &range, &n_in_planes);
-        orl_run_check_sensor_spaces(scene, r->sensors, &range, y->env->run->crew, &warnings);
-    }
+    struct orl_sensor_range *const ranges = malloc(n * sizeof *ranges);
+    if (!ranges)
+        return ORL_ERR_NOMEM;
+    ranges[0] = (struct orl_sensor_range){NULL, 0, r->n_sensors};
+    for (size_t i = 0; i < r->n_grids; i++)
+        ranges[i] =
+            (struct orl_sensor_range){r->grids[i].name, r->grids[i].first, r->grids[i].count};
+    for (size_t i = 0; i < n; i++)
+        check_planes(y, scene, &ranges[i], &n_in_planes);
+    struct orl_sensor_check check = {.scene = scene,
+                                     .sensors = r->sensors,
+                                     .ranges = ranges,
+                                     .n_ranges = n,
+                                     .crew = y->env->run->crew,
+                                     .warn = warn,
+                                     .ctx = y};
+    const int code = orl_run_check_sensor_spaces(&check);
+    free(ranges);
+    return code;
+}
+
+/* Warns, once for a job, of sensors in planes of surfaces, and of those apart from their grid. */
+static int check_sensors(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
+{
+    if (y->variant && y->variant->sensors_checked)
+        return 0;
+    const int code = check_ranges(y, scene);
+    if (code < 0)
+        orl_error_set(err, code, "%s while checking the sensors",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
+    return code;
 }
 
 /* The scene and the lamps in it, as a job of no sky loads them. */
@@ -110,7 +134,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     result.n_warnings = 0;
     orl_result_done(&result);
     if (code == 0)
-        check_sensors(y, state.scene);
+        code = check_sensors(y, state.scene, err);
     orl_scene_release(state.scene);
     return code;
 }

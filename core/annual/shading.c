@@ -99,13 +99,15 @@ int orl_shading_run(struct orl_shading *s, const struct orl_sub_run *sub,
     const struct orl_year_variant how = {.hours_of = s->reader,
                                          .swaps = &variant.swaps,
                                          .parts = sub->parts,
-                                         .sun_only = sub->sun_only};
+                                         .sun_only = sub->sun_only,
+                                         .sensors_checked = s->sensors_checked};
     /* Light that is added up is of paths of its own: errors are independent. */
     if (parted)
         variant.request.seed += (uint64_t)sub->index << 32;
     if (code == 0)
         code = orl_year_run(&variant.request, &env, &how, ret_run, s->err);
     orl_annual_variant_done(&variant);
+    s->sensors_checked = s->sensors_checked || code == 0;
     s->told += sub->share;
     return code == 0 ? take_account(s, ret_run) : code;
 }

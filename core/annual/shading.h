@@ -18,6 +18,7 @@ struct orl_shading {
     bool summed;                    /* light is added up by parts of the windows */
     struct orl_shade_count *counts; /* by group: sensors in direct sunlight; or not begun */
     double told;                    /* of the whole, by runs that are over */
+    bool sensors_checked;           /* by the first run */
     struct orl_error *err;
 };
 

@@ -45,6 +45,7 @@ struct orl_year_variant {
     /* The run finds direct sunlight alone, and the rest stays 0. With parts, it calls their sunlit
      * and puts nothing into the result. */
     bool sun_only;
+    bool sensors_checked; /* an earlier run of the job has warned of misplaced sensors */
     /* Told once it is prepared, before sensors are looked at: it may give the year another request,
      * which differs in these alone. May be NULL. A negative orl_err ends the run. */
     int (*prepared)(void *ctx, struct orl_year *year, struct orl_error *err);

@@ -6,16 +6,21 @@
 #include "base/random.h"
 #include "scene/material/hemisphere.h"
 
-enum { BOUNCES = 16, PATHS_OF_A_PLACE = 4, PATHS_OF_A_SPACE = 32, MOST_PANES = 8, POLL = 64 };
-/* Tests of a place that is not connected to its neighbours: so many in all, and for each place. */
-enum { MOST_TESTS = 1000000, TESTS_A_PLACE = 16 };
+enum { BOUNCES = 16, PATHS_OF_A_PLACE = 4, PATHS_OF_A_SPACE = 32, MOST_PANES = 8 };
 
 struct search {
     const struct orl_scene *scene;
     struct orl_enclosures *found;
-    uint64_t tests, most_tests;
+    struct orl_ray_budget *budget;
     struct orl_random random;
 };
+
+static int budget_error(const struct orl_ray_budget *budget)
+{
+    if (budget->cancelled)
+        return ORL_ERR_CANCELLED;
+    return budget->left == 0 ? ORL_ERR_LIMIT : 0;
+}
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
@@ -50,8 +55,7 @@ bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from,
 static bool connects(struct search *s, struct orl_vec3 from, struct orl_vec3 to)
 {
     struct orl_hit hit;
-    s->tests++;
-    return !orl_enclosures_between(s->scene, from, to, &hit);
+    return orl_ray_budget_take(s->budget) && !orl_enclosures_between(s->scene, from, to, &hit);
 }
 
 /* ---- Paths ----------------------------------------------------------------------------------- */
@@ -66,11 +70,14 @@ static struct path path_from(const struct orl_outlook *place, struct orl_random 
     return (struct path){place->point, orl_hemisphere_about(place->normal, u, v)};
 }
 
-/* One ray of a diffuse path, counted into the enclosure. False: the path leaves the scene. */
-static bool advance(const struct orl_scene *scene, struct path *path, struct orl_random *random,
-                    struct orl_enclosure *enclosure)
+/* One ray of a diffuse path, counted into the enclosure. Returns false when the path leaves the
+ * scene, or no ray is left. */
+static bool advance(struct search *s, struct path *path, struct orl_enclosure *enclosure)
 {
+    const struct orl_scene *scene = s->scene;
     struct orl_hit hit;
+    if (!orl_ray_budget_take(s->budget))
+        return false;
     enclosure->rays++;
     if (!orl_geometry_intersect(scene->geometry, path->point, path->direction, INFINITY, &hit)) {
         enclosure->escaped++;
@@ -78,7 +85,7 @@ static bool advance(const struct orl_scene *scene, struct path *path, struct orl
     }
     enclosure->windows += orl_scene_crossing(scene, &hit) == ORL_CROSSING_OUTWARDS;
     if (!lets_pass(scene, &hit)) {
-        const double u = orl_random_uniform(random), v = orl_random_uniform(random);
+        const double u = orl_random_uniform(&s->random), v = orl_random_uniform(&s->random);
         path->direction = orl_hemisphere_about(orl_hit_facing(&hit), u, v);
     }
     path->point = orl_hit_leave(scene->geometry, &hit, path->direction);
@@ -95,25 +102,27 @@ static void add_point(struct orl_enclosure *e, struct orl_vec3 point, struct orl
         e->points[half + (size_t)(orl_random_uniform(random) * (double)half)] = point;
 }
 
-static void explore(const struct orl_scene *scene, const struct orl_outlook *place,
-                    struct orl_random *random, struct orl_enclosure *enclosure)
+static void explore(struct search *s, const struct orl_outlook *place,
+                    struct orl_enclosure *enclosure)
 {
     for (int i = 0; i < PATHS_OF_A_SPACE; i++) {
-        struct path path = path_from(place, random);
+        struct path path = path_from(place, &s->random);
         for (int bounce = 0; bounce < BOUNCES; bounce++) {
-            if (!advance(scene, &path, random, enclosure))
+            if (!advance(s, &path, enclosure))
                 break;
-            add_point(enclosure, path.point, random);
+            add_point(enclosure, path.point, &s->random);
         }
     }
 }
 
-void orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outlook *place,
-                           struct orl_enclosure *ret_enclosure)
+int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outlook *place,
+                          struct orl_ray_budget *budget, struct orl_enclosure *ret_enclosure)
 {
-    struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, 0);
+    struct search s = {
+        .scene = scene, .budget = budget, .random = orl_random_stream(3, ORL_PURPOSE_PILOT, 0)};
     *ret_enclosure = (struct orl_enclosure){.count = 0};
-    explore(scene, place, &random, ret_enclosure);
+    explore(&s, place, ret_enclosure);
+    return budget_error(budget);
 }
 
 /* ---- Places ---------------------------------------------------------------------------------- */
@@ -151,7 +160,7 @@ static size_t search_by_paths(struct search *s, const struct orl_outlook *place,
     for (int i = 0; i < n_paths; i++) {
         struct path path = path_from(place, &s->random);
         for (int bounce = 0; bounce < BOUNCES; bounce++) {
-            if (!advance(s->scene, &path, &s->random, &unused))
+            if (!advance(s, &path, &unused))
                 break;
             for (size_t k = first; k < end; k++)
                 if (is_near(s, &s->found->at[k], path.point)) {
@@ -178,19 +187,16 @@ static size_t open_space(struct search *s, const struct orl_outlook *place, size
 {
     struct orl_enclosure *e = &s->found->at[s->found->n];
     *e = (struct orl_enclosure){.first = index, .last = place->point};
-    explore(s->scene, place, &s->random, e);
+    explore(s, place, e);
     return s->found->n++;
 }
 
-static int sort_places(struct search *s, const struct orl_outlook *places, size_t n,
-                       const struct orl_crew *crew)
+static int sort_places(struct search *s, const struct orl_outlook *places, size_t n)
 {
     size_t before = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (i % POLL == 0 && orl_crew_cancelled(crew))
-            return ORL_ERR_CANCELLED;
+    for (size_t i = 0; i < n && s->budget->left > 0; i++) {
         s->found->of[i] = ORL_ENCLOSURE_UNKNOWN;
-        if (s->tests > s->most_tests || !(orl_dot(places[i].normal, places[i].normal) > 0))
+        if (!(orl_dot(places[i].normal, places[i].normal) > 0))
             continue;
         size_t space = find_space(s, &places[i], before);
         if (space == s->found->n) {
@@ -203,7 +209,7 @@ static int sort_places(struct search *s, const struct orl_outlook *places, size_
         s->found->at[space].last = places[i].point;
         before = space;
     }
-    return 0;
+    return budget_error(s->budget);
 }
 
 /* ---- Spaces ---------------------------------------------------------------------------------- */
@@ -227,15 +233,12 @@ static void join(struct orl_enclosures *found, size_t part, size_t whole, size_t
 }
 
 /* Few paths may have missed a door: the spaces beside the largest are tried by more. */
-static int join_largest(struct search *s, const struct orl_outlook *places, size_t n,
-                        const struct orl_crew *crew)
+static int join_largest(struct search *s, const struct orl_outlook *places, size_t n)
 {
     struct orl_enclosures *found = s->found;
     const size_t main = found->largest = largest_of(found);
     struct orl_enclosure *const e = &found->at[main];
     for (size_t k = 0; k < found->n; k++) {
-        if (orl_crew_cancelled(crew))
-            return ORL_ERR_CANCELLED;
         if (k == main || found->at[k].count == 0)
             continue;
         if (search_by_paths(s, &places[found->at[k].first], PATHS_OF_A_SPACE, main, main + 1) ==
@@ -243,24 +246,24 @@ static int join_largest(struct search *s, const struct orl_outlook *places, size
             search_by_paths(s, &places[e->first], PATHS_OF_A_SPACE, k, k + 1) == k)
             join(found, k, main, n);
     }
-    return 0;
+    return budget_error(s->budget);
 }
 
 int orl_enclosures_new(const struct orl_scene *scene, const struct orl_outlook *places,
-                       size_t n_places, const struct orl_crew *crew,
+                       size_t n_places, struct orl_ray_budget *budget,
                        struct orl_enclosures **ret_enclosures)
 {
     struct search s = {.scene = scene,
                        .found = calloc(1, sizeof *s.found),
-                       .most_tests = MOST_TESTS + TESTS_A_PLACE * (uint64_t)n_places,
+                       .budget = budget,
                        .random = orl_random_stream(3, ORL_PURPOSE_PILOT, 1)};
     int code = ORL_ERR_NOMEM;
     if (s.found)
         s.found->of = malloc(n_places + 1);
     if (s.found && s.found->of)
-        code = sort_places(&s, places, n_places, crew);
+        code = sort_places(&s, places, n_places);
     if (code == 0)
-        code = join_largest(&s, places, n_places, crew);
+        code = join_largest(&s, places, n_places);
     if (code < 0) {
         orl_enclosures_free(s.found);
         return code;

@@ -7,7 +7,8 @@
  * places have reached, and from points of such paths of the place's own. Places that are in one
  * space but connected by a tiny opening alone may be reported as separate.
  *
- * The answer depends on the scene and the places alone. Threads: the caller's; nothing is shared.
+ * The answer depends on the scene, the places and the budget alone. Threads: the caller's; nothing
+ * is shared.
  */
 #ifndef ORL_LIGHT_ENCLOSURES_H
 #define ORL_LIGHT_ENCLOSURES_H
@@ -16,6 +17,27 @@
 #include "light/scene.h"
 
 enum { ORL_ENCLOSURES = 64, ORL_ENCLOSURE_POINTS = 48, ORL_ENCLOSURE_UNKNOWN = 255 };
+
+/* Rays that the searches of one job may trace. A search that uses the last one has no result. */
+struct orl_ray_budget {
+    const struct orl_crew *crew; /* polled for cancellation, which takes what is left; or NULL */
+    uint64_t left, traced;
+    bool cancelled;
+};
+
+/* Returns false when no ray is left. */
+static inline bool orl_ray_budget_take(struct orl_ray_budget *budget)
+{
+    enum { POLL = 256 };
+    if (budget->left == 0)
+        return false;
+    budget->left--;
+    if (++budget->traced % POLL == 0 && orl_crew_cancelled(budget->crew)) {
+        budget->cancelled = true;
+        budget->left = 0;
+    }
+    return true;
+}
 
 struct orl_enclosure {
     size_t count;              /* places in it */
@@ -31,8 +53,7 @@ struct orl_enclosures {
     struct orl_enclosure at[ORL_ENCLOSURES];
     size_t n;
     size_t largest; /* the one with the most places */
-    uint8_t *of;    /* of each place; ORL_ENCLOSURE_UNKNOWN: left out, or it would take
-                       too long */
+    uint8_t *of; /* of each place; ORL_ENCLOSURE_UNKNOWN: left out, or there are too many spaces */
 };
 
 /* Windows seen and no way out: a room. A way out for a five-hundredth of the rays: open. */
@@ -42,16 +63,17 @@ static inline bool orl_enclosure_is_open(const struct orl_enclosure *enclosure)
 }
 
 /* Places are in moved coordinates, clear of surfaces (orl_stand); one without a normal is left out.
- * Returns 0 and enclosures that
- * the caller frees, or ORL_ERR_NOMEM, ORL_ERR_CANCELLED. */
+ * Returns 0 and enclosures that the caller frees, or ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or
+ * ORL_ERR_LIMIT when the budget is used up. */
 int orl_enclosures_new(const struct orl_scene *scene, const struct orl_outlook *places,
-                       size_t n_places, const struct orl_crew *crew,
+                       size_t n_places, struct orl_ray_budget *budget,
                        struct orl_enclosures **ret_enclosures);
 void orl_enclosures_free(struct orl_enclosures *enclosures); /* NULL is allowed */
 
-/* Explores the space that a place lies in, by diffuse paths from there; ret: its rays alone. */
-void orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outlook *place,
-                           struct orl_enclosure *ret_enclosure);
+/* Explores the space that a place lies in, by diffuse paths from there; ret: its rays alone.
+ * Returns 0, or ORL_ERR_CANCELLED or ORL_ERR_LIMIT as above. */
+int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outlook *place,
+                          struct orl_ray_budget *budget, struct orl_enclosure *ret_enclosure);
 
 /* The first surface on the straight line between two places that separates them. */
 bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from, struct orl_vec3 to,

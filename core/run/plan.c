@@ -1,8 +1,10 @@
 /* The plan stage: what the planner finds, into the result, and warnings of what was asked against
  * its advice. */
 #include "plan/plan.h"
-#include "plan/budget.h"
 
+#include <stdlib.h>
+
+#include "plan/budget.h"
 #include "run/stages.h"
 
 /* What leaving out may cost before it is worth a warning. */
@@ -87,27 +89,40 @@ static void warn_once(void *ctx, const char *text)
 }
 
 /* By grids, where the job has them. */
-static void judge_spaces(struct orl_run_state *state)
+static int judge_spaces(struct orl_run_state *state)
 {
-    struct orl_sensor_warnings warnings = {warn_once, state, 0};
     const struct orl_result *result = state->result;
-    struct orl_sensor_range range = {NULL, 0, state->n_sensors};
-    for (size_t i = 0; i < result->n_grids || i == 0; i++) {
-        if (i < result->n_grids)
-            range = (struct orl_sensor_range){result->grids[i].name, result->grids[i].first,
+    const size_t n = result->n_grids > 0 ? result->n_grids : 1;
+    struct orl_sensor_range *const ranges = malloc(n * sizeof *ranges);
+    if (!ranges)
+        return ORL_ERR_NOMEM;
+    ranges[0] = (struct orl_sensor_range){NULL, 0, state->n_sensors};
+    for (size_t i = 0; i < result->n_grids; i++)
+        ranges[i] = (struct orl_sensor_range){result->grids[i].name, result->grids[i].first,
                                               result->grids[i].count};
-        orl_run_check_sensor_spaces(state->world->scene, state->sensors, &range, state->env->crew,
-                                    &warnings);
-    }
+    struct orl_sensor_check check = {.scene = state->world->scene,
+                                     .sensors = state->sensors,
+                                     .ranges = ranges,
+                                     .n_ranges = n,
+                                     .crew = state->env->crew,
+                                     .warn = warn_once,
+                                     .ctx = state};
+    const int code = orl_run_check_sensor_spaces(&check);
+    free(ranges);
+    return code;
 }
 
-static void judge_sensors(struct orl_run_state *state)
+static int judge_sensors(struct orl_run_state *state, struct orl_error *err)
 {
     char text[480];
     if (orl_run_describe_sensors_in_planes(state->world->scene, state->sensors, state->n_sensors,
                                            state->env->crew, text, sizeof text))
         orl_run_warn_once(state, "%s", text);
-    judge_spaces(state);
+    const int code = judge_spaces(state);
+    if (code < 0)
+        orl_error_set(err, code, "%s while checking the sensors",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
+    return code;
 }
 
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
@@ -128,7 +143,7 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     if (code == 0) {
         judge_light(state);
         orl_run_judge_views(state);
-        judge_sensors(state);
+        code = judge_sensors(state, err);
     }
     orl_run_guess_costs(state);
     if (code == 0 && plan->foresight.made)

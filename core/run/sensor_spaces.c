@@ -5,13 +5,21 @@
 
 #include "light/enclosures.h"
 #include "run/stages.h"
+#include "scene/geometry/placed.h"
 #include "scene/geometry/stand.h"
 
-enum { LEAST_SENSORS = 3 };
+enum { LEAST_SENSORS = 3, CHUNK = 256 };
 /* A tenth of the sensors in a space without windows, a twentieth in a room: more are on purpose. */
 enum { SHARE_IN_SOLIDS = 10, SHARE_IN_ROOMS = 20 };
 /* A floor so many times nearer overhead than the ceiling above it. */
 static const double much_nearer = 4;
+
+/* Rays of a job's searches: so many, and more for each range and sensor. Those of ranges that lie
+ * in one room are enough to check it whatever others have used. */
+enum { RAYS_OF_A_JOB = 4000000, RAYS_OF_A_RANGE = 4096, RAYS_OF_A_SENSOR = 16 };
+
+/* What is known of a facet: whether it is the floor of a closed room with windows. */
+enum floor { FLOOR_UNKNOWN, IS_FLOOR, IS_NO_FLOOR };
 
 enum misplacement {
     IN_PLACE,
@@ -23,13 +31,18 @@ enum misplacement {
 };
 
 struct check {
+    struct orl_sensor_check *job;
     const struct orl_scene *scene;
+    struct orl_ray_budget budget;
+    uint8_t *floors; /* by facet, also placed ones: enum floor; NULL until one is wanted */
+    bool *unchecked; /* by range: its check has reached the limit of rays */
+    size_t n_warned;
+    /* Of the range under way: */
     const struct orl_sensor_range *range;
-    const struct orl_sensor *sensors; /* of the range */
+    const struct orl_sensor *sensors;
     struct orl_outlook *places;
     struct orl_enclosures *enclosures;
     uint8_t *kinds; /* of each sensor: enum misplacement */
-    struct orl_sensor_warnings *out;
 };
 
 /* ---- Words ----------------------------------------------------------------------------------- */
@@ -80,17 +93,18 @@ static void describe_surface(const struct check *c, enum misplacement kind, size
     snprintf(text, size, " behind '%.80s' (%.80s:%d)", label.name, label.file, label.line);
 }
 
-static void emit(struct orl_sensor_warnings *out, const char *text)
+static void emit(struct check *c, const char *text)
 {
     enum { MOST = 20 };
-    if (out->count++ < MOST)
-        out->warn(out->ctx, text);
-    else if (out->count == MOST + 1)
-        out->warn(out->ctx, "more grids have sensors outdoors, in solids, in other rooms or below "
-                            "floors: they are not listed");
+    if (c->n_warned++ < MOST)
+        c->job->warn(c->job->ctx, text);
+    else if (c->n_warned == MOST + 1)
+        c->job->warn(c->job->ctx,
+                     "more grids have sensors outdoors, in solids, in other rooms or below "
+                     "floors: they are not listed");
 }
 
-static void describe(const struct check *c, enum misplacement kind)
+static void describe(struct check *c, enum misplacement kind)
 {
     static const char in_solid[] = "in closed spaces without windows, as within a solid or a wall, "
                                    "and the others do not";
@@ -116,7 +130,31 @@ static void describe(const struct check *c, enum misplacement kind)
              c->range->name ? "': " : "", count, c->range->count, count > 1 ? "lie" : "lies",
              where[kind], count > 1 ? "s" : "", numbers, at.x, at.y, at.z, surface,
              kind == BELOW_FLOOR ? " above it" : ", or give them a grid of their own");
-    emit(c->out, text);
+    emit(c, text);
+}
+
+/* One warning of all ranges whose check has reached the limit of rays. */
+static void describe_unchecked(const struct check *c)
+{
+    enum { MOST_NAMES = 5 };
+    char names[640] = "", text[960];
+    size_t at = 0, count = 0;
+    for (size_t i = 0; i < c->job->n_ranges; i++) {
+        const char *const name = c->job->ranges[i].name;
+        if (c->unchecked[i] && count++ < MOST_NAMES && name)
+            at += (size_t)snprintf(names + at, sizeof names - at, "%s'%.100s'",
+                                   count > 1 ? ", " : "", name);
+    }
+    if (count == 0)
+        return;
+    if (count > MOST_NAMES)
+        snprintf(names + at, sizeof names - at, " and %zu more", count - MOST_NAMES);
+    snprintf(text, sizeof text,
+             "sensors are not all checked for places outdoors, in solids, in other rooms or below "
+             "floors%s%s: the limit of rays for this check is reached, as their closed spaces are "
+             "many; split the job to check them",
+             at > 0 ? " in the grids " : "", names);
+    c->job->warn(c->job->ctx, text);
 }
 
 /* ---- Sensors apart from their grid ----------------------------------------------------------- */
@@ -148,54 +186,81 @@ static void sort_apart(const struct check *c)
 
 /* ---- Grids below a floor --------------------------------------------------------------------- */
 
-/* Whether the surface that is met overhead is the floor of a closed room with windows, and how far
- * its ceiling is. */
-static bool is_floor(const struct orl_scene *scene, const struct orl_hit *hit, double *ret_height)
+static size_t count_facets(const struct orl_geometry *g)
 {
-    const struct orl_vec3 up = orl_v3(0, 0, 1);
-    const struct orl_outlook above = {orl_hit_leave(scene->geometry, hit, up), up};
-    struct orl_enclosure space;
-    struct orl_hit ceiling;
-    if (orl_material_is_window(orl_scene_material(scene, hit->facet)) ||
-        !orl_geometry_intersect(scene->geometry, above.point, up, INFINITY, &ceiling))
-        return false;
-    *ret_height = ceiling.distance;
-    orl_enclosure_explore(scene, &above, &space);
-    return space.windows > 0 && !orl_enclosure_is_open(&space);
+    const struct orl_placed *const last = g->n_placed > 0 ? &g->placed[g->n_placed - 1] : NULL;
+    return last ? last->first_facet + last->prototype->n_facets : g->n_facets;
 }
 
-/* A grid that is outdoors as a whole. */
-static void sort_below(const struct check *c)
+/* Whether the facet met from above is the floor of a closed room with windows; explored once. */
+static int look_up_floor(struct check *c, const struct orl_hit *hit,
+                         const struct orl_outlook *above, bool *ret_floor)
+{
+    if (!c->floors)
+        c->floors = calloc(count_facets(c->scene->geometry) + 1, sizeof *c->floors);
+    if (!c->floors)
+        return ORL_ERR_NOMEM;
+    uint8_t *const floor = &c->floors[hit->facet];
+    if (*floor == FLOOR_UNKNOWN) {
+        struct orl_enclosure space;
+        const int code = orl_enclosure_explore(c->scene, above, &c->budget, &space);
+        if (code < 0)
+            return code;
+        *floor = space.windows > 0 && !orl_enclosure_is_open(&space) ? IS_FLOOR : IS_NO_FLOOR;
+    }
+    *ret_floor = *floor == IS_FLOOR;
+    return 0;
+}
+
+/* Whether the surface overhead is a floor much nearer than the ceiling above it. */
+static int is_below_floor(struct check *c, const struct orl_outlook *place, bool *ret_below)
+{
+    const struct orl_geometry *g = c->scene->geometry;
+    const struct orl_vec3 up = orl_v3(0, 0, 1);
+    struct orl_hit hit, ceiling;
+    *ret_below = false;
+    if (!orl_geometry_intersect(g, place->point, up, INFINITY, &hit) ||
+        orl_material_is_window(orl_scene_material(c->scene, hit.facet)))
+        return 0;
+    const struct orl_outlook above = {orl_hit_leave(g, &hit, up), up};
+    if (!orl_geometry_intersect(g, above.point, up, INFINITY, &ceiling) ||
+        !(much_nearer * hit.distance < ceiling.distance))
+        return 0;
+    return look_up_floor(c, &hit, &above, ret_below);
+}
+
+/* A range that is outdoors as a whole. */
+static int sort_below(struct check *c)
 {
     const struct orl_enclosures *e = c->enclosures;
-    uint32_t known = UINT32_MAX;
-    bool floor = false;
-    double height = 0;
     if (e->at[e->largest].escaped == 0)
-        return;
+        return 0;
     for (size_t i = 0; i < c->range->count; i++) {
-        struct orl_hit hit;
+        bool below;
+        if (i % CHUNK == 0 && orl_crew_cancelled(c->job->crew))
+            return ORL_ERR_CANCELLED;
         if (c->kinds[i] != IN_PLACE || e->of[i] == ORL_ENCLOSURE_UNKNOWN ||
-            e->at[e->of[i]].escaped == 0 ||
-            !orl_geometry_intersect(c->scene->geometry, c->places[i].point, orl_v3(0, 0, 1),
-                                    INFINITY, &hit))
+            e->at[e->of[i]].escaped == 0)
             continue;
-        if (hit.facet != known) {
-            known = hit.facet;
-            floor = is_floor(c->scene, &hit, &height);
-        }
-        if (floor && much_nearer * hit.distance < height)
+        const int code = is_below_floor(c, &c->places[i], &below);
+        if (code < 0)
+            return code;
+        if (below)
             c->kinds[i] = BELOW_FLOOR;
     }
+    return 0;
 }
 
 /* ---- A range --------------------------------------------------------------------------------- */
 
 /* Those in the plane of a surface are on no side of it, and count for no space. */
-static void list_places(const struct check *c)
+static void list_places(void *arg, size_t chunk, uint32_t member)
 {
+    struct check *const c = arg;
     const struct orl_geometry *g = c->scene->geometry;
-    for (size_t i = 0; i < c->range->count; i++) {
+    const size_t first = chunk * CHUNK, left = c->range->count - first;
+    (void)member;
+    for (size_t i = first; i < first + (left < CHUNK ? left : CHUNK); i++) {
         const struct orl_vec3 normal = orl_normalize(c->sensors[i].direction);
         const struct orl_vec3 point = orl_sub(c->sensors[i].position, g->center);
         c->places[i] = (struct orl_outlook){orl_stand(g, point, normal), normal};
@@ -204,29 +269,55 @@ static void list_places(const struct check *c)
     }
 }
 
-void orl_run_check_sensor_spaces(const struct orl_scene *scene, const struct orl_sensor *sensors,
-                                 const struct orl_sensor_range *range, const struct orl_crew *crew,
-                                 struct orl_sensor_warnings *warnings)
+static int sort_range(struct check *c)
 {
-    const size_t n = range->count;
-    struct orl_outlook *const places = malloc((n + 1) * sizeof *places);
-    uint8_t *const kinds = calloc(n + 1, sizeof *kinds);
-    struct check c = {.scene = scene,
-                      .range = range,
-                      .sensors = sensors + range->first,
-                      .places = places,
-                      .kinds = kinds,
-                      .out = warnings};
-    if (places && kinds && n > 0) {
-        list_places(&c);
-        if (orl_enclosures_new(scene, c.places, n, crew, &c.enclosures) == 0) {
-            sort_apart(&c);
-            sort_below(&c);
-            for (int kind = IN_PLACE + 1; kind < MISPLACEMENTS; kind++)
-                describe(&c, (enum misplacement)kind);
-        }
-    }
-    orl_enclosures_free(c.enclosures);
-    free(places);
-    free(kinds);
+    const size_t n = c->range->count;
+    int code = orl_crew_try(c->job->crew, (n + CHUNK - 1) / CHUNK, list_places, c);
+    if (code == 0)
+        code = orl_enclosures_new(c->scene, c->places, n, &c->budget, &c->enclosures);
+    if (code < 0)
+        return code;
+    sort_apart(c);
+    code = sort_below(c);
+    for (int kind = IN_PLACE + 1; kind < MISPLACEMENTS && (code == 0 || code == ORL_ERR_LIMIT);
+         kind++)
+        describe(c, (enum misplacement)kind);
+    return code;
+}
+
+static int check_range(struct check *c, size_t index)
+{
+    const size_t n = c->job->ranges[index].count;
+    int code = ORL_ERR_NOMEM;
+    c->range = &c->job->ranges[index];
+    c->sensors = c->job->sensors + c->range->first;
+    c->places = malloc((n + 1) * sizeof *c->places);
+    c->kinds = calloc(n + 1, sizeof *c->kinds);
+    c->budget.left += RAYS_OF_A_RANGE + RAYS_OF_A_SENSOR * (uint64_t)n;
+    if (c->places && c->kinds)
+        code = n > 0 ? sort_range(c) : 0;
+    orl_enclosures_free(c->enclosures);
+    free(c->places);
+    free(c->kinds);
+    c->enclosures = NULL;
+    c->unchecked[index] = code == ORL_ERR_LIMIT;
+    return code == ORL_ERR_LIMIT ? 0 : code;
+}
+
+int orl_run_check_sensor_spaces(struct orl_sensor_check *check)
+{
+    struct check c = {.job = check,
+                      .scene = check->scene,
+                      .budget = {.crew = check->crew,
+                                 .left = check->most_rays > 0 ? check->most_rays : RAYS_OF_A_JOB},
+                      .unchecked = calloc(check->n_ranges + 1, sizeof *c.unchecked)};
+    int code = c.unchecked ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < check->n_ranges && code == 0; i++)
+        code = check_range(&c, i);
+    if (code == 0)
+        describe_unchecked(&c);
+    check->rays = c.budget.traced;
+    free(c.unchecked);
+    free(c.floors);
+    return code;
 }

@@ -138,16 +138,23 @@ struct orl_sensor_range {
     const char *name;
     size_t first, count;
 };
-struct orl_sensor_warnings {
+/* The check of a job's sensors for those outdoors, in solids or in other rooms than most of their
+ * range, and those below floors. */
+struct orl_sensor_check {
+    const struct orl_scene *scene;
+    const struct orl_sensor *sensors;
+    const struct orl_sensor_range *ranges;
+    size_t n_ranges;
+    struct orl_crew *crew;
+    /* Called with the numbers of such sensors, at most 20 times, and once more with the names of
+     * ranges that are not checked in full because the limit of rays was reached. */
     void (*warn)(void *ctx, const char *text);
     void *ctx;
-    size_t count; /* of all; the first 20 are passed on */
+    uint64_t most_rays; /* of the searches, beside some for each range and sensor; 0: the default */
+    uint64_t rays;      /* out: traced by the searches */
 };
-/* Warns of sensors outdoors, in solids or in other rooms than most of their range, and of sensors
- * below floors: with their numbers. */
-void orl_run_check_sensor_spaces(const struct orl_scene *scene, const struct orl_sensor *sensors,
-                                 const struct orl_sensor_range *range, const struct orl_crew *crew,
-                                 struct orl_sensor_warnings *warnings);
+/* The warnings do not depend on the crew's size. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+int orl_run_check_sensor_spaces(struct orl_sensor_check *check);
 
 /* At the end: warns of sensors and views without light among others; without any it is an error,
  * ORL_ERR_UNLIT, unless the job expects that, or it is night. */

@@ -1,6 +1,7 @@
 /*
  * Sensors outdoors, in solids, in other rooms and below floors are warned of with their numbers;
- * sensors on surfaces, in rooms with inner panes, in open models and on terrain are not.
+ * sensors on surfaces, in rooms with inner panes, in open models and on terrain are not. The check
+ * has a limit of rays, heeds cancellation, and does not depend on the number of threads.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,6 +15,7 @@
 
 #include <oriel/crew.h>
 
+#include "light/enclosures.h"
 #include "run/stages.h"
 #include "support/scene_text.h"
 
@@ -74,16 +76,33 @@ static struct told grid(double x, double y, double z, int columns, int rows)
     return told;
 }
 
-static void check(struct told *told, const char *scene)
+/* Checks the ranges with one thread and with three, which have to agree. */
+static void check_ranges(struct told *told, const char *scene, struct orl_sensor_check *check)
 {
-    struct orl_crew *crew = orl_crew_start(1);
+    struct told again = {.n = 0};
+    struct orl_crew *crew = orl_crew_start(3);
     struct orl_world *world = scene_world(scene, NULL, NULL, crew);
-    const struct orl_sensor_range range = {"desks", 0, told->n};
-    struct orl_sensor_warnings warnings = {warn, told, 0};
-    orl_run_check_sensor_spaces(world->scene, told->sensors, &range, crew, &warnings);
-    assert_int_equal(warnings.count, told->count);
+    check->scene = world->scene;
+    check->sensors = told->sensors;
+    check->warn = warn;
+    check->ctx = &again;
+    check->crew = crew;
+    assert_int_equal(orl_run_check_sensor_spaces(check), 0);
+    check->ctx = told;
+    check->crew = NULL;
+    assert_int_equal(orl_run_check_sensor_spaces(check), 0);
+    assert_string_equal(again.text, told->text);
     orl_world_free(world);
     orl_crew_stop(crew);
+}
+
+static struct orl_sensor_check check(struct told *told, const char *scene)
+{
+    const struct orl_sensor_range range = {"desks", 0, told->n};
+    struct orl_sensor_check check = {.ranges = &range, .n_ranges = 1};
+    check_ranges(told, scene, &check);
+    check.ranges = NULL;
+    return check;
 }
 
 static void assert_silent(struct told told, const char *scene)
@@ -193,12 +212,112 @@ static void test_numbers(void **state)
                  "numbers 5, 10, 15, 20, 25, 30, 35, 40 and 12 more (from 1)");
 }
 
+/* ---- Limits ---------------------------------------------------------------------------------- */
+
+/* A room above the sensors, its floor of two triangles: each is explored once, not at each change
+ * from one to the other. */
+static void test_alternating_facets(void **state)
+{
+    static const char raised[] = LOOK "w polygon floor1 0 0 9 0 0 1 10 0 1 10 10 1\n"
+                                      "w polygon floor2 0 0 9 0 0 1 10 10 1 0 10 1\n"
+                                      "w polygon roof 0 0 12 0 0 5 0 10 5 10 10 5 10 0 5\n"
+                                      "w polygon west 0 0 12 0 0 1 0 10 1 0 10 5 0 0 5\n"
+                                      "w polygon east 0 0 12 10 0 1 10 0 5 10 10 5 10 10 1\n"
+                                      "p polygon south 0 0 12 0 0 1 0 0 5 10 0 5 10 0 1\n"
+                                      "w polygon north 0 0 12 0 10 1 10 10 1 10 10 5 0 10 5\n";
+    struct told told = {.n = 0};
+    (void)state;
+    for (int i = 0; i < MOST; i++) {
+        const double across = 0.05 * i;
+        add(&told, i % 2 ? across + 1 : across + 2, i % 2 ? across + 2 : across + 1, 0.8,
+            orl_v3(0, 0, 1));
+    }
+    const uint64_t rays = check(&told, raised).rays;
+    assert_non_null(strstr(told.text, "128 of 128 sensors lie closely below the floor"));
+    assert_in_range(rays, MOST, 2 * MOST + 3 * 512);
+}
+
+enum { CELLS = 6, GRIDS = 40 };
+
+/* Cells of 1 m, closed by walls and a roof of glass; and a sensor in each. */
+static void add_cells(struct told *told, char *text, size_t size)
+{
+    size_t at = (size_t)snprintf(text, size,
+                                 LOOK "w polygon floor 0 0 12 0 0 0 0 %d 0 %d %d 0 %d 0 0\n"
+                                      "p polygon roof 0 0 12 0 0 1 %d 0 1 %d %d 1 0 %d 1\n",
+                                 CELLS, CELLS, CELLS, CELLS, CELLS, CELLS, CELLS, CELLS);
+    for (int i = 0; i <= CELLS; i++)
+        at += (size_t)snprintf(text + at, size - at,
+                               "w polygon x%d 0 0 12 %d 0 0 %d %d 0 %d %d 1 %d 0 1\n"
+                               "w polygon y%d 0 0 12 0 %d 0 %d %d 0 %d %d 1 0 %d 1\n",
+                               i, i, i, CELLS, i, CELLS, i, i, i, CELLS, i, CELLS, i, i);
+    for (int i = 0; i < CELLS * CELLS; i++)
+        add(told, i % CELLS + 0.5, (double)(i / CELLS) + 0.5, 0.5, orl_v3(0, 0, 1));
+}
+
+/* One limit for all grids; those that reach it are named, and later ones are still checked. */
+static void test_limit_of_rays(void **state)
+{
+    enum { RAYS = 20000, MOST_OF_A_GRID = 4096 + 16 * CELLS * CELLS };
+    char text[8192];
+    struct told told = {.n = 0};
+    struct orl_sensor_range ranges[GRIDS + 1];
+    struct orl_sensor_check limited = {.ranges = ranges, .n_ranges = GRIDS + 1, .most_rays = RAYS};
+    (void)state;
+    add_cells(&told, text, sizeof text);
+    for (int i = 0; i < GRIDS; i++)
+        ranges[i] = (struct orl_sensor_range){"cells", 0, told.n};
+    ranges[GRIDS] = (struct orl_sensor_range){"last", told.n, 41};
+    for (int i = 0; i < 40; i++)
+        add(&told, 0.1 + 0.02 * i, 0.4, 0.5, orl_v3(0, 0, 1));
+    add(&told, -3, 0.5, 0.5, orl_v3(0, 0, 1));
+    check_ranges(&told, text, &limited);
+    assert_in_range(limited.rays, RAYS, RAYS + (GRIDS + 2) * MOST_OF_A_GRID);
+    assert_int_equal(told.count, 2);
+    assert_non_null(strstr(told.text, "grid 'last': 1 of 41 sensors lies outdoors"));
+    assert_non_null(strstr(told.text, "in the grids 'cells', 'cells', 'cells', 'cells', 'cells' "
+                                      "and "));
+}
+
+static void test_cancellation(void **state)
+{
+    const atomic_bool cancel = true;
+    struct told told = grid(-1.7, 0.3, -0.1, 6, 7);
+    const struct orl_sensor_range range = {"desks", 0, told.n};
+    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_world *world = scene_world(room, NULL, NULL, crew);
+    struct orl_sensor_check cancelled = {.scene = world->scene,
+                                         .sensors = told.sensors,
+                                         .ranges = &range,
+                                         .n_ranges = 1,
+                                         .crew = crew,
+                                         .warn = warn,
+                                         .ctx = &told};
+    struct orl_ray_budget budget = {.crew = crew, .left = 1000000};
+    (void)state;
+    orl_crew_heed(crew, &cancel);
+    assert_int_equal(orl_run_check_sensor_spaces(&cancelled), ORL_ERR_CANCELLED);
+    assert_int_equal(cancelled.rays, 0);
+    assert_int_equal(told.count, 0);
+    while (orl_ray_budget_take(&budget))
+        assert_in_range(budget.traced, 1, 1024);
+    assert_true(budget.cancelled);
+    orl_world_free(world);
+    orl_crew_stop(crew);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_right_places), cmocka_unit_test(test_misplaced),
-        cmocka_unit_test(test_rooms),        cmocka_unit_test(test_open_models),
-        cmocka_unit_test(test_terrain),      cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_right_places),
+        cmocka_unit_test(test_misplaced),
+        cmocka_unit_test(test_rooms),
+        cmocka_unit_test(test_open_models),
+        cmocka_unit_test(test_terrain),
+        cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_alternating_facets),
+        cmocka_unit_test(test_limit_of_rays),
+        cmocka_unit_test(test_cancellation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

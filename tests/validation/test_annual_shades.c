@@ -180,6 +180,35 @@ static void test_geometry(void **state)
     orl_annual_done(&both);
 }
 
+/* Sensors are checked once for a job, as its first run has the model: a shade between them and the
+ * sensor outdoors would be one more warning. */
+static void test_sensors_checked_once(void **state)
+{
+    static const char shade[] = "w polygon shade 0 0 12 .1 .3 .1 3.9 .3 .1 3.9 .3 2.9 .1 .3 2.9\n";
+    static const struct orl_sensor apart[] = {
+        {{2, .6, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}, {{2, -1, .8}, {0, 0, 1}}};
+    struct orl_shade_state states[] = {{.name = open_word},
+                                       {.name = shut_word, .files = blind_files, .n_files = 1}};
+    struct orl_shade_span span = {3, 3, 10, 14, 1};
+    const struct orl_window_group group = {
+        .name = south_word, .states = states, .n_states = 2, .spans = &span, .n_spans = 1};
+    struct year_run run = usual(room);
+    size_t n_outdoors = 0;
+    (void)state;
+    run.sensors = apart;
+    run.samples = 32;
+    run.resource_name = blind_file;
+    run.resource_text = shade;
+    run.groups = &group;
+    run.n_groups = 1;
+    struct orl_annual_result year = year_run(&run);
+    assert_int_equal(year.n_runs, 2);
+    for (size_t i = 0; i < year.n_warnings; i++)
+        n_outdoors += strstr(year.warnings[i], "1 of 3 sensors lies outdoors") != NULL;
+    assert_int_equal(n_outdoors, 1);
+    orl_annual_done(&year);
+}
+
 /* The south blinds go down where of the grid's two points one, half of them, has the sun; the same
  * bytes on 1, 2 and 7 threads. */
 static void test_control_by_sun(void **state)
@@ -622,19 +651,13 @@ static void test_mistakes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_state),
-        cmocka_unit_test(test_two_groups),
-        cmocka_unit_test(test_geometry),
-        cmocka_unit_test(test_control_by_sun),
-        cmocka_unit_test(test_sum_of_groups),
-        cmocka_unit_test(test_sum_by_threads),
-        cmocka_unit_test(test_sum_from_the_store),
-        cmocka_unit_test(test_rounds),
-        cmocka_unit_test(test_each_by_its_own_sun),
-        cmocka_unit_test(test_progress),
-        cmocka_unit_test(test_what_does_not_add_up),
-        cmocka_unit_test(test_kept_rows),
-        cmocka_unit_test(test_mistakes),
+        cmocka_unit_test(test_one_state),      cmocka_unit_test(test_two_groups),
+        cmocka_unit_test(test_geometry),       cmocka_unit_test(test_sensors_checked_once),
+        cmocka_unit_test(test_control_by_sun), cmocka_unit_test(test_sum_of_groups),
+        cmocka_unit_test(test_sum_by_threads), cmocka_unit_test(test_sum_from_the_store),
+        cmocka_unit_test(test_rounds),         cmocka_unit_test(test_each_by_its_own_sun),
+        cmocka_unit_test(test_progress),       cmocka_unit_test(test_what_does_not_add_up),
+        cmocka_unit_test(test_kept_rows),      cmocka_unit_test(test_mistakes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
