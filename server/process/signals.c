@@ -7,7 +7,7 @@ enum { SIGNALS = 3 };
 
 /* A signal's handler has no argument but its number. */
 static struct handled {
-    int signum; /* 0: this entry is free */
+    atomic_int signum; /* 0: this entry is free. Atomic: any thread may run a handler */
     uv_async_t arrival;
     atomic_uint arrived; /* signals whose callback is due */
     orl_signal_cb on_signal;
@@ -17,7 +17,7 @@ static struct handled {
 static void note_signal(int signum)
 {
     for (int i = 0; i < SIGNALS; i++)
-        if (table[i].signum == signum) {
+        if (atomic_load(&table[i].signum) == signum) {
             atomic_fetch_add(&table[i].arrived, 1);
             uv_async_send(&table[i].arrival); /* async-signal-safe */
         }
@@ -27,7 +27,7 @@ static void on_arrival(uv_async_t *arrival)
 {
     struct handled *handled = arrival->data;
     for (unsigned n = atomic_exchange(&handled->arrived, 0); n > 0; n--)
-        handled->on_signal(handled->signum, handled->ctx);
+        handled->on_signal(atomic_load(&handled->signum), handled->ctx);
 }
 
 static void handle_by(int signum, void (*handler)(int signum))
@@ -45,7 +45,7 @@ void orl_signal_ignore(int signum)
 int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx)
 {
     int i = 0;
-    while (i < SIGNALS && table[i].signum != 0)
+    while (i < SIGNALS && atomic_load(&table[i].signum) != 0)
         i++;
     if (i == SIGNALS)
         return UV_ENOBUFS;
@@ -55,7 +55,7 @@ int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *
     table[i].on_signal = on_signal;
     table[i].ctx = ctx;
     table[i].arrival.data = &table[i];
-    table[i].signum = signum;
+    atomic_store(&table[i].signum, signum);
     handle_by(signum, note_signal);
     return 0;
 }
@@ -63,10 +63,10 @@ int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *
 void orl_signals_stop(void)
 {
     for (int i = 0; i < SIGNALS; i++) {
-        if (table[i].signum == 0)
+        const int signum = atomic_exchange(&table[i].signum, 0);
+        if (signum == 0)
             continue;
-        orl_signal_ignore(table[i].signum);
+        orl_signal_ignore(signum);
         uv_close((uv_handle_t *)&table[i].arrival, NULL);
-        table[i].signum = 0;
     }
 }
