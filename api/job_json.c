@@ -197,8 +197,12 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
 static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
     const json_t *kind = json_object_get(doc, "kind");
-    if (kind && (!json_is_string(kind) || strcmp(json_string_value(kind), "render") != 0))
-        return orl_json_fail(err, ORL_ERR_INVALID, "kind", "\"render\" is the only value known");
+    if (kind && !json_is_string(kind))
+        return orl_json_wrong_type(kind, "kind", "a string", err);
+    if (kind && strcmp(json_string_value(kind), "render") != 0)
+        return orl_json_fail(err, ORL_ERR_INVALID, "kind",
+                             "a job of kind \"render\" is wanted here, not \"%.64s\"",
+                             json_string_value(kind));
     int rc = decode_members(doc, draft, err);
     if (rc == 0 && json_object_get(doc, "accuracy"))
         rc = refuse_settings(doc, err);

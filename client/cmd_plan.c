@@ -6,12 +6,15 @@
 #include "command.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "job_file.h"
+#include "json_get.h"
 #include "local.h"
 #include "plan_table.h"
 #include "report.h"
 #include "result_json.h"
+#include "task_json.h"
 #include "wrap.h"
 
 static int print_json(const struct orl_result *result, const struct orl_curve *curve,
@@ -59,6 +62,17 @@ static int print_plan(void *ctx, const char *sky, const struct orl_result *plann
     return 0;
 }
 
+/* Plans are of render jobs. */
+static int refuse_years(const struct orl_job_file *file, struct orl_error *err)
+{
+    if (strcmp(orl_json_text(file->doc, "kind"), orl_task_kind_name(ORL_TASK_ANNUAL)) != 0)
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID, "kind: a year (\"annual\") has no plan");
+    orl_error_at(err, file->path, 0, NULL);
+    orl_error_hint(err, "a plan is of a job of kind \"render\"; `oriel annual` runs a year");
+    return ORL_ERR_INVALID;
+}
+
 static int plan_document(const char *document, const struct orl_project_line *project,
                          uint32_t threads, bool as_json)
 {
@@ -68,6 +82,8 @@ static int plan_document(const char *document, const struct orl_project_line *pr
     struct orl_error err = {0};
     int rc = orl_job_file_open(document, project, &file, &err);
 
+    if (rc == 0)
+        rc = refuse_years(&file, &err);
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);
     if (rc == 0)

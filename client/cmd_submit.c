@@ -116,6 +116,7 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
          .help = "what to find it by again, as oriel status --tag does",
          .value = &tags},
         ORL_OPTIONS_PROJECT(&project),
+        ORL_OPTIONS_YEAR(&project),
         {.name = "wait", .help = "follow the job to its end", .flag = &wait},
     };
     struct orl_operands operands;
@@ -124,7 +125,7 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
     json_t *reply = NULL;
     int rc, code;
 
-    if (!orl_options_parse(self, argc, argv, options, 6, 1, 1, &operands, &code))
+    if (!orl_options_parse(self, argc, argv, options, 9, 1, 1, &operands, &code))
         return code;
     rc = orl_http_open(&http, server, &err);
     if (rc == 0)

@@ -32,6 +32,16 @@ static int folder_of(const char *path, char *ret_folder, size_t size, struct orl
     return 0;
 }
 
+/* Behind white space, and a mark of the bytes' order. */
+static bool begins_as_object(const char *text, size_t size)
+{
+    size_t i = 0;
+
+    while (i < size && strchr(" \t\r\n\xef\xbb\xbf", text[i]) && text[i])
+        i++;
+    return i < size && text[i] == '{';
+}
+
 static int read_document(struct orl_job_file *file, struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -47,6 +57,8 @@ static int read_document(struct orl_job_file *file, struct orl_error *err)
                            ORL_LIMIT_JOB_BYTES >> 20);
     else
         rc = orl_json_parse(file->path, text.data, text.size, &file->doc, err);
+    if (rc == ORL_ERR_SYNTAX && !begins_as_object(text.data, text.size))
+        orl_error_hint(err, "a document in JSON is wanted here");
     here.close(here.ctx, &text);
     return rc;
 }
@@ -165,6 +177,19 @@ int orl_project_wish(const char *path, const struct orl_project_line *line, json
     return rc;
 }
 
+/* A year has its sky and rows of a weather file. */
+static int check_line(const struct orl_project_line *line, struct orl_error *err)
+{
+    if (line->weather && line->sky)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "--sky is for one moment, and --weather for a year: leave one out");
+    if (line->weather || (!line->rules && !line->year))
+        return 0;
+    orl_error_set(err, ORL_ERR_INVALID, "--rules and --year are for a year of a project");
+    orl_error_hint(err, "say --weather FILE.epw");
+    return ORL_ERR_INVALID;
+}
+
 /* What a year of the project needs, and cannot do without. */
 static int check_year(const struct orl_job_file *file, const struct orl_project_line *line,
                       struct orl_error *err)
@@ -267,6 +292,17 @@ static int make_document(struct orl_job_file *file, const struct orl_project_lin
     return rc;
 }
 
+/* A document, where a project could have been. */
+static int read_job(const char *path, struct orl_job_file *ret_file, struct orl_error *err)
+{
+    const int rc = orl_job_file_read(path, ret_file, err);
+
+    if (rc == ORL_ERR_SYNTAX && !ret_file->doc && err->hint[0])
+        orl_error_hint(err, "a job document in JSON, which names the scene's files, or a project "
+                            "is wanted here: a Honeybee model or folder, or a .rif file");
+    return rc;
+}
+
 int orl_job_file_open(const char *path, const struct orl_project_line *line,
                       struct orl_job_file *ret_file, struct orl_error *err)
 {
@@ -274,7 +310,7 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
 
     if (!orl_project_is_one(path)) {
         if (!line->sky && !line->states && !line->weather && !line->rules && !line->year)
-            return orl_job_file_read(path, ret_file, err);
+            return read_job(path, ret_file, err);
         *ret_file = (struct orl_job_file){.path = path};
         return orl_error_set(err, ORL_ERR_INVALID, "%s for projects: a document says so itself",
                              line->weather || line->rules || line->year
@@ -282,7 +318,9 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
                                  : "--sky and --states are");
     }
     *ret_file = (struct orl_job_file){.path = path, .folder = "."};
-    rc = make_document(ret_file, line, err);
+    rc = check_line(line, err);
+    if (rc == 0)
+        rc = make_document(ret_file, line, err);
     if (rc == 0)
         rc = resolve_project(ret_file, NULL, err);
     if (rc == 0 && line->weather)
@@ -300,6 +338,22 @@ void orl_job_file_done(struct orl_job_file *file)
     orl_project_done(&file->project);
 }
 
+/* The command that takes a document of that kind. */
+static void hint_command(const struct orl_job_file *file, struct orl_error *err)
+{
+    static const struct {
+        const char *kind, *command;
+    } commands[] = {{"annual", "annual"},
+                    {"study", "study"},
+                    {"bsdf_make", "bsdf make"},
+                    {"bsdf_fit", "bsdf fit"}};
+    const char *kind = json_string_value(json_object_get(file->doc, "kind"));
+
+    for (size_t i = 0; kind && i < sizeof commands / sizeof *commands; i++)
+        if (strcmp(kind, commands[i].kind) == 0)
+            orl_error_hint(err, "`oriel %s` takes such a document", commands[i].command);
+}
+
 int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job,
                         struct orl_error *err)
 {
@@ -310,6 +364,7 @@ int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job
     if (rc == 0)
         rc = orl_job_validate(&job, &found);
     if (rc) {
+        hint_command(file, &found);
         orl_job_done(&job);
         orl_error_at(&found, file->path, 0, NULL);
         if (err)

@@ -47,6 +47,22 @@ int orl_project_wish(const char *path, const struct orl_project_line *line, json
         .help = "of a project: which state its moving parts are in (default: the first)",          \
         .value = &(line)->states                                                                   \
     }
+/* Of a year of a project. */
+#define ORL_OPTIONS_YEAR(line)                                                                     \
+    {.name = "weather",                                                                            \
+     .metavar = "FILE",                                                                            \
+     .help = "of a project: the year's weather, EPW or WEA",                                       \
+     .value = &(line)->weather},                                                                   \
+        {.name = "year",                                                                           \
+         .metavar = "YEAR",                                                                        \
+         .help = "of a project: the year of the weather file's rows, if it has several",           \
+         .value = &(line)->year},                                                                  \
+    {                                                                                              \
+        .name = "rules", .metavar = "NAME,...",                                                    \
+        .help = "of a project: what it is held to, as \"LEED,EN 17037\"", .value = &(line)->rules  \
+    }
+/* The document, or the one that is made of the project: a year where the line has a weather file,
+ * else a render job. */
 int orl_job_file_open(const char *path, const struct orl_project_line *line,
                       struct orl_job_file *ret_file, struct orl_error *err);
 void orl_job_file_done(struct orl_job_file *file); /* NULL and half-filled are fine */

@@ -67,9 +67,12 @@ static const struct orl_subcommand commands[] = {
      "several seeds, and compares them with a long unbiased one. Leaves study.json, study.csv,\n"
      "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
      orl_cmd_study},
-    {"submit", "JOB.json|PROJECT [--name NAME] [--tags TAG,...] [--server URL] [--wait]",
+    {"submit",
+     "JOB.json|PROJECT [--name NAME] [--tags TAG,...] [--server URL] [--wait]\n"
+     "  [--sky SKY] [--states GROUP=STATE,...] [--weather FILE [--year YEAR] [--rules NAME,...]]",
      "Send a job, study or year, and the files it needs, to a daemon",
-     "Uploads the scene's files and everything they refer to, then prints the job's id.",
+     "Uploads the scene's files and everything they refer to, then prints the job's id. A project\n"
+     "is rendered as by `oriel run`, and with --weather its year told as by `oriel annual`.",
      orl_cmd_submit},
     {"status",
      "[ID] [--state STATE] [--tag TAG] [--scene ID] [--since TIME] [--limit N] [--server URL]",

@@ -295,6 +295,9 @@ static void test_mistakes(void **state)
         const char *file, *text, *says;
     } cases[] = {
         {"job.json", "{\"scene\":\n }", "job.json:2: "},
+        {"job.json", "{\"kind\": \"annual\"}", "job.json: kind: a year (\"annual\") has no plan"},
+        {"job.json", "{\"kind\": \"study\"}",
+         "not \"study\" (`oriel study` takes such a document)"},
         {"job.json", JOB("{\"caustic\": \"skip\"}"), "job.json: effects.caustic: "},
         {"job.json", JOB("{\"caustic\": \"skip\"}"), "caustics_mirror"},
         {"job.json", JOB("{\"sun\": \"no\"}"), "effects.sun: \"auto\", \"force\" or \"skip\""},

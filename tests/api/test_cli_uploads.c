@@ -56,6 +56,44 @@ static void test_submit_sends_scene_references_and_sensors(void **state)
     json_decref(wanted);
 }
 
+/* The document that `oriel annual` makes of the same line, its weather beside the scene. */
+static void test_submit_a_year_of_a_project(void **state)
+{
+    static const struct canned canned[] = {
+        {"POST /v1/scenes", 201, "{\"id\": \"" SCENE_ID "\"}"},
+        {"POST /v1/jobs", 202, "{\"id\": \"42\", \"state\": \"queued\"}"},
+        {NULL, 0, NULL}};
+    static const char model[] = "tests/fixtures/honeybee/two_rooms.hbjson";
+    static const char weather[] = "tests/fixtures/weather.epw";
+    struct canned_daemon *f = *state;
+    const char *const year[] = {"submit",   model,     "--weather",
+                                weather,    "--rules", "LEED, EN 17037 minimum",
+                                "--server", f->url,    NULL};
+    const char *const no_weather[] = {"submit", model, "--rules", "LEED", "--server", f->url, NULL};
+    const char *const a_sky[] = {"submit", model,      "--weather", weather, "--sky",
+                                 "noon",   "--server", f->url,      NULL};
+
+    canned_run_args(f, canned, year);
+    assert_string_equal(f->result.out, "42\n");
+    canned_says(canned_find(f, "POST /v1/scenes")->body,
+                "name=\"resource\"; filename=\"weather.epw\"");
+    json_t *job = json_loads(canned_find(f, "POST /v1/jobs")->body, 0, NULL);
+    json_t *rules = json_pack("[s, s]", "LEED", "EN 17037 minimum");
+    assert_string_equal(json_string_value(json_object_get(job, "kind")), "annual");
+    assert_string_equal(json_string_value(json_object_get(job, "weather")), "weather.epw");
+    assert_string_equal(json_string_value(json_object_get(job, "scene")), SCENE_ID);
+    assert_true(json_equal(json_object_get(job, "rules"), rules));
+    assert_int_equal(json_array_size(json_object_get(job, "grids")), 2);
+    json_decref(rules);
+    json_decref(job);
+    canned_run_args(f, canned, no_weather);
+    assert_int_equal(f->result.exit_code, 1);
+    canned_says(f->result.err, "say --weather FILE.epw");
+    canned_run_args(f, canned, a_sky);
+    assert_int_equal(f->result.exit_code, 1);
+    canned_says(f->result.err, "--weather for a year");
+}
+
 static void test_submit_finds_mistakes_before_sending(void **state)
 {
     static const struct canned nothing[] = {{NULL, 0, NULL}};
@@ -220,6 +258,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(test_submit_sends_scene_references_and_sensors),
+        TEST(test_submit_a_year_of_a_project),
         TEST(test_submit_finds_mistakes_before_sending),
         TEST(test_upload_bsdf_sends_the_bytes),
         TEST(test_upload_folder_finds_its_scene),
