@@ -145,8 +145,9 @@ static bool draw_next(const struct orl_page_sheet *s, struct list *list,
     const bool above = named && !joined, noted = v->note[0] && !alone;
     if (!noted || strcmp(v->note, list->note) != 0)
         put_note(s, list, column);
-    const int high = (above + !alone) * ORL_PAGE_LINE;
-    if (column->y + high + (noted - 1) * ORL_PAGE_LINE > bottom)
+    const int line = list->brief ? ORL_PAGE_FINE_LINE : ORL_PAGE_LINE;
+    const int high = (above + !alone) * line;
+    if (column->y + high - line + noted * ORL_PAGE_LINE > bottom)
         return false;
     if (s->canvas)
         draw_one(s, list, joined ? name : "", above, alone, *column);

@@ -49,7 +49,7 @@ static void put_warning(const struct orl_page_sheet *s, const char *text, struct
 
 static void put_rest(const struct orl_page_sheet *s, struct list *list)
 {
-    char text[64] = "at length in result.json";
+    char text[64] = "result.json has the full warnings";
     if (list->left_out > 0)
         snprintf(text, sizeof text, "and %zu more warning%s, in result.json", list->left_out,
                  list->left_out > 1 ? "s" : "");
