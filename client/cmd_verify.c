@@ -67,8 +67,8 @@ static int check_inputs(const struct verifying *v, const json_t *provenance)
     json_array_foreach(inputs, i, input) wrong += !is_as_it_was(v, input);
     if (wrong == 0)
         return 0;
-    fprintf(stderr, "%zu of %zu inputs are not those of the result\n", wrong,
-            json_array_size(inputs));
+    fprintf(stderr, "%zu of %zu inputs %s of the result\n", wrong, json_array_size(inputs),
+            wrong == 1 ? "is not that" : "are not those");
     return EXIT_CANNOT;
 }
 

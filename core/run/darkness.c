@@ -27,8 +27,12 @@ static int refuse(const struct orl_run_state *state, struct orl_error *err)
     const struct orl_result *result = state->result;
     const bool lit = world->n_suns + world->n_domes + world->n_emitters > 0;
     char what[96];
-    if (result->n_views == 0)
+    if (result->n_views == 0 && result->n_sensors == 1)
+        snprintf(what, sizeof what, "the only sensor is at 0 lx");
+    else if (result->n_views == 0)
         snprintf(what, sizeof what, "every one of the %zu sensors is at 0 lx", result->n_sensors);
+    else if (result->n_sensors == 0 && result->n_views == 1)
+        snprintf(what, sizeof what, "the only view is black");
     else if (result->n_sensors == 0)
         snprintf(what, sizeof what, "every one of the %zu views is black", result->n_views);
     else
@@ -55,11 +59,13 @@ int orl_run_judge_darkness(struct orl_run_state *state, struct orl_error *err)
         return refuse(state, err);
     if (dark.sensors > 0)
         orl_run_warn(state,
-                     "%zu of %zu sensors are at 0 lx, the first of them sensors[%zu]: no light was "
+                     "%zu of %zu sensors %s at 0 lx, the first of them sensors[%zu]: no light was "
                      "found there, as inside a solid; the others are not touched by that",
-                     dark.sensors, result->n_sensors, dark.first_sensor);
+                     dark.sensors, result->n_sensors, dark.sensors == 1 ? "is" : "are",
+                     dark.first_sensor);
     if (dark.views > 0)
-        orl_run_warn(state, "%zu of %zu views are black, the first of them '%s'", dark.views,
-                     result->n_views, result->views[dark.first_view].name);
+        orl_run_warn(state, "%zu of %zu views %s black, the first of them '%s'", dark.views,
+                     result->n_views, dark.views == 1 ? "is" : "are",
+                     result->views[dark.first_view].name);
     return 0;
 }

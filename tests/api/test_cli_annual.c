@@ -486,7 +486,7 @@ static void test_verify(void **state)
     cli_write_file(f->folder, "desks.pts", "2 2 0.8 0 0 1\n");
     assert_int_equal(verify(f, path), 2);
     assert_says(f->result.err, "desks.pts: another file: its SHA-256 is ");
-    assert_says(f->result.err, "1 of 3 inputs are not those of the result");
+    assert_says(f->result.err, "1 of 3 inputs is not that of the result");
     cli_run(nowhere, &f->result);
     assert_int_equal(f->result.exit_code, 2);
     assert_says(f->result.err, "3 of 3 inputs");

@@ -230,7 +230,7 @@ static void test_maps_table_adds_up(void **state)
     canned_says(f->result.out, "0123456789ab ");
     canned_says(f->result.out, "31.0 M");
     canned_says(f->result.out, " d  in use\n");
-    canned_says(f->result.out, "1 maps, 48.0 MB; found ready, they saved 42 s");
+    canned_says(f->result.out, "1 map, 48.0 MB; found ready, it saved 42 s");
 }
 
 static void test_fetch_keeps_images_and_result(void **state)

@@ -16,7 +16,7 @@
 /* One sensor lies inside a ball, where no light is; the other above the roof. */
 #define WITHIN "[20,20,1,0,0,1]"
 #define ABOVE "[2,2,50,0,0,1]"
-static const char dark_sensor[] = "1 of 2 sensors are at 0 lx, the first of them sensors[1]";
+static const char dark_sensor[] = "1 of 2 sensors is at 0 lx, the first of them sensors[1]";
 
 static int set_up(void **state)
 {
@@ -126,7 +126,7 @@ static void test_on_the_command_line(void **state)
     cli_write_file(folder, "job.json", text);
     cli_run(args, &result);
     assert_int_equal(result.exit_code, 1);
-    assert_non_null(strstr(result.err, "every one of the 1 sensors is at 0 lx"));
+    assert_non_null(strstr(result.err, "the only sensor is at 0 lx"));
     cli_remove_folder(folder);
 }
 
