@@ -68,9 +68,10 @@ def with_full_disk(contract):
             control.write(struct.pack("ii", errno.ENOSPC if full else 0, 3))
             control.flush()
         fill(False)
+        faulty = os.path.abspath(os.path.join(BUILD, "tests", "faulty.so"))
+        assert os.path.exists(faulty), faulty + " is not built: make tests"
         daemon = Daemon(contract, "--threads", "1", "--tokens", "always", environment={
-            "LD_PRELOAD": os.path.abspath(os.path.join(BUILD, "tests", "faulty.so")),
-            "FAULTY": control.name})
+            "LD_PRELOAD": faulty, "FAULTY": control.name})
         bounds.full_disk(daemon, fill)
         daemon.end()
 
