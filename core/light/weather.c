@@ -60,19 +60,6 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 
 static const double missing = 9999; /* as both formats mark it */
 
-/* Instruments read a little less than nothing at night. Values below that are refused: they would
- * count as darkness. */
-static int irradiance(struct reader *reader, struct orl_slice field, const char *what,
-                      double *ret_value)
-{
-    const double low = reader->weather.units == ORL_WEATHER_NORMAL_LX ? -1e4 : -100;
-    const int code = number(reader, field, what, low, 1e6, ret_value);
-    if (code == ORL_ERR_RANGE)
-        orl_error_hint(reader->err, "a value that is missing is written as %g",
-                       reader->weather.units == ORL_WEATHER_NORMAL_LX ? 100 * missing : missing);
-    return code;
-}
-
 /* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
 static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
                     double last_hour, struct orl_weather_row *ret_row)
@@ -86,9 +73,9 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
     if (code == 0)
         code = number(reader, fields[2], "the hour", first_hour, last_hour, &row.hour);
     if (code == 0)
-        code = irradiance(reader, fields[3], "direct light", &row.direct);
+        code = number(reader, fields[3], "direct light", -1e6, 1e6, &row.direct);
     if (code == 0)
-        code = irradiance(reader, fields[4], "diffuse light", &row.diffuse);
+        code = number(reader, fields[4], "diffuse light", -1e6, 1e6, &row.diffuse);
     if (code < 0)
         return code;
     if (month != floor(month) || day != floor(day))

@@ -14,7 +14,6 @@
  *
  * Invariants: every number is finite; months are 1..12, days exist in a leap year, hours lie in
  * [0, 24]. Values that the file marks as missing (9999 and above) are missing here, never numbers.
- * Irradiances below -100 W/m2, illuminances below -10000 lx, are refused.
  * Errors: ORL_ERR_SYNTAX, _RANGE, _INVALID (a year of a WEA file), _LIMIT, with file and line.
  * Threads: none kept; a parsed file is immutable. References: EnergyPlus, "Auxiliary Programs",
  * chapter on weather data; gendaymtx(1) of Radiance.

@@ -266,6 +266,7 @@ enum { MANY = 70, MOST_BLOCKS = 64 };
  */
 struct kept {
     struct orl_annual_block blocks[MOST_BLOCKS];
+    float coherence[MOST_BLOCKS][MANY];
     size_t count, hits;
     uint32_t rounds;
 };
@@ -288,6 +289,8 @@ static void on_done(void *ctx, const struct orl_annual_block *block)
     own->total = copy_rows(block, block->total);
     own->direct = copy_rows(block, block->direct);
     own->se = copy_rows(block, block->se);
+    memcpy(kept->coherence[kept->count - 1], block->coherence,
+           block->count * sizeof *block->coherence);
     kept->rounds = block->round + 1;
 }
 
@@ -303,6 +306,7 @@ static bool on_kept(void *ctx, struct orl_annual_block *block)
         memcpy(block->total, own->total, bytes);
         memcpy(block->direct, own->direct, bytes);
         memcpy(block->se, own->se, bytes);
+        memcpy(block->coherence, kept->coherence[i], own->count * sizeof *block->coherence);
         kept->hits++;
         return true;
     }

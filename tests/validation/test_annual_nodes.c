@@ -47,7 +47,7 @@ static struct orl_annual_refinement refine(const char *scene, const char *target
 static void test_rounds(void **state)
 {
     (void)state;
-    const struct orl_annual_refinement wall = refine(ROOM WALL, "illuminance >= 1925 lx");
+    const struct orl_annual_refinement wall = refine(ROOM WALL, "illuminance >= 1928 lx");
     const struct orl_annual_refinement open = refine(ROOM, "illuminance >= 4172 lx");
     print_message("wall: %u rounds, %u halvings; open: %u rounds, %u halvings\n", wall.rounds,
                   wall.sun_halvings, open.rounds, open.sun_halvings);
