@@ -128,9 +128,9 @@ enum { ORL_VERDICT_NOTE = 128 };
  * less than ORL_HOURS_LEAST of the hours that the rule asks for. Or a rule by LM-83 would pass, but
  * LM-83 closes blinds in some hour of use (more than 2 % of the points of a grid have 1000 lx or
  * more of direct sunlight; IES LM-83-12, 2.2.6), and no window group of the job closes by that
- * rule. Blinds reduce light, so a rule that fails without them fails. Or more than 10 % of the hours
- * have standard errors above 25 %, where the light may be 100 lx or more, and the bound is no further
- * from the value than three times the interval's longer side.
+ * rule. Blinds reduce light, so a rule that fails without them fails. Or more than 10 % of the
+ * hours have standard errors above 25 %, where the light may be 100 lx or more, and the bound is no
+ * further from the value than three times the interval's longer side.
  */
 struct orl_annual_verdict {
     const struct orl_annual_rule *rule; /* of the wishes; or NULL: a target of the job's own */
