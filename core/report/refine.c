@@ -24,6 +24,7 @@ struct refining {
     size_t *open;      /* sensors of the next round */
     size_t n_open;
     uint32_t sun_halvings; /* of the next round */
+    bool uncertain;        /* too many hours have large errors, and more paths help */
     struct orl_error *err;
 };
 
@@ -35,8 +36,9 @@ static int no_memory(const struct refining *r)
 
 /* ---- What is open ---------------------------------------------------------------------------- */
 
-/* Of the target's grid, or of all. */
-static int pick(struct refining *r, const struct orl_annual_report *report, size_t grid)
+/* Lists the sensors of the target's grid, or of all grids, whose side of the bound is open. */
+static int list_open_sensors(struct refining *r, const struct orl_annual_report *report,
+                             size_t grid)
 {
     const struct orl_annual_figure *figure = &r->state->target.figure;
     const struct orl_annual_period *period = &report->periods[figure->metric.when];
@@ -58,7 +60,7 @@ static int pick(struct refining *r, const struct orl_annual_report *report, size
             .overcast_error_lx = rows.overcast_error_lx ? rows.overcast_error_lx + i : NULL,
             .coherence = rows.coherence ? rows.coherence + i : NULL,
             .sunny = rows.sunny};
-        if (figure->over != ORL_OVER_SHARE ||
+        if (r->uncertain || figure->over != ORL_OVER_SHARE ||
             fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
                 far_off)
             r->open[r->n_open++] = first + i;
@@ -69,8 +71,9 @@ static int pick(struct refining *r, const struct orl_annual_report *report, size
     return code;
 }
 
-/* Where the target stands, and who leaves it open. */
-static int look(struct refining *r)
+/* Judges the target, and lists the sensors that leave it open. If few paths are the reason why
+ * hours are uncertain, all sensors are open. */
+static int judge_target(struct refining *r)
 {
     struct orl_annual_wishes wishes = *r->wishes;
     struct orl_annual_report report;
@@ -90,10 +93,12 @@ static int look(struct refining *r)
     r->state->target = verdict->target;
     r->state->area = verdict->area;
     r->state->verdict = verdict->verdict;
+    r->uncertain = verdict->uncertain && r->state->most_samples < ORL_ANNUAL_SAMPLES;
     r->state->settled =
+        !r->uncertain &&
         orl_annual_settled(&verdict->target, &verdict->area.value,
                            percent ? near_share : near_part * verdict->target.bound);
-    code = pick(r, &report, verdict->grid);
+    code = list_open_sensors(r, &report, verdict->grid);
     orl_annual_report_done(&report);
     return code;
 }
@@ -256,8 +261,8 @@ static void count(struct refining *r)
     }
 }
 
-static int go_on(struct refining *r,
-                 void (*told)(void *ctx, const struct orl_annual_refinement *so_far), void *ctx)
+static int refine(struct refining *r,
+                  void (*told)(void *ctx, const struct orl_annual_refinement *so_far), void *ctx)
 {
     uint64_t samples = r->result->samples;
     int code = 0;
@@ -266,7 +271,7 @@ static int go_on(struct refining *r,
     for (;;) {
         r->state->rounds++;
         count(r);
-        code = look(r);
+        code = judge_target(r);
         if (code < 0)
             return code;
         if (told)
@@ -303,7 +308,7 @@ int orl_annual_run_until(const struct orl_annual_request *request,
     if (code == 0 && wishes->until) {
         r.samples = calloc(request->n_sensors + 1, sizeof *r.samples);
         r.open = calloc(request->n_sensors + 1, sizeof *r.open);
-        code = r.samples && r.open ? go_on(&r, told, ctx) : no_memory(&r);
+        code = r.samples && r.open ? refine(&r, told, ctx) : no_memory(&r);
     }
     free(r.samples);
     free(r.open);

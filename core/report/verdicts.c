@@ -115,6 +115,7 @@ static void note_uncertain_hours(const struct orl_report_making *m,
     if (!(percent > most_uncertain_percent))
         return;
     verdict->verdict = ORL_VERDICT_UNDECIDED;
+    verdict->uncertain = true;
     snprintf(verdict->note, sizeof verdict->note,
              "%.0f %% of the hours have standard errors above %g %%: more \"samples\"", percent,
              100 * ORL_UNCERTAIN_SHARE);

@@ -138,6 +138,7 @@ struct orl_annual_verdict {
     size_t grid; /* or ORL_ALL_GRIDS */
     struct orl_annual_area area;
     enum orl_verdict verdict;
+    bool uncertain;              /* it is undecided since too many hours have large errors */
     char note[ORL_VERDICT_NOTE]; /* the reason; "" if there is none */
 };
 #define ORL_HOURS_LEAST 0.95
