@@ -27,8 +27,8 @@ int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct or
 struct orl_project_line {
     const char *sky;    /* its name in the project, or "sky" of a job, as JSON; NULL */
     const char *states; /* "GROUP=STATE,..."; NULL */
-    /* Of a year: its weather file, which makes it one; the year of that file's rows; and the rules
-     * that it is to be held to, "LEED,EN 17037"; NULL. */
+    /* The weather file of a year, without which the job is no year; the calendar year of the rows
+     * to use; the rules to judge by, as in "LEED,EN 17037". Each may be NULL. */
     const char *weather, *year, *rules;
 };
 /* The scene of a document that asks for it, a new reference, after an error, too. */
@@ -47,7 +47,7 @@ int orl_project_wish(const char *path, const struct orl_project_line *line, json
         .help = "of a project: which state its moving parts are in (default: the first)",          \
         .value = &(line)->states                                                                   \
     }
-/* Of a year of a project. */
+/* Options for a year of a project. */
 #define ORL_OPTIONS_YEAR(line)                                                                     \
     {.name = "weather",                                                                            \
      .metavar = "FILE",                                                                            \

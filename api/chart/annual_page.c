@@ -151,7 +151,7 @@ static double put_group(const struct orl_page_sheet *s, double y,
     return put_line(s, y, "%s", text);
 }
 
-/* How high all that is assumed is. */
+/* Returns the height of the list of assumptions. */
 static double measure_assumptions(const struct orl_annual_page *page)
 {
     enum { LINES = 7 }; /* of any job */
@@ -256,7 +256,7 @@ static double draw_columns(const struct orl_page_sheet *s, double y, double bott
     return fmax(left.y, right.y);
 }
 
-/* From above to below: each part leaves those that follow the least that they need. */
+/* Draws all parts from top to bottom. Each leaves the parts below it the least height they need. */
 static int draw(const struct orl_page_sheet *s)
 {
     const double assumptions = ORL_PAGE_HEIGHT - ORL_PAGE_RIM - measure_assumptions(s->page);

@@ -76,7 +76,8 @@ double orl_page_put_heading(const struct orl_page_sheet *s, double x, double y, 
     return y + ORL_PAGE_HEADING;
 }
 
-/* How many bytes of the text make one line: up to a space, or to where a long word is broken. */
+/* Returns the number of bytes of the text's first line, which ends at a space or within a word that
+ * is too long for a line. */
 static size_t line_length(const char *text, double width)
 {
     char line[LINE_BYTES] = "";

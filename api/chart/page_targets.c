@@ -50,7 +50,8 @@ static void draw_verdict(const struct orl_page_sheet *s, const struct orl_annual
                         orl_page_ink, text);
 }
 
-/* Whether a rule has one target, which finds room behind its name: the text before the target. */
+/* Returns true if a rule has one target, and both fit into one line. ret_name: the text before the
+ * target. */
 static bool fits_one_line(const struct orl_annual_report *report, size_t i,
                           const struct orl_page_column *at, char *ret_name, size_t size)
 {
@@ -161,7 +162,7 @@ static bool draw_next(const struct orl_page_sheet *s, struct list *list,
     return true;
 }
 
-/* As far as there is room in the column, where that is for some lines below a heading. */
+/* Draws as much of a list as the column has room for, if that is some lines below a heading. */
 static void draw_list(const struct orl_page_sheet *s, struct list *list,
                       struct orl_page_column *column, double bottom)
 {
@@ -181,7 +182,7 @@ static void draw_list(const struct orl_page_sheet *s, struct list *list,
     column->y += PARTS_APART;
 }
 
-/* How much a list, or what is left of it, takes in a column with its heading. */
+/* Returns the height of what is left of a list in a column, with its heading. */
 static double measure(const struct orl_page_sheet *s, struct list list,
                       struct orl_page_column column)
 {
@@ -209,8 +210,8 @@ static size_t draw_lists(const struct orl_page_sheet *s, struct lists lists,
     return lists.own.n_left + lists.all.n_left;
 }
 
-/* Where not all targets find room, rules of the grid are told without them, and then those of all
- * grids, too. */
+/* Chooses how rules are listed. If there is no room for all targets, the rules of the grid are
+ * listed without their targets, and if that does not suffice, those of all grids as well. */
 static struct lists choose_lists(const struct orl_page_sheet *s, const struct orl_page_column *left,
                                  const struct orl_page_column *right, double bottom)
 {

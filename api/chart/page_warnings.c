@@ -1,4 +1,4 @@
-/* What was warned of, in plain view above the figures that it may make worthless. */
+/* Warnings stand above the figures, since these may be worthless because of them. */
 #include "chart/page_sheet.h"
 
 #include <stdio.h>

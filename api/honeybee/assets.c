@@ -215,7 +215,7 @@ static int put_view(struct orl_hb *hb, const json_t *view, const struct orl_hb_a
     return rc;
 }
 
-/* Of each name the last view's place in the list. */
+/* Maps each name to the index of the last view that has it. */
 static int list_names(struct orl_hb *hb, const json_t *views, const struct orl_hb_at *list,
                       json_t *ret_last)
 {

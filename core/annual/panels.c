@@ -4,16 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/circle.h"
+#include "base/reservoir.h"
 #include "light/direct.h"
 #include "light/path.h"
 
 enum { PARTS = ORL_PANEL_PARTS, DRAWS = ORL_PANEL_DRAWS, GROUPS = ORL_PANEL_GROUPS };
 enum { BLOCKS_A_SIDE = ORL_PANEL_SIDE / 2, POINTS = BLOCKS_A_SIDE * BLOCKS_A_SIDE / 2 };
 enum { MOST_PANES = 64 };
-/* If the sun's disc spans several cells of a BSDF: points of the disc for each point of a pane, and
- * candidates for each draw. */
-enum { DISC_POINTS = 4, CANDIDATES = 8 };
+/* Points of the sun's disc for each point of a pane, if the disc spans several cells of a BSDF. */
+enum { DISC_POINTS = 4 };
 
 /* ---- The panes ------------------------------------------------------------------------------- */
 
@@ -71,31 +70,6 @@ static int find_panes(struct orl_panels *panels, const struct orl_annual_scene *
     return code;
 }
 
-/* ---- Weighted reservoir sampling ------------------------------------------------------------- */
-
-/* One of several candidates, drawn by weight in one pass (Chao 1982), with one random number. */
-struct reservoir {
-    double weight_sum;
-    double u; /* rescaled to a uniform number after each decision */
-};
-
-static struct reservoir reservoir_begin(uint64_t bits)
-{
-    return (struct reservoir){0, (double)(bits >> 11) * 0x1p-53};
-}
-
-/* Returns true if the candidate replaces the one that was chosen before. */
-static bool reservoir_add(struct reservoir *r, double weight)
-{
-    const double before = r->weight_sum;
-    if (!(weight > 0))
-        return false;
-    r->weight_sum = before + weight;
-    const double at = r->u * r->weight_sum;
-    r->u = at < weight ? at / weight : (at - weight) / before;
-    return at < weight;
-}
-
 /* ---- What is the same for all sensors -------------------------------------------------------- */
 
 struct maker {
@@ -104,113 +78,7 @@ struct maker {
     uint64_t seed;
 };
 
-static struct orl_sun disc_of(const struct orl_hour_sun *sun)
-{
-    return (struct orl_sun){.frame = orl_frame_about(sun->towards),
-                            .cos_half_angle = cos(0.5 * sun->angle_rad)};
-}
-
-/* Returns true if the disc spans cells of the BSDF with different transmittances. A few points of
- * the disc may then send all of the light. */
-static bool spans_cells(const struct orl_panel_kind *k, const struct orl_hit *hit,
-                        const struct orl_sun *disc)
-{
-    enum { RIM = 8 };
-    static const double alike = 0.05;
-    double least = INFINITY, most = 0;
-    for (int i = 0; i <= RIM; i++) {
-        const double u[2] = {i < RIM ? 0.999 : 0, (i + 0.5) / RIM};
-        const double share = orl_luma(
-            orl_material_albedo(k->material, hit, orl_sun_sample(disc, u), ORL_LOBE_TRANSMITTED));
-        least = fmin(least, share);
-        most = fmax(most, share);
-    }
-    return most - least > alike * most;
-}
-
-static struct orl_bsdf_incidence incidence_of(const struct orl_panel_kind *k, struct orl_vec3 from)
-{
-    return orl_bsdf_place_incident(k->material->bsdf, orl_to_local(&k->frame, from));
-}
-
-/* Finds the cell of the disc's middle, and whether the whole disc lies in it: its edge does, by
- * points on a circle that is wider by more than the chords between them are narrower. */
-static void find_cell(const struct orl_panel_kind *k, const struct orl_hour_sun *sun,
-                      struct orl_panel_draws *draws)
-{
-    enum { RIM = 32 };
-    const struct orl_frame frame = orl_frame_about(sun->towards);
-    const double radius = 1.02 * tan(0.5 * sun->angle_rad);
-    draws->middle = incidence_of(k, sun->towards);
-    draws->in_one_cell = true;
-    for (int i = 0; i < RIM && draws->in_one_cell; i++) {
-        const struct orl_circle turn = orl_circle_turn((double)i / RIM);
-        const struct orl_bsdf_incidence rim =
-            incidence_of(k, orl_normalize(orl_to_world(
-                                &frame, orl_v3(radius * turn.cosine, radius * turn.sine, 1))));
-        draws->in_one_cell = orl_bsdf_in_one_cell(k->material->bsdf, &draws->middle, &rim);
-    }
-}
-
-/* Samples the BSDF once by five uniform numbers. Returns false if the sample carries no light. */
-static bool sample_draw(const struct orl_panel_kind *k, const struct orl_hit *hit,
-                        const struct orl_sun *disc, const double u[5], struct orl_vec3 *ret_towards,
-                        struct orl_panel_draw *ret_draw)
-{
-    const struct orl_vec3 from = orl_sun_sample(disc, u + 3);
-    if (!(orl_dot(from, k->inward) < 0))
-        return false;
-    const struct orl_scatter s =
-        orl_scatter_sample_at(k->material, hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
-    if (s.event != ORL_EVENT_GLOSSY && s.event != ORL_EVENT_DIFFUSE)
-        return false;
-    const double leaving = orl_dot(s.direction, k->inward);
-    const double density = orl_scatter_pdf(k->material, hit, from, ORL_TRANSPORT_LIGHT,
-                                           ORL_LOBE_TRANSMITTED, s.direction);
-    if (!(leaving > 1e-6) || !(density > 0))
-        return false;
-    *ret_towards = s.direction;
-    *ret_draw =
-        (struct orl_panel_draw){(float)(orl_luma(s.weight) * -orl_dot(from, k->inward) / leaving),
-                                (float)density,
-                                {(float)u[3], (float)u[4]}};
-    return true;
-}
-
-static void draw_kind(const struct maker *maker, uint32_t kind, size_t which)
-{
-    struct orl_panels *panels = maker->panels;
-    const struct orl_panel_kind *k = &panels->kinds[kind];
-    const struct orl_hour_sun *sun = &panels->suns->at[which];
-    const struct orl_sun disc = disc_of(sun);
-    struct orl_panel_draws *draws = panels->draws + (size_t)kind * panels->suns->count + which;
-    const struct orl_hit hit = orl_hit_anywhere(k->normal, orl_dot(sun->towards, k->normal) > 0);
-    memset(draws, 0, sizeof *draws);
-    const uint64_t name = orl_mix64(maker->seed ^ orl_mix64(which * ORL_PANEL_MOST_KINDS + kind));
-    draws->spans_cells = spans_cells(k, &hit, &disc);
-    if (k->data_alone)
-        find_cell(k, sun, draws);
-    const uint32_t candidates = draws->spans_cells ? CANDIDATES : 1;
-    for (uint32_t i = 0; i < DRAWS; i++) {
-        struct reservoir chosen = reservoir_begin(orl_mix64(name ^ i));
-        for (uint32_t j = 0; j < candidates; j++) {
-            struct orl_panel_draw draw;
-            struct orl_vec3 towards;
-            double u[5];
-            orl_sobol_point(maker->sobol, i * candidates + j, (uint32_t)name, 5, u);
-            if (!sample_draw(k, &hit, &disc, u, &towards, &draw) ||
-                !reservoir_add(&chosen, (double)draw.light))
-                continue;
-            draws->towards[0][i] = (float)towards.x;
-            draws->towards[1][i] = (float)towards.y;
-            draws->towards[2][i] = (float)towards.z;
-            draws->at[i] = draw;
-        }
-        draws->at[i].light = (float)(chosen.weight_sum / candidates);
-    }
-}
-
-/* Of the light of a point of the sun's disc the share that comes to a pane there. */
+/* Returns the share of the light of a point of the sun's disc that comes to a point of a pane. */
 static double share_there(const struct orl_panels *panels, const struct orl_panel *panel,
                           struct orl_vec3 towards, struct orl_vec3 point)
 {
@@ -242,7 +110,7 @@ enum { MIXED = -1, NOT_PROBED = -2 };
 static float probe_pane(const struct orl_panels *panels, size_t pane, size_t which)
 {
     const struct orl_panel *panel = &panels->at[pane];
-    const struct orl_sun disc = disc_of(&panels->suns->at[which]);
+    const struct orl_sun disc = orl_panel_disc(&panels->suns->at[which]);
     struct orl_random random =
         orl_random_stream(panels->seed, ORL_PURPOSE_ANNUAL, ~(pane * ORL_HOURS_MOST + which));
     double first = 0;
@@ -259,7 +127,7 @@ static float probe_pane(const struct orl_panels *panels, size_t pane, size_t whi
     return (float)first;
 }
 
-/* The same, probed once for all sensors. */
+/* Returns the result of probe_pane, which is called once for all sensors. */
 static float sunlight_everywhere(const struct orl_panels *panels, size_t pane, size_t which)
 {
     if (!panels->sunlit)
@@ -283,7 +151,10 @@ static void draw_sun(void *arg, size_t which, uint32_t member)
         return;
     for (uint32_t kind = 0; kind < panels->n_kinds; kind++)
         if (orl_dot(sun->towards, panels->kinds[kind].inward) < 0)
-            draw_kind(maker, kind, which);
+            orl_panel_draws_make(
+                &panels->kinds[kind], sun, maker->sobol,
+                orl_mix64(maker->seed ^ orl_mix64(which * ORL_PANEL_MOST_KINDS + kind)),
+                &panels->draws[(size_t)kind * panels->suns->count + which]);
 }
 
 static int make_room_for_probes(struct orl_panels *panels)
@@ -433,7 +304,7 @@ static double transmitted_to(const struct orl_panel_kind *k, const struct orl_pa
         struct orl_bsdf_incidence own;
         const struct orl_bsdf_incidence *in = &draws->middle;
         if (!draws->in_one_cell) {
-            own = incidence_of(k, from);
+            own = orl_panel_incidence(k, from);
             in = &own;
         }
         return orl_luma(orl_bsdf_transmit(k->material->bsdf, in, &s->out, ret_pdf));
@@ -480,12 +351,12 @@ static void add_points(const struct before *b, size_t which, const struct orl_su
     for (uint32_t group = 0; group < GROUPS; group++) {
         const struct seen *s = &b->seen[part_of_group(group, bits)];
         struct orl_vec3 chosen = {0, 0, 0};
-        struct reservoir sent = reservoir_begin(orl_mix64(bits ^ group));
+        struct orl_reservoir sent = orl_reservoir_begin(orl_mix64(bits ^ group));
         if (!(s->worth > 0))
             continue;
         for (uint32_t i = 0; i < of_disc; i++) {
             const struct orl_vec3 from = point_of_disc(disc, shift, group * of_disc + i);
-            if (reservoir_add(&sent, weighted_radiance(b, draws, &hit, s, from)))
+            if (orl_reservoir_add(&sent, weighted_radiance(b, draws, &hit, s, from)))
                 chosen = from;
         }
         const double lit = sent.weight_sum > 0 ? sun_at(b, which, chosen, s->point) : 0;
@@ -578,7 +449,7 @@ static void add_draws(const struct before *b, size_t which, const struct orl_sun
 /* The light of one sun by one pane: the mean of the groups, and their spread. */
 static void add_sun(const struct before *b, size_t sun, const struct orl_sun_rows *rows)
 {
-    const struct orl_sun disc = disc_of(&b->panels->suns->at[sun]);
+    const struct orl_sun disc = orl_panel_disc(&b->panels->suns->at[sun]);
     double groups[GROUPS] = {0}, mean = 0, spread = 0;
     add_points(b, sun, &disc, orl_mix64(b->name ^ orl_mix64(sun * 64 + b->pane)), groups);
     add_draws(b, sun, &disc, groups);

@@ -9,8 +9,9 @@
  * Most panes are in full view of a sensor, and wholly in the sun or in shade. If 64 stratified
  * points of a pane agree on it, no more rays are traced for that sensor, or for that sun. An
  * obstacle that hides a share f of the pane is missed with the probability (1 - f)^64: that is 0.6
- * % of the light on average, at the most. A pane is probed for a sun when the first sensor asks for
- * the two.
+ * % of the light on average, at the most. Points behind the sensor's own plane do not count; if
+ * only half of the points are left, that is 1.1 %, and with fewer points rays are traced. A pane is
+ * probed for a sun when the first sensor asks for the two.
  *
  * Panes are ports of a sealed building. Immutable once made, but for the probes' results, which do
  * not depend on who asks first.
@@ -18,36 +19,18 @@
 #ifndef ORL_ANNUAL_PANELS_H
 #define ORL_ANNUAL_PANELS_H
 
-#include "annual/hours.h"
+#include "annual/panel_draws.h"
 #include "annual/scene.h"
 #include "annual/sun_rows.h"
 #include "annual/windows.h"
-#include "bsdf/placed.h"
 
 enum { ORL_PANEL_PROBING_SENSORS = 16 }; /* with fewer sensors, probes take longer than they save */
 
 enum {
-    ORL_PANEL_DRAWS = 128, /* of a kind of pane, in an hour */
-    ORL_PANEL_SIDE = 8,    /* a pane's parts along an edge */
+    ORL_PANEL_SIDE = 8, /* a pane's parts along an edge */
     ORL_PANEL_PARTS = ORL_PANEL_SIDE * ORL_PANEL_SIDE,
     ORL_PANEL_GROUPS = 8,      /* independent, for standard errors */
     ORL_PANEL_MOST_KINDS = 32, /* of material and normal */
-};
-
-/* A direction into the room that a kind of pane sends an hour's sun. */
-struct orl_panel_draw {
-    float light;   /* what it is worth: radiance over density, of a sun of 1 facing it */
-    float density; /* per steradian, of drawing it from that point of the disc */
-    float from[2]; /* the point: two numbers for about where in the disc */
-};
-
-/* The draws of an hour's sun; their directions by coordinate, for loops over all of them. */
-struct orl_panel_draws {
-    float towards[3][ORL_PANEL_DRAWS];
-    struct orl_panel_draw at[ORL_PANEL_DRAWS];
-    bool spans_cells; /* the disc spans cells of the BSDF with different transmittances */
-    bool in_one_cell; /* all of the disc is in one cell, which the next one stands for */
-    struct orl_bsdf_incidence middle; /* of the disc; if the kind has data alone */
 };
 
 struct orl_panel {
@@ -55,13 +38,6 @@ struct orl_panel {
     struct orl_vec3 inward;
     uint32_t kind, part; /* part of the windows (scene.h) */
     double area;
-};
-
-struct orl_panel_kind {
-    const struct orl_material *material;
-    struct orl_vec3 normal, inward;
-    struct orl_frame frame; /* of the BSDF */
-    bool data_alone;        /* nothing is added to its data, nor taken out of it */
 };
 
 struct orl_panels {

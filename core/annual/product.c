@@ -136,7 +136,7 @@ static void fill_bins(struct orl_annual_factors *f,
     }
 }
 
-/* What batches differ from the mean by, of coarse bins that have light. */
+/* Fills the differences of the batches from their mean, for the coarse bins that have light. */
 static void fill_coarse(struct orl_annual_factors *f, const struct orl_bins *bins,
                         const struct orl_annual_coefficients *coefficients)
 {
@@ -196,7 +196,8 @@ struct tile_sums {
     double sun[TILE][BATCHES]; /* indirect, lx */
     double straight[TILE];     /* by the sun, and by mirrors, lx */
     double lots[TILE][LOTS];   /* of photons: less the mean, lx */
-    /* Of the standard error, lx2: by photons, interpolation, and sampling of panes and the disc. */
+    /* Parts of the squared standard error, lx2: the photons', the interpolation's, and that of
+     * sampling panes and the sun's disc. */
     double photons[TILE], between[TILE], sampling[TILE];
 };
 

@@ -42,16 +42,16 @@ static int run_open(struct orl_shading *s, double share)
     return code;
 }
 
-/* Errors of a year of several runs are taken to add up as far as those of any of them do, which is
- * in some hour. */
+/* Raises coherence to the largest of the runs that fill some hour: then intervals are wide enough
+ * for the hours of each. */
 static void raise_coherence(struct orl_annual_result *all, const struct orl_annual_result *run)
 {
     for (size_t i = 0; i < all->n_sensors; i++)
         all->coherence[i] = fmaxf(all->coherence[i], run->coherence[i]);
 }
 
-/* Where no hour is left of the run of all open, neither is its coherence. */
-static void leave_open(struct orl_shading *s)
+/* Forgets the coherence of the run of all open if no hour of that run is left. */
+static void drop_open_coherence(struct orl_shading *s)
 {
     size_t c = 0;
     while (c < s->result->n_columns && s->which[c] != 0)
@@ -446,7 +446,7 @@ static int run_all(struct orl_shading *s)
     s->summed = has_more_than_room(s) || s->n_combinations - 1 > count_parts(s);
     if (!s->summed && !s->opened)
         code = run_open(s, (1 - s->told) / (double)s->n_combinations);
-    leave_open(s);
+    drop_open_coherence(s);
     if (s->summed)
         return run_parts(s, fmax(1 - s->told, 0));
     return code == 0 ? run_combinations(s, fmax(1 - s->told, 0)) : code;

@@ -25,8 +25,8 @@ enum { ORL_YEAR_BLOCK = 64 }; /* sensors at a time, at the most */
 
 struct orl_year;
 
-/* How a run tells light apart by window groups (parts.h). The last part is that of windows in no
- * group. All pointers are borrowed. */
+/* A run that sums light by window group (parts.h). The last part is that of windows in no group.
+ * All pointers are borrowed. */
 struct orl_year_parts {
     size_t n_groups;
     const bool *used;            /* by group: it must have windows, and what belongs to it near */

@@ -14,8 +14,9 @@
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance,
                                  bool through_ports);
-/* The same for an infinite distance, through ports. If *port is ORL_NO_PORT, it becomes the first
- * port by which the ray leaves the building; else the path has left it before, and it stays. */
+/* Returns orl_transmittance for an infinite distance, through ports. If *port is ORL_NO_PORT, it
+ * becomes the first port by which the ray leaves the building; else the path has left it before,
+ * and it stays. */
 struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
                                     struct orl_vec3 direction, int32_t *port);
 

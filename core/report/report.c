@@ -126,7 +126,7 @@ static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
             orl_annual_daylight_mark(year->global_lx, year->measured, &year->steps, marks, m->err);
     if (code == 0)
         code = add_period(m, marks, ORL_WHEN_DAYLIGHT);
-    /* Of a part of a year, the lighter half of that part is known. */
+    /* A file with a part of a year gives the lighter half of that part. */
     const uint32_t half_of_year = year->steps.count / 2;
     report->hours_wanted[ORL_WHEN_DAYLIGHT] = (double)half_of_year / year->steps.per_hour;
     if (code == 0)

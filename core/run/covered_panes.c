@@ -27,7 +27,7 @@ static bool is_pane(const struct orl_scene *scene, uint32_t facet)
            !(m->kind == ORL_MATERIAL_BSDF && m->thickness != 0);
 }
 
-/* Whether an opaque surface lies on a pane at a point of it. */
+/* Returns true if an opaque surface lies on a pane at a point of the pane. */
 static bool is_covered_at(const struct orl_scene *scene, uint32_t pane, struct orl_vec3 point,
                           struct orl_vec3 direction, struct orl_hit *ret_hit)
 {
@@ -40,7 +40,7 @@ static bool is_covered_at(const struct orl_scene *scene, uint32_t pane, struct o
            fabs(orl_dot(ret_hit->normal, normal)) > parallel;
 }
 
-/* On one of its sides, all of it. */
+/* Returns true if opaque surfaces cover one side of a pane at all points that are tried. */
 static bool is_covered(const struct orl_scene *scene, uint32_t pane, struct orl_hit *ret_hit,
                        double *ret_distance)
 {
@@ -65,7 +65,7 @@ static bool is_covered(const struct orl_scene *scene, uint32_t pane, struct orl_
     return false;
 }
 
-static void look(const struct orl_scene *scene, struct covered *found)
+static void find_covered_panes(const struct orl_scene *scene, struct covered *found)
 {
     size_t panes = 0;
     for (uint32_t i = 0; i < scene->geometry->n_facets && panes < MOST_PANES; i++) {
@@ -87,7 +87,7 @@ void orl_run_warn_of_covered_panes(struct orl_run_state *state)
     const struct orl_scene *scene = state->scene;
     struct covered found = {.count = 0};
     char others[48] = "";
-    look(scene, &found);
+    find_covered_panes(scene, &found);
     if (found.count == 0)
         return;
     const struct orl_surface_label pane = orl_scene_label_of(scene, found.pane);

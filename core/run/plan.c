@@ -88,7 +88,7 @@ static void warn_once(void *ctx, const char *text)
     orl_run_warn_once(ctx, "%s", text);
 }
 
-/* By grids, where the job has them. */
+/* Checks the sensors of each grid, or all sensors of a job without grids. */
 static int judge_spaces(struct orl_run_state *state)
 {
     const struct orl_result *result = state->result;

@@ -18,7 +18,7 @@ static const double much_nearer = 4;
  * in one room are enough to check it whatever others have used. */
 enum { RAYS_OF_A_JOB = 4000000, RAYS_OF_A_RANGE = 4096, RAYS_OF_A_SENSOR = 16 };
 
-/* What is known of a facet: whether it is the floor of a closed room with windows. */
+/* A facet may be the floor of a closed room with windows. */
 enum floor { FLOOR_UNKNOWN, IS_FLOOR, IS_NO_FLOOR };
 
 enum misplacement {
@@ -37,7 +37,7 @@ struct check {
     uint8_t *floors; /* by facet, also placed ones: enum floor; NULL until one is wanted */
     bool *unchecked; /* by range: its check has reached the limit of rays */
     size_t n_warned;
-    /* Of the range under way: */
+    /* The range that is checked now: */
     const struct orl_sensor_range *range;
     const struct orl_sensor *sensors;
     struct orl_outlook *places;
@@ -192,7 +192,8 @@ static size_t count_facets(const struct orl_geometry *g)
     return last ? last->first_facet + last->prototype->n_facets : g->n_facets;
 }
 
-/* Whether the facet met from above is the floor of a closed room with windows; explored once. */
+/* Sets *ret_floor if the facet, met from above, is the floor of a closed room with windows. The
+ * space above a facet is explored once. */
 static int look_up_floor(struct check *c, const struct orl_hit *hit,
                          const struct orl_outlook *above, bool *ret_floor)
 {
@@ -212,7 +213,7 @@ static int look_up_floor(struct check *c, const struct orl_hit *hit,
     return 0;
 }
 
-/* Whether the surface overhead is a floor much nearer than the ceiling above it. */
+/* Sets *ret_below if the surface overhead is a floor, and much nearer than the ceiling above it. */
 static int is_below_floor(struct check *c, const struct orl_outlook *place, bool *ret_below)
 {
     const struct orl_geometry *g = c->scene->geometry;
@@ -253,7 +254,8 @@ static int sort_below(struct check *c)
 
 /* ---- A range --------------------------------------------------------------------------------- */
 
-/* Those in the plane of a surface are on no side of it, and count for no space. */
+/* Finds the places of a chunk of sensors. A sensor in the plane of a surface is on neither side of
+ * it, so it belongs to no space. */
 static void list_places(void *arg, size_t chunk, uint32_t member)
 {
     struct check *const c = arg;

@@ -82,13 +82,13 @@ static bool has_ending(const char *name, const char *ending)
     return length > tail && strcasecmp(name + length - tail, ending) == 0;
 }
 
-/* Whether a file of that name holds surfaces or materials. */
+/* Returns true if a file of that name holds surfaces or materials. */
 static bool describes_scene(const char *name)
 {
     return has_ending(name, ".rad") || has_ending(name, ".mat") || has_ending(name, ".hbjson");
 }
 
-/* Which files are main ones, and which that describe a scene are not read. */
+/* Lists the main files, and files that describe a scene but are not read. */
 static void add_files(json_t *summary, const struct orl_bundle *bundle)
 {
     json_t *mains = json_array(), *unread = json_array();

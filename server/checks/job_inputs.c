@@ -71,7 +71,7 @@ static bool is_same_year(const struct orl_named_file *before, const struct orl_n
 int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bundle *scene,
                         struct orl_job_inputs *inputs, struct orl_error *err)
 {
-    /* By file: the last use for weather, since all skies of a day name the same file and year. */
+    /* The last use for weather of each file: all skies of a day name the same file and year. */
     const struct orl_named_file *weather[ORL_LIMIT_SCENE_FILES] = {NULL};
     struct orl_bundle *files = &inputs->files;
     int rc = brief->whole ? add_scene(scene, inputs, err) : 0;

@@ -17,7 +17,7 @@ void orl_stop_limit_open(void);
 /* Cancels the limit. */
 void orl_stop_limit_close(void);
 
-/* To be called for each signal that has a handler already: the first that arrives begins a limit of
+/* Call this for each signal that has a handler already: the first that arrives begins a limit of
  * drain_s + ORL_SERVER_STOP_S, a second one of ORL_SERVER_STOP_S. Later ones do not extend it. */
 void orl_stop_limit_heed(int signum, unsigned drain_s);
 

@@ -18,7 +18,7 @@ void orl_signal_ignore(int signum);
 /* Calls on_signal on the loop, once for each signal that arrived. Returns 0 or libuv's error. */
 int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx);
 
-/* From now on ignores all signals that were handled, and closes their handles. */
+/* Ignores all signals that were handled from now on, and closes their handles. */
 void orl_signals_stop(void);
 
 #endif

@@ -43,8 +43,7 @@ uint64_t orl_job_memory_windows(const struct orl_job_memory *needs);
 /* Hours with light of all sensors of a year together, at most. */
 uint64_t orl_job_memory_hours(const struct orl_job_memory *needs);
 
-/* In memory: a year tells light apart by window groups for eight sensors at a time, at the
- * least. */
+/* Bytes for window groups: a year sums light by group for at least eight sensors at a time. */
 uint64_t orl_job_memory_groups(const struct orl_job_memory *needs);
 
 /* In memory, of seats' views, pictures and hours. */

@@ -390,7 +390,7 @@ static int add_verdict(json_t *verdicts, const json_t *of)
                   copy_or_null(of, "note")));
 }
 
-/* Those on targets of rules, or on the job's own. */
+/* Adds the verdicts on targets of rules, or those on the job's own targets. */
 static int add_verdicts(json_t *verdicts, const json_t *of, bool of_rules)
 {
     const json_t *one;
@@ -404,7 +404,8 @@ static int add_verdicts(json_t *verdicts, const json_t *of, bool of_rules)
     return rc;
 }
 
-/* Of all targets of a rule together, of each of the job's own, and of each of a rule's. */
+/* Returns the verdicts of each rule as a whole, of each of the job's own targets, and of each
+ * target of a rule. */
 static json_t *short_verdicts(const json_t *document)
 {
     json_t *verdicts = json_array();

@@ -154,7 +154,7 @@ static int annual_suits(const struct orl_contents *contents, struct orl_error *e
 
 /* Of a map's or carpet's outlines and pixels, a page; of a sensor in a map, and in a table. */
 enum { MAP = 100 << 10, PAGE = 1 << 20, MAP_SENSOR = 300, FIGURE = 40, HOURS_ROW = 64 };
-/* Of a grid in a row of hours.csv: its mean and the standard error. */
+/* Bytes that a grid adds to a row of hours.csv: the mean and its standard error. */
 enum { HOURS_GRID = 26 };
 /* Of a sensor and hour with light: what is kept until the job ends, and each series of results. */
 enum { KEPT_HOUR = 12, SERIES_HOUR = 12 };

@@ -74,7 +74,7 @@ int orl_bundle_check_whole(const struct orl_bundle_file *file, const struct orl_
 /* What providers say of a name that is not there: ORL_ERR_NOT_FOUND. */
 int orl_bundle_refuse_missing(const struct orl_bundle *bundle, const char *name,
                               struct orl_error *err);
-/* As other_case of struct orl_files. */
+/* Finds a file whose name differs in case only; see other_case of struct orl_files. */
 bool orl_bundle_other_case(const struct orl_bundle *bundle, const char *name, char *ret_name,
                            size_t size);
 

@@ -110,8 +110,8 @@ static json_t *run(struct cli_desk *f, const char *threads)
     return result;
 }
 
-/* Of the 64 paths a sensor: large errors are told by the command and in the result, with files of
- * hours and without. */
+/* With 64 paths a sensor the command and the result warn of large errors, with files of hours and
+ * without. */
 static void assert_warns_of_errors(const struct cli_desk *f, const json_t *result)
 {
     static const char wanted[] = "the standard error is above 25 % of the illuminance in ";
@@ -150,7 +150,7 @@ static void assert_files_are_there(const struct cli_desk *f, const json_t *resul
     assert_true(page && carpet && pdf);
 }
 
-/* Of both grids, as matrices and in Honeybee's folder. */
+/* Errors of both grids are there as matrices and in Honeybee's folder. */
 static void assert_errors_are_listed(const json_t *result)
 {
     const json_t *files = json_object_get(result, "files"), *name;
@@ -345,7 +345,8 @@ static void test_threads_change_nothing(void **state)
     }
 }
 
-/* Where the text stands in the log, which is to have it at the beginning of a line. */
+/* Returns the position of the text in the log, at the beginning of a line; NULL: it is not there.
+ */
 static const char *find_line(const char *log, const char *text)
 {
     for (const char *at = strstr(log, text); at; at = strstr(at + 1, text))
@@ -355,7 +356,7 @@ static const char *find_line(const char *log, const char *text)
     return NULL;
 }
 
-/* In one log, as by `> log 2>&1`, lines are whole and in the order in which they were written:
+/* Lines of a common log (`> log 2>&1`) are whole and in the order in which they were written:
  * verdicts, seconds, the path of the result. */
 static void test_both_outputs_in_one_log(void **state)
 {

@@ -322,7 +322,7 @@ static void test_fetch_says_why_there_is_nothing(void **state)
     "{\"rule\": \"LEED\", \"target\": \"sDA300/50 >= 55 %\", \"grid\": \"desks\", \"verdict\":"    \
     " \"pass\", \"unit\": \"%\", \"value\": 61, \"interval_95\": [60, 62.5], \"note\": null}]}}"
 
-/* As of a year that runs here. */
+/* Verdicts of a daemon's year are printed as those of `oriel annual`. */
 static void test_verdicts_with_their_intervals(void **state)
 {
     static const struct canned canned[] = {{"GET /v1/jobs/7", 200, VERDICTS}, {NULL, 0, NULL}};

@@ -171,7 +171,7 @@ static void test_a_model_comes_with_files(void **state)
     free(job);
 }
 
-/* As a form of a web page sends it: the model and its weather as parts. */
+/* A form of a web page sends a model and its weather as parts. */
 static void test_a_model_comes_in_a_form(void **state)
 {
     static const char *const names[] = {"office.hbjson", "office.json"};

@@ -51,7 +51,7 @@ static void check_year(const char *text, size_t size, const struct orl_weather *
     FUZZ_PROMISE(orl_occupancy_check("use.csv", "", 0, &steps, NULL) == ORL_ERR_RANGE);
 }
 
-/* Of the year of its first row: rows of that year alone, each at its own time. */
+/* The year of the first row is chosen: rows are of that year alone, each at its own time. */
 static void check_chosen_year(const char *text, size_t size, const struct orl_weather *all)
 {
     struct orl_weather weather = {0};

@@ -30,7 +30,7 @@ void cli_peek(const struct cli_child *child, char *ret_text);
 struct cli_child cli_start(const char *const *args);
 void cli_finish(struct cli_child *child, struct cli_result *ret_result);
 void cli_run(const char *const *args, struct cli_result *ret_result);
-/* The same with both outputs in one file, as by `> log 2>&1`; out and err are the same then. */
+/* Runs the command with both outputs in one file (`> log 2>&1`); out and err are the same then. */
 void cli_run_merged(const char *const *args, struct cli_result *ret_result);
 
 /* A new temporary folder, and its end. path holds at least 64 bytes. */

@@ -28,7 +28,7 @@ void parted_fetch(struct parted_daemon *f, const char *path, const char *output)
 
 /* Until it has succeeded, in parts. */
 void parted_wait(struct parted_daemon *f, const char *path);
-/* Likewise after a restart of the daemon, which starts no part if all have ended meanwhile. */
+/* Waits in the same way after a restart of the daemon, which starts no part if all have ended. */
 void parted_wait_resumed(struct parted_daemon *f, const char *path);
 /* Nothing is left in the shared folder. */
 void parted_assert_cleared(const struct parted_daemon *f);

@@ -283,7 +283,7 @@ static void test_intervals_of_shares(void **state)
     free(room);
 }
 
-/* All of an area is 100 %, whatever its parts add up to, and n of 100 equal parts are n %. */
+/* A whole area is 100 %, whatever its parts add up to, and n of 100 equal parts are n %. */
 static void test_all_of_an_area(void **state)
 {
     double crossing[300], areas[300];

@@ -100,7 +100,7 @@ static void free_year(struct year *y)
     hand_year_free(&y->result);
 }
 
-/* As an SVG; owned. */
+/* Draws the page of a grid; returns its SVG, which the caller frees. */
 static char *draw(const struct year *y, size_t grid)
 {
     const struct orl_annual_page page = {.title = y->title,
@@ -218,7 +218,7 @@ static void test_nothing_covers_anything(void **state)
         }
 }
 
-/* Of the top of the scale the next number below keeps clear: 10000 of 15000. */
+/* The number below the top of the scale does not touch it: 10000 and 15000. */
 static void test_numbers_of_the_scale_are_apart(void **state)
 {
     static const float factors[] = {1, 1.5F, 2, 3, 5, 7.5F};
@@ -247,7 +247,7 @@ static size_t mark_verdicts_of_all(struct year *y)
     return n;
 }
 
-/* All of both lists are on the page of each grid. */
+/* The page of each grid has all lines of both lists. */
 static void test_verdicts_of_the_building(void **state)
 {
     struct year y;
@@ -346,7 +346,7 @@ static void test_far_too_many_targets(void **state)
     free_year(&y);
 }
 
-/* Where there is no map there are the sensors' numbers, and the year moves up. */
+/* A page without a map has a table of the sensors instead, and the year moves up. */
 static void test_no_part_is_blank(void **state)
 {
     static struct text texts[MOST_TEXTS];

@@ -1,4 +1,4 @@
-/* How far errors of hours add up, of sums that are known; and intervals by it. */
+/* Coherence of sums whose result is known, and the intervals that follow from it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -79,8 +79,9 @@ static void test_errors_that_cancel(void **state)
     assert_near(found(), 0, 1e-6);
 }
 
-/* Of n independent errors the sum has the root of n times one. Those between the same nodes are one
- * error: here four cells of four hours. In bands of illuminance each is on its own. */
+/* The sum of n independent errors has the square root of n times the error of one. Errors between
+ * the same nodes are one error: here four cells of four hours. Bands of illuminance are summed one
+ * by one. */
 static void test_independent_errors(void **state)
 {
     (void)state;

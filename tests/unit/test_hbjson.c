@@ -263,7 +263,7 @@ static bool has_file(const struct orl_text_files *files, const char *name)
     return false;
 }
 
-/* Of two views of one name the last counts. */
+/* The last of two views with one name counts. */
 static void test_views_of_one_identifier_are_told(void **state)
 {
     (void)state;

@@ -34,7 +34,7 @@
 #define INNER_PANE "p polygon inner 0 0 12 -1 .02 1 1 .02 1 1 .02 2 -1 .02 2\n"
 #define GROUND "w ring ground 0 0 8 0 0 -.2 0 0 1 0 100\n"
 #define BOX "!genbox w box .5 .5 2 | xform -t 1.4 3.4 0\n"
-/* From the right wall on: a second room of the same size, with its own pane. */
+/* A second room of the same size beyond the right wall, with a pane of its own. */
 #define SECOND                                                                                     \
     "w polygon floor2 0 0 12 2 0 0 2 4 0 6 4 0 6 0 0\n"                                            \
     "w polygon roof2 0 0 12 2 0 3 6 0 3 6 4 3 2 4 3\n"                                             \

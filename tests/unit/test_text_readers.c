@@ -190,10 +190,10 @@ static void test_xml_in_other_encodings(void **state)
 
 /* ---- Table ----------------------------------------------------------------------------------- */
 
-/* Writes "read", if the values are the plain file's, or the line of the error. Returns false for
- * other values. */
-static bool tell(const struct text_reader *reader, const char *bytes, size_t size,
-                 char ret_cell[16])
+/* Writes "read" or the line of the error into the cell. Returns false if values were read that are
+ * not those of the plain file. */
+static bool fill_cell(const struct text_reader *reader, const char *bytes, size_t size,
+                      char ret_cell[16])
 {
     struct text_values plain, values;
     struct orl_error err;
@@ -206,7 +206,7 @@ static bool tell(const struct text_reader *reader, const char *bytes, size_t siz
     return code == 0 ? strcmp(plain.text, values.text) == 0 : err.line > 0;
 }
 
-static void tell_row(const struct text_reader *reader)
+static void print_row(const struct text_reader *reader)
 {
     enum { VARIANTS = 9 };
     static const char *const faulty[] = {"decimal comma", "empty cell"};
@@ -225,15 +225,15 @@ static void tell_row(const struct text_reader *reader)
     sizes[8] = (size_t)snprintf(bytes[8], TEXT_BYTES, "%s\x1a", reader->text);
     for (int i = 0; i < VARIANTS; i++) {
         char cell[16] = "-";
-        if (sizes[i] > 0 && !tell(reader, bytes[i], sizes[i], cell))
+        if (sizes[i] > 0 && !fill_cell(reader, bytes[i], sizes[i], cell))
             fail_msg("%s, %s: %s", reader->name, i == 5 || i == 6 ? faulty[i - 5] : "form", cell);
         at += (size_t)snprintf(row + at, sizeof row - at, " | %7s", cell);
     }
     print_message("# %-26s%s\n", reader->name, row);
 }
 
-/* What becomes of each, in a line a reader: read, refused at a line, or - where there is no such
- * thing. */
+/* Prints a line for each reader with the outcome of each form: read, refused at a line, or - if
+ * there is no such form. */
 static void test_table(void **state)
 {
     (void)state;
@@ -242,7 +242,7 @@ static void test_table(void **state)
         "end |  Ctrl-Z\n",
         "");
     EACH_READER(reader)
-    tell_row(reader);
+    print_row(reader);
 }
 
 /* A program's own message, in front of the XML that it writes. */

@@ -296,7 +296,7 @@ static void test_weekday_and_year(void **state)
     orl_weather_done(&wea);
 }
 
-/* Of four rows an hour each stands for a quarter, whatever their minutes are called. */
+/* Each of four rows an hour stands for a quarter, whatever its minute field says. */
 static void test_quarters(void **state)
 {
     static const char row[] = "2020,3,22,%d,%d,f,9,7,87,101300,0,0,305,0,%d,120,0,0,0\n";
@@ -347,7 +347,7 @@ static void test_two_years(void **state)
     }
 }
 
-/* Of several years the chosen one counts, with its own weekdays: 1 January 2021 was a Friday. */
+/* The chosen one of several years counts, with its own weekdays: 1 January 2021 was a Friday. */
 static void test_chosen_year(void **state)
 {
     static const char text[] = EPW "2020,3,22,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n"
@@ -370,8 +370,8 @@ static void test_chosen_year(void **state)
     assert_non_null(strstr(err.message, "rows of WEA files have no year"));
 }
 
-/* From July to June: rows are in the order of the calendar; 1 July 2019 was a Monday, 1 January
- * 2020 a Wednesday. */
+/* Rows of a file from July to June come in the order of the calendar. 1 July 2019 was a Monday,
+ * 1 January 2020 a Wednesday. */
 static void test_july_to_june(void **state)
 {
     static const char row[] = "%d,%d,%d,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n";

@@ -187,9 +187,10 @@ struct orl_annual_result {
     /* Of each sensor, lx: under the CIE's overcast sky of ORL_OVERCAST_LX on a level plane, and the
      * ground beneath it, shades being open; and standard errors. */
     float *overcast, *overcast_se;
-    /* Of each sensor, 0 to 1: the standard error of the sum of relative errors over all hours with
-     * sun, divided by the sum of their relative standard errors. Under the sky alone it is near 1.
-     * With shades: the largest of the runs. NULL: not known. */
+    /* Coherence of each sensor's errors, 0 to 1: the standard error of the sum of relative errors
+     * over all hours with sun, divided by the sum of the relative standard errors of these hours.
+     * Under the sky alone it is near 1. With shades it is the largest of the runs. NULL: not
+     * known. */
     float *coherence;
     /*
      * Daylight coefficients [sensor * ORL_ANNUAL_PATCHES + patch], sr, where they were asked for:

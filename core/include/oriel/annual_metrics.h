@@ -16,14 +16,14 @@
  * low have errors that are too small; se is never above E, both being of means that are not
  * negative. What is 0 stays so. UDI's useful part gains at one bound what it loses at the other:
  * what the two would move it by is added in squares.) Sensors have paths of their own: their errors
- * are independent. Whether a sensor passes is told by the t at which it would change sides, of
- * which the chance to pass follows; how many pass, by the convolution of those chances (the
- * Poisson-binomial distribution). That takes a sensor's truth to lie anywhere around its value
- * alike. Where many lie on one side of the bound, close to it, that is not so: the lower end is
- * found as if all sensors were 0.35 standard errors behind, the upper end as if they were as far
- * ahead. Where a large part of an area lies within a standard error of the bound, all on one side,
- * an interval can still be too narrow. Without standard errors intervals are NaN, and verdicts are
- * unknown.
+ * are independent. Each sensor has a t at which it would
+ * change sides, which gives its probability to pass; the number of sensors that pass follows the
+ * convolution of these probabilities (the Poisson-binomial distribution). That takes a sensor's
+ * truth to lie anywhere around its value alike. Where many lie on one side of the bound, close to
+ * it, that is not so: the lower end is found as if all sensors were 0.35 standard errors behind,
+ * the upper end as if they were as far ahead. Where a large part of an area lies within a standard
+ * error of the bound, all on one side, an interval can still be too narrow. Without standard errors
+ * intervals are NaN, and verdicts are unknown.
  *
  * Definitions, with what other tools do otherwise:
  *
@@ -173,8 +173,8 @@ struct orl_annual_light {
     const unsigned char *sunny; /* of each column: it is an hour with sun; NULL: none is */
     const float *total_factor;  /* as orl_annual_factors leaves them, to save time; or NULL */
 };
-/* What the interval's upper end is, as a factor: metrics of one row share them. row has values and
- * errors of the total. */
+/* Fills the factors by which the upper ends of the intervals of E exceed E. All metrics of a row
+ * use the same factors. row holds values and errors of the total. */
 void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret_factors);
 
 struct orl_annual_value {

@@ -48,8 +48,9 @@ static int poll(const struct orl_annual_rows *rows)
 
 /* ---- Shares ---------------------------------------------------------------------------------- */
 
-/* Those whose side is open go to parts; of the others the area that passes for sure. All pass by
- * `harder` standard errors less than they are told to. */
+/* Lists the sensors whose side of the bound is open, and sums up the area of the others that
+ * passes. `harder` standard errors are added to each sensor's crossing. Returns the length of the
+ * list. */
 static size_t sort_out(const double *crossing, double harder, const double *area, size_t n,
                        struct orl_area_part *ret_parts, struct orl_sum *sure)
 {

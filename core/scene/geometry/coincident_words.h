@@ -23,13 +23,13 @@ struct orl_coincidence_words {
     char opposed[2][200]; /* the first two */
 };
 
-/* Whether both are panes that Radiance's rays would pass one after the other. */
+/* Returns true if both are panes that rays of Radiance would pass one after the other. */
 bool orl_coincidence_is_double_pane(const struct orl_description *description,
                                     const struct orl_surface *first,
                                     const struct orl_surface *second);
 
-/* Of double panes the kind is ORL_COINCIDENCE_PANES. wholly: nothing of the first is anywhere else.
- */
+/* Adds a warning of two surfaces. kind is ORL_COINCIDENCE_PANES for double panes. wholly: the first
+ * surface lies on the second with all of its area. */
 void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_description *description,
                           enum orl_coincidence kind, const struct orl_surface *first,
                           const struct orl_surface *second, bool wholly);

@@ -364,7 +364,8 @@ bool orl_ies_is_whole(const struct orl_ies *ies)
     return known[0] && known[1];
 }
 
-/* Where the horizontal angles end: a quarter, a half or all of the way round; of type B at 90. */
+/* Returns the angle at which the horizontal planes should end: 90, 180 or 360 degrees; of type B,
+ * 90. */
 static double end_of_planes(const struct orl_ies *ies)
 {
     const double width = ies->horizontal[ies->n_horizontal - 1] - ies->horizontal[0];
@@ -381,7 +382,7 @@ bool orl_ies_has_all_planes(const struct orl_ies *ies)
            ies->horizontal[ies->n_horizontal - 1] > end_of_planes(ies) - least_step_deg;
 }
 
-/* How many zeros stand before and behind what was measured. */
+/* Numbers of rows of zeros before and after the measured angles. */
 struct margins {
     uint32_t before, behind;
 };
@@ -442,8 +443,8 @@ static int add_zeros(struct orl_ies *ies)
     return 0;
 }
 
-/* Of type C, where the last planes are missing, one more: all of the way round it is the first,
- * else the last one once more. */
+/* Adds the last plane to a file of type C that lacks it: a copy of the first plane if the angles go
+ * all the way round, else a copy of the last. */
 static int add_plane(struct orl_ies *ies)
 {
     const size_t n = ies->n_horizontal, angles = ies->n_vertical;

@@ -52,12 +52,11 @@ int orl_ies_read_tilt(const char *name, const char *text, size_t size, struct or
 bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const char **ret_words,
                        size_t *ret_length);
 
-/* Whether its vertical angles begin and end where LM-63 has them begin and end: straight down, at
- * the horizon, straight up. */
+/* Returns true if the vertical angles begin and end where LM-63 allows it: straight down, at the
+ * horizon, straight up. */
 bool orl_ies_is_whole(const struct orl_ies *ies);
 
-/* Whether its horizontal angles go to the end of a quarter, a half or all of the way round; of type
- * B, to 90 degrees. */
+/* Returns true if the horizontal angles go on to 90, 180 or 360 degrees; of type B, to 90. */
 bool orl_ies_has_all_planes(const struct orl_ies *ies);
 
 /* Its intensities as a data file has them, W/sr without the factor: by horizontal angle, if there

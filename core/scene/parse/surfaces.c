@@ -203,7 +203,7 @@ static double extent2(const struct orl_surface *surface)
     return largest;
 }
 
-/* How far its corners are apart along the normal. */
+/* Returns the distance along the normal between the corners that are farthest apart. */
 static double bend_of(const struct orl_surface *surface)
 {
     double low = 0, high = 0;
