@@ -395,7 +395,7 @@ check-perf: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions
 	@ORIEL_BUILD=$(BUILD) tests/bench/check_perf $(BUILD) $(BUILD)/tests/bench/instructions \
 		'$(CC)' '$(RECORD)'
-table2 gallery calibration: %: deps-check
+table2 gallery calibration paths: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
 

@@ -35,6 +35,25 @@ static struct orl_rgb through_panes(const struct orl_world *world, struct orl_ve
     return orl_gray(0);
 }
 
+/* The same to a mirror, whose hit it returns; zero where something opaque is met before. */
+static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, struct orl_vec3 origin,
+                                              struct orl_vec3 direction, bool through_ports,
+                                              uint32_t mirror, struct orl_hit *ret_hit)
+{
+    struct orl_path path = orl_path_from(origin, direction);
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        if (!orl_path_meet(world, &path, ret_hit))
+            return orl_gray(0);
+        if (ret_hit->facet == mirror)
+            return path.weight;
+        if (!orl_path_look_through(&path, orl_world_material(world, ret_hit), ret_hit) ||
+            (!through_ports && orl_world_crossing(world, ret_hit) != ORL_CROSSING_NONE))
+            return orl_gray(0);
+        orl_path_pass(&path, world, ret_hit);
+    }
+    return orl_gray(0);
+}
+
 static struct orl_rgb transmittance_to(const struct orl_world *world, struct orl_vec3 origin,
                                        struct orl_vec3 direction, double max_distance,
                                        bool through_ports, uint32_t target, int32_t *port)
@@ -187,10 +206,13 @@ static bool is_for_rays(const struct orl_material *lamp)
     return !(lamp->focus > 0);
 }
 
-/* Of the light of a lamp at that hit, the ray's share. */
+/* The ray's share of the light of a lamp at that hit. */
 static double share_of_lamp(const struct orl_world *world, const struct orl_hit *lamp,
                             const struct orl_chance *chance)
 {
+    if (chance->mirror > 0 &&
+        !orl_lamp_images_cover(&world->lamp_images, lamp->facet, (uint32_t)(chance->mirror - 1)))
+        return 1;
     if (!(chance->pdf > 0))
         return 0;
     if (!isfinite(chance->pdf))
@@ -207,9 +229,20 @@ struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *
     const struct orl_material *m = orl_world_material(world, hit);
     if (orl_material_glows(m))
         return orl_material_emission(m, hit, eye);
-    if (!orl_material_is_lamp(m) || !(chance->pdf > 0))
-        return orl_gray(0);
-    return orl_rgb_scale(orl_material_emission(m, hit, eye), share_of_lamp(world, hit, chance));
+    const double share = orl_material_is_lamp(m) ? share_of_lamp(world, hit, chance) : 0;
+    return share > 0 ? orl_rgb_scale(orl_material_emission(m, hit, eye), share) : orl_gray(0);
+}
+
+/* After a reflection by that facet: of the lamps that it shows, as much as before. */
+static struct orl_chance chance_after_mirror(const struct orl_world *world, uint32_t facet,
+                                             struct orl_chance before)
+{
+    const struct orl_lamp_image *image =
+        before.mirror == ORL_MIRROR_NONE ? orl_lamp_images_in(&world->lamp_images, facet) : NULL;
+    if (!image)
+        return orl_chance_unsought();
+    return (struct orl_chance){before.pdf, orl_lamp_image_of(image, before.from),
+                               (int64_t)facet + 1};
 }
 
 struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,
@@ -220,13 +253,15 @@ struct orl_chance orl_chance_after(const struct orl_world *world, const struct o
         return before;
     if (scatter->event == ORL_EVENT_DIFFUSE)
         return orl_chance_found();
+    if (scatter->event == ORL_EVENT_MIRROR)
+        return chance_after_mirror(world, hit->facet, before);
     if (scatter->event != ORL_EVENT_GLOSSY)
         return orl_chance_unsought();
     if (world->n_emitters == 0)
         return orl_chance_found();
     return (struct orl_chance){
         lobe_pdf(orl_world_material(world, hit), hit, eye, scatter->direction),
-        orl_hit_leave(world->geometry, hit, scatter->direction)};
+        orl_hit_leave(world->geometry, hit, scatter->direction), ORL_MIRROR_NONE};
 }
 
 /* What a patterned emitter sends from where the ray goes; others: the same from everywhere. */
@@ -248,32 +283,121 @@ static bool is_flat(const struct orl_facet *facet)
     return facet->kind == ORL_SURFACE_RING || (facet->kind == ORL_SURFACE_POLYGON && !facet->bent);
 }
 
+/* Radiance times solid angle of what an aim from there is at, as if nothing were in the way. */
+static struct orl_rgb lamp_shining(const struct orl_world *world, const struct orl_emitter *emitter,
+                                   struct orl_vec3 from, const struct orl_lamp_aim *aim)
+{
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
+    const struct orl_material *m = &world->materials[facet->material];
+    if (!orl_material_beams(m, orl_neg(aim->light)))
+        return orl_gray(0);
+    const double spread = m->focus > 0 ? orl_spot_spread(m->focus, aim->distance) : 1;
+    return orl_rgb_scale(radiance_of(emitter, m, aim, from), aim->measure_sr * spread);
+}
+
+/* Transmittance to a point of a lamp, so far away. */
+static struct orl_rgb transmittance_to_lamp(const struct orl_world *world, struct orl_vec3 origin,
+                                            struct orl_vec3 light, double distance, uint32_t lamp,
+                                            bool through_ports)
+{
+    struct orl_facet own;
+    const struct orl_facet *facet = orl_facet_own(world->geometry, lamp, &own);
+    const double reach = distance - 2 * facet->offset;
+    return reach > 0 ? transmittance_to(world, origin, light, reach, through_ports,
+                                        is_flat(facet) ? lamp : no_target, NULL)
+                     : orl_gray(1);
+}
+
+struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl_emitter *emitter,
+                                 struct orl_vec3 from, const struct orl_lamp_aim *aim,
+                                 bool through_ports)
+{
+    const struct orl_rgb shining = lamp_shining(world, emitter, from, aim);
+    if (!(orl_rgb_max(shining) > 0))
+        return shining;
+    return orl_rgb_mul(shining, transmittance_to_lamp(world, from, aim->light, aim->distance,
+                                                      emitter->facet, through_ports));
+}
+
+/* What rays drawn by the query's lobes leave of a lamp in that direction, aimed at so. */
+static double left_by_lobes(const struct orl_world *world, const struct orl_direct_query *query,
+                            const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
+                            struct orl_vec3 direction)
+{
+    const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
+    if (!query->lobes || !is_for_rays(&world->materials[material]))
+        return 1;
+    return aim_pdf(aim) /
+           (aim_pdf(aim) + lobe_pdf(query->lobes, query->hit, query->eye, direction));
+}
+
 static struct orl_rgb light_from_emitter(const struct orl_world *world,
                                          const struct orl_emitter *emitter,
                                          const struct orl_direct_query *query, const double u[2])
 {
-    struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
     struct orl_lamp_aim aim;
     if (!orl_lamp_aim(world, emitter, query->point, u, &aim))
         return orl_gray(0);
-    const struct orl_material *m = &world->materials[facet->material];
     const struct orl_rgb seen = response(query, aim.light);
-    if (!(orl_rgb_max(seen) > 0) || !orl_material_beams(m, orl_neg(aim.light)))
+    if (!(orl_rgb_max(seen) > 0))
         return orl_gray(0);
-    double left = 1;
-    if (query->lobes && is_for_rays(m))
-        left = aim_pdf(&aim) /
-               (aim_pdf(&aim) + lobe_pdf(query->lobes, query->hit, query->eye, aim.light));
-    if (m->focus > 0)
-        aim.measure_sr *= orl_spot_spread(m->focus, aim.distance);
-    const struct orl_rgb radiance = radiance_of(emitter, m, &aim, query->point);
-    const double reach = aim.distance - 2 * facet->offset;
-    const struct orl_rgb share =
-        reach > 0 ? transmittance_to(world, query->point, aim.light, reach, query->through_ports,
-                                     is_flat(facet) ? emitter->facet : no_target, NULL)
-                  : orl_gray(1);
-    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(radiance, seen), share), aim.measure_sr * left);
+    const struct orl_rgb arriving =
+        orl_lamp_arriving(world, emitter, query->point, &aim, query->through_ports);
+    return orl_rgb_scale(orl_rgb_mul(arriving, seen),
+                         left_by_lobes(world, query, emitter, &aim, aim.light));
+}
+
+/* Transmittance from the query's point by way of the mirror, in that direction, to the aim. */
+static struct orl_rgb mirrored_way(const struct orl_world *world,
+                                   const struct orl_direct_query *query,
+                                   const struct orl_lamp_image *image,
+                                   const struct orl_lamp_aim *aim, struct orl_vec3 direction)
+{
+    struct orl_hit hit;
+    const struct orl_rgb before = through_panes_to_mirror(
+        world, query->point, direction, query->through_ports, image->mirror, &hit);
+    if (!(orl_rgb_max(before) > 0))
+        return orl_gray(0);
+    const double distance = orl_length(orl_sub(hit.point, query->point));
+    struct orl_rgb share = orl_rgb_mul(
+        before, orl_material_mirrored(orl_world_material(world, &hit), &hit, orl_neg(direction)));
+    if (!(orl_rgb_max(share) > 0) || !(distance < aim->distance))
+        return orl_gray(0);
+    if (world->scene->mist)
+        share = orl_rgb_mul(
+            share, orl_mist_transmittance(world->scene, query->point, direction, distance));
+    return orl_rgb_mul(
+        share,
+        transmittance_to_lamp(world, orl_hit_leave(world->geometry, &hit, aim->light), aim->light,
+                              aim->distance - distance, image->lamp, query->through_ports));
+}
+
+/* A lamp in a mirror: aimed at from the query's point as the mirror shows it (lamp_images.h). */
+static struct orl_rgb mirrored_lamp(const struct orl_world *world,
+                                    const struct orl_lamp_image *image,
+                                    const struct orl_direct_query *query, const double u[2])
+{
+    const struct orl_emitter *emitter = &world->emitters[image->emitter];
+    const struct orl_vec3 from = orl_lamp_image_of(image, query->point);
+    const double height = orl_lamp_image_height(image, query->point);
+    struct orl_lamp_aim aim;
+    if (!orl_lamp_aim(world, emitter, from, u, &aim))
+        return orl_gray(0);
+    const double along = height / orl_dot(aim.light, image->normal);
+    if (!(along > 0) || !(along < aim.distance))
+        return orl_gray(0);
+    const struct orl_vec3 off = orl_sub(orl_madd(from, aim.light, along), image->center);
+    const struct orl_vec3 direction = orl_lamp_image_turned(image, aim.light);
+    const struct orl_rgb seen = response(query, direction);
+    if (!(orl_rgb_max(seen) > 0) || orl_dot(off, off) > image->radius * image->radius)
+        return orl_gray(0);
+    const struct orl_rgb shining = lamp_shining(world, emitter, from, &aim);
+    if (!(orl_rgb_max(shining) > 0))
+        return orl_gray(0);
+    const struct orl_rgb share = mirrored_way(world, query, image, &aim, direction);
+    return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(shining, share), seen),
+                         left_by_lobes(world, query, emitter, &aim, direction));
 }
 
 /* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */
@@ -331,6 +455,13 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
             continue;
         numbers_for(query, world->n_suns + i, random, u);
         sum = orl_rgb_add(sum, light_from_emitter(world, &world->emitters[i], query, u));
+    }
+    const size_t n_images =
+        query->mirrored && world->n_emitters > 0 ? world->lamp_images.n_images : 0;
+    for (size_t i = 0; i < n_images; i++) {
+        const struct orl_lamp_image *image = &world->lamp_images.images[i];
+        numbers_for(query, world->n_suns + world->n_emitters + i, random, u);
+        sum = orl_rgb_add(sum, mirrored_lamp(world, image, query, u));
     }
     return sum;
 }

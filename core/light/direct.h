@@ -51,6 +51,12 @@ struct orl_lamp_aim {
 bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitter,
                   struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim);
 
+/* The lamp's radiance from there towards where the aim was taken, times the transmittance on the
+ * way and the solid angle: with a cosine, irradiance. With through_ports false ports block. */
+struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl_emitter *emitter,
+                                 struct orl_vec3 from, const struct orl_lamp_aim *aim,
+                                 bool through_ports);
+
 /* Of that, with query.mirrored, the part of the suns' images in flat mirrors alone. */
 struct orl_rgb orl_direct_by_images(const struct orl_world *world,
                                     const struct orl_direct_query *query,
@@ -71,22 +77,32 @@ struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct o
                                    struct orl_random *random);
 
 /*
- * How a ray came by its direction, for the lamps that it may happen on: shadow rays may have looked
- * for them too. Of a lamp that both can find, each counts a share: to a narrow lobe rays find it
- * better, to a wide one shadow rays do. (Veach 1997, chapter 9: the balance heuristic.)
+ * How a ray came by its direction, for the lamps that it may meet: shadow rays may have looked for
+ * them too. Where both can find a lamp, each counts a share: rays count more in a narrow lobe,
+ * shadow rays in a wide one. (Veach 1997, chapter 9: the balance heuristic.) After one reflection
+ * by a flat mirror that shows lamps (lamp_images.h) that holds of the lamps shown.
  */
+enum { ORL_MIRROR_NONE = 0, ORL_MIRROR_UNKNOWN = -1 };
 struct orl_chance {
-    double pdf; /* 1/sr; 0: shadow rays have found all lamps; infinite: nobody else looked */
-    struct orl_vec3 from; /* where the lobe is that the ray was drawn by; else of no meaning */
+    double pdf;           /* 1/sr; 0: shadow rays have found all lamps; infinite: there were none */
+    struct orl_vec3 from; /* the lobe that the ray was drawn by, or its mirror image */
+    int64_t mirror;       /* 1 + the facet that has mirrored it since, or ORL_MIRROR_NONE; after
+                             ORL_MIRROR_UNKNOWN only rays find lamps */
 };
 
+/* Shadow rays have looked for lamps, seen straight and in mirrors. */
 static inline struct orl_chance orl_chance_found(void)
 {
-    return (struct orl_chance){.pdf = 0};
+    return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_NONE};
+}
+/* Only for lamps seen straight. */
+static inline struct orl_chance orl_chance_found_straight(void)
+{
+    return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_UNKNOWN};
 }
 static inline struct orl_chance orl_chance_unsought(void)
 {
-    return (struct orl_chance){.pdf = INFINITY};
+    return (struct orl_chance){.pdf = INFINITY, .mirror = ORL_MIRROR_UNKNOWN};
 }
 
 /* Radiance that the surface there shines towards eye: of a lamp, the ray's share. */

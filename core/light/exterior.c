@@ -127,7 +127,7 @@ struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl
                                  struct orl_random *random, struct orl_health *health)
 {
     if (!port->clear)
-        return orl_exterior_radiance(world, origin, direction, orl_chance_unsought(), random,
+        return orl_exterior_radiance(world, origin, direction, orl_chance_found_straight(), random,
                                      health, NULL);
     health->paths++;
     return orl_world_dome_radiance(world, direction);

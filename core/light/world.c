@@ -53,6 +53,8 @@ int orl_world_new(struct orl_lights *lights, const struct orl_crew *crew,
     if (!copy_parts(world))
         goto done;
     code = world->port_of_facet ? orl_images_build(&world->images, world, crew) : 0;
+    if (code == 0 && world->port_of_facet)
+        code = orl_lamp_images_build(&world->lamp_images, world, crew);
     orl_world_settle(world);
 done:
     if (code < 0) {
@@ -70,6 +72,7 @@ void orl_world_free(struct orl_world *world)
     if (!world)
         return;
     orl_images_done(&world->images);
+    orl_lamp_images_done(&world->lamp_images);
     orl_lights_release(world->lights);
     orl_scene_release(world->scene);
     free(world->materials);

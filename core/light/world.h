@@ -15,6 +15,7 @@
 #include <oriel/plan.h>
 
 #include "light/images.h"
+#include "light/lamp_images.h"
 #include "light/lights.h"
 
 /* What a run leaves out (plan/plan.h decides). */
@@ -52,7 +53,8 @@ struct orl_world {
     size_t n_emitters;
     struct orl_port *ports;
     size_t n_ports;
-    struct orl_images images; /* of the suns, in flat mirrors; none without ports */
+    struct orl_images images;           /* of the suns, in flat mirrors; none without ports */
+    struct orl_lamp_images lamp_images; /* the same of lamps */
     bool caustics_lit; /* the planner found mirrors or lobes that a sun or lamp lights: caustic
                           photons are to be shot, whether or not a pilot's flights meet them */
     struct orl_omissions omit;

@@ -6,10 +6,10 @@
 #include "run/map_keys.h"
 
 /* What a map's photons depend on beyond the scene: raised when their making changes. */
-static const char recipe[] = "oriel photons 21";
+static const char recipe[] = "oriel photons 22";
 
 /* And what precomputed irradiance does beyond its global map. */
-static const char records_recipe[] = "oriel records 22";
+static const char records_recipe[] = "oriel records 23";
 
 static void finish_hex(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1])
 {

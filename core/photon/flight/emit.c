@@ -1,6 +1,7 @@
 #include "photon/flight/emit.h"
 
 #include "photon/flight/emit_freely.h"
+#include "photon/flight/port_lamp.h"
 #include "photon/flight/port_start.h"
 #include "photon/flight/port_sun.h"
 #include "photon/flight/table.h"
@@ -123,10 +124,34 @@ static enum stage aim_port_sun(const struct orl_emission *e, const struct orl_st
     return ARRIVES;
 }
 
+static enum stage aim_port_lamp(const struct orl_emission *e, const struct orl_stratum *stratum,
+                                const double *u, const struct orl_port_start *start,
+                                struct orl_random *random, struct arrival *ret,
+                                struct orl_flight *ret_flight)
+{
+    const struct orl_port *port = &e->world->ports[stratum->port];
+    struct orl_lamp_aim aim;
+    uint32_t lamp;
+    const struct orl_rgb arriving =
+        orl_port_lamp_arriving(e, stratum, start->point, u, random, &lamp, &aim);
+    if (!(orl_rgb_max(arriving) > 0))
+        return LOST;
+    ret_flight->from_light = ret_flight->lamp = true;
+    ret_flight->lamp_facet = e->world->emitters[lamp].facet;
+    ret_flight->focus = orl_emitter_focus(e->world, lamp);
+    ret_flight->flown = aim.distance;
+    ret->port = port;
+    ret->passage = NULL;
+    ret->point = start->point;
+    ret->outwards = aim.light;
+    ret->flux = orl_rgb_scale(arriving, orl_dot(aim.light, port->outward) * port->area);
+    return ARRIVES;
+}
+
 static bool passes_port(const struct orl_stratum *s)
 {
     return s->kind == ORL_STRATUM_PORT_DOME || s->kind == ORL_STRATUM_PORT_SUN ||
-           s->kind == ORL_STRATUM_PORT_IMAGE;
+           s->kind == ORL_STRATUM_PORT_IMAGE || s->kind == ORL_STRATUM_PORT_LAMP;
 }
 
 /* All but where it starts, and what it carries. */
@@ -136,7 +161,7 @@ static void begin(struct orl_flight *flight, double fate)
     flight->way = (struct orl_deflection){.mirror = false};
     flight->sun = 0;
     flight->image = -1;
-    flight->focus = 0;
+    flight->focus = flight->flown = 0;
     flight->fate = fate;
     flight->reflected = 1;
 }
@@ -154,6 +179,8 @@ static enum stage aim(const struct orl_emission *e, const struct orl_stratum *st
     case ORL_STRATUM_PORT_SUN:
     case ORL_STRATUM_PORT_IMAGE:
         return aim_port_sun(e, stratum, start, ret_arrival, ret_flight);
+    case ORL_STRATUM_PORT_LAMP:
+        return aim_port_lamp(e, stratum, point + 3, start, random, ret_arrival, ret_flight);
     case ORL_STRATUM_EMITTER:
         return orl_emit_from_lamp(e, stratum, point, ret_flight) ? FLIES : LOST;
     case ORL_STRATUM_OPEN_DOME:
@@ -299,9 +326,10 @@ static void look_out(struct wave *w, struct orl_health *health)
     orl_geometry_intersect_many(world->geometry, rays, n, false, hits, found);
     for (size_t k = 0; k < n; k++) {
         struct arrival *a = &w->arrivals[whose[k]];
-        w->stages[whose[k]] = look(
-            a, orl_exterior_radiance_from(world, a->outwards, found[k] ? &hits[k] : NULL,
-                                          orl_chance_unsought(), &w->randoms[whose[k]], health));
+        w->stages[whose[k]] =
+            look(a, orl_exterior_radiance_from(world, a->outwards, found[k] ? &hits[k] : NULL,
+                                               orl_chance_found_straight(), &w->randoms[whose[k]],
+                                          health));
     }
 }
 

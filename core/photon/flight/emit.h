@@ -7,8 +7,8 @@
  * From a port: a point uniform over the pane, a direction outwards from a table of the light that
  * arrives there (made by a pilot of exterior paths, mixed with a tenth of cosine-weighted
  * directions so that nothing the pilot missed is lost), the radiance that really comes from there
- * along a path, then the pane's own transmission. Suns, and their images in flat mirrors outside: a
- * point on the disc and one shadow ray.
+ * along a path, then the pane's own transmission. Suns, their images in flat mirrors outside, and
+ * lamps outside: a point on the disc or lamp and one shadow ray.
  *
  * Caustic photons start where on the pane a mirror, a lens or a lobe is to be met, when that is a
  * small part of it (caustic_targets.h).
@@ -33,6 +33,7 @@ enum orl_stratum_kind {
     ORL_STRATUM_PORT_DOME,
     ORL_STRATUM_PORT_SUN,
     ORL_STRATUM_PORT_IMAGE, /* a sun's image in mirrors outside */
+    ORL_STRATUM_PORT_LAMP,  /* one lamp outside, or all of them: port_lamp.h */
     ORL_STRATUM_EMITTER,
     ORL_STRATUM_OPEN_DOME,
     ORL_STRATUM_OPEN_SUN,
@@ -51,6 +52,7 @@ struct orl_stratum {
     enum orl_stratum_kind kind;
     uint32_t port;       /* or emitter */
     uint32_t sun, image; /* of world.images */
+    uint32_t lamp;       /* seen from a port: an emitter, or ORL_ANY_LAMP */
     double flux_w;       /* luma, estimated */
     double reflected;    /* albedo that its light meets first, where that leaves nothing:
                             first_reflection.h */
@@ -78,6 +80,8 @@ struct orl_emission {
     struct orl_table *sun_guides, *sun_caustic_guides, *dome_guides; /* open scenes: guide.h */
     struct orl_passage **passages; /* owned: through ports, for suns */
     size_t n_passages;
+    uint32_t *lamps_outside; /* emitters that ports may see */
+    size_t n_lamps_outside;
     bool has_caustics; /* a pilot found a way for them, or the planner something lit that may */
 };
 
@@ -85,7 +89,7 @@ struct orl_emission {
 static inline bool orl_stratum_is_counted(const struct orl_emission *e, const struct orl_stratum *s)
 {
     return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_PORT_IMAGE ||
-           s->kind == ORL_STRATUM_OPEN_SUN ||
+           s->kind == ORL_STRATUM_PORT_LAMP || s->kind == ORL_STRATUM_OPEN_SUN ||
            (s->kind == ORL_STRATUM_EMITTER && e->world->emitters[s->port].direct);
 }
 
@@ -110,12 +114,14 @@ struct orl_flight {
                       */
     struct orl_deflection way; /* already deflected: by the port's BSDF, or a mirror outside */
     bool from_port;
-    bool lamp;     /* from_light, and no sun; else */
-    uint32_t sun;  /* the sun; */
-    int16_t image; /* and its image in mirrors outside, or -1 */
-    bool beam;     /* straight from the first sun: of about one direction with others of its kind */
+    bool lamp;           /* from_light, and no sun; */
+    uint32_t lamp_facet; /* its facet; else */
+    uint32_t sun;        /* the sun; */
+    int16_t image;       /* and its image in mirrors outside, or -1 */
+    bool beam; /* straight from the first sun: of about one direction with others of its kind */
     struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
     double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */
+    double flown;           /* from a port: the distance to the lamp */
     double fate;            /* in [0,1): at what chance of being alive it dies (trace.h) */
     double reflected;       /* of its stratum; until first reflected it has that much more flux */
 };

@@ -42,6 +42,7 @@ bool orl_emit_from_lamp(const struct orl_emission *e, const struct orl_stratum *
                                         : emitter->radiance;
     ret_flight->flux = orl_rgb_scale(radiance, measure * facet->area);
     ret_flight->from_light = ret_flight->lamp = emitter->direct;
+    ret_flight->lamp_facet = emitter->facet;
     ret_flight->focus = m->focus;
     return measure > 0;
 }

@@ -16,9 +16,13 @@ struct orl_found orl_found_at_first(const struct orl_world *world, const struct 
                                     bool paths)
 {
     const struct orl_deflection way = flight->way;
-    struct orl_found found = {
-        .by = ORL_FOUND_BY_SHADOW_RAYS, .image = image_of(world, flight), .paths = paths};
-    if (way.mirror && way.lobe)
+    struct orl_found found = {.by = ORL_FOUND_BY_SHADOW_RAYS,
+                              .image = image_of(world, flight),
+                              .paths = paths,
+                              .lamp = flight->lamp ? flight->lamp_facet : ORL_FOUND_NO_LAMP};
+    const bool by_sensor =
+        !paths && !flight->lamp; /* by one pane's lobes sensors find suns alone */
+    if ((way.mirror && way.lobe) || (way.lobe && !by_sensor))
         found.by = paths ? ORL_FOUND_BY_LOBES : ORL_FOUND_BY_NOBODY;
     else if (way.mirror || way.lobe)
         found.by = way.mirror ? ORL_FOUND_BY_IMAGES : ORL_FOUND_BY_LOBES;
@@ -27,7 +31,7 @@ struct orl_found orl_found_at_first(const struct orl_world *world, const struct 
 
 static bool is_shown(const struct orl_found *found, const struct orl_world *world)
 {
-    return found->image >= 0 && world->images.nodes[found->image].shown;
+    return found->lamp_shown || (found->image >= 0 && world->images.nodes[found->image].shown);
 }
 
 bool orl_found_by_nobody(const struct orl_found *found, const struct orl_world *world)
@@ -36,11 +40,17 @@ bool orl_found_by_nobody(const struct orl_found *found, const struct orl_world *
            (found->by == ORL_FOUND_BY_IMAGES && !is_shown(found, world));
 }
 
-/* Mirrored there: keeps track of the image. */
-static enum orl_found_by mirrored(struct orl_found *found, const struct orl_images *images,
+/* Mirrored there: keeps track of the image. A lamp's is shown by its first mirror alone. */
+static enum orl_found_by mirrored(struct orl_found *found, const struct orl_world *world,
                                   uint32_t facet)
 {
+    const struct orl_images *images = &world->images;
     const int16_t class = orl_images_class(images, facet);
+    if (found->lamp != ORL_FOUND_NO_LAMP) {
+        found->lamp_shown = found->by == ORL_FOUND_BY_SHADOW_RAYS &&
+                            orl_lamp_images_cover(&world->lamp_images, found->lamp, facet);
+        return found->lamp_shown ? ORL_FOUND_BY_IMAGES : ORL_FOUND_BY_NOBODY;
+    }
     found->image = class < 0 || found->image < 0
                        ? -1
                        : images->next[(size_t)found->image * images->n_mirrors + (size_t) class];
@@ -54,7 +64,7 @@ static enum orl_found_by by_paths(struct orl_found *found, const struct orl_worl
     if (found->by == ORL_FOUND_BY_LOBES || found->by == ORL_FOUND_BY_NOBODY)
         return found->by;
     if (event == ORL_EVENT_MIRROR)
-        return mirrored(found, &world->images, hit->facet);
+        return mirrored(found, world, hit->facet);
     return event == ORL_EVENT_GLOSSY && !orl_found_by_nobody(found, world) ? ORL_FOUND_BY_LOBES
                                                                            : ORL_FOUND_BY_NOBODY;
 }
@@ -63,8 +73,9 @@ static enum orl_found_by by_sensor(struct orl_found *found, const struct orl_wor
                                    const struct orl_hit *hit, enum orl_event event)
 {
     const bool straight = found->by == ORL_FOUND_BY_SHADOW_RAYS && found->image >= 0;
-    if (event == ORL_EVENT_MIRROR && (straight || found->by == ORL_FOUND_BY_IMAGES))
-        return mirrored(found, &world->images, hit->facet);
+    const bool lamp = found->lamp != ORL_FOUND_NO_LAMP;
+    if (event == ORL_EVENT_MIRROR && (straight || lamp || found->by == ORL_FOUND_BY_IMAGES))
+        return mirrored(found, world, hit->facet);
     if (event == ORL_EVENT_GLOSSY && straight &&
         orl_material_transmits_lobes(orl_world_material(world, hit)))
         return ORL_FOUND_BY_LOBES;

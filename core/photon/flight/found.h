@@ -18,10 +18,13 @@ enum orl_found_by {
     ORL_FOUND_BY_NOBODY,
 };
 
+#define ORL_FOUND_NO_LAMP UINT32_MAX
 struct orl_found {
     enum orl_found_by by;
-    int16_t image; /* of the sun, that it comes from; less than 0: none */
-    bool paths;    /* paths look for it, not a sensor */
+    int16_t image;   /* of the sun, that it comes from; less than 0: none */
+    bool paths;      /* paths look for it, not a sensor */
+    bool lamp_shown; /* a lamp, by a mirror that shows it (light/lamp_images.h) */
+    uint32_t lamp;   /* the lamp's facet; of a sun ORL_FOUND_NO_LAMP */
 };
 
 struct orl_found orl_found_at_first(const struct orl_world *world, const struct orl_flight *flight,

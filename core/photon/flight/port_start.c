@@ -67,6 +67,9 @@ void orl_port_starts(const struct orl_emission *emission, const struct orl_strat
     }
     if (stratum->kind == ORL_STRATUM_PORT_DOME)
         look_at_dome(emission, stratum, n, &c);
+    else if (stratum->kind == ORL_STRATUM_PORT_LAMP)
+        for (size_t i = 0; i < n; i++)
+            c.out[i] = world->ports[stratum->port].outward; /* each point has another way */
     else
         look_at_sun(emission, stratum, caustic, n, &c);
     orl_facet_sample_many(world->geometry, world->ports[stratum->port].facet,

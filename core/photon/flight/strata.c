@@ -4,6 +4,7 @@
 #include "photon/flight/caustic_pilot.h"
 #include "photon/flight/first_reflection.h"
 #include "photon/flight/guide.h"
+#include "photon/flight/port_lamp.h"
 #include "photon/flight/port_sun.h"
 #include "photon/flight/table.h"
 #include "scene/material/hemisphere.h"
@@ -176,6 +177,28 @@ static int list_images(struct orl_emission *e, const struct orl_crew *crew)
     return 0;
 }
 
+/* Lamps outside: of each port all that may light it, or one stratum for all. */
+static int list_lamps(struct orl_emission *e, const struct orl_crew *crew)
+{
+    const struct orl_world *world = e->world;
+    const size_t strata = orl_port_lamp_strata(e);
+    const size_t each = strata > world->n_ports ? e->n_lamps_outside : strata > 0;
+    for (size_t p = 0; p < world->n_ports; p++) {
+        if (world->ports[p].silent)
+            continue;
+        if (orl_crew_cancelled(crew))
+            return ORL_ERR_CANCELLED;
+        for (size_t i = 0; i < each; i++) {
+            const struct orl_stratum stratum = {
+                .kind = ORL_STRATUM_PORT_LAMP,
+                .port = (uint32_t)p,
+                .lamp = strata > world->n_ports ? e->lamps_outside[i] : ORL_ANY_LAMP};
+            add_stratum(e, stratum, orl_port_lamp_flux(e, &stratum));
+        }
+    }
+    return 0;
+}
+
 /* At most, for spotlights. */
 static double emitter_flux(const struct orl_world *world, const struct orl_emitter *emitter)
 {
@@ -189,8 +212,11 @@ static double emitter_flux(const struct orl_world *world, const struct orl_emitt
 static int list_strata(struct orl_emission *e, const struct orl_crew *crew)
 {
     const struct orl_world *world = e->world;
+    int code = orl_port_lamps_find(e, crew);
+    if (code < 0)
+        return code;
     const size_t most = world->n_ports * (1 + world->n_suns + world->images.n_nodes) +
-                        world->n_emitters + world->n_suns + 1;
+                        orl_port_lamp_strata(e) + world->n_emitters + world->n_suns + 1;
     e->strata = calloc(most, sizeof *e->strata);
     if (!e->strata)
         return ORL_ERR_NOMEM;
@@ -204,9 +230,12 @@ static int list_strata(struct orl_emission *e, const struct orl_crew *crew)
     }
     for (size_t i = 0; i < world->n_emitters; i++) {
         const struct orl_emitter *emitter = &world->emitters[i];
-        add_stratum(e, stratum_of(ORL_STRATUM_EMITTER, i, 0), emitter_flux(world, emitter));
+        if (world->open || !orl_port_lamp_is_outside(e, i))
+            add_stratum(e, stratum_of(ORL_STRATUM_EMITTER, i, 0), emitter_flux(world, emitter));
     }
-    const int code = list_images(e, crew);
+    code = list_lamps(e, crew);
+    if (code == 0)
+        code = list_images(e, crew);
     if (code < 0 || !world->open)
         return code;
     add_stratum(e, stratum_of(ORL_STRATUM_OPEN_DOME, 0, 0), 4 * ORL_PI * e->dome_table.mean);
@@ -295,5 +324,6 @@ void orl_emission_free(struct orl_emission *emission)
     for (size_t i = 0; emission->strata && i < emission->n_strata; i++)
         orl_table_done(&emission->strata[i].place);
     free(emission->strata);
+    free(emission->lamps_outside);
     free(emission);
 }

@@ -143,10 +143,11 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
     c->path.weight = orl_health_keep(&deposits->health, flight->flux);
     c->path.clarity = flight->from_port ? flight->clarity : orl_gray(1);
     c->fate = flight->fate;
-    c->alive = c->spread = 1;
+    c->alive = 1;
+    c->spread = flight->flown > 0 ? fmax(orl_spot_spread(flight->focus, flight->flown), 1e-12) : 1;
     c->reflected = flight->reflected;
     c->focus = flight->focus;
-    c->flown = 0;
+    c->flown = flight->flown;
     c->way = way;
     c->crossed = flight->from_port;
     c->outside = false;

@@ -1,0 +1,139 @@
+#include "photon/flight/port_lamp.h"
+
+#include <stdlib.h>
+
+enum { FLIGHTS = 1 << 16, MOST_FLIGHTS = 256, LEAST_FLIGHTS = 8, POINTS_OF_LAMP = 8 };
+static const double least_share = 0.01; /* of the flux without obstructions */
+
+/* ---- Which lamps ----------------------------------------------------------------------------- */
+
+/* One of a few points of the lamp is outside. */
+static bool shines_outside(const struct orl_emission *e, size_t emitter)
+{
+    const struct orl_geometry *g = e->world->geometry;
+    const uint32_t facet = e->world->emitters[emitter].facet;
+    for (uint32_t i = 0; i < POINTS_OF_LAMP; i++) {
+        double u[2];
+        struct orl_vec3 point, normal;
+        orl_sobol_point(&e->sobol, i, 1, 2, u);
+        orl_facet_sample(g, facet, u, &point, &normal);
+        if (orl_world_is_outside(e->world, orl_facet_leave(g, facet, point, normal, normal)))
+            return true;
+    }
+    return false;
+}
+
+int orl_port_lamps_find(struct orl_emission *emission, const struct orl_crew *crew)
+{
+    const struct orl_world *world = emission->world;
+    emission->lamps_outside = calloc(world->n_emitters + 1, sizeof *emission->lamps_outside);
+    if (!emission->lamps_outside)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < world->n_emitters && world->n_ports > 0; i++) {
+        if (orl_crew_cancelled(crew))
+            return ORL_ERR_CANCELLED;
+        if (world->emitters[i].direct && (world->open || shines_outside(emission, i)))
+            emission->lamps_outside[emission->n_lamps_outside++] = (uint32_t)i;
+    }
+    return 0;
+}
+
+size_t orl_port_lamp_strata(const struct orl_emission *emission)
+{
+    const size_t ports = emission->world->n_ports, lamps = emission->n_lamps_outside;
+    if (lamps == 0)
+        return 0;
+    return ports * lamps <= ORL_MOST_PORT_LAMPS ? ports * lamps : ports;
+}
+
+bool orl_port_lamp_is_outside(const struct orl_emission *emission, size_t emitter)
+{
+    for (size_t i = 0; i < emission->n_lamps_outside; i++)
+        if (emission->lamps_outside[i] == emitter)
+            return true;
+    return false;
+}
+
+/* ---- What arrives ---------------------------------------------------------------------------- */
+
+double orl_emitter_focus(const struct orl_world *world, uint32_t emitter)
+{
+    const uint32_t facet = world->emitters[emitter].facet;
+    return world->materials[orl_facet_material(world->geometry, facet)].focus;
+}
+
+/* Aims from a point of the port, clear of it, at a point of the lamp; false: not in front. */
+static bool aim_at_lamp(const struct orl_world *world, const struct orl_port *port, uint32_t lamp,
+                        struct orl_vec3 from, const double *u, struct orl_lamp_aim *ret_aim)
+{
+    const double both[2] = {u[0], u[1]};
+    return orl_lamp_aim(world, &world->emitters[lamp], from, both, ret_aim) &&
+           orl_dot(ret_aim->light, port->outward) > 0;
+}
+
+static struct orl_vec3 before_port(const struct orl_world *world, const struct orl_port *port,
+                                   struct orl_vec3 point)
+{
+    return orl_facet_leave(world->geometry, port->facet, point,
+                           orl_facet_normal(world->geometry, port->facet), port->outward);
+}
+
+struct orl_rgb orl_port_lamp_arriving(const struct orl_emission *emission,
+                                      const struct orl_stratum *stratum, struct orl_vec3 point,
+                                      const double *u, struct orl_random *random,
+                                      uint32_t *ret_lamp, struct orl_lamp_aim *ret_aim)
+{
+    const struct orl_world *world = emission->world;
+    const struct orl_port *port = &world->ports[stratum->port];
+    const size_t n = emission->n_lamps_outside;
+    const bool any = stratum->lamp == ORL_ANY_LAMP;
+    const uint32_t lamp =
+        any ? emission->lamps_outside[(size_t)(orl_random_uniform(random) * (double)n)]
+            : stratum->lamp;
+    const struct orl_vec3 from = before_port(world, port, point);
+    *ret_lamp = lamp;
+    if (!aim_at_lamp(world, port, lamp, from, u, ret_aim))
+        return orl_gray(0);
+    return orl_rgb_scale(orl_lamp_arriving(world, &world->emitters[lamp], from, ret_aim, false),
+                         any ? (double)n : 1);
+}
+
+/* ---- How much -------------------------------------------------------------------------------- */
+
+/* Flux on the pane by that point of it and of the lamp, as if nothing were in the way. */
+static double open_flux(const struct orl_world *world, const struct orl_port *port, uint32_t lamp,
+                        const double u[4])
+{
+    struct orl_vec3 point, normal;
+    struct orl_lamp_aim aim;
+    orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
+    if (!aim_at_lamp(world, port, lamp, before_port(world, port, point), u + 2, &aim))
+        return 0;
+    return orl_luma(world->emitters[lamp].radiance) * aim.measure_sr *
+           orl_dot(aim.light, port->outward) * port->area;
+}
+
+double orl_port_lamp_flux(const struct orl_emission *emission, const struct orl_stratum *stratum)
+{
+    const struct orl_world *world = emission->world;
+    const size_t each = FLIGHTS / orl_port_lamp_strata(emission), n = emission->n_lamps_outside;
+    const uint32_t flights = (uint32_t)(each > MOST_FLIGHTS    ? MOST_FLIGHTS
+                                        : each < LEAST_FLIGHTS ? LEAST_FLIGHTS
+                                                               : each);
+    struct orl_health ignored = {0};
+    double passing = 0, open = 0;
+    for (uint32_t i = 0; i < flights; i++) {
+        double point[5];
+        struct orl_flight flight;
+        struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT,
+                                                     ((uint64_t)stratum->lamp << 32) + i);
+        const bool any = stratum->lamp == ORL_ANY_LAMP;
+        orl_sobol_point(&emission->sobol, i, stratum->lamp, 5, point);
+        if (orl_emission_from(emission, stratum, false, point, &random, &ignored, &flight))
+            passing += orl_luma(flight.flux) / flights;
+        open += open_flux(world, &world->ports[stratum->port],
+                          any ? emission->lamps_outside[i % n] : stratum->lamp, point + 1) *
+                (any ? (double)n : 1) / flights;
+    }
+    return fmax(passing, least_share * open);
+}

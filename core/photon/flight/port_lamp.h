@@ -1,0 +1,41 @@
+/*
+ * Lamps outside as ports see them: photons that start on the pane, with the radiance of a point of
+ * the lamp times the transmittance between the two. Paths that look out of a port leave such lamps
+ * out (orl_port_radiance), and shadow rays from inside count them where the pane lets them straight
+ * through: their photons are of the class of light, or caustic behind a BSDF.
+ *
+ * A stratum is a pair of port and lamp; with more than ORL_MOST_PORT_LAMPS pairs it is a port, and
+ * each emission chooses one of the lamps, all with the same probability.
+ */
+#ifndef ORL_PHOTON_FLIGHT_PORT_LAMP_H
+#define ORL_PHOTON_FLIGHT_PORT_LAMP_H
+
+#include "light/direct.h"
+#include "photon/flight/emit.h"
+
+enum { ORL_MOST_PORT_LAMPS = 8192 };
+#define ORL_ANY_LAMP UINT32_MAX
+
+/* Lists the lamps that are outside (lamps_outside); in open scenes all lamps. Returns 0,
+ * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+int orl_port_lamps_find(struct orl_emission *emission, const struct orl_crew *crew);
+/* How many strata there are of them at the most. */
+size_t orl_port_lamp_strata(const struct orl_emission *emission);
+/* Whether that emitter is one of them. */
+bool orl_port_lamp_is_outside(const struct orl_emission *emission, size_t emitter);
+
+/* Flux of a stratum that passes the pane, W of luma: by a few flights, and no less than a hundredth
+ * of what arrives where nothing is in the way. */
+double orl_port_lamp_flux(const struct orl_emission *emission, const struct orl_stratum *stratum);
+
+/* Radiance times solid angle that arrives at a point of the port, from a point of the lamp that u
+ * draws: two numbers in [0,1). Zero: nothing does. */
+struct orl_rgb orl_port_lamp_arriving(const struct orl_emission *emission,
+                                      const struct orl_stratum *stratum, struct orl_vec3 point,
+                                      const double *u, struct orl_random *random,
+                                      uint32_t *ret_lamp, struct orl_lamp_aim *ret_aim);
+
+/* The focus of a spotlight's beam; 0: it has none. */
+double orl_emitter_focus(const struct orl_world *world, uint32_t emitter);
+
+#endif

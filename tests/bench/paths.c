@@ -1,0 +1,171 @@
+/*
+ * make paths: every cell of support/path_cells.h by every technique, against plain path tracing.
+ * Of each cell and technique the sensor furthest off, in joint standard errors and as a ratio to
+ * the truth; at the end what shares of intervals hold the truth, and the rms of z.
+ *
+ * usage: paths [MILLIONS OF PATHS A SENSOR [SEEDS [TEXT IN THE NAME OF THE CELL]]]
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+#include <oriel/sha256.h>
+
+#include "support/brute.h"
+#include "support/path_cells.h"
+#include "support/scene_text.h"
+
+static const struct {
+    enum orl_technique technique;
+    const char *name;
+} techniques[] = {{ORL_TECHNIQUE_BACKWARD, "backward"},
+                  {ORL_TECHNIQUE_GATHER, "gather"},
+                  {ORL_TECHNIQUE_DIRECT, "direct"},
+                  {ORL_TECHNIQUE_PRECOMPUTED, "precomputed"},
+                  {ORL_TECHNIQUE_AUTO, "auto"}};
+enum { TECHNIQUES = sizeof techniques / sizeof *techniques };
+
+struct tally {
+    size_t values, held, off, warned, refused;
+    double squares, worst;
+};
+
+struct outcome {
+    double z, ratio; /* of the sensor furthest off */
+    size_t held, values, warnings;
+};
+
+/* One run against the truth. */
+static void compare(const struct orl_result *result, const struct brute_value *truth,
+                    struct tally *tally, struct outcome *outcome)
+{
+    for (size_t i = 0; i < PATH_SENSORS; i++) {
+        const double lx = result->illuminance_lx[i], se = truth[i].standard_error;
+        const double *const interval = result->interval_95_lx[i];
+        const double error = hypot(result->standard_error_lx[i], se);
+        const double z = (lx - truth[i].mean) / fmax(error, 1e-9);
+        const bool held =
+            truth[i].mean >= interval[0] - 1.96 * se && truth[i].mean <= interval[1] + 1.96 * se;
+        tally->values++;
+        tally->held += held;
+        tally->squares += z * z;
+        tally->worst = fmax(tally->worst, fabs(z));
+        outcome->values++;
+        outcome->held += held;
+        if (fabs(z) > fabs(outcome->z)) {
+            outcome->z = z;
+            outcome->ratio = lx / fmax(truth[i].mean, 1e-9);
+        }
+    }
+    outcome->warnings += result->n_warnings;
+}
+
+/* The truths of a cell, kept in the build folder from one run to the next under the digest of the
+ * scene's text and the number of paths. */
+static void find_truth(const char *text, uint64_t paths, struct orl_crew *crew,
+                       struct brute_value truth[PATH_SENSORS])
+{
+    const char *const build = getenv("ORIEL_BUILD");
+    unsigned char digest[32];
+    char path[512];
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, text, strlen(text));
+    orl_sha256_add(&hash, path_sensors, sizeof path_sensors);
+    orl_sha256_add(&hash, &paths, sizeof paths);
+    orl_sha256_finish(&hash, digest);
+    snprintf(path, sizeof path, "%s/paths", build ? build : "build");
+    mkdir(path, 0777);
+    size_t length = strlen(path);
+    length += (size_t)snprintf(path + length, sizeof path - length, "/");
+    for (int i = 0; i < 12; i++)
+        length += (size_t)snprintf(path + length, sizeof path - length, "%02x", digest[i]);
+    FILE *file = fopen(path, "rb");
+    const size_t found = file ? fread(truth, sizeof *truth, PATH_SENSORS, file) : 0;
+    if (file)
+        fclose(file);
+    if (found == PATH_SENSORS)
+        return;
+    struct orl_world *const world = scene_world(text, "pane.xml", path_pane(), NULL);
+    brute_sensors(world, path_sensors, PATH_SENSORS, paths, crew, truth);
+    orl_world_free(world);
+    file = fopen(path, "wb");
+    if (!file)
+        return;
+    fwrite(truth, sizeof *truth, PATH_SENSORS, file);
+    fclose(file);
+}
+
+static void run_cell(const char *text, const struct brute_value *truth, uint64_t seeds, int t,
+                     struct tally *tally)
+{
+    struct outcome outcome = {0};
+    for (uint64_t seed = 1; seed <= seeds; seed++) {
+        struct orl_result r = scene_run(&(struct scene_run){.scene = text,
+                                                            .resource_name = "pane.xml",
+                                                            .resource_text = path_pane(),
+                                                            .sensors = path_sensors,
+                                                            .n_sensors = PATH_SENSORS,
+                                                            .seed = seed,
+                                                            .technique = techniques[t].technique,
+                                                            .by_plan = true,
+                                                            .global = 200000,
+                                                            .caustic = 200000,
+                                                            .bounded = true,
+                                                            .threads = 2});
+        compare(&r, truth, tally, &outcome);
+        if (getenv("ORIEL_PATHS_WARNINGS") && seed == 1)
+            for (size_t i = 0; i < r.n_warnings; i++)
+                printf("\n    %s: %s", techniques[t].name, r.warnings[i]);
+        orl_result_done(&r);
+    }
+    const bool off = fabs(outcome.z) > 4;
+    tally->off += off;
+    printf(" %+7.1f %5.2f %c%c", outcome.z, outcome.ratio, off ? '*' : ' ',
+           outcome.warnings ? 'w' : ' ');
+    fflush(stdout);
+}
+
+int main(int argc, char **argv)
+{
+    const uint64_t paths = (uint64_t)(1e6 * (argc > 1 ? atof(argv[1]) : 4));
+    const uint64_t seeds = argc > 2 ? (uint64_t)atoi(argv[2]) : 3;
+    const char *const only = argc > 3 ? argv[3] : "";
+    struct tally tallies[TECHNIQUES] = {{0}};
+    struct orl_crew *const crew = orl_crew_start(2);
+    printf("%-40s %8s %6s", "", "truth lx", "%");
+    for (int t = 0; t < TECHNIQUES; t++)
+        printf(" %-16s", techniques[t].name);
+    printf("\n");
+    for (size_t chain = 0; chain < path_chain_count(); chain++)
+        for (size_t source = 0; source < path_source_count(); source++) {
+            char text[PATH_TEXT], name[128];
+            struct brute_value truth[PATH_SENSORS];
+            snprintf(name, sizeof name, "%s: %s", path_chain_name(chain), path_source_name(source));
+            if (!strstr(name, only) || !path_cell_scene(source, chain, text))
+                continue;
+            find_truth(text, paths, crew, truth);
+            if (getenv("ORIEL_PATHS_TEXT"))
+                printf("%s", text);
+            double error = 0;
+            for (size_t i = 0; i < PATH_SENSORS; i++)
+                error = fmax(error, truth[i].standard_error / fmax(truth[i].mean, 1e-9));
+            printf("%-40s %8.3g %6.2f", name, truth[0].mean, 100 * error);
+            for (int t = 0; t < TECHNIQUES; t++)
+                run_cell(text, truth, seeds, t, &tallies[t]);
+            printf("\n");
+        }
+    for (int t = 0; t < TECHNIQUES; t++)
+        printf("%-12s intervals hold %.1f %% of %zu, rms z %.2f, worst %.1f, cells off %zu\n",
+               techniques[t].name, 100 * (double)tallies[t].held / (double)tallies[t].values,
+               tallies[t].values, sqrt(tallies[t].squares / (double)tallies[t].values),
+               tallies[t].worst, tallies[t].off);
+    orl_crew_stop(crew);
+    return 0;
+}
