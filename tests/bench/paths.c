@@ -120,6 +120,11 @@ static void run_cell(const char *text, const struct brute_value *truth, uint64_t
                                                             .bounded = true,
                                                             .threads = 2});
         compare(&r, truth, tally, &outcome);
+        for (int i = 0; i < PATH_SENSORS && getenv("ORIEL_PATHS_SENSORS"); i++)
+            printf("\n    %-12s sensor %d: %.5g +- %.2g [%.5g, %.5g], truth %.5g +- %.2g",
+                   techniques[t].name, i, r.illuminance_lx[i], r.standard_error_lx[i],
+                   r.interval_95_lx[i][0], r.interval_95_lx[i][1], truth[i].mean,
+                   truth[i].standard_error);
         if (getenv("ORIEL_PATHS_WARNINGS") && seed == 1)
             for (size_t i = 0; i < r.n_warnings; i++)
                 printf("\n    %s: %s", techniques[t].name, r.warnings[i]);

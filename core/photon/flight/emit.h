@@ -54,6 +54,7 @@ struct orl_stratum {
     uint32_t sun, image; /* of world.images */
     uint32_t lamp;       /* seen from a port: an emitter, or ORL_ANY_LAMP */
     double flux_w;       /* luma, estimated */
+    double worth;        /* of the open sky: the mean of its guides; else 1 */
     double reflected;    /* albedo that its light meets first, where that leaves nothing:
                             first_reflection.h */
     double share;        /* probability for global photons */

@@ -18,8 +18,8 @@ enum {
     PATCH_SIDE = 32,
     PHOTONS_A_CELL = 4
 };
-enum { MOST_PANES = 16 };
-static const double guided_share = 0.9;
+enum { MOST_PANES = 16, SEGMENTS = 3 };
+static const double guided_share = 0.9, beside_port = 0.2;
 static const double beside_others = 0.25, dimmest_share = 1e-3;
 /* Of a place whose photons all leave at once: they still light what they land on; no caustic and no
  * virtual lamp does. */
@@ -79,23 +79,32 @@ static double deflected(const struct orl_world *world, struct orl_vec3 origin,
     return sum;
 }
 
-/* 1 when light that arrives so goes on to meet something else, 0 when it is as good as gone. */
+/*
+ * 1 when light that arrives so goes on to meet something else, 0 when it has left. For maps it has
+ * to meet something several times in a row, as light in a room does and light on the ground before
+ * it does not: photons in rooms then weigh about the same, whether they come by an opening or by a
+ * port, and density estimates need no luck to find the heavy ones.
+ */
 static double worth(const struct orl_world *world, struct orl_vec3 origin,
-                    struct orl_vec3 direction, struct orl_random *random)
+                    struct orl_vec3 direction, bool lamps, struct orl_random *random)
 {
     struct orl_path path = orl_path_from(origin, direction);
     struct orl_hit hit;
     if (!orl_path_meet(world, &path, &hit))
         return 0;
     if (orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
-        return 0; /* the port's own to emit */
-    const struct orl_scatter s =
-        orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&path),
-                           ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
-    if (s.event == ORL_EVENT_ABSORBED)
-        return 0;
-    orl_path_leave(&path, world, &hit, &s);
-    return orl_geometry_occluded(world->geometry, path.origin, path.direction, INFINITY);
+        return beside_port; /* the port's own to emit, but there may be a gap beside the pane */
+    for (int segment = 0; segment < (lamps ? 1 : SEGMENTS); segment++) {
+        const struct orl_scatter s =
+            orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&path),
+                               ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, random);
+        if (s.event == ORL_EVENT_ABSORBED)
+            return segment > 0;
+        orl_path_leave(&path, world, &hit, &s);
+        if (!orl_path_meet(world, &path, &hit))
+            return 0;
+    }
+    return 1;
 }
 
 static void probe_row(void *arg, size_t row, uint32_t member)
@@ -118,7 +127,7 @@ static void probe_row(void *arg, size_t row, uint32_t member)
             struct orl_vec3 origin;
             orl_beam_point(world->geometry, towards, u, &origin);
             sum += pilot->caustic ? deflected(world, origin, orl_neg(towards))
-                                  : worth(world, origin, orl_neg(towards), &random);
+                                  : worth(world, origin, orl_neg(towards), pilot->lamps, &random);
         }
         const double least = pilot->caustic ? least_worth_caustic
                              : pilot->lamps ? least_worth_lamp
@@ -266,6 +275,12 @@ void orl_guide_done(struct orl_emission *emission)
     free(emission->sun_guides);
     free(emission->sun_caustic_guides);
     free(emission->dome_guides);
+}
+
+double orl_guide_worth(const struct orl_emission *emission, struct orl_vec3 towards)
+{
+    const struct orl_table *table = &emission->dome_guides[patch_of(towards)];
+    return table->weight ? table->mean : 1;
 }
 
 const struct orl_table *orl_guide_find(const struct orl_emission *emission,

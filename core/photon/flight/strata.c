@@ -17,8 +17,8 @@ enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE
 enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
 enum { IMAGE_FLIGHTS = 256 };
 static const double floor_share = 0.1; /* of cosine-weighted directions in every table */
-/* Of photons, that start at the sky: at most, when there are ports; beside lamps alone. */
-static const double open_share = 0.25, open_share_of_lamps = 0.9;
+/* Shares of photons that start at the sky of an open scene, when there are ports, or lamps alone. */
+static const double least_open = 0.25, most_open = 0.75, most_open_beside_lamps = 0.9;
 
 struct pilot {
     struct orl_emission *emission;
@@ -93,18 +93,22 @@ static double box_area(const struct orl_geometry *g, struct orl_vec3 d)
     return fabs(d.x) * s.y * s.z + fabs(d.y) * s.x * s.z + fabs(d.z) * s.x * s.y;
 }
 
-static int make_dome_table(struct orl_emission *e)
+/* Directions of the domes by radiance and area of the scene, and once there are guides by how much
+ * light from there is worth. */
+static int make_dome_table(struct orl_emission *e, bool guided)
 {
     double *values = malloc(sizeof *values * DOME_SIDE_X * DOME_SIDE_Y);
     if (!values)
         return ORL_ERR_NOMEM;
+    orl_table_done(&e->dome_table);
     for (int i = 0; i < DOME_SIDE_X * DOME_SIDE_Y; i++) {
         const int row = i / DOME_SIDE_X, column = i % DOME_SIDE_X;
         const double z = 2 * (row + 0.5) / DOME_SIDE_Y - 1, s = sqrt(1 - z * z);
         const double phi = 2 * ORL_PI * (column + 0.5) / DOME_SIDE_X;
         const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
         values[i] =
-            orl_luma(orl_world_dome_radiance(e->world, d)) * box_area(e->world->geometry, d);
+            orl_luma(orl_world_dome_radiance(e->world, d)) * box_area(e->world->geometry, d) *
+            (guided ? orl_guide_worth(e, d) : 1);
     }
     const int code = orl_table_init(&e->dome_table, DOME_SIDE_X, DOME_SIDE_Y, values, floor_share);
     free(values);
@@ -114,6 +118,7 @@ static int make_dome_table(struct orl_emission *e)
 static void add_stratum(struct orl_emission *e, struct orl_stratum stratum, double flux_w)
 {
     stratum.flux_w = flux_w;
+    stratum.worth = 1;
     if (flux_w > 0)
         e->strata[e->n_strata++] = stratum;
 }
@@ -256,18 +261,53 @@ static double flux_to_keep(const struct orl_stratum *s)
     return s->flux_w * s->reflected;
 }
 
-/* Global photons go by flux; but the sky, which lights the whole neighbourhood, never takes it all.
- */
+/* What share of the sky's light is worth photons, by the guides. */
+static int weigh_sky(struct orl_emission *e)
+{
+    const double before = e->dome_table.mean;
+    int code = 0;
+    for (size_t i = 0; i < e->n_strata && code == 0; i++) {
+        struct orl_stratum *s = &e->strata[i];
+        if (s->kind == ORL_STRATUM_OPEN_SUN)
+            s->worth = e->sun_guides[s->sun].mean;
+        if (s->kind != ORL_STRATUM_OPEN_DOME)
+            continue;
+        code = make_dome_table(e, true);
+        s->worth = before > 0 ? e->dome_table.mean / before : 1;
+    }
+    return code;
+}
+
+/* The sky's share of photons: that of its flux which is worth them, between bounds. Its light on
+ * the whole neighbourhood never takes them all; and what little of it comes in is not left to a few
+ * heavy ones. */
+static double share_of_sky(const struct orl_emission *e, double sky, double worthy, double rest)
+{
+    const double by_flux = sky / (sky + rest);
+    if (!(sky > 0) || !(rest > 0))
+        return sky > 0;
+    if (e->world->n_ports == 0)
+        return fmin(by_flux, most_open_beside_lamps);
+    return fmax(fmin(by_flux, least_open), fmin(worthy / (worthy + rest), most_open));
+}
+
+/* Global photons go by flux. */
 static void share_out(struct orl_emission *e)
 {
-    double sky = 0, rest = 0, below = 0;
-    for (size_t i = 0; i < e->n_strata; i++)
-        *(starts_at_sky(&e->strata[i]) ? &sky : &rest) += flux_to_keep(&e->strata[i]);
-    const double most = e->world->n_ports > 0 ? open_share : open_share_of_lamps;
-    const double of_sky = sky > 0 ? (rest > 0 ? fmin(most, sky / (sky + rest)) : 1) : 0;
+    double sky = 0, worthy = 0, rest = 0, below = 0;
+    for (size_t i = 0; i < e->n_strata; i++) {
+        const struct orl_stratum *s = &e->strata[i];
+        if (starts_at_sky(s)) {
+            sky += flux_to_keep(s);
+            worthy += flux_to_keep(s) * s->worth;
+        } else {
+            rest += flux_to_keep(s);
+        }
+    }
+    const double of_sky = share_of_sky(e, sky, worthy, rest);
     for (size_t i = 0; i < e->n_strata; i++) {
         struct orl_stratum *s = &e->strata[i];
-        s->share = starts_at_sky(s) ? of_sky * flux_to_keep(s) / sky
+        s->share = starts_at_sky(s) ? of_sky * flux_to_keep(s) * s->worth / worthy
                                     : (1 - of_sky) * flux_to_keep(s) / rest;
         s->below = below;
         below += s->share;
@@ -288,13 +328,15 @@ int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uin
         code = make_port_tables(&pilot, crew);
     }
     if (code == 0 && world->open)
-        code = make_dome_table(e);
+        code = make_dome_table(e, false);
     if (code == 0)
         code = list_strata(e, crew);
     if (code == 0)
         code = orl_port_sun_prepare(e, crew);
     if (code == 0 && world->open)
         code = orl_guide_make(e, seed, crew);
+    if (code == 0 && world->open)
+        code = weigh_sky(e);
     if (code == 0)
         code = orl_first_reflection_prepare(e, seed, crew);
     if (code == 0) {

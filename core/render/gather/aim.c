@@ -147,13 +147,21 @@ struct orl_effort orl_aim_effort(const struct orl_aim *aim, struct orl_effort wa
 }
 
 /* Density, per steradian, with which a ray is aimed at the port it meets. */
-static double port_density(const struct orl_aim *aim, const struct orl_aimed *aimed)
+static double port_density(const struct orl_aim *aim, const struct orl_hit *hit,
+                           struct orl_vec3 direction)
 {
     struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(aim->world->geometry, aimed->hit.facet, &own);
-    const double cosine = fmax(fabs(orl_dot(aimed->direction, aimed->hit.normal)), 1e-9);
-    return aimed->hit.distance * aimed->hit.distance /
-           (cosine * facet->area * (double)aim->world->n_ports);
+    const struct orl_facet *facet = orl_facet_own(aim->world->geometry, hit->facet, &own);
+    const double cosine = fmax(fabs(orl_dot(direction, hit->normal)), 1e-9);
+    return hit->distance * hit->distance / (cosine * facet->area * (double)aim->world->n_ports);
+}
+
+double orl_aim_port_density(const struct orl_aim *aim, const struct orl_hit *hit,
+                            struct orl_vec3 direction)
+{
+    return orl_world_port_of(aim->world, hit->facet) == ORL_NO_PORT
+               ? 0
+               : port_density(aim, hit, direction);
 }
 
 /* The same for rays drawn along beams. */
@@ -209,7 +217,8 @@ bool orl_aim_sample(const struct orl_aim *aim, const struct orl_effort *effort, 
         return false;
     double density = effort->rays[ORL_WAY_COSINE] * cosine / ORL_PI;
     if (pane != ORL_NO_PORT && effort->rays[ORL_WAY_PORT] > 0)
-        density += effort->rays[ORL_WAY_PORT] * port_density(aim, ret_aimed);
+        density +=
+            effort->rays[ORL_WAY_PORT] * port_density(aim, &ret_aimed->hit, ret_aimed->direction);
     if (pane != ORL_NO_PORT && effort->rays[ORL_WAY_BEAM] > 0)
         density += effort->rays[ORL_WAY_BEAM] * beam_density(aim, ret_aimed, pane, point);
     ret_aimed->weight = cosine / density;

@@ -42,6 +42,11 @@ struct orl_effort {
 /* The effort, without the ways that the scene has nothing for. */
 struct orl_effort orl_aim_effort(const struct orl_aim *aim, struct orl_effort wanted);
 
+/* Density, per steradian, of a direction towards a point uniform by area on one of the ports, all
+ * with the same probability; 0 where the ray meets first something else. */
+double orl_aim_port_density(const struct orl_aim *aim, const struct orl_hit *hit,
+                            struct orl_vec3 direction);
+
 struct orl_aimed {
     struct orl_vec3 direction;
     double weight; /* cosine over density: times radiance, summed over all rays, irradiance */

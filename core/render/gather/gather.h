@@ -131,6 +131,9 @@ struct orl_gather_ray {
     /* Of a view's lobe, where no density counts caustics: the ray is to find them. Or NULL. */
     const struct orl_chance *of_lobe;
     const struct orl_even *first; /* for what happens at the first surface; NULL: by chance */
+    /* Where it is known what is met first: that hit, or nothing_ahead. Else NULL and false. */
+    const struct orl_hit *ahead;
+    bool nothing_ahead;
     /* Flat surfaces may be read by texels: for hemispheres, which themselves are averaged. */
     bool by_texels;
     /* NULL, or records that tell the rest where they reach what is met near. */

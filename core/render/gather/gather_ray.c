@@ -242,8 +242,10 @@ static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material
 static void note_event(struct leg *leg, const struct orl_scatter *s)
 {
     struct orl_eye_path *p = &leg->eye;
-    p->chance = s->event == ORL_EVENT_GLOSSY && !leg->caustics
-                    ? orl_chance_unsought()
+    /* To rays that are not to find caustics, photons bring the light of lamps by lobes, mirrors and
+     * dielectrics: of lamps outside too, which a ray sees beyond a port. */
+    p->chance = !leg->caustics && s->event != ORL_EVENT_DIFFUSE
+                    ? orl_chance_found_straight()
                     : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
     leg->reflections += s->event == ORL_EVENT_DIFFUSE;
     leg->caustics = leg->caustics && s->event != ORL_EVENT_DIFFUSE;
@@ -341,6 +343,8 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
                       .through = &through,
                       .caustics = ray->of_lobe != NULL};
     search->health.paths++;
+    if (ray->ahead || ray->nothing_ahead)
+        orl_eye_path_foresee(&leg.eye, ray->ahead);
     follow(&leg);
     if (through.eye.bounce == 0)
         return leg.eye.seen;
