@@ -227,9 +227,12 @@ struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *
                            struct orl_vec3 eye, const struct orl_chance *chance)
 {
     const struct orl_material *m = orl_world_material(world, hit);
-    if (orl_material_glows(m))
+    const bool glows = orl_material_glows(m);
+    if (!glows && !orl_material_is_lamp(m))
+        return orl_gray(0);
+    if (glows && !orl_is_lamp(world->geometry, world->most_aimed_glow, m, hit->facet))
         return orl_material_emission(m, hit, eye);
-    const double share = orl_material_is_lamp(m) ? share_of_lamp(world, hit, chance) : 0;
+    const double share = share_of_lamp(world, hit, chance);
     return share > 0 ? orl_rgb_scale(orl_material_emission(m, hit, eye), share) : orl_gray(0);
 }
 

@@ -99,14 +99,39 @@ static void add_of_sky(struct orl_lights *lights, const struct orl_daylight *sky
     add(lights, &d);
 }
 
+/* Few glows at most, each so small a share of a sphere about the scene. */
+enum { MOST_AIMED_GLOWS = 64 };
+static const double most_of_sphere = 0.02;
+
+static double most_aimed_glow(const struct orl_scene *scene)
+{
+    const double radius = scene->geometry->radius;
+    size_t glows = 0;
+    for (size_t i = 0; i < scene->n_shining; i++)
+        glows += orl_material_glows(orl_scene_material(scene, scene->shining[i]));
+    return glows <= MOST_AIMED_GLOWS ? most_of_sphere * 4 * ORL_PI * radius * radius : 0;
+}
+
+bool orl_is_lamp(const struct orl_geometry *geometry, double most_aimed_glow,
+                 const struct orl_material *material, uint32_t facet)
+{
+    return orl_material_is_lamp(material) ||
+           (material->kind == ORL_MATERIAL_GLOW && orl_material_glows(material) &&
+            !orl_facet_is_placed(geometry, facet) &&
+            orl_facet_area(geometry, facet) <= most_aimed_glow);
+}
+
 static void add_emitters(struct orl_lights *lights)
 {
     const struct orl_scene *scene = lights->scene;
+    lights->most_aimed_glow = most_aimed_glow(scene);
     for (size_t i = 0; i < scene->n_shining; i++) {
         const struct orl_material *m = orl_scene_material(scene, scene->shining[i]);
+        const bool direct =
+            orl_is_lamp(scene->geometry, lights->most_aimed_glow, m, scene->shining[i]);
         lights->emitters[lights->n_emitters++] =
             (struct orl_emitter){scene->shining[i], orl_material_radiance_mean(m),
-                                 orl_material_radiance_most(m), orl_material_is_lamp(m)};
+                                 orl_material_radiance_most(m), direct};
     }
 }
 

@@ -35,12 +35,16 @@ struct orl_dome {
 /* What a dome shines from a direction within it. */
 struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 direction);
 
-/* A surface that shines. */
+/*
+ * A surface that shines. Glows are sampled as lamps are where they are few and small beside the
+ * scene: rays hardly ever meet them, least of all by way of mirrors and lenses, and Radiance, which
+ * leaves them to such rays, misses their light there.
+ */
 struct orl_emitter {
     uint32_t facet;
     struct orl_rgb radiance; /* mean over the surface */
     struct orl_rgb most;     /* the most, anywhere */
-    bool direct; /* a lamp: sampled by shadow rays; not one: found by rays that happen on it */
+    bool direct; /* sampled by shadow rays: a lamp or a small glow; else met by rays by chance */
 };
 
 struct orl_lights {
@@ -52,6 +56,7 @@ struct orl_lights {
     size_t n_domes;
     struct orl_emitter *emitters;
     size_t n_emitters;
+    double most_aimed_glow; /* area up to which glows are sampled by shadow rays; 0: none are */
     atomic_uint holders;
 };
 
@@ -69,6 +74,10 @@ int orl_lights_admit(const struct orl_description *description, struct orl_error
 struct orl_lights *orl_lights_hold(struct orl_lights *lights);
 /* NULL is allowed. */
 void orl_lights_release(struct orl_lights *lights);
+
+/* Whether a facet of that material is sampled by shadow rays, where glows are up to that area. */
+bool orl_is_lamp(const struct orl_geometry *geometry, double most_aimed_glow,
+                 const struct orl_material *material, uint32_t facet);
 
 /* A digest of suns and domes, by what they shine: two ways to ask for one sky have the same. Lamps
  * are in the scene's own. */

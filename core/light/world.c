@@ -28,6 +28,7 @@ static bool copy_parts(struct orl_world *world)
     world->n_suns = lights->n_suns;
     world->n_domes = lights->n_domes;
     world->n_emitters = lights->n_emitters;
+    world->most_aimed_glow = lights->most_aimed_glow;
     world->n_ports = scene->n_ports;
     if (scene->seen)
         world->seen = calloc(1, sizeof *world->seen);

@@ -51,6 +51,7 @@ struct orl_world {
     size_t n_domes;
     struct orl_emitter *emitters;
     size_t n_emitters;
+    double most_aimed_glow; /* the lights' */
     struct orl_port *ports;
     size_t n_ports;
     struct orl_images images;           /* of the suns, in flat mirrors; none without ports */

@@ -3,8 +3,8 @@
  * lens or of mirrors that face very many ways is met by one path of a hundred thousand: with fewer
  * samples the value lacks that light, and its error, which is of what was found, does not know.
  * Photons find it easily. So where the plan says that there are such ways, photons fly by the
- * sensors (render/gather/air.h), and those that lack more than their intervals allow for are told
- * of; for views, how much of the light it is.
+ * sensors (render/gather/air.h); intervals are widened to include what they bring, and sensors that
+ * lack more than their intervals allowed for are warned of; for views, how much of the light it is.
  */
 #include <math.h>
 
@@ -24,6 +24,8 @@ static const double often = 16;
 /* Light counts as missed when it is so many of its standard errors, beyond the sensor's interval.
  */
 static const double certain = 3;
+/* The 97.5th percentile of Student's t with the degrees of freedom of 16 batches. */
+static const double bound_in_errors = 2.13;
 /* ... and such a share of the sensor's light; of a view's, weighted by what it is where it lands.
  */
 static const double tolerable = 2e-3, tolerable_of_view = 1e-3;
@@ -62,18 +64,30 @@ static double times_met(const struct orl_world *world, double of_suns, double of
     return samples * share / ORL_PI;
 }
 
+/* The interval is widened by what the photons brought, up to its own upper bound, where so few
+ * paths have met that light that their scatter does not tell: it holds the value of both. */
+static void widen(double interval[2], double found_lx, const struct orl_estimate *brought)
+{
+    const double most = orl_luma(brought->value) + fabs(brought->bias) +
+                        brought->standard_error * bound_in_errors;
+    interval[1] = fmax(interval[1], found_lx + ORL_EFFICACY_LM_PER_W * most);
+}
+
 static void look_at_sensor(const struct orl_run_state *state, const struct orl_air *air, size_t i,
                            struct missed *missed)
 {
-    const struct orl_result *r = state->result;
+    struct orl_result *r = state->result;
     const double samples = state->samples > 0 ? state->samples : orl_run_sensor_samples(state, i);
     double lamps;
     const struct orl_estimate e = orl_air_caught(air, i, &lamps);
     const double all = orl_luma(e.value), found = r->illuminance_lx[i];
     const double lx = ORL_EFFICACY_LM_PER_W * (all - fabs(e.bias));
-    if (!(lx > certain * ORL_EFFICACY_LM_PER_W * e.standard_error) ||
-        !(found + lx > r->interval_95_lx[i][1]) || !(lx > tolerable * found) ||
-        times_met(state->world, all - lamps, lamps, samples) > often)
+    if (times_met(state->world, all - lamps, lamps, samples) > often)
+        return;
+    const bool lacks = lx > certain * ORL_EFFICACY_LM_PER_W * e.standard_error &&
+                       found + lx > r->interval_95_lx[i][1] && lx > tolerable * found;
+    widen(r->interval_95_lx[i], found, &e);
+    if (!lacks)
         return;
     const double share = lx / (lx + found);
     missed->sensors++;
@@ -114,7 +128,7 @@ static int judge_sensors(struct orl_run_state *state, const struct orl_shoot_env
             state,
             "%zu of %zu sensors lack light: the backward technique hardly ever meets a "
             "sun or lamp by way of curved or very many mirrors, or of lenses; sensors[%zu] "
-            "lacks about %.3g lx, %.2g %% of its light, and its interval does not know. "
+            "lacks about %.3g lx, %.2g %% of its light. Intervals are widened to include it. "
             "Photons find it: use technique gather, or leave the technique to the plan",
             missed.sensors, state->n_sensors, missed.worst, missed.lx, 100 * missed.share);
     return code;
