@@ -1,0 +1,125 @@
+/*
+ * Lamps that a sensor sees in a flat mirror alone, against closed forms: a sphere, a ring, a
+ * spotlight with a focus, a narrow one, a glow, and a sphere seen through a pane. All else is
+ * black, so that what the sensor gets is the light of the virtual lamp (light/lamp_images.h).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "scene/material/kinds.h"
+#include "support/scene_text.h"
+#include "support/techniques.h"
+
+#define MIRROR                                                                                     \
+    "void mirror m 0 0 3 .8 .8 .8\n"                                                               \
+    "m polygon wall 0 0 12 2 -3 0 2 -3 3 2 3 3 2 3 0\n"
+/* In the way from the sensor to the mirror, and in no other. */
+#define PANE                                                                                       \
+    "void glass g 0 0 3 .9 .9 .9\n"                                                                \
+    "g polygon pane 0 0 12 .5 -.2 .8 .5 .2 .8 .5 .2 1.2 .5 -.2 1.2\n"
+#define LAMP_AT "-.5 1 1.2"
+
+/* The mirror shows a lamp at LAMP_AT, behind the sensor, at (4.5, 1, 1.2). */
+static const struct orl_sensor sensor = {{0, 0, 1}, {1, 0, 0}};
+static const double ahead = 4.5, distance2 = 4.5 * 4.5 + 1 + 0.04, mirrored = 0.8;
+
+/* Photons bring nothing here, and rays of no technique have to meet the lamp by chance: what is
+ * left is the scatter of the solid angle between points of the lamp, 1e-3 at most. */
+static void check(void **state, const char *scene, double irradiance)
+{
+    double lx;
+    scene_run_lx(&(struct scene_run){.scene = scene,
+                                     .sensors = &sensor,
+                                     .n_sensors = 1,
+                                     .technique = of_technique(state),
+                                     .samples = 1024,
+                                     .caustic = 20000},
+                 &lx);
+    const double expected = ORL_EFFICACY_LM_PER_W * irradiance;
+    print_message("%.5f of %.3f lx\n", lx / expected, expected);
+    assert_true(fabs(lx / expected - 1) < 2e-3);
+}
+
+/* Above the horizon: pi L (r / d)^2 cos. */
+static double of_sphere(double radius)
+{
+    return mirrored * ORL_PI * 1e4 * radius * radius / distance2 * ahead / sqrt(distance2);
+}
+
+/* That faces the mirror. */
+static double of_ring(double radius)
+{
+    return mirrored * 1e4 * ORL_PI * radius * radius * ahead * ahead / (distance2 * distance2);
+}
+
+static void test_sphere(void **state)
+{
+    check(state, MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl sphere lamp 0 0 4 " LAMP_AT " .1\n",
+          of_sphere(0.1));
+}
+
+static void test_glow(void **state)
+{
+    check(state, MIRROR "void glow l 0 0 4 1e4 1e4 1e4 0\nl sphere lamp 0 0 4 " LAMP_AT " .1\n",
+          of_sphere(0.1));
+}
+
+static void test_ring(void **state)
+{
+    check(state,
+          MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl ring lamp 0 0 8 " LAMP_AT " 1 0 0 0 .05\n",
+          of_ring(0.05));
+}
+
+/* Its focus widens the beam by the whole way, past the mirror: (d / (d + f))^2. */
+static void test_spotlight(void **state)
+{
+    const double d = sqrt(distance2), spread = d / (d + 2);
+    check(state,
+          MIRROR "void spotlight l 0 0 7 1e4 1e4 1e4 60 2 0 0\n"
+                 "l ring lamp 0 0 8 " LAMP_AT " 1 0 0 0 .05\n",
+          of_ring(0.05) * spread * spread);
+}
+
+/* A beam of 1.5 degrees down onto a mirror that turns it to the sensor, 3 m and 1.9 m away. */
+static void test_narrow_beam(void **state)
+{
+    const double d = 3 + 1.9, spread = d / (d + 1e-3);
+    check(state,
+          "void mirror m 0 0 3 .8 .8 .8\n"
+          "m polygon tilted 0 0 12 1.8 -.1 .9 2 -.1 1.1 2 .1 1.1 1.8 .1 .9\n"
+          "void spotlight l 0 0 7 1e4 1e4 1e4 1.5 0 0 -.001\n"
+          "l ring lamp 0 0 8 1.9 0 4 0 0 -1 0 .02\n",
+          mirrored * 1e4 * ORL_PI * 0.02 * 0.02 / (d * d) * spread * spread);
+}
+
+static void test_through_pane(void **state)
+{
+    static const struct orl_hit anywhere = {.normal = {-1, 0, 0}, .front = true};
+    static const char scene[] =
+        PANE MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl sphere lamp 0 0 4 " LAMP_AT " .1\n";
+    struct orl_description d = scene_parse_text(scene, NULL, NULL);
+    const struct orl_material *glass = &d.materials[d.surfaces[0].material];
+    const double t = orl_glass_transmittance(glass, &anywhere, ahead / sqrt(distance2)).g;
+    orl_description_done(&d);
+    check(state, scene, of_sphere(0.1) * t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        OF_TECHNIQUE(test_sphere, BACKWARD),       OF_TECHNIQUE(test_sphere, GATHER),
+        OF_TECHNIQUE(test_sphere, PRECOMPUTED),    OF_TECHNIQUE(test_glow, BACKWARD),
+        OF_TECHNIQUE(test_glow, GATHER),           OF_TECHNIQUE(test_ring, BACKWARD),
+        OF_TECHNIQUE(test_ring, GATHER),           OF_TECHNIQUE(test_spotlight, BACKWARD),
+        OF_TECHNIQUE(test_spotlight, GATHER),      OF_TECHNIQUE(test_narrow_beam, BACKWARD),
+        OF_TECHNIQUE(test_narrow_beam, GATHER),    OF_TECHNIQUE(test_narrow_beam, DIRECT),
+        OF_TECHNIQUE(test_through_pane, BACKWARD), OF_TECHNIQUE(test_through_pane, GATHER),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
