@@ -111,6 +111,8 @@ help:
 ##                 glare of its seats beside pictures: tables, and build/annual.json; then verdicts of
 ##                 100 seeds in four rooms
 ## make bench-annual  how a year's cost grows with window groups, mirrors and sensors: a table
+## make paths      each source of light by each chain of surfaces and technique, against plain path
+##                 tracing: a table, and how often intervals hold; half an hour, for truths
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/bench/tables.md has its parts)

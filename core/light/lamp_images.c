@@ -96,7 +96,8 @@ static void keep(struct pairs *pairs, const struct orl_lamp_image *image, double
         pairs->kept[weakest] = (struct pair){*image, strength};
 }
 
-/* In a sealed scene only what is inside is looked for: on one side of the surface at least. */
+/* In a sealed scene only mirrors inside count: on one side of the surface at least. Paths outdoors
+ * look for no lamps in mirrors. */
 static bool is_inside(const struct orl_world *world, uint32_t facet)
 {
     static const double middle[2] = {0.5, 0.5};
@@ -110,8 +111,7 @@ static bool is_inside(const struct orl_world *world, uint32_t facet)
                world, orl_facet_leave(world->geometry, facet, point, normal, orl_neg(normal)));
 }
 
-static void pair_mirror(struct pairs *pairs, const struct orl_world *world, const bool *lamps,
-                        uint32_t facet)
+static void pair_mirror(struct pairs *pairs, const struct orl_world *world, uint32_t facet)
 {
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_own(world->geometry, facet, &own);
@@ -120,7 +120,7 @@ static void pair_mirror(struct pairs *pairs, const struct orl_world *world, cons
     struct orl_lamp_image image = {.mirror = facet, .normal = f->normal};
     find_sphere(world->geometry, f, &image);
     for (size_t i = 0; i < world->n_emitters; i++) {
-        if (!lamps[i] || world->emitters[i].facet == facet)
+        if (!world->emitters[i].direct || world->emitters[i].facet == facet)
             continue;
         image.emitter = (uint32_t)i;
         image.lamp = world->emitters[i].facet;
@@ -128,30 +128,27 @@ static void pair_mirror(struct pairs *pairs, const struct orl_world *world, cons
     }
 }
 
-/* Which emitters are lamps, and inside. Returns how many. */
-static size_t find_lamps(const struct orl_world *world, bool *ret_lamps)
+static bool has_lamps(const struct orl_world *world)
 {
-    size_t n = 0;
-    for (size_t i = 0; i < world->n_emitters; i++) {
-        ret_lamps[i] = world->emitters[i].direct && is_inside(world, world->emitters[i].facet);
-        n += ret_lamps[i];
-    }
-    return n;
+    for (size_t i = 0; i < world->n_emitters; i++)
+        if (world->emitters[i].direct)
+            return true;
+    return false;
 }
 
 int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world *world,
                           const struct orl_crew *crew)
 {
     *images = (struct orl_lamp_images){.n_images = 0};
-    bool *const lamps = calloc(world->n_emitters + 1, sizeof *lamps);
+    if (!has_lamps(world))
+        return 0;
     struct pairs *const pairs = calloc(1, sizeof *pairs);
-    int code = lamps && pairs ? 0 : ORL_ERR_NOMEM;
-    const size_t n_lamps = code == 0 ? find_lamps(world, lamps) : 0;
-    for (size_t f = 0; f < world->geometry->n_facets && n_lamps > 0 && code == 0; f++) {
+    int code = pairs ? 0 : ORL_ERR_NOMEM;
+    for (size_t f = 0; f < world->geometry->n_facets && code == 0; f++) {
         if (f % 256 == 0 && orl_crew_cancelled(crew))
             code = ORL_ERR_CANCELLED;
         else
-            pair_mirror(pairs, world, lamps, (uint32_t)f);
+            pair_mirror(pairs, world, (uint32_t)f);
     }
     if (code == 0 && pairs->n > 0) {
         images->images = calloc(pairs->n, sizeof *images->images);
@@ -160,7 +157,6 @@ int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world
     for (size_t i = 0; code == 0 && i < pairs->n; i++)
         images->images[images->n_images++] = pairs->kept[i].image;
     images->n_left_out = code == 0 ? pairs->n_left_out : 0;
-    free(lamps);
     free(pairs);
     return code;
 }

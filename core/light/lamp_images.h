@@ -6,8 +6,8 @@
  * strategies over the same directions, combined as with lamps seen straight (orl_chance).
  *
  * The brightest ORL_MOST_LAMP_IMAGES pairs of lamp and mirror are kept. All other ways by mirrors
- * (more reflections, mirrors left out, lamps or mirrors outside a sealed building, surfaces that
- * stand in several places) are left to rays that happen on the lamp and to photons: who asks by
+ * (more reflections, mirrors left out, mirrors outside a sealed building, surfaces that stand in
+ * several places) are left to rays that happen on the lamp and to photons: who asks by
  * orl_lamp_images_cover knows which.
  */
 #ifndef ORL_LIGHT_LAMP_IMAGES_H

@@ -23,7 +23,7 @@ static const double guided_share = 0.9, beside_port = 0.2;
 static const double beside_others = 0.25, dimmest_share = 1e-3;
 /* Of a place whose photons all leave at once: they still light what they land on; no caustic and no
  * virtual lamp does. */
-static const double least_worth = 0.02, least_worth_lamp = 1e-4, least_worth_caustic = 5e-4;
+static const double least_worth = 0.002, least_worth_lamp = 1e-4, least_worth_caustic = 5e-4;
 
 struct pilot {
     const struct orl_emission *emission;
@@ -208,10 +208,10 @@ static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_tab
     double *found = malloc((side + 1) * (side + 1) * sizeof *found);
     pilot->values = malloc(side * side * sizeof *pilot->values);
     int code = found && pilot->values ? orl_crew_try(crew, side, probe_row, pilot) : ORL_ERR_NOMEM;
-    if (code == 0 && pilot->caustic)
-        spread_out(pilot, found);
-    else if (code == 0 && pilot->lamps)
+    if (code == 0 && pilot->lamps && !pilot->caustic)
         weigh(pilot, found);
+    else if (code == 0)
+        spread_out(pilot, found);
     if (code == 0)
         code = orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
     free(found);
