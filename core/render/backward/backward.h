@@ -1,7 +1,7 @@
 /*
  * The backward technique (the paper's xxx): unbiased, no cache, no density estimate. Irradiance at
  * a place is the mean of samples, each of which adds up
- * - direct light: one shadow ray to every sun and lamp, and to the suns' images in flat mirrors;
+ * - direct light: one shadow ray to every sun and lamp, and to the images of both in flat mirrors;
  * - rays, aimed (aim.h): what they see of sky and glow, and of suns and lamps in the lobes of what
  *   they meet, panes of BSDF above all;
  * - connections to a few virtual point lights (vpl.h): all diffuse surfaces.
@@ -16,11 +16,12 @@
  * groups' samples are spread evenly together, which no group has of itself. Of one sample a pixel
  * it is not known.
  *
- * Suns by way of a curved mirror or of a dielectric have no shadow rays: only a ray that happens on
- * the disc finds them. That is noise, not bias, but hardly any job has the samples to notice: of
- * what such jobs lack a warning tells (run/chance.c). Exterior paths are exterior.h's, until they
- * enter a building. BSDFs with a thickness are met as light meets them, but by views' own rays,
- * which see what they stand for.
+ * Suns and lamps by way of a curved mirror, of a dielectric or of several mirrors have no shadow
+ * rays: only a ray that happens on the light finds them. That is noise, not bias, but hardly any
+ * job has the samples to notice: photons bring such light to the sensors, intervals are widened to
+ * include it, and a warning names the sensors that lack it (run/chance.c). Exterior paths are
+ * exterior.h's, until they enter a building. BSDFs with a thickness are met as light meets them,
+ * but by views' own rays, which see what they stand for.
  */
 #ifndef ORL_RENDER_BACKWARD_BACKWARD_H
 #define ORL_RENDER_BACKWARD_BACKWARD_H

@@ -1,6 +1,7 @@
 /*
  * The techniques of photon maps: light at a point is
- *   direct     from suns and lights, by shadow rays, through thin glass;
+ *   direct     from suns and lamps, by shadow rays, through thin glass (at sensors in mid-air by
+ *              flat mirrors too);
  *   caustic    from suns and lights after a mirror, a lobe or a BSDF: density of caustic photons;
  *   rest       all else. At a surface seen by a view, or with a sensor on it,
  *     gathered   (technique gather, the paper's GCx) by a hemisphere of rays that see the domes,
