@@ -13,6 +13,9 @@ enum { HEMISPHERES = 4, SHARE_AIMED = 16, SHARE_PORTS = 8 }; /* of rays: one suc
 /* A bias of caustics is small beside so much of the rest's error, or of all light: of the light
  * less than scatter would be, for it is told to a half of itself. */
 static const double beside_rest = 0.5, beside_light = 0.002;
+enum { SHARE_CHECKED = 16, LEAST_CHECKED = 128 }; /* of rays: so many check a density */
+/* In joint standard errors, of which rays tell theirs by three degrees of freedom; and of it. */
+static const double differs_in_errors = 5, differs_by = 0.15;
 static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
 
 /* Names of sequences: no two of any seeds are alike. */
@@ -290,6 +293,26 @@ static struct orl_estimate sharpen(struct orl_estimate caustic, const struct orl
     return orl_estimate_add(caustic, excess);
 }
 
+/*
+ * A density against a few rays of a hemisphere, which read the map elsewhere. A disc that takes in
+ * a bright place beyond a wall, or misses photons that are few and heavy, has a small scatter and a
+ * wrong value: where the two differ by more than both scatter, the difference is its bias.
+ */
+static void check_density(const struct orl_gather *gather, const struct orl_place *place,
+                          uint32_t samples, uint64_t index, struct orl_search *search,
+                          struct orl_estimate *density)
+{
+    struct orl_tally tally = {.known = 0};
+    const uint32_t rays = samples / SHARE_CHECKED;
+    const struct orl_estimate seen = gather_evenly(
+        gather, place, rays > LEAST_CHECKED ? rays : LEAST_CHECKED, index, search, &tally);
+    const double luma = orl_luma(density->value), off = luma - orl_luma(seen.value);
+    const double scatter = hypot(density->standard_error,
+                                 hypot(seen.standard_error, sqrt(orl_tally_variance(&tally))));
+    if (fabs(off) > fmax(differs_in_errors * scatter, differs_by * luma))
+        density->bias = copysign(fmax(fabs(off), fabs(density->bias)), off);
+}
+
 struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
                                       const struct orl_footing *footing, uint32_t samples,
                                       uint64_t index, struct orl_search *search)
@@ -311,6 +334,8 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
             gather_evenly(gather, place, samples, index, search, &tally);
         sum = estimate_by_map(&none, &tally.parts[kind_of_rest], &search->health);
         sum = orl_estimate_add(sum, seen);
+    } else {
+        check_density(gather, place, samples, index, search, &sum);
     }
     const struct orl_estimate all = orl_estimate_add(sum, lights);
     if (!place->outside && caustic.found > 0 &&
