@@ -29,6 +29,7 @@ enum orl_purpose {
     ORL_PURPOSE_GLOSS,
     ORL_PURPOSE_LEAF,
     ORL_PURPOSE_GONIOMETER,
+    ORL_PURPOSE_CROSS_CHECK,
 };
 
 static inline uint64_t orl_mix64(uint64_t z)

@@ -103,6 +103,8 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
         code = orl_run_judge_darkness(state, err);
     if (code == 0)
         code = orl_run_judge_chance(state, err);
+    if (code == 0)
+        code = orl_run_cross_check(state, err);
     if (code == 0) {
         orl_run_leave(state);
         orl_run_judge_health(state);

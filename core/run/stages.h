@@ -164,6 +164,10 @@ int orl_run_judge_darkness(struct orl_run_state *state, struct orl_error *err);
  * had to happen on it. */
 int orl_run_judge_chance(struct orl_run_state *state, struct orl_error *err);
 
+/* At the end: compares sensors with plain path tracing, into result->cross_check. Where they differ
+ * by more than both errors intervals are widened, and a warning says so. */
+int orl_run_cross_check(struct orl_run_state *state, struct orl_error *err);
+
 /* At the end: warnings where the result's health calls for them. */
 void orl_run_judge_health(struct orl_run_state *state);
 

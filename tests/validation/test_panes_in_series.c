@@ -48,7 +48,7 @@ static double run(const char *scene, enum orl_technique technique, double ret_fl
                                                         .sensors = sensors,
                                                         .n_sensors = PLACES + 1,
                                                         .technique = technique,
-                                                        .samples = 512,
+                                                        .samples = 2048,
                                                         .global = 100000,
                                                         .caustic = 50000});
     for (int i = 0; i < PLACES; i++)

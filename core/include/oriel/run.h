@@ -244,6 +244,15 @@ struct orl_view_result {
     bool black; /* no pixel has any light */
 };
 
+/* Sensors compared with plain path tracing (run/cross_check.c). */
+struct orl_cross_check {
+    uint64_t paths;            /* 0: none were compared */
+    size_t sensors;            /* of which enough is known by paths to compare */
+    size_t sensors_off;        /* by more than the errors of both: their intervals are widened */
+    double ratio, ratio_error; /* light by paths over light found, all together, and the standard
+                                  error of the former; NaN: not known */
+};
+
 /* How a job with a goal ended. */
 enum { ORL_COURSE = 48 };
 struct orl_outcome {
@@ -308,6 +317,7 @@ struct orl_result {
     bool sky_given; /* by the job */
     bool sky_dark;  /* and it gives no light: night, or none was measured */
     struct orl_outcome outcome;
+    struct orl_cross_check cross_check;
     struct orl_cost cost;
     struct orl_health health; /* of what this run did */
     char **warnings;

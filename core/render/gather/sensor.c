@@ -87,11 +87,10 @@ struct shot {
 };
 
 static struct orl_vec3 direction_to_port(const struct orl_world *world, struct orl_vec3 point,
-                                         double choice, const double u[2])
+                                         uint32_t facet, const double u[2])
 {
-    const size_t port = (size_t)(choice * (double)world->n_ports);
     struct orl_vec3 there, normal;
-    orl_facet_sample(world->geometry, world->ports[port].facet, u, &there, &normal);
+    orl_facet_sample(world->geometry, facet, u, &there, &normal);
     return orl_normalize(orl_sub(there, point));
 }
 
@@ -107,7 +106,9 @@ static bool draw_shot(const struct orl_gather *gather, const struct orl_place *p
         orl_bright_draw(volley->bright, u);
     ret->u[0] = u[0];
     ret->u[1] = u[1];
-    ret->direction = way == WAY_PORT ? direction_to_port(world, place->point, u[2], u)
+    const uint32_t facet =
+        way == WAY_PORT ? world->ports[(size_t)(u[2] * (double)world->n_ports)].facet : 0;
+    ret->direction = way == WAY_PORT ? direction_to_port(world, place->point, facet, u)
                                      : orl_hemisphere_about(place->normal, u[0], u[1]);
     if (!(orl_dot(ret->direction, place->normal) > 0))
         return false;
@@ -123,7 +124,7 @@ static bool draw_shot(const struct orl_gather *gather, const struct orl_place *p
     const struct orl_square at = orl_disk_to_square(local.x, local.y);
     ret->u[0] = 0.5 * (at.x + 1);
     ret->u[1] = 0.5 * (at.y + 1);
-    return ret->met && orl_world_port_of(world, ret->hit.facet) != ORL_NO_PORT;
+    return ret->met && ret->hit.facet == facet;
 }
 
 /* How many rays of the volley would have been drawn there, by projected solid angle over pi. */

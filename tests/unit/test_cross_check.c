@@ -1,0 +1,163 @@
+/*
+ * The cross-check of sensors by plain path tracing (run/cross_check.c): values that are right, too
+ * low and too high, in a room with a window and in one with a ball of glass besides. Truths are
+ * from the oracle (support/brute.h).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "run/stages.h"
+#include "support/brute.h"
+#include "support/path_cells.h"
+#include "support/scene_text.h"
+
+#define BALL                                                                                       \
+    "void dielectric crystal2 0 0 5 1 1 1 1.5 0\ncrystal2 sphere ball2 0 0 4 3.4 3.4 .4 .3\n"
+
+enum { SKY = 1, OPENING = 0 };
+
+static double now_s(void *ctx)
+{
+    (void)ctx;
+    return 0;
+}
+
+struct bench {
+    struct orl_crew *crew;
+    struct orl_world *world;
+    struct brute_value truth[PATH_SENSORS];
+};
+
+static struct bench set_up(const char *more)
+{
+    char text[PATH_TEXT];
+    struct bench b = {.crew = orl_crew_start(1)};
+    assert_true(path_cell_scene(SKY, OPENING, text));
+    assert_true(strlen(text) + strlen(more) < sizeof text);
+    strcat(text, more);
+    b.world = scene_world(text, "pane.xml", path_pane(), b.crew);
+    brute_sensors(b.world, path_sensors, PATH_SENSORS, 200000, b.crew, b.truth);
+    return b;
+}
+
+static void tear_down(struct bench *b)
+{
+    orl_world_free(b->world);
+    orl_crew_stop(b->crew);
+}
+
+/* Checks the truths times a factor, with intervals of 2 % to each side. */
+static struct orl_result check(struct bench *b, double factor, uint64_t seed)
+{
+    struct orl_job job;
+    struct orl_error err = {0};
+    atomic_bool cancel;
+    struct orl_result result = {.outcome = {.asked = true, .met = true}};
+    atomic_init(&cancel, false);
+    orl_job_init(&job);
+    job.seed = seed;
+    result.plan.technique = ORL_TECHNIQUE_GATHER;
+    result.plan.most_reflections = ORL_ALL_REFLECTIONS;
+    result.n_sensors = PATH_SENSORS;
+    result.illuminance_lx = calloc(PATH_SENSORS, sizeof(double));
+    result.interval_95_lx = calloc(PATH_SENSORS, sizeof *result.interval_95_lx);
+    assert_true(result.illuminance_lx && result.interval_95_lx);
+    for (int i = 0; i < PATH_SENSORS; i++) {
+        const double lx = b->truth[i].mean * factor;
+        result.illuminance_lx[i] = lx;
+        result.interval_95_lx[i][0] = 0.98 * lx;
+        result.interval_95_lx[i][1] = 1.02 * lx;
+    }
+    const struct orl_run_env env = {.crew = b->crew, .cancel = &cancel, .now_s = now_s};
+    struct orl_run_state state = {.job = &job,
+                                  .env = &env,
+                                  .result = &result,
+                                  .sensors = (struct orl_sensor *)(uintptr_t)path_sensors,
+                                  .n_sensors = PATH_SENSORS,
+                                  .world = b->world,
+                                  .samples = 1 << 20};
+    assert_int_equal(orl_run_cross_check(&state, &err), 0);
+    return result;
+}
+
+static void test_right_values(void **state)
+{
+    struct bench b = set_up("");
+    (void)state;
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        struct orl_result r = check(&b, 1, seed);
+        assert_int_equal(r.cross_check.sensors_off, 0);
+        assert_int_equal(r.n_warnings, 0);
+        assert_true(r.outcome.met);
+        assert_true(r.cross_check.sensors >= 3);
+        assert_true(fabs(r.cross_check.ratio - 1) < 4.5 * r.cross_check.ratio_error);
+        orl_result_done(&r);
+    }
+    tear_down(&b);
+}
+
+/* Where enough paths are known, the interval then holds the truth. */
+static void check_wrong(struct bench *b, double factor)
+{
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        struct orl_result r = check(b, factor, seed);
+        size_t held = 0;
+        for (int i = 0; i < PATH_SENSORS; i++)
+            held += r.interval_95_lx[i][0] <= b->truth[i].mean &&
+                    b->truth[i].mean <= r.interval_95_lx[i][1];
+        assert_true(r.cross_check.sensors_off >= 3);
+        assert_true(held >= r.cross_check.sensors_off * 8 / 10);
+        assert_int_equal(r.n_warnings, 1);
+        assert_non_null(strstr(r.warnings[0], "cross-check"));
+        assert_false(r.outcome.met);
+        orl_result_done(&r);
+    }
+}
+
+static void test_values_too_low(void **state)
+{
+    struct bench b = set_up("");
+    (void)state;
+    check_wrong(&b, 0.5);
+    tear_down(&b);
+}
+
+static void test_values_too_high(void **state)
+{
+    struct bench b = set_up("");
+    (void)state;
+    check_wrong(&b, 2);
+    tear_down(&b);
+}
+
+/* Paths miss what a ball of glass focuses: that they find less says nothing. */
+static void test_where_light_is_bent(void **state)
+{
+    struct bench b = set_up(BALL);
+    (void)state;
+    struct orl_result r = check(&b, 2, 1);
+    assert_int_equal(r.cross_check.sensors_off, 0);
+    assert_int_equal(r.n_warnings, 0);
+    orl_result_done(&r);
+    r = check(&b, 0.5, 1);
+    assert_true(r.cross_check.sensors_off >= 3);
+    orl_result_done(&r);
+    tear_down(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_right_values),
+        cmocka_unit_test(test_values_too_low),
+        cmocka_unit_test(test_values_too_high),
+        cmocka_unit_test(test_where_light_is_bent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
