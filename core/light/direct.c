@@ -35,7 +35,8 @@ static struct orl_rgb through_panes(const struct orl_world *world, struct orl_ve
     return orl_gray(0);
 }
 
-/* The same to a mirror, whose hit it returns; zero where something opaque is met before. */
+/* Transmittance of panes on the way to a mirror, whose hit it returns; zero where something opaque
+ * is met before. */
 static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, struct orl_vec3 origin,
                                               struct orl_vec3 direction, bool through_ports,
                                               uint32_t mirror, struct orl_hit *ret_hit)
@@ -92,103 +93,6 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
                          cosine);
 }
 
-/* A sphere from outside: uniform over the cone it fills. */
-static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, const double u[2],
-                          struct orl_lamp_aim *ret_aim)
-{
-    const struct orl_vec3 way = orl_sub(facet->round->center[0], from);
-    const double d2 = orl_dot(way, way), r2 = facet->round->radius[0] * facet->round->radius[0];
-    if (d2 <= r2 * (1 + 1e-9))
-        return false;
-    const double sine2 = r2 / d2, least_cosine = sqrt(1 - sine2);
-    const double down = u[0] * sine2 / (1 + least_cosine), cosine = 1 - down;
-    const double sine = sqrt(fmax(0, down * (2 - down))), phi = 2 * ORL_PI * u[1], d = sqrt(d2);
-    const struct orl_frame frame = orl_frame_about(orl_scale(way, 1 / d));
-    ret_aim->light = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
-    /* As far as a sphere a little larger: a ray to the rim is a float, and must not meet it. */
-    const double room = 2 * facet->round->radius[0] * (d * 0x1p-20 + facet->offset);
-    ret_aim->distance = d * cosine - sqrt(fmax(0, r2 - d2 * sine * sine) + room);
-    ret_aim->normal = orl_normalize(
-        orl_sub(orl_madd(from, ret_aim->light, ret_aim->distance), facet->round->center[0]));
-    ret_aim->measure_sr = 2 * ORL_PI * sine2 / (1 + least_cosine);
-    return true;
-}
-
-/*
- * How much a ray that is a float may meet a tube or cone before the point that it is aimed at,
- * which near the rim is much: as far as to one a little thicker, as with spheres.
- */
-static double float_room(const struct orl_facet *facet, const struct orl_lamp_aim *aim)
-{
-    if (facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING)
-        return 0;
-    const struct orl_curved *const round = facet->round;
-    const double r = orl_larger(round->radius[0], round->radius[1]);
-    const struct orl_vec3 axis = orl_sub(round->center[1], round->center[0]);
-    const double length2 = orl_dot(axis, axis), along = orl_dot(aim->light, axis);
-    const double across2 = /* of the ray, where there is an axis */
-        facet->kind == ORL_SURFACE_BUBBLE || !(length2 > 0) ? 1 : 1 - along * along / length2;
-    const double room = 2 * r * (aim->distance * 0x1p-20 + facet->offset);
-    const double rc = -r * orl_dot(aim->light, aim->normal);
-    return room / (rc + sqrt(rc * rc + orl_larger(across2, 0) * room));
-}
-
-/* Any other surface: uniform by area. */
-static bool aim_by_area(const struct orl_world *world, const struct orl_emitter *emitter,
-                        struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
-{
-    struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
-    struct orl_vec3 point, normal;
-    orl_facet_sample(world->geometry, emitter->facet, u, &point, &normal);
-    const struct orl_vec3 way = orl_sub(point, from);
-    const double d2 = orl_dot(way, way), d = sqrt(d2);
-    if (!(d > 0))
-        return false;
-    ret_aim->light = orl_scale(way, 1 / d);
-    ret_aim->normal = normal;
-    ret_aim->distance = d;
-    ret_aim->measure_sr = -orl_dot(ret_aim->light, normal) * facet->area / d2;
-    if (!(ret_aim->measure_sr > 0))
-        return false;
-    ret_aim->distance -= float_room(facet, ret_aim);
-    return true;
-}
-
-bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitter,
-                  struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
-{
-    struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
-    return facet->kind == ORL_SURFACE_SPHERE ? aim_at_sphere(facet, from, u, ret_aim)
-                                             : aim_by_area(world, emitter, from, u, ret_aim);
-}
-
-/* The density with which a shadow ray is drawn that way: per steradian. */
-static double aim_pdf(const struct orl_lamp_aim *aim)
-{
-    return 1 / aim->measure_sr;
-}
-
-/* The same for a ray from there that happened on the emitter at that hit. */
-static double aim_pdf_of_hit(const struct orl_world *world, const struct orl_hit *hit,
-                             struct orl_vec3 from)
-{
-    struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(world->geometry, hit->facet, &own);
-    const struct orl_vec3 way = orl_sub(hit->point, from);
-    const double d2 = orl_dot(way, way);
-    if (facet->kind != ORL_SURFACE_SPHERE) {
-        const double cosine = fabs(orl_dot(way, hit->normal)) / sqrt(d2);
-        return d2 / (cosine * facet->area);
-    }
-    const struct orl_vec3 to_center = orl_sub(facet->round->center[0], from);
-    const double r2 = facet->round->radius[0] * facet->round->radius[0],
-                 c2 = orl_dot(to_center, to_center);
-    const double sine2 = r2 / c2;
-    return c2 > r2 ? (1 + sqrt(1 - sine2)) / (2 * ORL_PI * sine2) : 0;
-}
-
 /*
  * What rays may be drawn by where suns and lamps are looked for by way of a material's lobes. Both
  * shares are worked out from this, whatever a path then allows: they must add up to one.
@@ -219,7 +123,7 @@ static double share_of_lamp(const struct orl_world *world, const struct orl_hit 
         return 1;
     if (!is_for_rays(orl_world_material(world, lamp)))
         return 0;
-    const double pdf = aim_pdf_of_hit(world, lamp, chance->from);
+    const double pdf = orl_lamp_aim_pdf_of_hit(world, lamp, chance->from);
     return isfinite(pdf) ? chance->pdf / (chance->pdf + pdf) : 0;
 }
 
@@ -323,7 +227,8 @@ struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl
                                                       emitter->facet, through_ports));
 }
 
-/* What rays drawn by the query's lobes leave of a lamp in that direction, aimed at so. */
+/* The shadow ray's share of a lamp in that direction; the rest is for rays that the query's lobes
+ * draw. */
 static double left_by_lobes(const struct orl_world *world, const struct orl_direct_query *query,
                             const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
                             struct orl_vec3 direction)
@@ -331,8 +236,8 @@ static double left_by_lobes(const struct orl_world *world, const struct orl_dire
     const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
     if (!query->lobes || !is_for_rays(&world->materials[material]))
         return 1;
-    return aim_pdf(aim) /
-           (aim_pdf(aim) + lobe_pdf(query->lobes, query->hit, query->eye, direction));
+    return orl_lamp_aim_pdf(aim) /
+           (orl_lamp_aim_pdf(aim) + lobe_pdf(query->lobes, query->hit, query->eye, direction));
 }
 
 static struct orl_rgb light_from_emitter(const struct orl_world *world,

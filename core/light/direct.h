@@ -5,6 +5,7 @@
 #ifndef ORL_LIGHT_DIRECT_H
 #define ORL_LIGHT_DIRECT_H
 
+#include "light/lamp_aim.h"
 #include "light/world.h"
 
 /*
@@ -40,16 +41,6 @@ struct orl_direct_query {
 };
 struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
                                 struct orl_random *random);
-
-/* A point of an emitter as seen from somewhere, and the solid angle that it stands for. */
-struct orl_lamp_aim {
-    struct orl_vec3 light;  /* unit, towards the point */
-    struct orl_vec3 normal; /* there */
-    double distance, measure_sr;
-};
-/* u: two numbers in [0,1). False where the point shows its back, or a sphere its inside. */
-bool orl_lamp_aim(const struct orl_world *world, const struct orl_emitter *emitter,
-                  struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim);
 
 /* The lamp's radiance from there towards where the aim was taken, times the transmittance on the
  * way and the solid angle: with a cosine, irradiance. With through_ports false ports block. */

@@ -52,14 +52,14 @@ struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct 
                                           struct orl_random *random, struct orl_health *health);
 
 /*
- * The same for one that leaves a port outwards, without the lamps it sees straight; beyond a clear
- * port no ray is needed.
+ * Radiance for a path that leaves a port outwards, without the lamps that it sees straight; beyond
+ * a clear port no ray is needed.
  */
 struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl_port *port,
                                  struct orl_vec3 origin, struct orl_vec3 direction,
                                  struct orl_random *random, struct orl_health *health);
 
-/* Whether that is orl_exterior_radiance_from of what a ray meets first. */
+/* Returns true if that is orl_exterior_radiance_from of what a ray meets first. */
 bool orl_port_looks(const struct orl_world *world, const struct orl_port *port);
 
 #endif

@@ -75,7 +75,8 @@ struct orl_lights *orl_lights_hold(struct orl_lights *lights);
 /* NULL is allowed. */
 void orl_lights_release(struct orl_lights *lights);
 
-/* Whether a facet of that material is sampled by shadow rays, where glows are up to that area. */
+/* Returns true if a facet of that material is sampled by shadow rays, as glows are up to that area.
+ */
 bool orl_is_lamp(const struct orl_geometry *geometry, double most_aimed_glow,
                  const struct orl_material *material, uint32_t facet);
 

@@ -68,8 +68,8 @@ static double times_met(const struct orl_world *world, double of_suns, double of
  * paths have met that light that their scatter does not tell: it holds the value of both. */
 static void widen(double interval[2], double found_lx, const struct orl_estimate *brought)
 {
-    const double most = orl_luma(brought->value) + fabs(brought->bias) +
-                        brought->standard_error * bound_in_errors;
+    const double most =
+        orl_luma(brought->value) + fabs(brought->bias) + brought->standard_error * bound_in_errors;
     interval[1] = fmax(interval[1], found_lx + ORL_EFFICACY_LM_PER_W * most);
 }
 

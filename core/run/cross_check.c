@@ -159,7 +159,7 @@ static void trace_group(void *arg, size_t index, uint32_t member)
     group->effective = sums[1] > 0 ? sums[0] * sums[0] / sums[1] : 0;
 }
 
-/* Whether paths find all light: nothing focuses or bends it. */
+/* Returns true if paths find all light: nothing focuses or bends it. */
 static bool paths_find_all(const struct orl_world *world)
 {
     for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
@@ -250,7 +250,7 @@ static void judge(struct orl_run_state *state, const struct check *check)
     }
 }
 
-/* What a job leaves out on demand is not in its results, and would be in the paths'. */
+/* Effects that the job leaves out on demand would be in the light of the paths. */
 static bool leaves_out_on_demand(const struct orl_job *job)
 {
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)

@@ -36,7 +36,7 @@ const struct orl_sensor path_sensors[PATH_SENSORS] = {
 /* A pane in the opening, or y behind it. */
 #define PANE(material, y)                                                                          \
     material " polygon pane" #y " 0 0 12 1.2 " #y " 1 1.2 " #y " 2.4 2.8 " #y " 2.4 2.8 " #y " 1"  \
-                                                                                             "\n"
+             "\n"
 #define REVEAL                                                                                     \
     "w polygon sill 0 0 12 1.2 0 1 2.8 0 1 2.8 .1 1 1.2 .1 1\n"                                    \
     "w polygon head 0 0 12 1.2 0 2.4 1.2 .1 2.4 2.8 .1 2.4 2.8 0 2.4\n"                            \

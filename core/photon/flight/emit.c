@@ -329,7 +329,7 @@ static void look_out(struct wave *w, struct orl_health *health)
         w->stages[whose[k]] =
             look(a, orl_exterior_radiance_from(world, a->outwards, found[k] ? &hits[k] : NULL,
                                                orl_chance_found_straight(), &w->randoms[whose[k]],
-                                          health));
+                                               health));
     }
 }
 

@@ -2,8 +2,7 @@
 
 #include <stdlib.h>
 
-enum { FLIGHTS = 1 << 16, MOST_FLIGHTS = 256, LEAST_FLIGHTS = 8, POINTS_OF_LAMP = 8 };
-static const double least_share = 0.01; /* of the flux without obstructions */
+enum { POINTS_OF_LAMP = 8 };
 
 /* ---- Which lamps ----------------------------------------------------------------------------- */
 
@@ -98,42 +97,20 @@ struct orl_rgb orl_port_lamp_arriving(const struct orl_emission *emission,
                          any ? (double)n : 1);
 }
 
-/* ---- How much -------------------------------------------------------------------------------- */
-
-/* Flux on the pane by that point of it and of the lamp, as if nothing were in the way. */
-static double open_flux(const struct orl_world *world, const struct orl_port *port, uint32_t lamp,
-                        const double u[4])
+double orl_port_lamp_open_flux(const struct orl_emission *emission,
+                               const struct orl_stratum *stratum, uint32_t choice,
+                               const double u[4])
 {
+    const struct orl_world *world = emission->world;
+    const struct orl_port *port = &world->ports[stratum->port];
+    const size_t n = emission->n_lamps_outside;
+    const bool any = stratum->lamp == ORL_ANY_LAMP;
+    const uint32_t lamp = any ? emission->lamps_outside[choice % n] : stratum->lamp;
     struct orl_vec3 point, normal;
     struct orl_lamp_aim aim;
     orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
     if (!aim_at_lamp(world, port, lamp, before_port(world, port, point), u + 2, &aim))
         return 0;
     return orl_luma(world->emitters[lamp].radiance) * aim.measure_sr *
-           orl_dot(aim.light, port->outward) * port->area;
-}
-
-double orl_port_lamp_flux(const struct orl_emission *emission, const struct orl_stratum *stratum)
-{
-    const struct orl_world *world = emission->world;
-    const size_t each = FLIGHTS / orl_port_lamp_strata(emission), n = emission->n_lamps_outside;
-    const uint32_t flights = (uint32_t)(each > MOST_FLIGHTS    ? MOST_FLIGHTS
-                                        : each < LEAST_FLIGHTS ? LEAST_FLIGHTS
-                                                               : each);
-    struct orl_health ignored = {0};
-    double passing = 0, open = 0;
-    for (uint32_t i = 0; i < flights; i++) {
-        double point[5];
-        struct orl_flight flight;
-        struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT,
-                                                     ((uint64_t)stratum->lamp << 32) + i);
-        const bool any = stratum->lamp == ORL_ANY_LAMP;
-        orl_sobol_point(&emission->sobol, i, stratum->lamp, 5, point);
-        if (orl_emission_from(emission, stratum, false, point, &random, &ignored, &flight))
-            passing += orl_luma(flight.flux) / flights;
-        open += open_flux(world, &world->ports[stratum->port],
-                          any ? emission->lamps_outside[i % n] : stratum->lamp, point + 1) *
-                (any ? (double)n : 1) / flights;
-    }
-    return fmax(passing, least_share * open);
+           orl_dot(aim.light, port->outward) * port->area * (any ? (double)n : 1);
 }

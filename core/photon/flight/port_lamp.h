@@ -21,12 +21,14 @@ enum { ORL_MOST_PORT_LAMPS = 8192 };
 int orl_port_lamps_find(struct orl_emission *emission, const struct orl_crew *crew);
 /* How many strata there are of them at the most. */
 size_t orl_port_lamp_strata(const struct orl_emission *emission);
-/* Whether that emitter is one of them. */
+/* Returns true if that emitter is one of them. */
 bool orl_port_lamp_is_outside(const struct orl_emission *emission, size_t emitter);
 
-/* Flux of a stratum that passes the pane, W of luma: by a few flights, and no less than a hundredth
- * of what arrives where nothing is in the way. */
-double orl_port_lamp_flux(const struct orl_emission *emission, const struct orl_stratum *stratum);
+/* One estimate of the flux on the pane, W of luma, as if nothing were in the way, by four numbers
+ * in [0,1). choice: of ORL_ANY_LAMP, which lamp. */
+double orl_port_lamp_open_flux(const struct orl_emission *emission,
+                               const struct orl_stratum *stratum, uint32_t choice,
+                               const double u[4]);
 
 /* Radiance times solid angle that arrives at a point of the port, from a point of the lamp that u
  * draws: two numbers in [0,1). Zero: nothing does. */

@@ -15,9 +15,11 @@
  */
 enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE = 4 };
 enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
-enum { IMAGE_FLIGHTS = 256 };
-static const double floor_share = 0.1; /* of cosine-weighted directions in every table */
-/* Shares of photons that start at the sky of an open scene, when there are ports, or lamps alone. */
+enum { IMAGE_FLIGHTS = 256, LAMP_FLIGHTS = 1 << 16, LEAST_FLIGHTS_OF_LAMP = 8 };
+static const double least_of_open = 0.01; /* of a lamp's flux without obstructions */
+static const double floor_share = 0.1;    /* of cosine-weighted directions in every table */
+/* Shares of photons that start at the sky of an open scene, when there are ports, or lamps alone.
+ */
 static const double least_open = 0.25, most_open = 0.75, most_open_beside_lamps = 0.9;
 
 struct pilot {
@@ -106,9 +108,8 @@ static int make_dome_table(struct orl_emission *e, bool guided)
         const double z = 2 * (row + 0.5) / DOME_SIDE_Y - 1, s = sqrt(1 - z * z);
         const double phi = 2 * ORL_PI * (column + 0.5) / DOME_SIDE_X;
         const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
-        values[i] =
-            orl_luma(orl_world_dome_radiance(e->world, d)) * box_area(e->world->geometry, d) *
-            (guided ? orl_guide_worth(e, d) : 1);
+        values[i] = orl_luma(orl_world_dome_radiance(e->world, d)) *
+                    box_area(e->world->geometry, d) * (guided ? orl_guide_worth(e, d) : 1);
     }
     const int code = orl_table_init(&e->dome_table, DOME_SIDE_X, DOME_SIDE_Y, values, floor_share);
     free(values);
@@ -182,6 +183,29 @@ static int list_images(struct orl_emission *e, const struct orl_crew *crew)
     return 0;
 }
 
+/* Flux that passes the pane: by a few flights, and no less than a hundredth of what arrives where
+ * nothing is in the way, for a gap may let light through that so few flights miss. */
+static double port_lamp_flux(const struct orl_emission *e, const struct orl_stratum *stratum)
+{
+    const size_t each = LAMP_FLIGHTS / orl_port_lamp_strata(e);
+    const uint32_t flights = (uint32_t)(each > IMAGE_FLIGHTS           ? IMAGE_FLIGHTS
+                                        : each < LEAST_FLIGHTS_OF_LAMP ? LEAST_FLIGHTS_OF_LAMP
+                                                                       : each);
+    struct orl_health ignored = {0};
+    double passing = 0, open = 0;
+    for (uint32_t i = 0; i < flights; i++) {
+        double point[5];
+        struct orl_flight flight;
+        struct orl_random random = orl_random_stream(stratum->port, ORL_PURPOSE_PILOT,
+                                                     ((uint64_t)stratum->lamp << 32) + i);
+        orl_sobol_point(&e->sobol, i, stratum->lamp, 5, point);
+        if (orl_emission_from(e, stratum, false, point, &random, &ignored, &flight))
+            passing += orl_luma(flight.flux) / flights;
+        open += orl_port_lamp_open_flux(e, stratum, i, point + 1) / flights;
+    }
+    return fmax(passing, least_of_open * open);
+}
+
 /* Lamps outside: of each port all that may light it, or one stratum for all. */
 static int list_lamps(struct orl_emission *e, const struct orl_crew *crew)
 {
@@ -198,7 +222,7 @@ static int list_lamps(struct orl_emission *e, const struct orl_crew *crew)
                 .kind = ORL_STRATUM_PORT_LAMP,
                 .port = (uint32_t)p,
                 .lamp = strata > world->n_ports ? e->lamps_outside[i] : ORL_ANY_LAMP};
-            add_stratum(e, stratum, orl_port_lamp_flux(e, &stratum));
+            add_stratum(e, stratum, port_lamp_flux(e, &stratum));
         }
     }
     return 0;
@@ -261,7 +285,7 @@ static double flux_to_keep(const struct orl_stratum *s)
     return s->flux_w * s->reflected;
 }
 
-/* What share of the sky's light is worth photons, by the guides. */
+/* Sets the share of the sky's light that is worth photons, by the guides. */
 static int weigh_sky(struct orl_emission *e)
 {
     const double before = e->dome_table.mean;
