@@ -6,7 +6,8 @@
  *
  * Nothing is said of groups whose estimate by paths rests on few of them (the effective number of
  * samples, Kish 1965: (sum x)^2 / sum x^2), such as in rooms with one small window. Paths leave out
- * suns by way of curved mirrors and dielectrics: where there are such, finding less says nothing.
+ * suns by way of curved mirrors and dielectrics, and seldom meet suns and lamps by way of lobes:
+ * where there are such, finding less says nothing.
  */
 #include <math.h>
 #include <stdio.h>
@@ -159,15 +160,23 @@ static void trace_group(void *arg, size_t index, uint32_t member)
     group->effective = sums[1] > 0 ? sums[0] * sums[0] / sums[1] : 0;
 }
 
-/* Returns true if paths find all light: nothing focuses or bends it. */
+/*
+ * Returns true if paths find all light, and often: nothing bends or focuses it, and no lobe sends
+ * on a sun or lamp, which paths from a sensor meet in few directions; so few that their scatter may
+ * not tell that there is such light.
+ */
 static bool paths_find_all(const struct orl_world *world)
 {
+    bool lights = world->n_suns > 0;
+    for (size_t i = 0; i < world->n_emitters && !lights; i++)
+        lights = world->emitters[i].direct;
     for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
         struct orl_facet room;
         const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet, &room);
         const struct orl_material *m = &world->materials[f->material];
         const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-        if (orl_material_bends(m) || (orl_material_is_mirror(m) && (!flat || m->texture)))
+        if (orl_material_bends(m) || (orl_material_is_mirror(m) && (!flat || m->texture)) ||
+            (lights && orl_material_has_lobes(m)))
             return false;
     }
     return true;
@@ -230,8 +239,9 @@ static void judge(struct orl_run_state *state, const struct check *check)
         }
     }
     c->paths = (uint64_t)check->paths * state->n_sensors;
-    c->ratio = all > 0 ? by_paths / all : NAN;
-    c->ratio_error = all > 0 ? sqrt(variance) / all : NAN;
+    const bool known = all > 0 && (find_all || by_paths >= all);
+    c->ratio = known ? by_paths / all : NAN;
+    c->ratio_error = known ? sqrt(variance) / all : NAN;
     if (!worst)
         return;
     double lx, error;

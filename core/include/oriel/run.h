@@ -250,7 +250,8 @@ struct orl_cross_check {
     size_t sensors;            /* of which enough is known by paths to compare */
     size_t sensors_off;        /* by more than the errors of both: their intervals are widened */
     double ratio, ratio_error; /* light by paths over light found, all together, and the standard
-                                  error of the former; NaN: not known */
+                                  error of the former; NaN: not known, or paths find less
+                                  where they cannot find all */
 };
 
 /* How a job with a goal ended. */
