@@ -253,6 +253,8 @@ bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *
 struct joined {
     struct orl_rgb sum;
     double total, by_photons, by_rays;
+    double squares,
+        noise; /* sums by weight: of what records say, squared; of the variance by rays */
 };
 
 static void join(struct joined *joined, const struct orl_icache *cache,
@@ -261,20 +263,31 @@ static void join(struct joined *joined, const struct orl_icache *cache,
     const double weight = weight_of(record, place);
     if (!(weight > 0) || !is_open(cache, record, place))
         return;
-    joined->sum =
-        orl_rgb_add(joined->sum, orl_rgb_scale(carried(record, place, cache->channels), weight));
+    const struct orl_rgb value = carried(record, place, cache->channels);
+    joined->sum = orl_rgb_add(joined->sum, orl_rgb_scale(value, weight));
+    joined->squares += weight * orl_luma(value) * orl_luma(value);
+    joined->noise += weight * record->error_by_rays * record->error_by_rays;
     joined->by_photons += weight * record->error_by_photons;
     joined->by_rays += weight * weight * record->error_by_rays * record->error_by_rays;
     joined->total += weight;
 }
 
+/*
+ * The error of the interpolation is taken to be as much as the records scatter beyond their rays'
+ * noise: what each extrapolates is off by the curvature of the light times its squared distance,
+ * which differs between them about as much as it is. It does not average out over records.
+ */
 static bool settle(const struct joined *joined, struct orl_cached *ret_cached)
 {
     const double total = joined->total, by_photons = joined->by_photons;
     if (!(total > 0))
         return false;
-    *ret_cached = (struct orl_cached){orl_rgb_scale(joined->sum, 1 / total),
-                                      sqrt(by_photons * by_photons + joined->by_rays) / total};
+    const double mean = orl_luma(joined->sum) / total;
+    const double by_interpolation =
+        fmax((joined->squares - joined->noise) / total - mean * mean, 0);
+    *ret_cached = (struct orl_cached){
+        orl_rgb_scale(joined->sum, 1 / total),
+        sqrt((by_photons * by_photons + joined->by_rays) / (total * total) + by_interpolation)};
     return true;
 }
 

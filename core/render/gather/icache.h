@@ -80,8 +80,9 @@ struct orl_cached {
 
 /*
  * Interpolates; false when no record reaches this place, even by overlap. Errors by photons are
- * averaged as values are, for records share photons; errors by rays are each record's own. What
- * rays do to gradients is not in them, nor what interpolation does.
+ * averaged as values are, for records share photons; errors by rays are each record's own; that of
+ * the interpolation is as much as records scatter beyond their rays' noise. What rays do to
+ * gradients is not in it.
  */
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_cached *ret_cached);
