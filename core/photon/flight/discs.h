@@ -24,6 +24,8 @@ struct orl_disc {
     struct orl_vec3 center;
     struct orl_frame frame; /* n: the side that is lit */
     double radius;
+    float
+        curved; /* distance of the nearest dielectric or curved mirror on its plane; or INFINITY */
     float reach2[ORL_DISC_SECTORS]; /* squared: by sectors from frame.u on; no more than radius^2 */
 };
 

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "scene/material/bounds.h"
 #include "scene/material/hemisphere.h"
 
 enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = ORL_AIR_FEWEST, TASKS_A_ROUND = 64 };
@@ -110,6 +111,15 @@ static double distance_about(const struct orl_geometry *g, const struct orl_plac
     return n > 0 ? met[n / 2] : INFINITY;
 }
 
+/* Returns true if light close to it may vary more than discs can tell: a lens or curved mirror. */
+static bool focuses(const struct orl_world *world, const struct orl_hit *hit)
+{
+    const struct orl_material *m = orl_world_material(world, hit);
+    const enum orl_surface_kind kind = orl_facet_kind(world->geometry, hit->facet);
+    return orl_material_bends(m) ||
+           (kind != ORL_SURFACE_POLYGON && kind != ORL_SURFACE_RING && orl_material_is_mirror(m));
+}
+
 /* Less of it where something stands on its plane. */
 static void make_disc(const struct orl_air *air, const struct orl_place *place,
                       struct orl_disc *ret_disc)
@@ -121,7 +131,8 @@ static void make_disc(const struct orl_air *air, const struct orl_place *place,
     *ret_disc = (struct orl_disc){
         .center = orl_madd(place->point, place->normal, air->gather ? 0 : above * radius),
         .frame = orl_frame_about(place->normal),
-        .radius = radius};
+        .radius = radius,
+        .curved = INFINITY};
     for (int i = 0; i < ORL_DISC_SECTORS; i++) {
         const double phi = 2 * ORL_PI * (i + 0.5) / ORL_DISC_SECTORS;
         const struct orl_vec3 out =
@@ -130,6 +141,8 @@ static void make_disc(const struct orl_air *air, const struct orl_place *place,
         const bool ends = orl_geometry_intersect(g, ret_disc->center, out, radius, &hit);
         const double reach = ends ? fmin(hit.distance, radius) : radius;
         ret_disc->reach2[i] = (float)(reach * reach);
+        if (ends && focuses(air->world, &hit))
+            ret_disc->curved = fminf(ret_disc->curved, (float)hit.distance);
     }
 }
 
@@ -332,6 +345,11 @@ static struct reading read_disc(const struct orl_air *air, uint32_t disc)
     for (int w = WIDTHS - 1; w >= 0; w--)
         if (expected_square(readings, w) < expected_square(readings, best))
             best = w;
+    const struct orl_disc *d = &air->discs[disc];
+    const double luma = orl_luma(readings[best].irradiance);
+    /* All that is known of light beside a lens is its mean over more than the lens is away. */
+    if ((double)d->curved < sqrt(width2(best)) * d->radius && luma > fabs(readings[best].bias))
+        readings[best].bias = copysign(luma, readings[best].bias);
     return readings[best];
 }
 
