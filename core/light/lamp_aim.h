@@ -23,7 +23,8 @@ static inline double orl_lamp_aim_pdf(const struct orl_lamp_aim *aim)
     return 1 / aim->measure_sr;
 }
 
-/* The same of a ray from there that has met the lamp at that hit. */
+/* The density, per steradian, with which an aim from there draws the direction to that hit of the
+ * lamp. */
 double orl_lamp_aim_pdf_of_hit(const struct orl_world *world, const struct orl_hit *hit,
                                struct orl_vec3 from);
 

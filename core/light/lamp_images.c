@@ -2,20 +2,30 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "light/world.h"
 #include "scene/material/bounds.h"
 
-/* A pair's share of the lamp's light, at most, times its power. */
+/* Pairs beyond so many are left out without a look: some tenths of a second. */
+static const uint64_t most_pairs = 4000000;
+/* Mirrors of which rays tell whether they are inside; those beyond are left out, too. */
+enum { MOST_MIRRORS_LOOKED_AT = 4096 };
+/* As many pairs as LEAST_PAIRS, or twice as many as lamps, are kept. */
+enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
+
+/* The flux of a lamp that the mirror sends on, at most. */
 struct pair {
     struct orl_lamp_image image;
     double strength;
 };
 
+/* The strongest pairs so far: a heap, the weakest first. */
 struct pairs {
-    struct pair kept[ORL_MOST_LAMP_IMAGES];
-    size_t n, n_left_out;
+    struct pair kept[MOST_PAIRS];
+    size_t n, most;
+    double left_out;  /* sum of strengths */
+    bool overflown;   /* there are pairs that were not looked at */
+    size_t looked_at; /* mirrors */
 };
 
 /* ---- Mirrors --------------------------------------------------------------------------------- */
@@ -60,40 +70,90 @@ static void find_sphere(const struct orl_geometry *g, const struct orl_facet *f,
 
 /* ---- Pairs ----------------------------------------------------------------------------------- */
 
-/* Flux of the lamp times what the mirror may catch of it and sends on; 0: it sees only its edge. */
-static double strength_of(const struct orl_world *world, const struct orl_emitter *emitter,
-                          const struct orl_facet *mirror, const struct orl_lamp_image *image)
+/* A lamp as a point: its middle, area, and area times radiance. */
+struct spot {
+    uint32_t emitter, facet;
+    struct orl_vec3 middle;
+    double area, power;
+};
+
+/* Lists the lamps that shadow rays sample; returns how many. */
+static size_t list_spots(const struct orl_world *world, struct spot *ret_spots)
 {
-    struct orl_facet own;
-    const struct orl_facet *lamp = orl_facet_own(world->geometry, emitter->facet, &own);
-    static const double middle[2] = {0.5, 0.5};
-    struct orl_vec3 point, normal;
-    orl_facet_sample(world->geometry, emitter->facet, middle, &point, &normal);
-    const struct orl_vec3 way = orl_sub(point, image->center);
-    const double d2 = orl_dot(way, way) + lamp->area;
-    const struct orl_material *m = &world->materials[mirror->material];
-    const bool front = orl_dot(way, mirror->normal) > 0;
-    const double caught = fmin(mirror->area / (ORL_PI * d2), 1);
-    return orl_luma(emitter->most) * lamp->area * caught *
-           orl_material_mirrored_most(m, front, 0.5);
+    static const double half[2] = {0.5, 0.5};
+    size_t n = 0;
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        const struct orl_emitter *emitter = &world->emitters[i];
+        struct orl_vec3 normal;
+        if (!emitter->direct)
+            continue;
+        struct spot *spot = &ret_spots[n++];
+        spot->emitter = (uint32_t)i;
+        spot->facet = emitter->facet;
+        spot->area = orl_facet_area(world->geometry, emitter->facet);
+        spot->power = spot->area * orl_luma(emitter->most);
+        orl_facet_sample(world->geometry, emitter->facet, half, &spot->middle, &normal);
+    }
+    return n;
 }
 
-/* Keeps the strongest. */
-static void keep(struct pairs *pairs, const struct orl_lamp_image *image, double strength)
+/* A mirror, with what it sends back of light at 60 degrees, by its front and back. */
+struct mirror {
+    struct orl_lamp_image image;
+    double area, reflectance[2];
+};
+
+/* Flux of the lamp times the share that the mirror may catch, and sends on. */
+static double strength_of(const struct spot *spot, const struct mirror *mirror)
 {
-    size_t weakest = 0;
-    if (!(strength > 0))
-        return;
-    if (pairs->n < ORL_MOST_LAMP_IMAGES) {
+    const struct orl_vec3 way = orl_sub(spot->middle, mirror->image.center);
+    const double d2 = orl_dot(way, way) + spot->area;
+    const bool front = orl_dot(way, mirror->image.normal) > 0;
+    return spot->power * fmin(mirror->area / (ORL_PI * d2), 1) * mirror->reflectance[!front];
+}
+
+/* Moves the pair at a place of the heap down, until those below it are stronger. */
+static void sift_down(struct pairs *pairs, size_t at)
+{
+    const struct pair moved = pairs->kept[at];
+    for (size_t next = 2 * at + 1; next < pairs->n; next = 2 * at + 1) {
+        if (next + 1 < pairs->n && pairs->kept[next + 1].strength < pairs->kept[next].strength)
+            next++;
+        if (moved.strength <= pairs->kept[next].strength)
+            break;
+        pairs->kept[at] = pairs->kept[next];
+        at = next;
+    }
+    pairs->kept[at] = moved;
+}
+
+/* Moves the last pair of the heap up, until the one above it is weaker. */
+static void sift_up(struct pairs *pairs)
+{
+    size_t at = pairs->n - 1;
+    const struct pair moved = pairs->kept[at];
+    for (; at > 0 && moved.strength < pairs->kept[(at - 1) / 2].strength; at = (at - 1) / 2)
+        pairs->kept[at] = pairs->kept[(at - 1) / 2];
+    pairs->kept[at] = moved;
+}
+
+/* Returns true if a pair of that strength would be among the strongest. */
+static bool is_strong(const struct pairs *pairs, double strength)
+{
+    return strength > 0 && (pairs->n < pairs->most || strength > pairs->kept[0].strength);
+}
+
+/* Adds a pair that is_strong, in place of the weakest where there is no more room. */
+static void add_pair(struct pairs *pairs, const struct orl_lamp_image *image, double strength)
+{
+    if (pairs->n < pairs->most) {
         pairs->kept[pairs->n++] = (struct pair){*image, strength};
+        sift_up(pairs);
         return;
     }
-    pairs->n_left_out++;
-    for (size_t i = 1; i < pairs->n; i++)
-        if (pairs->kept[i].strength < pairs->kept[weakest].strength)
-            weakest = i;
-    if (strength > pairs->kept[weakest].strength)
-        pairs->kept[weakest] = (struct pair){*image, strength};
+    pairs->left_out += pairs->kept[0].strength;
+    pairs->kept[0] = (struct pair){*image, strength};
+    sift_down(pairs, 0);
 }
 
 /* In a sealed scene only mirrors inside count: on one side of the surface at least. Paths outdoors
@@ -111,52 +171,111 @@ static bool is_inside(const struct orl_world *world, uint32_t facet)
                world, orl_facet_leave(world->geometry, facet, point, normal, orl_neg(normal)));
 }
 
-static void pair_mirror(struct pairs *pairs, const struct orl_world *world, uint32_t facet)
+static struct mirror mirror_of(const struct orl_world *world, const struct orl_facet *f,
+                               uint32_t facet)
 {
-    struct orl_facet own;
-    const struct orl_facet *f = orl_facet_own(world->geometry, facet, &own);
-    if (!is_flat_mirror(world, f) || !is_inside(world, facet))
-        return;
-    struct orl_lamp_image image = {.mirror = facet, .normal = f->normal};
-    find_sphere(world->geometry, f, &image);
-    for (size_t i = 0; i < world->n_emitters; i++) {
-        if (!world->emitters[i].direct || world->emitters[i].facet == facet)
+    const struct orl_material *m = &world->materials[f->material];
+    struct mirror mirror = {.image = {.mirror = facet, .normal = f->normal},
+                            .area = f->area,
+                            .reflectance = {orl_material_mirrored_most(m, true, 0.5),
+                                            orl_material_mirrored_most(m, false, 0.5)}};
+    find_sphere(world->geometry, f, &mirror.image);
+    return mirror;
+}
+
+/* Pairs a mirror with the lamps. Rays tell whether the mirror is inside, once a pair of it is
+ * strong. */
+static void pair_mirror(struct pairs *pairs, const struct orl_world *world,
+                        const struct mirror *mirror, const struct spot *spots, size_t n_spots)
+{
+    struct orl_lamp_image image = mirror->image;
+    bool known_inside = false;
+    for (size_t i = 0; i < n_spots; i++) {
+        const double strength = strength_of(&spots[i], mirror);
+        if (spots[i].facet == image.mirror)
             continue;
-        image.emitter = (uint32_t)i;
-        image.lamp = world->emitters[i].facet;
-        keep(pairs, &image, strength_of(world, &world->emitters[i], f, &image));
+        if (!is_strong(pairs, strength)) {
+            pairs->left_out += strength;
+            continue;
+        }
+        if (!known_inside && pairs->looked_at++ >= MOST_MIRRORS_LOOKED_AT) {
+            pairs->overflown = true;
+            return;
+        }
+        if (!known_inside && !is_inside(world, image.mirror))
+            return;
+        known_inside = true;
+        image.emitter = spots[i].emitter;
+        image.lamp = spots[i].facet;
+        add_pair(pairs, &image, strength);
     }
 }
 
-static bool has_lamps(const struct orl_world *world)
+/* Finds the strongest pairs of all mirrors and lamps. Returns 0 or ORL_ERR_CANCELLED. */
+static int find_pairs(struct pairs *pairs, const struct orl_world *world, const struct spot *spots,
+                      size_t n_spots, const struct orl_crew *crew)
 {
-    for (size_t i = 0; i < world->n_emitters; i++)
-        if (world->emitters[i].direct)
-            return true;
-    return false;
+    uint64_t looked_at = 0;
+    for (size_t i = 0; i < world->geometry->n_facets && n_spots > 0; i++) {
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_own(world->geometry, i, &own);
+        if (!is_flat_mirror(world, f))
+            continue;
+        if (orl_crew_cancelled(crew))
+            return ORL_ERR_CANCELLED;
+        looked_at += n_spots;
+        if (looked_at > most_pairs) {
+            pairs->overflown = true;
+            break;
+        }
+        const struct mirror mirror = mirror_of(world, f, (uint32_t)i);
+        pair_mirror(pairs, world, &mirror, spots, n_spots);
+    }
+    return 0;
+}
+
+/* By mirror, then by lamp. */
+static int compare_images(const void *a, const void *b)
+{
+    const struct orl_lamp_image *x = a, *y = b;
+    const int by_mirror = (x->mirror > y->mirror) - (x->mirror < y->mirror);
+    return by_mirror ? by_mirror : (x->lamp > y->lamp) - (x->lamp < y->lamp);
+}
+
+static int keep_images(struct orl_lamp_images *images, const struct pairs *pairs)
+{
+    double kept = 0;
+    images->images = calloc(pairs->n + 1, sizeof *images->images);
+    if (!images->images)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < pairs->n; i++) {
+        images->images[images->n_images++] = pairs->kept[i].image;
+        kept += pairs->kept[i].strength;
+    }
+    qsort(images->images, images->n_images, sizeof *images->images, compare_images);
+    images->left_out = pairs->overflown      ? 1
+                       : pairs->left_out > 0 ? pairs->left_out / (pairs->left_out + kept)
+                                             : 0;
+    return 0;
 }
 
 int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world *world,
                           const struct orl_crew *crew)
 {
     *images = (struct orl_lamp_images){.n_images = 0};
-    if (!has_lamps(world))
-        return 0;
     struct pairs *const pairs = calloc(1, sizeof *pairs);
-    int code = pairs ? 0 : ORL_ERR_NOMEM;
-    for (size_t f = 0; f < world->geometry->n_facets && code == 0; f++) {
-        if (f % 256 == 0 && orl_crew_cancelled(crew))
-            code = ORL_ERR_CANCELLED;
-        else
-            pair_mirror(pairs, world, (uint32_t)f);
+    struct spot *const spots = calloc(world->n_emitters + 1, sizeof *spots);
+    int code = pairs && spots ? 0 : ORL_ERR_NOMEM;
+    if (code == 0) {
+        const size_t n_spots = list_spots(world, spots), wanted = PAIRS_A_LAMP * n_spots;
+        pairs->most = wanted < LEAST_PAIRS  ? LEAST_PAIRS
+                      : wanted < MOST_PAIRS ? wanted
+                                            : MOST_PAIRS;
+        code = find_pairs(pairs, world, spots, n_spots, crew);
     }
-    if (code == 0 && pairs->n > 0) {
-        images->images = calloc(pairs->n, sizeof *images->images);
-        code = images->images ? 0 : ORL_ERR_NOMEM;
-    }
-    for (size_t i = 0; code == 0 && i < pairs->n; i++)
-        images->images[images->n_images++] = pairs->kept[i].image;
-    images->n_left_out = code == 0 ? pairs->n_left_out : 0;
+    if (code == 0)
+        code = keep_images(images, pairs);
+    free(spots);
     free(pairs);
     return code;
 }
@@ -167,19 +286,31 @@ void orl_lamp_images_done(struct orl_lamp_images *images)
     *images = (struct orl_lamp_images){.n_images = 0};
 }
 
+/* The first image that is not before that mirror and lamp; or how many there are. */
+static size_t find_image(const struct orl_lamp_images *images, uint32_t mirror, uint32_t lamp)
+{
+    const struct orl_lamp_image wanted = {.mirror = mirror, .lamp = lamp};
+    size_t low = 0, high = images->n_images;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (compare_images(&images->images[middle], &wanted) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 const struct orl_lamp_image *orl_lamp_images_in(const struct orl_lamp_images *images,
                                                 uint32_t mirror)
 {
-    for (size_t i = 0; i < images->n_images; i++)
-        if (images->images[i].mirror == mirror)
-            return &images->images[i];
-    return NULL;
+    const size_t i = find_image(images, mirror, 0);
+    return i < images->n_images && images->images[i].mirror == mirror ? &images->images[i] : NULL;
 }
 
 bool orl_lamp_images_cover(const struct orl_lamp_images *images, uint32_t lamp, uint32_t mirror)
 {
-    for (size_t i = 0; i < images->n_images; i++)
-        if (images->images[i].mirror == mirror && images->images[i].lamp == lamp)
-            return true;
-    return false;
+    const size_t i = find_image(images, mirror, lamp);
+    return i < images->n_images && images->images[i].mirror == mirror &&
+           images->images[i].lamp == lamp;
 }

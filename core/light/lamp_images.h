@@ -5,10 +5,10 @@
  * that of the lamp from the mirrored point, so that a ray drawn by a lobe and this one are two
  * strategies over the same directions, combined as with lamps seen straight (orl_chance).
  *
- * The brightest ORL_MOST_LAMP_IMAGES pairs of lamp and mirror are kept. All other ways by mirrors
- * (more reflections, mirrors left out, mirrors outside a sealed building, surfaces that stand in
- * several places) are left to rays that happen on the lamp and to photons: who asks by
- * orl_lamp_images_cover knows which.
+ * The brightest pairs of lamp and mirror are kept: 64, or twice as many as there are lamps, up to
+ * 1024. All other ways by mirrors (more reflections, mirrors left out, mirrors outside a sealed
+ * building, surfaces that stand in several places) are left to rays that happen on the lamp and to
+ * photons: who asks by orl_lamp_images_cover knows which.
  */
 #ifndef ORL_LIGHT_LAMP_IMAGES_H
 #define ORL_LIGHT_LAMP_IMAGES_H
@@ -22,8 +22,6 @@
 
 struct orl_world;
 
-enum { ORL_MOST_LAMP_IMAGES = 64 };
-
 struct orl_lamp_image {
     uint32_t emitter;               /* of the world's */
     uint32_t lamp, mirror;          /* their facets */
@@ -32,9 +30,9 @@ struct orl_lamp_image {
 };
 
 struct orl_lamp_images {
-    struct orl_lamp_image *images;
+    struct orl_lamp_image *images; /* by mirror, then by lamp */
     size_t n_images;
-    size_t n_left_out; /* pairs beyond the most */
+    double left_out; /* share of the mirrored light whose pairs are not kept, about */
 };
 
 static inline double orl_lamp_image_height(const struct orl_lamp_image *image,
@@ -61,9 +59,10 @@ int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world
                           const struct orl_crew *crew);
 void orl_lamp_images_done(struct orl_lamp_images *images);
 
-/* An image in that mirror (a facet), or NULL; with a lamp (a facet too) that lamp's. */
+/* An image in that mirror, a facet; or NULL. */
 const struct orl_lamp_image *orl_lamp_images_in(const struct orl_lamp_images *images,
                                                 uint32_t mirror);
+/* Returns true if there is an image of that lamp, a facet too, in that mirror. */
 bool orl_lamp_images_cover(const struct orl_lamp_images *images, uint32_t lamp, uint32_t mirror);
 
 #endif

@@ -4,6 +4,8 @@
 #include "plan/decide.h"
 
 enum { RAYS_A_PHOTON = 3 };
+/* Of the light of lamps in mirrors, whose images are not kept. */
+static const double tolerable_left_out = 0.02;
 
 static bool any_lit(const struct orl_lit *lit)
 {
@@ -146,6 +148,14 @@ static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, boo
     return simulated && (any_lit(lit) || forced) && plan->technique != ORL_TECHNIQUE_BACKWARD;
 }
 
+/* Shadow rays then look for no light in flat mirrors. */
+static void leave_out_images(struct orl_world *world)
+{
+    orl_images_keep_suns(&world->images, NULL);
+    world->lamp_images.n_images = 0;
+    world->lamp_images.left_out = 0;
+}
+
 void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
                          struct orl_plan *plan)
 {
@@ -157,7 +167,7 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     world->omit.mirror_caustics = !mirrors;
     world->omit.lobe_caustics = !lobes;
     if (plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_SKIP)
-        orl_images_keep_suns(&world->images, NULL);
+        leave_out_images(world);
     world->caustics_lit = (mirrors || lobes) && any_lit(lit);
     plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD) {
@@ -168,5 +178,6 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     if (!may_land(lit, plan, mirrors || lobes))
         plan->photons_caustic = 0;
     plan->by_chance = plan->technique == ORL_TECHNIQUE_BACKWARD && mirrors &&
-                      orl_lit_by_chance(lit, &world->images);
+                      (orl_lit_by_chance(lit, &world->images) ||
+                       world->lamp_images.left_out > tolerable_left_out);
 }

@@ -16,6 +16,7 @@
 #include "base/random.h"
 #include "light/exterior.h"
 #include "light/eye_path.h"
+#include "plan/decide.h"
 #include "run/stages.h"
 #include "scene/geometry/placed.h"
 #include "scene/geometry/stand.h"
@@ -23,6 +24,8 @@
 #include "scene/material/hemisphere.h"
 
 enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11, SURE_BOUNCES = 2 };
+/* Shadow rays to all lights at one surface of each path: with many lights paths are fewer. */
+enum { MOST_SHADOW_RAYS = 1 << 17, PATHS_OF_USE = 256, LEAST_PATHS_A_SENSOR = 4 };
 /* One path for so many samples of the technique: 2 % of its time, or less. */
 enum { SAMPLES_A_PATH = 64 };
 static const double least_effective = 30; /* samples */
@@ -48,7 +51,8 @@ static bool come_in(struct orl_eye_path *p)
     return orl_exterior_pass(p, trip_of(p)->health);
 }
 
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+/* Adds what the surface shines, and reflects of suns and lamps. */
+static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
     const struct trip *t = trip_of(p);
     const struct orl_world *world = p->world;
@@ -83,7 +87,7 @@ static bool send_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return true;
 }
 
-static const struct orl_eye_sink sink = {.outdoors = come_in, .met = meet, .sent_on = send_on};
+static const struct orl_eye_sink sink = {.outdoors = come_in, .met = shade_hit, .sent_on = send_on};
 
 /* One estimate of the irradiance at a place. */
 static double trace(const struct orl_world *world, const struct orl_place *place,
@@ -109,13 +113,15 @@ static double trace(const struct orl_world *world, const struct orl_place *place
 
 struct group {
     size_t first, count;
-    double sum, variance; /* lx, of the sensors' means by paths */
+    size_t traced;        /* sensors that paths were traced for */
+    double sum, variance; /* lx, of these sensors' means by paths */
     double effective;
 };
 
 struct check {
     const struct orl_run_state *state;
     uint32_t paths; /* a sensor */
+    size_t stride;  /* between sensors of a group that paths are traced for */
     size_t n_groups;
     struct group groups[MOST_GROUPS];
     struct orl_health health[MOST_GROUPS]; /* of paths that reach no result */
@@ -132,7 +138,7 @@ static void trace_sensor(struct check *check, struct group *group, size_t sensor
     double sum = 0, squares = 0;
     place.point = orl_stand(world->geometry, position, place.normal);
     place.outside = orl_world_is_outside(world, place.point);
-    for (uint32_t i = 0; i < check->paths; i++) {
+    for (uint32_t i = 0; i < check->paths && !orl_is_cancelled(state->env->cancel); i++) {
         struct orl_random random = orl_random_stream(state->job->seed, ORL_PURPOSE_CROSS_CHECK,
                                                      (uint64_t)sensor * check->paths + i);
         const double lx =
@@ -154,9 +160,10 @@ static void trace_group(void *arg, size_t index, uint32_t member)
     struct group *group = &check->groups[index];
     double sums[2] = {0, 0};
     (void)member;
-    for (size_t i = group->first; i < group->first + group->count; i++)
-        if (!orl_is_cancelled(check->state->env->cancel))
-            trace_sensor(check, group, i, &check->health[index], sums);
+    for (size_t i = group->first; i < group->first + group->count; i += check->stride) {
+        trace_sensor(check, group, i, &check->health[index], sums);
+        group->traced++;
+    }
     group->effective = sums[1] > 0 ? sums[0] * sums[0] / sums[1] : 0;
 }
 
@@ -183,34 +190,61 @@ static bool paths_find_all(const struct orl_world *world)
 }
 
 /* Sums of values, and of half their intervals as standard errors: those of neighbours go along. */
-static void sum_results(const struct orl_result *r, const struct group *group, double *ret_lx,
-                        double *ret_error)
+static void sum_results(const struct orl_result *r, const struct group *group, size_t stride,
+                        double *ret_lx, double *ret_error)
 {
     *ret_lx = *ret_error = 0;
-    for (size_t i = group->first; i < group->first + group->count; i++) {
+    for (size_t i = group->first; i < group->first + group->count; i += stride) {
         *ret_lx += r->illuminance_lx[i];
         *ret_error += (r->interval_95_lx[i][1] - r->interval_95_lx[i][0]) / (2 * 1.96);
     }
 }
 
-/* Widens the group's intervals to the bound of what paths have found. Returns whether it had to. */
-static bool judge_group(struct orl_result *r, const struct group *group, bool paths_find_all)
+/* Widens the group's intervals to the bound of what paths have found: each sensor's in proportion
+ * to its value, or where none has any light by the mean. Returns true if it had to. */
+static bool judge_group(struct orl_result *r, const struct group *group, size_t stride,
+                        bool paths_find_all)
 {
     double lx, error;
-    sum_results(r, group, &lx, &error);
+    sum_results(r, group, stride, &lx, &error);
     const double off = group->sum - lx, scatter = sqrt(group->variance);
-    if (!(lx > 0) || group->effective < least_effective ||
+    if (group->effective < least_effective ||
         fabs(off) < differs_in_errors * hypot(scatter, error) || fabs(off) < differs_by * lx ||
         (off < 0 && !paths_find_all))
         return false;
-    const double bound = off > 0 ? (group->sum + bound_in_errors * scatter) / lx
-                                 : fmax(group->sum - bound_in_errors * scatter, 0) / lx;
+    const double sum = off > 0 ? group->sum + bound_in_errors * scatter
+                               : fmax(group->sum - bound_in_errors * scatter, 0);
     for (size_t i = group->first; i < group->first + group->count; i++) {
         double *const interval = r->interval_95_lx[i];
-        interval[0] = fmin(interval[0], r->illuminance_lx[i] * bound);
-        interval[1] = fmax(interval[1], r->illuminance_lx[i] * bound);
+        const double bound = lx > 0 ? r->illuminance_lx[i] * sum / lx : sum / (double)group->traced;
+        interval[0] = fmin(interval[0], bound);
+        interval[1] = fmax(interval[1], bound);
     }
     return true;
+}
+
+/* How far a group's light by paths is from what was found, as a ratio. */
+static double ratio_of(const struct group *group, double lx)
+{
+    return group->sum / fmax(lx, 1e-3 * group->sum);
+}
+
+static void warn_of_worst(struct orl_run_state *state, const struct group *worst, double ratio)
+{
+    struct orl_result *r = state->result;
+    const enum orl_technique technique = r->plan.technique;
+    orl_run_warn(state,
+                 "cross-check: plain path tracing finds %.2g times the light that technique %s has "
+                 "found at %zu sensor%s from sensors[%zu] on, beyond the errors of both; intervals "
+                 "of %zu sensor%s are widened to include it. Compare with technique %s",
+                 ratio, orl_technique_name(technique), worst->count, orl_plural(worst->count),
+                 worst->first, r->cross_check.sensors_off, orl_plural(r->cross_check.sensors_off),
+                 technique == ORL_TECHNIQUE_BACKWARD ? "gather" : "backward");
+    if (r->outcome.asked && r->outcome.met) {
+        r->outcome.met = false;
+        snprintf(r->outcome.why, sizeof r->outcome.why,
+                 "a cross-check by path tracing differs by more than the errors: see warnings");
+    }
 }
 
 static void judge(struct orl_run_state *state, const struct check *check)
@@ -219,45 +253,31 @@ static void judge(struct orl_run_state *state, const struct check *check)
     struct orl_cross_check *c = &r->cross_check;
     const bool find_all = paths_find_all(state->world);
     const struct group *worst = NULL;
-    double all = 0, by_paths = 0, variance = 0, furthest = 0;
+    double all = 0, by_paths = 0, variance = 0, worst_ratio = 1;
     for (size_t g = 0; g < check->n_groups; g++) {
         const struct group *group = &check->groups[g];
         double lx, error;
-        sum_results(r, group, &lx, &error);
-        if (group->effective >= least_effective) {
-            c->sensors += group->count;
-            all += lx;
-            by_paths += group->sum;
-            variance += group->variance;
-        }
-        if (!judge_group(r, group, find_all))
+        c->paths += (uint64_t)check->paths * group->traced;
+        if (group->effective < least_effective)
+            continue;
+        sum_results(r, group, check->stride, &lx, &error);
+        c->sensors += group->traced;
+        all += lx;
+        by_paths += group->sum;
+        variance += group->variance;
+        if (!judge_group(r, group, check->stride, find_all))
             continue;
         c->sensors_off += group->count;
-        if (fabs(log(group->sum / lx)) >= furthest) {
-            furthest = fabs(log(group->sum / lx));
+        if (!worst || fabs(log(ratio_of(group, lx))) > fabs(log(worst_ratio))) {
+            worst_ratio = ratio_of(group, lx);
             worst = group;
         }
     }
-    c->paths = (uint64_t)check->paths * state->n_sensors;
     const bool known = all > 0 && (find_all || by_paths >= all);
     c->ratio = known ? by_paths / all : NAN;
     c->ratio_error = known ? sqrt(variance) / all : NAN;
-    if (!worst)
-        return;
-    double lx, error;
-    sum_results(r, worst, &lx, &error);
-    orl_run_warn(state,
-                 "cross-check: plain path tracing finds %.2g times the light that technique %s has "
-                 "found at %zu sensors from sensors[%zu] on, beyond the errors of both; intervals "
-                 "of %zu sensors are widened to include it. Compare with technique %s",
-                 worst->sum / lx, orl_technique_name(r->plan.technique), worst->count, worst->first,
-                 c->sensors_off,
-                 r->plan.technique == ORL_TECHNIQUE_BACKWARD ? "gather" : "backward");
-    if (r->outcome.asked && r->outcome.met) {
-        r->outcome.met = false;
-        snprintf(r->outcome.why, sizeof r->outcome.why,
-                 "a cross-check by path tracing differs by more than the errors: see warnings");
-    }
+    if (worst)
+        warn_of_worst(state, worst, worst_ratio);
 }
 
 /* Effects that the job leaves out on demand would be in the light of the paths. */
@@ -267,6 +287,13 @@ static bool leaves_out_on_demand(const struct orl_job *job)
         if (job->wishes[i] == ORL_WISH_SKIP)
             return true;
     return false;
+}
+
+/* Shadow rays at a surface, at the most. */
+static double count_lights(const struct orl_world *world)
+{
+    return 1 + (double)(world->n_suns + world->images.n_nodes + world->n_emitters +
+                        world->lamp_images.n_images);
 }
 
 int orl_run_cross_check(struct orl_run_state *state, struct orl_error *err)
@@ -279,8 +306,12 @@ int orl_run_cross_check(struct orl_run_state *state, struct orl_error *err)
     double samples = 0;
     for (size_t i = 0; i < n; i++)
         samples += state->samples > 0 ? state->samples : orl_run_sensor_samples(state, i);
-    const double wanted = fmin(fmax(samples / SAMPLES_A_PATH, LEAST_PATHS), MOST_PATHS);
-    check.paths = (uint32_t)fmax(wanted / (double)n, 4);
+    const double most = fmin(MOST_PATHS, MOST_SHADOW_RAYS / count_lights(state->world));
+    const double wanted = fmin(fmax(samples / SAMPLES_A_PATH, LEAST_PATHS), most);
+    if (wanted < PATHS_OF_USE)
+        return 0;
+    check.stride = (size_t)ceil((double)n * LEAST_PATHS_A_SENSOR / wanted);
+    check.paths = (uint32_t)(wanted / ceil((double)n / (double)check.stride));
     check.n_groups = n < MOST_GROUPS ? n : MOST_GROUPS;
     for (size_t g = 0; g < check.n_groups; g++) {
         check.groups[g].first = n * g / check.n_groups;

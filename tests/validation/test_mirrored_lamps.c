@@ -45,13 +45,13 @@ static void check(void **state, const char *scene, double irradiance)
     assert_true(fabs(lx / expected - 1) < 2e-3);
 }
 
-/* Above the horizon: pi L (r / d)^2 cos. */
+/* A sphere above the horizon: pi L (r / d)^2 cos. */
 static double of_sphere(double radius)
 {
     return mirrored * ORL_PI * 1e4 * radius * radius / distance2 * ahead / sqrt(distance2);
 }
 
-/* That faces the mirror. */
+/* A ring that faces the mirror. */
 static double of_ring(double radius)
 {
     return mirrored * 1e4 * ORL_PI * radius * radius * ahead * ahead / (distance2 * distance2);
@@ -110,6 +110,23 @@ static void test_through_pane(void **state)
     check(state, scene, of_sphere(0.1) * t);
 }
 
+/* 150 spheres in a plane: more pairs than the 64 that are always kept. */
+static void test_many_lamps(void **state)
+{
+    enum { ROWS = 10, COLUMNS = 15 };
+    static char scene[16384];
+    double irradiance = 0;
+    int at = snprintf(scene, sizeof scene, MIRROR "void light l 0 0 3 1e4 1e4 1e4\n");
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        const double y = -2.1 + 0.3 * (i % COLUMNS), z = 0.2 + 0.16 * (double)(i / COLUMNS);
+        const double d2 = ahead * ahead + y * y + (z - 1) * (z - 1);
+        at += snprintf(scene + at, sizeof scene - (size_t)at,
+                       "l sphere l%d 0 0 4 -.5 %.9g %.9g .02\n", i, y, z);
+        irradiance += mirrored * ORL_PI * 1e4 * 0.02 * 0.02 / d2 * ahead / sqrt(d2);
+    }
+    check(state, scene, irradiance);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -119,6 +136,7 @@ int main(void)
         OF_TECHNIQUE(test_ring, GATHER),           OF_TECHNIQUE(test_spotlight, BACKWARD),
         OF_TECHNIQUE(test_spotlight, GATHER),      OF_TECHNIQUE(test_narrow_beam, BACKWARD),
         OF_TECHNIQUE(test_narrow_beam, GATHER),    OF_TECHNIQUE(test_narrow_beam, DIRECT),
+        OF_TECHNIQUE(test_many_lamps, BACKWARD),   OF_TECHNIQUE(test_many_lamps, GATHER),
         OF_TECHNIQUE(test_through_pane, BACKWARD), OF_TECHNIQUE(test_through_pane, GATHER),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

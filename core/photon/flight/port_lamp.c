@@ -2,9 +2,53 @@
 
 #include <stdlib.h>
 
+#include "scene/geometry/quadric.h"
+
 enum { POINTS_OF_LAMP = 8 };
 
 /* ---- Which lamps ----------------------------------------------------------------------------- */
+
+/* A box about the facet. */
+static void find_box(const struct orl_geometry *g, uint32_t facet, struct orl_vec3 *ret_low,
+                     struct orl_vec3 *ret_high)
+{
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_own(g, facet, &own);
+    if (f->kind != ORL_SURFACE_POLYGON) {
+        orl_quadric_bounds(f, ret_low, ret_high);
+        return;
+    }
+    *ret_low = orl_v3(INFINITY, INFINITY, INFINITY);
+    *ret_high = orl_neg(*ret_low);
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
+        const struct orl_vec3 corners[3] = {t.a, t.b, t.c};
+        for (int k = 0; k < 3; k++) {
+            const struct orl_vec3 c = corners[k];
+            *ret_low = orl_v3(fmin(ret_low->x, c.x), fmin(ret_low->y, c.y), fmin(ret_low->z, c.z));
+            *ret_high =
+                orl_v3(fmax(ret_high->x, c.x), fmax(ret_high->y, c.y), fmax(ret_high->z, c.z));
+        }
+    }
+}
+
+/* Returns true if a port may see the emitter: some of a box about it is before the port's plane. */
+static bool is_before_a_port(const struct orl_world *world, const struct orl_emitter *emitter)
+{
+    static const double half[2] = {0.5, 0.5};
+    struct orl_vec3 low, high;
+    find_box(world->geometry, emitter->facet, &low, &high);
+    for (size_t p = 0; p < world->n_ports; p++) {
+        const struct orl_vec3 o = world->ports[p].outward;
+        struct orl_vec3 on_port, normal;
+        orl_facet_sample(world->geometry, world->ports[p].facet, half, &on_port, &normal);
+        if (fmax(low.x * o.x, high.x * o.x) + fmax(low.y * o.y, high.y * o.y) +
+                fmax(low.z * o.z, high.z * o.z) >
+            orl_dot(on_port, o))
+            return true;
+    }
+    return false;
+}
 
 /* One of a few points of the lamp is outside. */
 static bool shines_outside(const struct orl_emission *e, size_t emitter)
@@ -31,7 +75,8 @@ int orl_port_lamps_find(struct orl_emission *emission, const struct orl_crew *cr
     for (size_t i = 0; i < world->n_emitters && world->n_ports > 0; i++) {
         if (orl_crew_cancelled(crew))
             return ORL_ERR_CANCELLED;
-        if (world->emitters[i].direct && (world->open || shines_outside(emission, i)))
+        if (world->emitters[i].direct && is_before_a_port(world, &world->emitters[i]) &&
+            (world->open || shines_outside(emission, i)))
             emission->lamps_outside[emission->n_lamps_outside++] = (uint32_t)i;
     }
     return 0;
@@ -45,12 +90,17 @@ size_t orl_port_lamp_strata(const struct orl_emission *emission)
     return ports * lamps <= ORL_MOST_PORT_LAMPS ? ports * lamps : ports;
 }
 
+static int compare_lamps(const void *a, const void *b)
+{
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
 bool orl_port_lamp_is_outside(const struct orl_emission *emission, size_t emitter)
 {
-    for (size_t i = 0; i < emission->n_lamps_outside; i++)
-        if (emission->lamps_outside[i] == emitter)
-            return true;
-    return false;
+    const uint32_t wanted = (uint32_t)emitter; /* they are in ascending order */
+    return bsearch(&wanted, emission->lamps_outside, emission->n_lamps_outside, sizeof wanted,
+                   compare_lamps);
 }
 
 /* ---- What arrives ---------------------------------------------------------------------------- */
@@ -61,7 +111,8 @@ double orl_emitter_focus(const struct orl_world *world, uint32_t emitter)
     return world->materials[orl_facet_material(world->geometry, facet)].focus;
 }
 
-/* Aims from a point of the port, clear of it, at a point of the lamp; false: not in front. */
+/* Aims from a point of the port, clear of it, at a point of the lamp. Returns false if that is not
+ * before the port. */
 static bool aim_at_lamp(const struct orl_world *world, const struct orl_port *port, uint32_t lamp,
                         struct orl_vec3 from, const double *u, struct orl_lamp_aim *ret_aim)
 {

@@ -16,8 +16,8 @@
 enum { ORL_MOST_PORT_LAMPS = 8192 };
 #define ORL_ANY_LAMP UINT32_MAX
 
-/* Lists the lamps that are outside (lamps_outside); in open scenes all lamps. Returns 0,
- * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+/* Lists the lamps before ports that are outside (lamps_outside), in ascending order; in open scenes
+ * all before ports. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_port_lamps_find(struct orl_emission *emission, const struct orl_crew *crew);
 /* How many strata there are of them at the most. */
 size_t orl_port_lamp_strata(const struct orl_emission *emission);
