@@ -6,31 +6,47 @@
 enum { MOST_PANES = 64 };
 static const uint32_t no_target = UINT32_MAX;
 
-/* Towards a facet (no_target: none in particular): a flat one does not hide itself, though rays
- * that graze it may meet it too soon. port: as orl_transmittance_by has it; or NULL. */
-static struct orl_rgb through_panes(const struct orl_world *world, struct orl_vec3 origin,
-                                    struct orl_vec3 direction, double max_distance,
-                                    bool through_ports, uint32_t target, int32_t *port)
+/* A shadow ray's way. */
+struct way {
+    struct orl_vec3 origin, direction;
+    double max_distance;
+    bool through_ports;
+    bool to_surface; /* to no sun or lamp: an illum that is met from its front hides it */
+    uint32_t target; /* a flat facet does not hide itself, though rays that graze it may meet it too
+                        soon; no_target: none in particular */
+    int32_t *port;   /* as orl_transmittance_by has it; or NULL */
+};
+
+static bool is_hidden(const struct way *way, const struct orl_material *m,
+                      const struct orl_hit *hit)
 {
-    struct orl_path path = orl_path_from(origin, direction);
+    return way->to_surface && m->kind == ORL_MATERIAL_ILLUM && hit->front;
+}
+
+static struct orl_rgb through_panes(const struct orl_world *world, const struct way *way)
+{
+    struct orl_path path = orl_path_from(way->origin, way->direction);
+    double max_distance = way->max_distance;
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, path.origin, direction, max_distance, &hit))
+        if (!orl_geometry_intersect(world->geometry, path.origin, way->direction, max_distance,
+                                    &hit))
             return path.weight;
-        if (hit.facet == target)
+        if (hit.facet == way->target)
             return path.weight;
-        if (!orl_path_look_through(&path, orl_world_material(world, &hit), &hit) ||
-            (!through_ports && orl_world_crossing(world, &hit) != ORL_CROSSING_NONE))
+        const struct orl_material *m = orl_world_material(world, &hit);
+        if (is_hidden(way, m, &hit) || !orl_path_look_through(&path, m, &hit) ||
+            (!way->through_ports && orl_world_crossing(world, &hit) != ORL_CROSSING_NONE))
             return orl_gray(0);
-        if (port && *port == ORL_NO_PORT &&
+        if (way->port && *way->port == ORL_NO_PORT &&
             orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS)
-            *port = orl_world_port_of(world, hit.facet);
+            *way->port = orl_world_port_of(world, hit.facet);
         if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
             return path.weight;
         /* The ray sets out again a little further on: it is to end where it was to. */
         const struct orl_vec3 before = path.origin;
         orl_path_pass(&path, world, &hit);
-        max_distance -= orl_dot(orl_sub(path.origin, before), direction);
+        max_distance -= orl_dot(orl_sub(path.origin, before), way->direction);
     }
     return orl_gray(0);
 }
@@ -55,28 +71,49 @@ static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, str
     return orl_gray(0);
 }
 
-static struct orl_rgb transmittance_to(const struct orl_world *world, struct orl_vec3 origin,
-                                       struct orl_vec3 direction, double max_distance,
-                                       bool through_ports, uint32_t target, int32_t *port)
+static struct orl_rgb transmittance_of(const struct orl_world *world, const struct way *way)
 {
-    const struct orl_rgb share =
-        through_panes(world, origin, direction, max_distance, through_ports, target, port);
+    const struct orl_rgb share = through_panes(world, way);
     if (!world->scene->mist || !(orl_rgb_max(share) > 0))
         return share;
-    return orl_rgb_mul(share,
-                       orl_mist_transmittance(world->scene, origin, direction, max_distance));
+    return orl_rgb_mul(share, orl_mist_transmittance(world->scene, way->origin, way->direction,
+                                                     way->max_distance));
 }
 
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance, bool through_ports)
 {
-    return transmittance_to(world, origin, direction, max_distance, through_ports, no_target, NULL);
+    const struct way way = {.origin = origin,
+                            .direction = direction,
+                            .max_distance = max_distance,
+                            .through_ports = through_ports,
+                            .target = no_target};
+    return transmittance_of(world, &way);
+}
+
+struct orl_rgb orl_transmittance_to_surface(const struct orl_world *world, struct orl_vec3 origin,
+                                            struct orl_vec3 direction, double max_distance,
+                                            bool through_ports)
+{
+    const struct way way = {.origin = origin,
+                            .direction = direction,
+                            .max_distance = max_distance,
+                            .through_ports = through_ports,
+                            .to_surface = true,
+                            .target = no_target};
+    return transmittance_of(world, &way);
 }
 
 struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
                                     struct orl_vec3 direction, int32_t *port)
 {
-    return transmittance_to(world, origin, direction, INFINITY, true, no_target, port);
+    const struct way way = {.origin = origin,
+                            .direction = direction,
+                            .max_distance = INFINITY,
+                            .through_ports = true,
+                            .target = no_target,
+                            .port = port};
+    return transmittance_of(world, &way);
 }
 
 /* cos as irradiance, or lobes towards the eye as radiance. */
@@ -211,9 +248,12 @@ static struct orl_rgb transmittance_to_lamp(const struct orl_world *world, struc
     struct orl_facet own;
     const struct orl_facet *facet = orl_facet_own(world->geometry, lamp, &own);
     const double reach = distance - 2 * facet->offset;
-    return reach > 0 ? transmittance_to(world, origin, light, reach, through_ports,
-                                        is_flat(facet) ? lamp : no_target, NULL)
-                     : orl_gray(1);
+    const struct way way = {.origin = origin,
+                            .direction = light,
+                            .max_distance = reach,
+                            .through_ports = through_ports,
+                            .target = is_flat(facet) ? lamp : no_target};
+    return reach > 0 ? transmittance_of(world, &way) : orl_gray(1);
 }
 
 struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl_emitter *emitter,

@@ -15,6 +15,11 @@
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance,
                                  bool through_ports);
+/* The same towards a surface that is no sun or lamp: an illum on the way stands for all such light
+ * from behind it, and lets none through to its front. */
+struct orl_rgb orl_transmittance_to_surface(const struct orl_world *world, struct orl_vec3 origin,
+                                            struct orl_vec3 direction, double max_distance,
+                                            bool through_ports);
 /* Returns orl_transmittance for an infinite distance, through ports. If *port is ORL_NO_PORT, it
  * becomes the first port by which the ray leaves the building; else the path has left it before,
  * and it stays. */

@@ -100,6 +100,27 @@ static void test_techniques(void **state)
     }
 }
 
+/* Virtual lamps on a bright wall outdoors add nothing by way of an illum. */
+static void test_surfaces_behind(void **state)
+{
+#define ILLUM_ROOM SKY "void illum win 1 void 0 3 60 50 40\n" ROOM(".6") WINDOW
+    static const char alone[] = ILLUM_ROOM;
+    static const char before_wall[] =
+        ILLUM_ROOM "wall polygon outside 0 0 12 -4 -3 0 -4 -3 6 8 -3 6 8 -3 0\n";
+#undef ILLUM_ROOM
+    static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
+                                                    ORL_TECHNIQUE_DIRECT};
+    double error[2];
+    (void)state;
+    for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
+        const double expected = run(alone, techniques[i], &error[0]);
+        const double lx = run(before_wall, techniques[i], &error[1]);
+        print_message("technique %zu: %g +- %g lx, alone %g\n", i, lx, error[1], expected);
+        assert_true(fabs(lx - expected) < 4 * hypot(error[0], error[1]));
+        assert_true(error[1] < .03 * lx);
+    }
+}
+
 /* Seen from behind it is not there: a room behind one is lit as by an opening, by all techniques,
  * and what it shines is for outdoors alone. */
 static void test_from_behind(void **state)
@@ -123,9 +144,8 @@ static void test_from_behind(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sun_passes),
-        cmocka_unit_test(test_by_glass),
-        cmocka_unit_test(test_techniques),
+        cmocka_unit_test(test_sun_passes),  cmocka_unit_test(test_by_glass),
+        cmocka_unit_test(test_techniques),  cmocka_unit_test(test_surfaces_behind),
         cmocka_unit_test(test_from_behind),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -133,8 +133,8 @@ static struct orl_rgb light_of(const struct orl_vpls *vpls, const struct orl_vpl
         return orl_gray(0);
     const double factor = fmin(here * there / (d2 * d2), vpls->most_sr_m2);
     /* In a sealed scene nothing goes out through a port and comes in again: light/world.h. */
-    const struct orl_rgb share = orl_transmittance(vpls->world, point, orl_scale(way, 1 / d),
-                                                   d * (1 - 1e-6), vpls->world->open);
+    const struct orl_rgb share = orl_transmittance_to_surface(
+        vpls->world, point, orl_scale(way, 1 / d), d * (1 - 1e-6), vpls->world->open);
     const struct orl_rgb intensity = {lamp->intensity[0], lamp->intensity[1], lamp->intensity[2]};
     return orl_rgb_scale(orl_rgb_mul(intensity, share), factor);
 }
