@@ -1,9 +1,9 @@
 /*
  * make paths: every cell of support/path_cells.h by every technique, against plain path tracing.
- * Of each cell and technique the sensor furthest off: z, the difference in joint standard errors
- * (of the interval, and of the truth), and the ratio to the truth; '*' where |z| is above 4, 'w'
- * where there were warnings. At the end what shares of intervals hold the truth, and the rms of z.
- * Truths are kept in the build folder.
+ * For each cell and technique it prints the sensor that is furthest off: z, its difference from the
+ * truth in joint standard errors (of the interval, and of the truth), and its ratio to the truth;
+ * '*' stands where |z| is above 4, 'w' where there were warnings. At the end it prints the shares
+ * of intervals that hold the truth, and the rms of z. Truths are kept in the build folder.
  *
  * In the environment: ORIEL_PATHS_SENSORS prints every sensor, ORIEL_PATHS_WARNINGS all warnings of
  * the first seed, ORIEL_PATHS_TEXT the scenes.
@@ -36,44 +36,35 @@ static const struct {
                   {ORL_TECHNIQUE_AUTO, "auto"}};
 enum { TECHNIQUES = sizeof techniques / sizeof *techniques };
 
+/* Sums over all cells of a technique. */
 struct tally {
-    size_t values, held, off, warned, refused;
-    double squares, worst;
+    size_t values, held,
+        off;               /* sensors; those whose interval holds the truth; cells that are off */
+    double squares, worst; /* of z */
 };
 
+/* A technique in one cell. */
 struct outcome {
     double z, ratio; /* of the sensor furthest off */
-    size_t held, values, warnings;
+    size_t warnings;
 };
 
-/* Standard error that the interval states on the truth's side, and the truth's own. */
-static double joint_error(double lx, const double interval[2], const struct brute_value *truth)
-{
-    const double margin = truth->mean > lx ? interval[1] - lx : lx - interval[0];
-    return fmax(hypot(margin / 1.96, truth->standard_error), 1e-9);
-}
-
-/* One run against the truth, but for sensors of which that is not known to a fifth. */
+/* One run against the truth, but for sensors of which that is not known. */
 static void compare(const struct orl_result *result, const struct brute_value *truth,
                     struct tally *tally, struct outcome *outcome)
 {
     for (size_t i = 0; i < PATH_SENSORS; i++) {
-        const double lx = result->illuminance_lx[i], se = truth[i].standard_error;
-        const double *const interval = result->interval_95_lx[i];
-        if (!(se < 0.2 * truth[i].mean))
+        const double lx = result->illuminance_lx[i];
+        const struct path_verdict v = path_judge(lx, result->interval_95_lx[i], &truth[i]);
+        if (!v.known)
             continue;
-        const double z = (lx - truth[i].mean) / joint_error(lx, interval, &truth[i]);
-        const bool held =
-            truth[i].mean >= interval[0] - 1.96 * se && truth[i].mean <= interval[1] + 1.96 * se;
         tally->values++;
-        tally->held += held;
-        tally->squares += z * z;
-        tally->worst = fmax(tally->worst, fabs(z));
-        outcome->values++;
-        outcome->held += held;
-        if (fabs(z) > fabs(outcome->z)) {
-            outcome->z = z;
-            outcome->ratio = lx / fmax(truth[i].mean, 1e-9);
+        tally->held += v.held;
+        tally->squares += v.z * v.z;
+        tally->worst = fmax(tally->worst, fabs(v.z));
+        if (fabs(v.z) > fabs(outcome->z)) {
+            outcome->z = v.z;
+            outcome->ratio = lx / truth[i].mean;
         }
     }
     outcome->warnings += result->n_warnings;

@@ -182,6 +182,19 @@ bool path_cell_scene(size_t source, size_t chain, char ret_text[PATH_TEXT])
     return true;
 }
 
+struct path_verdict path_judge(double lx, const double interval[2], const struct brute_value *truth)
+{
+    static const double two_sided = 1.96; /* standard errors of a 95 % interval */
+    const double t = truth->mean, se = truth->standard_error;
+    const double margin = t > lx ? interval[1] - lx : lx - interval[0];
+    if (!(se < 0.2 * t))
+        return (struct path_verdict){.known = false};
+    return (struct path_verdict){.known = true,
+                                 .held = interval[0] - two_sided * se <= t &&
+                                         t <= interval[1] + two_sided * se,
+                                 .z = (lx - t) / fmax(hypot(margin / two_sided, se), 1e-9)};
+}
+
 const char *path_pane(void)
 {
     static char xml[2048];

@@ -11,6 +11,8 @@
 
 #include <oriel/run.h>
 
+#include "support/brute.h"
+
 enum { PATH_SENSORS = 5, PATH_TEXT = 16384 };
 extern const struct orl_sensor path_sensors[PATH_SENSORS];
 
@@ -22,6 +24,15 @@ const char *path_chain_name(size_t chain);
 /* A cell's scene; pane.xml, which it may name, is path_pane(). False where the source cannot stand
  * on the chain's side (a sun in a closed room). */
 bool path_cell_scene(size_t source, size_t chain, char ret_text[PATH_TEXT]);
+/* A sensor's value beside the truth of plain path tracing. */
+struct path_verdict {
+    bool known; /* the truth, to a fifth; else nothing below is set */
+    bool held;  /* the interval holds it, allowing for its own error */
+    double z;   /* difference in joint standard errors: of the interval's side, and the truth's */
+};
+struct path_verdict path_judge(double lx, const double interval[2],
+                               const struct brute_value *truth);
+
 /* A BSDF that transmits .2/sr in every direction, both ways. */
 const char *path_pane(void);
 

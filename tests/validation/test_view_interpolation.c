@@ -24,7 +24,7 @@ struct picture {
     double values[PIXELS], errors[PIXELS]; /* W/(sr m2) */
 };
 
-static void take(const char *folder, const char *file, double ret_values[PIXELS])
+static void read_picture(const char *folder, const char *file, double ret_values[PIXELS])
 {
     static double rgb[PIXELS][3];
     char path[128];
@@ -47,15 +47,15 @@ static void render(enum orl_technique technique, uint32_t pixel_samples, struct 
                                                              .pixel_samples = pixel_samples,
                                                              .global = 100000});
     orl_result_done(&result);
-    take(folder, "view.hdr", ret->values);
-    take(folder, "view.error.hdr", ret->errors);
+    read_picture(folder, "view.hdr", ret->values);
+    read_picture(folder, "view.error.hdr", ret->errors);
     cli_remove_folder(folder);
 }
 
 /*
- * Of the pixels 95 in 100 would be within 1.96 joint errors, were these normal and known. They are
- * estimates from a few records each, and neighbours are off together: 85 in 100 are asked for, 89
- * are. By rays and photons of the records alone 79 were.
+ * Were errors normal and known, 95 in 100 pixels would be within 1.96 joint errors. Errors are
+ * estimated from a few records each, and neighbours are off together: the test asks for 85 in 100.
+ * 89 are; 79 were when the error held only the rays and photons of records.
  */
 static void test_even_sky(void **state)
 {
