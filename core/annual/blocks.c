@@ -47,6 +47,7 @@ static void find_sun(void *arg, size_t index, uint32_t member)
     const uint64_t name = y->request->seed + y->first + index;
     (void)member;
     rows.direct_only = orl_year_is_sun_only(y);
+    rows.disc_points = orl_disc_points(y->request->samples);
     rows.wanted = y->wanted_suns;
     orl_sunlit_hours_find(&y->scene, &y->hours.suns, &y->places[index], name, y->env->run->crew,
                           &rows);

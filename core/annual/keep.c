@@ -10,7 +10,7 @@
 #include "run/kept_file.h"
 
 /* Raised when anything changes that what is kept is made by, or how it lies in its arrays. */
-static const char recipe[] = "oriel annual 10";
+static const char recipe[] = "oriel annual 11";
 static const char kind[] = "annual";
 
 /* ---- Keys ------------------------------------------------------------------------------------ */
@@ -71,7 +71,9 @@ static void add_wanted(struct orl_sha256 *hash, const struct orl_year *year)
 
 static void name(const struct orl_keep *keep, struct orl_keeping *it)
 {
-    const uint64_t numbers[] = {(uint64_t)it->what, it->first, it->count};
+    const uint32_t samples = keep->year->request->samples;
+    const uint64_t numbers[] = {(uint64_t)it->what, it->first, it->count,
+                                it->what == ORL_YEARS_SUN ? orl_disc_points(samples) : 0};
     const struct orl_pieces *const shared = keep->year->env->run->pieces;
     const char *const job = shared && shared->job ? shared->job : "";
     struct orl_sha256 hash;

@@ -261,9 +261,17 @@ static int make_suns(struct orl_year *y, struct orl_keeping *it, struct orl_erro
         return code;
     y->n_beams = y->scene.map ? orl_sun_map_beams(y->scene.map)->count : 0;
     code = orl_sun_terms_init(&y->terms, &y->hours.suns, &y->nodes, y->node_frames, y->scene.map,
-                              y->n_parts, y->env->run->crew);
+                              &y->scene.sobol, y->n_parts, y->env->run->crew);
     if (code < 0)
         return orl_year_failed(y, code, err);
+    if (y->terms.n_lost > 0)
+        orl_year_warn(y,
+                      "sunlight of %zu of %zu positions of the sun is left out: it reaches windows "
+                      "past what stands outside, and from no position that is followed indoors%s",
+                      y->terms.n_lost, y->hours.suns.count,
+                      y->request->sun_halvings < ORL_ANNUAL_MOST_HALVINGS
+                          ? "; \"sun_halvings\" follows more"
+                          : "");
     if (it->owed)
         keep_suns(y, it, first_warning);
     return 0;

@@ -131,7 +131,8 @@ static void find_suns(void *arg, size_t sensor, uint32_t member)
     const struct orl_sun_rows rows = {.at = calloc(ORL_SUN_ROWS * n + 1, sizeof *rows.at),
                                       .n_suns = n,
                                       .lit = &lit,
-                                      .direct_only = true};
+                                      .direct_only = true,
+                                      .disc_points = ORL_DISC_LEAST_POINTS};
     (void)member;
     if (!rows.at) {
         atomic_store(&p->failed, true);

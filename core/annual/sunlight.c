@@ -6,7 +6,8 @@
 #include "light/direct.h"
 #include "light/path.h"
 
-enum { FIRST_POINTS = 7, DISC_POINTS = 128, MIRROR_POINTS = 4, MOST_PANES = 64 };
+enum { FIRST_POINTS = 7, MIRROR_POINTS = 4, MOST_PANES = 64 };
+enum { MOST_PARTS = ORL_SHADES_MOST_GROUPS + 1 };
 
 /* The least probability that a vertex of a path searches for mirrored suns. */
 static const double least_survival = 0.125;
@@ -203,12 +204,13 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* Points of the unit disc: the first ones its rim and its middle, the rest evenly over it. */
-static void point_of_disc(uint32_t n, double turn, double ret_at[2])
+/* Points of the unit disc: the first ones its rim and its middle, the rest, points in all, evenly
+ * over it. */
+static void point_of_disc(uint32_t n, uint32_t points, double turn, double ret_at[2])
 {
     const bool first = n < FIRST_POINTS;
     const double k = first ? n : n - FIRST_POINTS;
-    const double far = first ? (n == 0 ? 0 : 0.985) : sqrt((k + 0.5) / DISC_POINTS);
+    const double far = first ? (n == 0 ? 0 : 0.985) : sqrt((k + 0.5) / points);
     const double angle = first ? k / (FIRST_POINTS - 1) : k * 0.3819660112501051;
     const double whole = turn + angle;
     const struct orl_circle circle = orl_circle_turn(whole - floor(whole));
@@ -219,6 +221,7 @@ static void point_of_disc(uint32_t n, double turn, double ret_at[2])
 struct disc {
     struct orl_frame frame;
     double radius, turn;
+    uint32_t points; /* if an edge crosses it */
 };
 
 /* Share of a point's light that gets through, its cosine, and the part it comes in by. */
@@ -232,7 +235,7 @@ static struct point look_at_point(const struct orl_annual_scene *scene,
                                   uint32_t n)
 {
     double at[2];
-    point_of_disc(n, disc->turn, at);
+    point_of_disc(n, disc->points, disc->turn, at);
     const struct orl_vec3 towards = on_disc(&disc->frame, disc->radius, at);
     const double cosine = orl_dot(towards, place->normal);
     if (!(cosine > 0))
@@ -268,7 +271,7 @@ static bool is_covered(const struct orl_annual_scene *scene, const struct orl_pl
     uint32_t by = UINT32_MAX;
     for (uint32_t n = 0; n < FIRST_POINTS; n++) {
         double at[2];
-        point_of_disc(n, disc->turn, at);
+        point_of_disc(n, disc->points, disc->turn, at);
         const struct orl_vec3 towards = on_disc(&disc->frame, disc->radius, at);
         if (!(orl_dot(towards, place->normal) > 0))
             continue;
@@ -300,20 +303,20 @@ static struct of_part *find_part(struct of_part *parts, uint32_t *n, uint32_t pa
 static void add_points_of_disc(const struct orl_annual_scene *scene, const struct orl_place *place,
                                const struct disc *disc, size_t sun, const struct orl_sun_rows *rows)
 {
-    struct of_part parts[DISC_POINTS];
+    struct of_part parts[MOST_PARTS];
     uint32_t n_parts = 0;
-    for (uint32_t n = 0; n < DISC_POINTS; n++) {
+    for (uint32_t n = 0; n < disc->points; n++) {
         const struct point p = look_at_point(scene, place, disc, FIRST_POINTS + n);
         const double light = p.share * p.cosine;
         if (!(light > 0))
             continue;
         struct of_part *of = find_part(parts, &n_parts, p.part);
-        of->sum += light / DISC_POINTS;
-        of->squares += light * light / DISC_POINTS;
+        of->sum += light / disc->points;
+        of->squares += light * light / disc->points;
     }
     /* Points in a plane so even err as their number to the power of -3/4, where edges are straight
      * (Beck and Chen 1987, irregularities of distribution). */
-    const double share = pow(DISC_POINTS, -0.75);
+    const double share = pow(disc->points, -0.75);
     for (uint32_t i = 0; i < n_parts; i++) {
         const struct of_part *of = &parts[i];
         const double unsure = sqrt(fmax(of->squares - of->sum * of->sum, 0)) * share;
@@ -348,9 +351,11 @@ static struct orl_rgb cosine_of(const void *ctx, struct orl_vec3 light)
     return orl_gray(fmax(orl_dot(light, place->normal), 0));
 }
 
-static struct disc disc_of(const struct orl_year_suns *suns, size_t sun, uint64_t name)
+static struct disc disc_of(const struct orl_year_suns *suns, size_t sun, uint64_t name,
+                           const struct orl_sun_rows *rows)
 {
     return (struct disc){.frame = orl_frame_about(suns->at[sun].towards),
+                         .points = rows->disc_points,
                          .radius = disc_radius(suns->at[sun].angle_rad),
                          .turn = (double)(orl_mix64(name ^ orl_mix64(sun + 1)) >> 11) * 0x1p-53};
 }
@@ -369,13 +374,13 @@ struct mirrored_hours {
 static void add_mirrored_hour(void *ctx, uint32_t sun)
 {
     const struct mirrored_hours *m = ctx;
-    const struct disc disc = disc_of(m->suns, sun, m->name);
+    const struct disc disc = disc_of(m->suns, sun, m->name, m->rows);
     if (!m->suns->at[sun].wanted || orl_crew_cancelled(m->crew))
         return;
     for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
         double at[2];
         int32_t port = ORL_NO_PORT;
-        point_of_disc(FIRST_POINTS + n * (DISC_POINTS / MIRROR_POINTS), disc.turn, at);
+        point_of_disc(FIRST_POINTS + n * (disc.points / MIRROR_POINTS), disc.points, disc.turn, at);
         const double light = orl_luma(orl_mirrors_light_of(
             &m->scene->mirrors, &m->scene->mirrors.everywhere, m->item, m->place,
             on_disc(&disc.frame, disc.radius, at), cosine_of, m->place, &port));
@@ -416,7 +421,7 @@ void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct or
         const struct orl_hour_sun *sun = &suns->at[c];
         if (!sun->wanted || !may_see(scene, place, sun))
             continue;
-        const struct disc disc = disc_of(suns, c, name);
+        const struct disc disc = disc_of(suns, c, name, rows);
         add_disc(scene, place, &disc, c, rows);
     }
     if (rows->direct_only)

@@ -2,7 +2,12 @@
 
 #include <stdlib.h>
 
+#include "annual/port_shadows.h"
+
 enum { CORNERS = ORL_SUN_CORNERS };
+
+/* What nodes bring is scaled by no more than the inverse of this. */
+static const double least_lit = 0.05;
 
 struct maker {
     struct orl_sun_terms *terms;
@@ -11,14 +16,23 @@ struct maker {
     const struct orl_frame *frames;    /* of nodes */
     const struct orl_sun_beams *beams; /* or NULL */
     size_t n_kinds;
-    double *of_nodes;       /* [node][kind]: what ports let in */
-    uint32_t *beam_of;      /* [node][kind], or UINT32_MAX */
-    struct weight *weights; /* [sun][corner][1 + kind] */
+    struct orl_port_shadows shadows; /* of beams */
+    double *of_nodes;                /* [node][kind]: what ports let in */
+    uint32_t *beam_of;               /* [node][kind], or UINT32_MAX */
+    struct weight *weights;          /* [sun][corner][1 + kind] */
+    struct stand_in *stand_ins;      /* [sun][kind] */
 };
 
 /* A corner's, by the cubic and by the wide way; both 0: none. */
 struct weight {
     float fine, wide;
+};
+
+/* The nearest node that lights ports of a kind, where these are lit but not from the corners. */
+struct stand_in {
+    uint32_t beam; /* where the weight is not 0 */
+    float weight;
+    bool missing; /* no node lights them */
 };
 
 static struct weight *weights_of(const struct maker *m, size_t which)
@@ -54,12 +68,42 @@ static bool is_lit_all_round(const struct maker *m, const struct orl_sun_between
     return true;
 }
 
-static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, uint32_t kind,
-                       struct orl_vec3 sun, struct weight *weights)
+/* Flux that ports of a kind get of a sun, past what stands outside. */
+static double let_in_of(const struct maker *m, uint32_t kind, struct orl_vec3 sun)
 {
     const double let_in = orl_sun_beams_let_in(m->beams, kind, sun);
+    return let_in > 0 ? let_in * orl_port_shadows_lit(&m->shadows, kind, sun) : 0;
+}
+
+static struct stand_in find_stand_in(const struct maker *m, uint32_t kind, struct orl_vec3 sun,
+                                     double let_in)
+{
+    struct stand_in ret = {.weight = 0};
+    double nearest = -1;
+    for (uint32_t i = 0; i < m->nodes->count; i++) {
+        const double of_node = m->of_nodes[i * m->n_kinds + kind];
+        const uint32_t beam = m->beam_of[i * m->n_kinds + kind];
+        const double cosine = orl_dot(m->frames[i].n, sun);
+        if (!(of_node > least_lit * let_in) || beam == UINT32_MAX || cosine <= nearest)
+            continue;
+        nearest = cosine;
+        ret = (struct stand_in){.beam = beam, .weight = (float)(let_in / of_node)};
+    }
+    ret.missing = nearest < 0;
+    return ret;
+}
+
+/* Where ports get more than twice as much of the sun as corners say, or less than half, corners do
+ * not tell where indoors it falls: the wide way has less, and the error is larger. */
+static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, uint32_t kind,
+                       size_t which, struct weight *weights)
+{
+    const struct orl_vec3 sun = m->suns->at[which].towards;
+    const double let_in = let_in_of(m, kind, sun);
     const double of_plain = let_in_by_corners(m, at, at->plain, kind);
-    if (!(of_plain > 0))
+    if (let_in > 0 && !(of_plain > least_lit * let_in))
+        m->stand_ins[which * m->n_kinds + kind] = find_stand_in(m, kind, sun, let_in);
+    if (!(let_in > 0) || !(of_plain > least_lit * let_in))
         return;
     const bool fine = is_lit_all_round(m, at, kind);
     const double of_fine = fine ? let_in_by_corners(m, at, at->weights, kind) : of_plain;
@@ -67,10 +111,11 @@ static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, 
     const float *rough = of_wide > 0.2 * of_plain ? at->wide : at->plain;
     const float *by = fine && of_fine > 0.5 * of_plain ? at->weights : at->plain;
     const double ratio = let_in / (by == at->plain ? of_plain : of_fine);
+    const double alike = fmin(2 * fmin(ratio, 1 / ratio), 1);
+    const double of_rough = rough == at->plain ? of_plain : of_wide;
     for (int i = 0; i < CORNERS; i++)
         weights[(size_t)i * (1 + m->n_kinds) + 1 + kind] = (struct weight){
-            (float)((double)by[i] * ratio),
-            (float)((double)rough[i] * let_in / (rough == at->plain ? of_plain : of_wide))};
+            (float)((double)by[i] * ratio), (float)((double)rough[i] * alike * let_in / of_rough)};
 }
 
 static void weigh(void *arg, size_t which, uint32_t member)
@@ -87,7 +132,7 @@ static void weigh(void *arg, size_t which, uint32_t member)
         weights[(size_t)i * (1 + m->n_kinds)] = (struct weight){
             (float)((double)at.weights[i] / fine), (float)((double)at.wide[i] / wide)};
     for (uint32_t kind = 0; kind < m->n_kinds; kind++)
-        weigh_kind(m, &at, kind, sun->towards, weights);
+        weigh_kind(m, &at, kind, which, weights);
 }
 
 static int measure_nodes(struct maker *m)
@@ -98,8 +143,7 @@ static int measure_nodes(struct maker *m)
     if (!m->of_nodes || !m->beam_of)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++) {
-        m->of_nodes[i] =
-            orl_sun_beams_let_in(m->beams, (uint32_t)(i % m->n_kinds), m->frames[i / m->n_kinds].n);
+        m->of_nodes[i] = let_in_of(m, (uint32_t)(i % m->n_kinds), m->frames[i / m->n_kinds].n);
         m->beam_of[i] = UINT32_MAX;
     }
     for (size_t i = 0; m->beams && i < m->beams->count; i++)
@@ -127,6 +171,25 @@ static uint32_t list_kind(const struct maker *m, size_t sun, const struct orl_su
             terms->apart[to + n] = weight.fine - weight.wide;
         }
         n++;
+    }
+    const struct stand_in *other = of > 0 ? &m->stand_ins[sun * m->n_kinds + of - 1] : NULL;
+    if (!other || !(other->weight > 0))
+        return n;
+    if (write) {
+        terms->which[to + n] = other->beam;
+        terms->weights[to + n] = terms->apart[to + n] = other->weight;
+    }
+    return n + 1;
+}
+
+static size_t count_lost(const struct maker *m)
+{
+    size_t n = 0;
+    for (size_t sun = 0; sun < m->suns->count; sun++) {
+        bool missing = false;
+        for (size_t kind = 0; kind < m->n_kinds; kind++)
+            missing = missing || m->stand_ins[sun * m->n_kinds + kind].missing;
+        n += missing;
     }
     return n;
 }
@@ -178,7 +241,8 @@ static int list_all(const struct maker *m)
 
 int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *suns,
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
-                       const struct orl_sun_map *map, uint32_t n_parts, struct orl_crew *crew)
+                       const struct orl_sun_map *map, const struct orl_sobol *sobol,
+                       uint32_t n_parts, struct orl_crew *crew)
 {
     struct maker m = {.terms = terms, .suns = suns, .nodes = nodes, .frames = node_frames};
     *terms = (struct orl_sun_terms){.n_parts = n_parts};
@@ -187,14 +251,23 @@ int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *
         m.n_kinds = m.beams->n_kinds;
     }
     m.weights = calloc(suns->count * CORNERS * (1 + m.n_kinds) + 1, sizeof *m.weights);
-    int code = m.weights ? measure_nodes(&m) : ORL_ERR_NOMEM;
+    m.stand_ins = calloc(suns->count * m.n_kinds + 1, sizeof *m.stand_ins);
+    int code = m.weights && m.stand_ins ? 0 : ORL_ERR_NOMEM;
+    if (code == 0 && map)
+        code = orl_port_shadows_init(&m.shadows, m.beams, sobol, suns->count + nodes->count);
+    if (code == 0)
+        code = measure_nodes(&m);
     if (code == 0)
         code = orl_crew_try(crew, suns->count, weigh, &m);
     if (code == 0)
         code = list_all(&m);
+    if (code == 0)
+        terms->n_lost = count_lost(&m);
     free(m.of_nodes);
     free(m.beam_of);
     free(m.weights);
+    free(m.stand_ins);
+    orl_port_shadows_done(&m.shadows);
     return code;
 }
 

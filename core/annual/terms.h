@@ -1,7 +1,8 @@
 /*
  * Each sun (hours.h) as a sum over nodes and beams (sun_map.h): by place between nodes; of
  * beams also by how much more or less the ports let in from there than from the nodes, so that the
- * cosine at a window, and what its pane does with it, is the hour's own.
+ * cosine at a window, what its pane does with it, and shadows of what stands outside
+ * (port_shadows.h) are the hour's own.
  *
  * Immutable once made.
  */
@@ -14,6 +15,7 @@
 
 struct orl_sun_terms {
     uint32_t n_parts; /* of the windows (parts.h) */
+    size_t n_lost;    /* suns that light some ports, which no node does */
     /* Into the next ones, by sun: [sun][0]: nodes, [sun][1 + part]: beams of each part; and one
      * more. */
     uint32_t *first;
@@ -43,7 +45,8 @@ static inline struct orl_sun_range orl_sun_terms_beams(const struct orl_sun_term
  * orl_sun_terms_done in either case. */
 int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *suns,
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
-                       const struct orl_sun_map *map, uint32_t n_parts, struct orl_crew *crew);
+                       const struct orl_sun_map *map, const struct orl_sobol *sobol,
+                       uint32_t n_parts, struct orl_crew *crew);
 void orl_sun_terms_done(struct orl_sun_terms *terms);
 
 #endif
