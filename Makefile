@@ -113,6 +113,7 @@ help:
 ## make bench-annual  how a year's cost grows with window groups, mirrors and sensors: a table
 ## make paths      each source of light by each chain of surfaces and technique, against plain path
 ##                 tracing: a table, and how often intervals hold; half an hour, for truths
+## make rare-rooms  the same of thirty rooms in which light is rare
 ## make gallery    pictures by all techniques, side by side, in build/gallery
 ## make calibration  whether errors stated are errors made: intervals, error maps, jobs by accuracy
 ##                 or deadline, predictions; long (tests/bench/tables.md has its parts)
@@ -397,7 +398,10 @@ check-perf: deps-perf
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions
 	@ORIEL_BUILD=$(BUILD) tests/bench/check_perf $(BUILD) $(BUILD)/tests/bench/instructions \
 		'$(CC)' '$(RECORD)'
-table2 gallery calibration paths: %: deps-check
+paths rare-rooms: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/paths
+	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/paths $(if $(filter paths,$@),cells,rooms)
+table2 gallery calibration: %: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/$*
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/$*
 

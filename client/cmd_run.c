@@ -4,6 +4,7 @@
  */
 #include "command.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -43,11 +44,28 @@ static int write_result(const char *output, json_t *json, struct orl_error *err)
     return rc ? rc : orl_write_json(path, json, err);
 }
 
+static void print_cross_check(const struct orl_cross_check *check)
+{
+    if (check->sensors == 0)
+        return;
+    fprintf(stderr, "cross-check by path tracing: ");
+    if (check->sensors_off > 0)
+        fprintf(stderr, "%zu of %zu sensors differ by more than the errors", check->sensors_off,
+                check->sensors);
+    else
+        fprintf(stderr, "agrees at %zu sensor%s", check->sensors, check->sensors == 1 ? "" : "s");
+    if (check->sensors_off == 0 && isfinite(check->ratio))
+        fprintf(stderr, ", their sum within %.2g %%",
+                100 * (fabs(check->ratio - 1) + 1.96 * check->ratio_error));
+    fprintf(stderr, "\n");
+}
+
 static void print_summary(const struct orl_result *result, const char *output)
 {
     if (result->outcome.asked)
         fprintf(stderr, "accuracy: %s: %s\n", result->outcome.met ? "met" : "not met",
                 result->outcome.why);
+    print_cross_check(&result->cross_check);
     fprintf(stderr, "seconds:");
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         fprintf(stderr, " %s %.2f", orl_stage_name((enum orl_stage)i), result->timings_s[i]);

@@ -121,7 +121,7 @@ export class JobPage {
     const sensors = result?.sensors?.length ? result.sensors : null;
     const underSkies = result?.skies?.some((sky) => sky.illuminance_lx.length > 0);
     fill(this.sensors, (sensors || underSkies) && this.resultKey, () => (sensors || underSkies) && parts.section('sensors', 'Sensors',
-      sensors && parts.sensorFigures(sensors), h('p', { class: 'after' }, h('a', { href: `#/sensors/${job.id}` }, 'Heat map, threshold and table'))));
+      sensors && parts.sensorFigures(sensors), sensors && parts.crossCheck(result.cross_check), h('p', { class: 'after' }, h('a', { href: `#/sensors/${job.id}` }, 'Heat map, threshold and table'))));
     if (job.kind === 'study') this.#showStudy().catch(() => {});
     else fill(this.kind, result && this.resultKey, () => ofKind(job, result));
     const warnings = result?.warnings?.length ? result.warnings : job.warnings || [];

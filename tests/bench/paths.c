@@ -1,6 +1,7 @@
 /*
- * make paths: every cell of support/path_cells.h by every technique, against plain path tracing.
- * For each cell and technique it prints the sensor that is furthest off: z, its difference from the
+ * make paths, make rare-rooms: every cell of support/path_cells.h, or every room of
+ * support/rare_rooms.h, by every technique, against plain path tracing. For each and technique it
+ * prints the sensor that is furthest off: z, its difference from the
  * truth in joint standard errors (of the interval, and of the truth), and its ratio to the truth;
  * '*' stands where |z| is above 4, 'w' where there were warnings. At the end it prints the shares
  * of intervals that hold the truth, and the rms of z. Truths are kept in the build folder.
@@ -8,7 +9,7 @@
  * In the environment: ORIEL_PATHS_SENSORS prints every sensor, ORIEL_PATHS_WARNINGS all warnings of
  * the first seed, ORIEL_PATHS_TEXT the scenes.
  *
- * usage: paths [MILLIONS OF PATHS A SENSOR [SEEDS [TEXT IN THE NAME OF THE CELL]]]
+ * usage: paths cells|rooms [MILLIONS OF PATHS A SENSOR [SEEDS [TEXT IN THE NAME OF THE CELL]]]
  */
 #include <math.h>
 #include <setjmp.h>
@@ -24,6 +25,7 @@
 
 #include "support/brute.h"
 #include "support/path_cells.h"
+#include "support/rare_rooms.h"
 #include "support/scene_text.h"
 
 static const struct {
@@ -35,6 +37,11 @@ static const struct {
                   {ORL_TECHNIQUE_PRECOMPUTED, "precomputed"},
                   {ORL_TECHNIQUE_AUTO, "auto"}};
 enum { TECHNIQUES = sizeof techniques / sizeof *techniques };
+
+struct cell {
+    char name[128], text[PATH_TEXT];
+    struct orl_sensor sensors[PATH_SENSORS];
+};
 
 /* Sums over all cells of a technique. */
 struct tally {
@@ -72,7 +79,7 @@ static void compare(const struct orl_result *result, const struct brute_value *t
 
 /* The truths of a cell, kept in the build folder from one run to the next under the digest of the
  * scene's text and the number of paths. */
-static void find_truth(const char *text, uint64_t paths, struct orl_crew *crew,
+static void find_truth(const struct cell *cell, uint64_t paths, struct orl_crew *crew,
                        struct brute_value truth[PATH_SENSORS])
 {
     const char *const build = getenv("ORIEL_BUILD");
@@ -80,8 +87,8 @@ static void find_truth(const char *text, uint64_t paths, struct orl_crew *crew,
     char path[512];
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
-    orl_sha256_add(&hash, text, strlen(text));
-    orl_sha256_add(&hash, path_sensors, sizeof path_sensors);
+    orl_sha256_add(&hash, cell->text, strlen(cell->text));
+    orl_sha256_add(&hash, cell->sensors, sizeof cell->sensors);
     orl_sha256_add(&hash, &paths, sizeof paths);
     orl_sha256_finish(&hash, digest);
     snprintf(path, sizeof path, "%s/paths", build ? build : "build");
@@ -96,8 +103,8 @@ static void find_truth(const char *text, uint64_t paths, struct orl_crew *crew,
         fclose(file);
     if (found == PATH_SENSORS)
         return;
-    struct orl_world *const world = scene_world(text, "pane.xml", path_pane(), NULL);
-    brute_sensors(world, path_sensors, PATH_SENSORS, paths, crew, truth);
+    struct orl_world *const world = scene_world(cell->text, "pane.xml", path_pane(), NULL);
+    brute_sensors(world, cell->sensors, PATH_SENSORS, paths, crew, truth);
     orl_world_free(world);
     file = fopen(path, "wb");
     if (!file)
@@ -106,15 +113,15 @@ static void find_truth(const char *text, uint64_t paths, struct orl_crew *crew,
     fclose(file);
 }
 
-static void run_cell(const char *text, const struct brute_value *truth, uint64_t seeds, int t,
-                     struct tally *tally)
+static void run_cell(const struct cell *cell, const struct brute_value *truth, uint64_t seeds,
+                     int t, struct tally *tally)
 {
     struct outcome outcome = {0};
     for (uint64_t seed = 1; seed <= seeds; seed++) {
-        struct orl_result r = scene_run(&(struct scene_run){.scene = text,
+        struct orl_result r = scene_run(&(struct scene_run){.scene = cell->text,
                                                             .resource_name = "pane.xml",
                                                             .resource_text = path_pane(),
-                                                            .sensors = path_sensors,
+                                                            .sensors = cell->sensors,
                                                             .n_sensors = PATH_SENSORS,
                                                             .seed = seed,
                                                             .technique = techniques[t].technique,
@@ -141,35 +148,56 @@ static void run_cell(const char *text, const struct brute_value *truth, uint64_t
     fflush(stdout);
 }
 
+/* Prints a line of a cell: the truth of its first sensor, the largest error of truths, and each
+ * technique's outcome. */
+static void print_cell(const struct cell *cell, uint64_t paths, uint64_t seeds,
+                       struct orl_crew *crew, struct tally tallies[TECHNIQUES])
+{
+    struct brute_value truth[PATH_SENSORS];
+    double error = 0;
+    find_truth(cell, paths, crew, truth);
+    if (getenv("ORIEL_PATHS_TEXT"))
+        printf("%s", cell->text);
+    for (size_t i = 0; i < PATH_SENSORS; i++)
+        error = fmax(error, truth[i].standard_error / fmax(truth[i].mean, 1e-9));
+    printf("%-40s %8.3g %6.2f", cell->name, truth[0].mean, 100 * error);
+    for (int t = 0; t < TECHNIQUES; t++)
+        run_cell(cell, truth, seeds, t, &tallies[t]);
+    printf("\n");
+}
+
+/* Fills in a cell of the paths, or a rare room; false where there is none of that number. */
+static bool find_cell(bool rooms, size_t number, struct cell *ret_cell)
+{
+    const size_t source = number % path_source_count(), chain = number / path_source_count();
+    if (rooms) {
+        rare_room_scene(number, ret_cell->text, ret_cell->sensors);
+        snprintf(ret_cell->name, sizeof ret_cell->name, "%s", rare_room_name(number));
+        return true;
+    }
+    snprintf(ret_cell->name, sizeof ret_cell->name, "%s: %s", path_chain_name(chain),
+             path_source_name(source));
+    memcpy(ret_cell->sensors, path_sensors, sizeof path_sensors);
+    return path_cell_scene(source, chain, ret_cell->text);
+}
+
 int main(int argc, char **argv)
 {
-    const uint64_t paths = (uint64_t)(1e6 * (argc > 1 ? atof(argv[1]) : 4));
-    const uint64_t seeds = argc > 2 ? (uint64_t)atoi(argv[2]) : 3;
-    const char *const only = argc > 3 ? argv[3] : "";
+    const bool rooms = argc > 1 && strcmp(argv[1], "rooms") == 0;
+    const uint64_t paths = (uint64_t)(1e6 * (argc > 2 ? atof(argv[2]) : 4));
+    const uint64_t seeds = argc > 3 ? (uint64_t)atoi(argv[3]) : 3;
+    const char *const only = argc > 4 ? argv[4] : "";
+    const size_t count = rooms ? rare_room_count() : path_chain_count() * path_source_count();
     struct tally tallies[TECHNIQUES] = {{0}};
     struct orl_crew *const crew = orl_crew_start(2);
+    static struct cell cell;
     printf("%-40s %8s %6s", "", "truth lx", "%");
     for (int t = 0; t < TECHNIQUES; t++)
         printf(" %-16s", techniques[t].name);
     printf("\n");
-    for (size_t chain = 0; chain < path_chain_count(); chain++)
-        for (size_t source = 0; source < path_source_count(); source++) {
-            char text[PATH_TEXT], name[128];
-            struct brute_value truth[PATH_SENSORS];
-            snprintf(name, sizeof name, "%s: %s", path_chain_name(chain), path_source_name(source));
-            if (!strstr(name, only) || !path_cell_scene(source, chain, text))
-                continue;
-            find_truth(text, paths, crew, truth);
-            if (getenv("ORIEL_PATHS_TEXT"))
-                printf("%s", text);
-            double error = 0;
-            for (size_t i = 0; i < PATH_SENSORS; i++)
-                error = fmax(error, truth[i].standard_error / fmax(truth[i].mean, 1e-9));
-            printf("%-40s %8.3g %6.2f", name, truth[0].mean, 100 * error);
-            for (int t = 0; t < TECHNIQUES; t++)
-                run_cell(text, truth, seeds, t, &tallies[t]);
-            printf("\n");
-        }
+    for (size_t i = 0; i < count; i++)
+        if (find_cell(rooms, i, &cell) && strstr(cell.name, only))
+            print_cell(&cell, paths, seeds, crew, tallies);
     for (int t = 0; t < TECHNIQUES; t++)
         printf("%-12s intervals hold %.1f %% of %zu, rms z %.2f, worst %.1f, cells off %zu\n",
                techniques[t].name, 100 * (double)tallies[t].held / (double)tallies[t].values,

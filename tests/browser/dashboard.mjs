@@ -102,6 +102,7 @@ test('a job that has ended shows pictures, plan and health, and is run again', (
   await daemon.wait(id);
   await page.goto(`${daemon.url}/#/jobs/${id}`);
   for (const title of ['Error', 'Sensors', 'Pictures', 'Plan', 'Health', 'Time', 'Files']) await page.getByRole('heading', { name: title, exact: true }).waitFor();
+  await page.getByText(/Cross-check by path tracing: agrees at \d+ sensors/).waitFor();
   const image = page.getByAltText('Picture of the view north');
   await page.waitForFunction((node) => node.naturalWidth === 64, await image.elementHandle());
   assert.deepEqual(await browser.audit(page), []);
