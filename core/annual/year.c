@@ -107,7 +107,8 @@ static void warn_of_times(struct orl_year *y, const struct orl_weather *weather)
     char text[640];
     if (orl_time_shift_describe(&shift, text, sizeof text)) {
         orl_year_warn(y, "%s", text);
-        night.cause = ORL_NIGHT_SHIFT;
+        if (shift.shift_h != 0 && !shift.doubtful)
+            night.cause = ORL_NIGHT_SHIFT;
         night.shift_h = shift.shift_h;
     }
     if (orl_night_light_describe(&night, text, sizeof text))

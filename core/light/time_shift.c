@@ -14,31 +14,53 @@ static bool tells(const struct orl_weather_row *row)
     return !row->missing && row->direct >= bright_w_m2 && row->global > 0;
 }
 
+static double height_of(const struct orl_weather *weather, struct orl_weather_row row,
+                        double shift_h)
+{
+    row.hour += shift_h;
+    return fmax(0, sin(orl_daylight_altitude_of_row(weather, &row) * ORL_DEG_TO_RAD));
+}
+
 /* Returns the mean difference of global irradiance, of every stride-th of the rows that tell. */
 static double mean_off(const struct orl_weather *weather, size_t stride, double shift_h)
 {
     double sum = 0;
     size_t seen = 0, n = 0;
     for (size_t i = 0; i < weather->n_rows; i++) {
-        struct orl_weather_row row = weather->rows[i];
-        if (!tells(&row) || seen++ % stride != 0)
+        const struct orl_weather_row *row = &weather->rows[i];
+        if (!tells(row) || seen++ % stride != 0)
             continue;
-        row.hour += shift_h;
-        const double altitude_rad = orl_daylight_altitude_of_row(weather, &row) * ORL_DEG_TO_RAD;
-        sum += fabs(row.global - row.diffuse - row.direct * fmax(0, sin(altitude_rad)));
+        sum += fabs(row->global - row->diffuse - row->direct * height_of(weather, *row, shift_h));
         n++;
     }
     return n > 0 ? sum / (double)n : 0;
 }
 
+/* How badly global irradiance alone follows the height of the sun: 1 less their correlation. */
+static double global_off(const struct orl_weather *weather, size_t stride, double shift_h)
+{
+    double products = 0, squares = 0, heights = 0;
+    for (size_t i = 0; i < weather->n_rows; i += stride) {
+        const struct orl_weather_row *row = &weather->rows[i];
+        if (row->missing || !(row->global >= 0))
+            continue;
+        const double height = height_of(weather, *row, shift_h);
+        products += row->global * height;
+        squares += row->global * row->global;
+        heights += height * height;
+    }
+    return squares > 0 && heights > 0 ? 1 - products / sqrt(squares * heights) : 0;
+}
+
 /* Returns the best of 2 n + 1 shifts about a middle. */
-static double best_shift(const struct orl_weather *weather, size_t stride, double middle_h,
+static double best_shift(double (*off_by)(const struct orl_weather *, size_t, double),
+                         const struct orl_weather *weather, size_t stride, double middle_h,
                          double step_h, int n, double *ret_off)
 {
     double best_h = middle_h;
     *ret_off = INFINITY;
     for (int i = -n; i <= n; i++) {
-        const double off = mean_off(weather, stride, middle_h + i * step_h);
+        const double off = off_by(weather, stride, middle_h + i * step_h);
         if (off < *ret_off) {
             *ret_off = off;
             best_h = middle_h + i * step_h;
@@ -47,10 +69,41 @@ static double best_shift(const struct orl_weather *weather, size_t stride, doubl
     return best_h;
 }
 
+enum { ENOUGH = 100, SAMPLE = 300, GLOBAL_SAMPLE = 2000 };
+static const double coarse_h = 0.25, fine_h = 0.05;
+
+static void find_means(const struct orl_weather *weather, struct orl_time_shift *shift)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < weather->n_rows; i++) {
+        const struct orl_weather_row *row = &weather->rows[i];
+        if (!tells(row))
+            continue;
+        n++;
+        shift->global_w_m2 += row->global;
+        shift->diffuse_w_m2 += row->diffuse;
+        shift->horizontal_w_m2 += fabs(row->global - row->diffuse - row->direct);
+    }
+    shift->global_w_m2 /= (double)n;
+    shift->diffuse_w_m2 /= (double)n;
+    shift->horizontal_w_m2 /= (double)n;
+}
+
+/* Direct irradiance may have been worked out of global irradiance with a wrong sun: then the times
+ * are right, and global irradiance follows the sun as it is. */
+static bool is_doubtful(const struct orl_weather *weather, double shift_h)
+{
+    static const double closer = 0.7;
+    const size_t stride = (weather->n_rows + GLOBAL_SAMPLE - 1) / GLOBAL_SAMPLE;
+    double off;
+    const double near_h = best_shift(global_off, weather, stride, 0, coarse_h, 8, &off);
+    const double of_global_h = best_shift(global_off, weather, stride, near_h, fine_h, 4, &off);
+    return fabs(shift_h - of_global_h) > closer * fabs(of_global_h);
+}
+
 struct orl_time_shift orl_time_shift_find(const struct orl_weather *weather)
 {
-    enum { ENOUGH = 100, SAMPLE = 300 };
-    static const double coarse_h = 0.25, fine_h = 0.05, usual_h = 0.19, clear = 0.5, usual_w_m2 = 5;
+    static const double usual_h = 0.19, clear = 0.5, usual_w_m2 = 5;
     struct orl_time_shift shift = {.file_time_zone_h = weather->time_zone_h};
     size_t n = 0;
     for (size_t i = 0; i < weather->n_rows; i++)
@@ -58,27 +111,61 @@ struct orl_time_shift orl_time_shift_find(const struct orl_weather *weather)
     if (weather->units != ORL_WEATHER_NORMAL_W || n < ENOUGH)
         return shift;
     const size_t stride = (n + SAMPLE - 1) / SAMPLE;
+    find_means(weather, &shift);
     shift.off_w_m2 = mean_off(weather, stride, 0);
-    const double near_h = best_shift(weather, stride, 0, coarse_h, 8, &shift.least_w_m2);
-    const double best_h = best_shift(weather, stride, near_h, fine_h, 4, &shift.least_w_m2);
+    const double near_h = best_shift(mean_off, weather, stride, 0, coarse_h, 8, &shift.least_w_m2);
+    const double best_h =
+        best_shift(mean_off, weather, stride, near_h, fine_h, 4, &shift.least_w_m2);
     if (fabs(best_h) < usual_h || shift.off_w_m2 < usual_w_m2 ||
         shift.least_w_m2 > clear * shift.off_w_m2)
         return shift;
     shift.shift_h = best_h;
     shift.time_zone_h = weather->time_zone_h - best_h;
+    shift.doubtful = is_doubtful(weather, best_h);
     return shift;
+}
+
+/* ---- Words ----------------------------------------------------------------------------------- */
+
+/* Numbers that agree by no sun: which of them is wrong, if that can be told. */
+static bool describe_numbers(const struct orl_time_shift *shift, char *text, size_t size)
+{
+    static const double usual = 0.1, close = 0.02;
+    const double least = fmin(shift->off_w_m2, shift->least_w_m2), global = shift->global_w_m2;
+    if (!(least > usual * global))
+        return false;
+    snprintf(text, size,
+             "the weather file's numbers contradict each other: its global irradiance is not "
+             "diffuse plus direct normal times the sine of the sun's altitude (%.3g W/m2 off in "
+             "rows with direct light, %.0f %% of it), whatever the time. %s. What is used is its "
+             "direct normal and its diffuse irradiance",
+             least, 100 * least / global,
+             shift->diffuse_w_m2 < close * global ? "Its diffuse irradiance is 0 by day"
+             : shift->horizontal_w_m2 < close * global
+                 ? "It is diffuse plus direct: its direct irradiance seems to be that of the "
+                   "horizontal, not normal to the sun"
+                 : "Look for a file of another source");
+    return true;
 }
 
 bool orl_time_shift_describe(const struct orl_time_shift *shift, char *text, size_t size)
 {
+    const char *const way = shift->shift_h > 0 ? "later" : "earlier";
     if (shift->shift_h == 0)
-        return false;
-    snprintf(text, size,
-             "the weather file's times seem %.0f minutes too %s: its global irradiance is diffuse "
-             "plus direct for a sun that is so much %s (%.2g W/m2 off, and %.2g by the file's "
-             "times). If so, write the time zone %.4g, not %.4g, into the file's LOCATION",
-             60 * fabs(shift->shift_h), shift->shift_h > 0 ? "early" : "late",
-             shift->shift_h > 0 ? "later" : "earlier", shift->least_w_m2, shift->off_w_m2,
-             shift->time_zone_h, shift->file_time_zone_h);
+        return describe_numbers(shift, text, size);
+    if (shift->doubtful)
+        snprintf(text, size,
+                 "the weather file's direct irradiance was made for a sun that is %.0f minutes %s "
+                 "than its times say (%.2g W/m2 off, and %.2g by the file's times), its global "
+                 "irradiance was not: times are taken as they are, direct light is uncertain",
+                 60 * fabs(shift->shift_h), way, shift->least_w_m2, shift->off_w_m2);
+    else
+        snprintf(
+            text, size,
+            "the weather file's times seem %.0f minutes too %s: its global irradiance is diffuse "
+            "plus direct for a sun that is so much %s (%.2g W/m2 off, and %.2g by the file's "
+            "times). If so, write the time zone %.4g, not %.4g, into the file's LOCATION",
+            60 * fabs(shift->shift_h), shift->shift_h > 0 ? "early" : "late", way,
+            shift->least_w_m2, shift->off_w_m2, shift->time_zone_h, shift->file_time_zone_h);
     return true;
 }

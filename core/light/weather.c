@@ -59,6 +59,8 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 static const double missing = 9999; /* as both formats mark it */
+/* As others do: -999 and the like. Instruments are off by less at night. */
+static const double missing_below = -90;
 
 /* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
 static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
@@ -86,6 +88,7 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
         row.missing = row.direct >= 100 * missing || row.diffuse >= 100 * missing;
     else
         row.missing = row.direct >= missing || row.diffuse >= missing;
+    row.missing = row.missing || row.direct <= missing_below || row.diffuse <= missing_below;
     *ret_row = row;
     return 0;
 }

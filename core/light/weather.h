@@ -13,7 +13,8 @@
  * from July to June: rows are in the order of the calendar here, from 1 January.
  *
  * Invariants: every number is finite; months are 1..12, days exist in a leap year, hours lie in
- * [0, 24]. Values that the file marks as missing (9999 and above) are missing here, never numbers.
+ * [0, 24]. Values that the file marks as missing (9999 and above, or -90 and
+ * below) are missing here, never numbers.
  * Errors: ORL_ERR_SYNTAX, _RANGE, _INVALID (a year of a WEA file), _LIMIT, with file and line.
  * Threads: none kept; a parsed file is immutable. References: EnergyPlus, "Auxiliary Programs",
  * chapter on weather data; gendaymtx(1) of Radiance.
