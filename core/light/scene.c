@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/glaze.h"
 #include "light/mist.h"
 #include "light/proxies.h"
 #include "scene/geometry/coincident.h"
@@ -145,6 +146,8 @@ int orl_scene_new(struct orl_description *description, struct orl_scene **ret_sc
     code = orl_scene_settle(&scene->description, err);
     if (code == 0)
         code = orl_geometry_new(&scene->description, &scene->geometry, err);
+    if (code == 0)
+        code = orl_scene_glaze_openings(scene, err);
     if (code == 0 && scene->description.n_patterns > 0)
         code = orl_patterns_settle(&scene->description, scene->geometry, err);
     if (code == 0)
@@ -262,7 +265,7 @@ struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint3
 
 void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash)
 {
-    static const char vast[] = "couples 3", unlined[] = "linings 2";
+    static const char vast[] = "couples 3", unlined[] = "linings 2", glazed[] = "openings 1";
     bool found = orl_geometry_is_vast(scene->geometry);
     for (size_t i = 0; i < scene->geometry->n_prototypes && !found; i++)
         found = orl_geometry_is_vast(scene->geometry->prototypes[i]);
@@ -273,6 +276,8 @@ void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *h
         found = orl_lining_is_left_away(scene->geometry, i);
     if (found)
         orl_sha256_add(hash, unlined, sizeof unlined);
+    if (scene->n_openings > 0)
+        orl_sha256_add(hash, glazed, sizeof glazed);
 }
 
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet)

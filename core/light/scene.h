@@ -55,6 +55,7 @@ struct orl_scene {
     struct orl_port *ports;
     size_t n_ports;
     int32_t *port_of_facet; /* of its own: index into ports or ORL_NO_PORT */
+    size_t n_openings;      /* unglazed ones that were given panes (glaze.h) */
     bool open;              /* light can get in without crossing a port */
     atomic_uint holders;
 };

@@ -99,12 +99,19 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
                       lobes->facets, orl_plural(lobes->facets), 100 * lobes->share);
 }
 
+/* As the pane of an unglazed opening is (light/glaze.h). */
+static bool changes_nothing(const struct orl_material *m)
+{
+    return m->ior == 1 && m->transmissivity.r == 1 && m->transmissivity.g == 1 &&
+           m->transmissivity.b == 1;
+}
+
 static bool is_glass(const struct orl_material *m)
 {
     if (m->kind == ORL_MATERIAL_MIXTURE)
         return is_glass(&m->mixed[0]) || is_glass(&m->mixed[1]);
-    return m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING ||
-           (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
+    return (m->kind == ORL_MATERIAL_GLASS && !changes_nothing(m)) ||
+           m->kind == ORL_MATERIAL_GLAZING || (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
            (m->kind == ORL_MATERIAL_TRANS && !(m->roughness[0] > 0) && m->transmitted > 0 &&
             m->transmitted_specular > 0);
 }

@@ -87,7 +87,8 @@ static int set_up(void **state)
     cli_write_file(folder, "w.wea", weather);
     cli_write_file(folder, "panel.rad", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND);
     cli_write_file(folder, "clear.rad", ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND);
-    cli_write_file(folder, "open.rad", ROOM_GREY ROOM_SHELL ROOM_GROUND);
+    cli_write_file(folder, "open.rad",
+                   ROOM_GREY "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n" ROOM_GROUND);
     write_sky(folder);
     free(pane);
     *state = folder;

@@ -1,0 +1,384 @@
+#include "scene/geometry/unglazed.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/error.h>
+
+enum { MOST_PLANE_POLYGONS = 512, MOST_LINES = 160, LEAST_CORNERS = 8 };
+static const double most_work = 2e8;      /* of all planes: cells times corners */
+static const double same_normal = 1e-6;   /* of coordinates of unit normals */
+static const double same_distance = 1e-6; /* of the scene's size, or of a plane's */
+static const double least_side = 1e-3;    /* of the plane's polygons' length */
+
+/* ---- Planes ---------------------------------------------------------------------------------- */
+
+/* A polygon's plane, its normal turned to one of two sides; numbers are rounded. */
+struct member {
+    double key[4];
+    size_t surface;
+};
+
+static int compare_members(const void *a, const void *b)
+{
+    const struct member *x = a, *y = b;
+    for (int i = 0; i < 4; i++)
+        if (x->key[i] != y->key[i])
+            return x->key[i] < y->key[i] ? -1 : 1;
+    return (x->surface > y->surface) - (x->surface < y->surface);
+}
+
+static bool is_one_plane(const struct member *a, const struct member *b)
+{
+    for (int i = 0; i < 4; i++)
+        if (a->key[i] != b->key[i])
+            return false;
+    return true;
+}
+
+static bool is_solid(const struct orl_description *d, const struct orl_surface *s)
+{
+    const enum orl_material_kind kind = d->materials[s->material].kind;
+    return s->kind == ORL_SURFACE_POLYGON && s->n_vertices >= 3 && kind != ORL_MATERIAL_MIST &&
+           kind != ORL_MATERIAL_ANTIMATTER;
+}
+
+/* The middle of the polygons' corners, and how far from it the furthest is along an axis. */
+struct extent {
+    struct orl_vec3 middle;
+    double size;
+};
+
+static struct extent extent_of(const struct orl_description *d)
+{
+    struct orl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = orl_neg(low);
+    for (size_t i = 0; i < d->n_surfaces; i++)
+        for (uint32_t k = 0; is_solid(d, &d->surfaces[i]) && k < d->surfaces[i].n_vertices; k++) {
+            const struct orl_vec3 v = d->surfaces[i].vertices[k];
+            low = orl_v3(fmin(low.x, v.x), fmin(low.y, v.y), fmin(low.z, v.z));
+            high = orl_v3(fmax(high.x, v.x), fmax(high.y, v.y), fmax(high.z, v.z));
+        }
+    const struct orl_vec3 span = orl_sub(high, low);
+    return (struct extent){orl_scale(orl_add(low, high), 0.5),
+                           fmax(fmax(span.x, span.y), fmax(span.z, 1e-9)) / 2};
+}
+
+static struct member member_of(const struct orl_surface *s, size_t surface,
+                               const struct extent *extent)
+{
+    struct orl_vec3 n = s->normal;
+    const double first = fabs(n.x) > same_normal ? n.x : fabs(n.y) > same_normal ? n.y : n.z;
+    if (first < 0)
+        n = orl_neg(n);
+    const double distance = orl_dot(n, orl_sub(s->vertices[0], extent->middle));
+    struct member ret = {.key = {n.x / (4 * same_normal), n.y / (4 * same_normal),
+                                 n.z / (4 * same_normal),
+                                 distance / (4 * same_distance * extent->size)},
+                         .surface = surface};
+    for (int i = 0; i < 4; i++)
+        ret.key[i] = round(ret.key[i]);
+    return ret;
+}
+
+/* ---- One plane ------------------------------------------------------------------------------- */
+
+/* Polygons of a plane, in coordinates along two axes in it; lines through all corners make a grid
+ * of cells. */
+struct cell {
+    uint16_t u, v;
+};
+struct plane {
+    const struct orl_description *d;
+    const struct member *members;
+    size_t n;
+    struct orl_vec3 origin, axes[2], normal;
+    double lines[2][MOST_LINES];
+    size_t n_lines[2];
+    unsigned char cells[MOST_LINES][MOST_LINES]; /* [v][u] */
+    struct cell stack[MOST_LINES * MOST_LINES];
+    size_t n_stack;
+};
+enum { CELL_FREE, CELL_COVERED, CELL_OUTSIDE, CELL_TAKEN };
+
+static const struct orl_surface *surface_of(const struct plane *p, size_t i)
+{
+    return &p->d->surfaces[p->members[i].surface];
+}
+
+static double along(const struct plane *p, struct orl_vec3 point, int axis)
+{
+    return orl_dot(orl_sub(point, p->origin), p->axes[axis]);
+}
+
+static void find_axes(struct plane *p)
+{
+    const struct orl_surface *s = surface_of(p, 0);
+    double longest = 0;
+    p->origin = s->vertices[0];
+    p->normal = s->normal;
+    for (uint32_t i = 0; i < s->n_vertices; i++) {
+        const struct orl_vec3 edge = orl_sub(s->vertices[(i + 1) % s->n_vertices], s->vertices[i]);
+        if (orl_length(edge) > longest) {
+            longest = orl_length(edge);
+            p->axes[0] = orl_scale(edge, 1 / longest);
+        }
+    }
+    p->axes[1] = orl_cross(p->normal, p->axes[0]);
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Returns false where there are too many. */
+static bool find_lines(struct plane *p, int axis, size_t corners, double *scratch)
+{
+    size_t n = 0, kept = 0;
+    for (size_t i = 0; i < p->n; i++)
+        for (uint32_t k = 0; k < surface_of(p, i)->n_vertices; k++)
+            scratch[n++] = along(p, surface_of(p, i)->vertices[k], axis);
+    qsort(scratch, n, sizeof *scratch, compare_numbers);
+    const double tolerance = 8 * same_distance * (scratch[n - 1] - scratch[0]);
+    for (size_t i = 0; i < corners; i++) {
+        if (kept > 0 && scratch[i] - p->lines[axis][kept - 1] <= tolerance)
+            continue;
+        if (kept == MOST_LINES)
+            return false;
+        p->lines[axis][kept++] = scratch[i];
+    }
+    p->n_lines[axis] = kept;
+    return kept >= 4; /* fewer have nothing within */
+}
+
+/* By how often a ray along the first axis crosses edges. */
+static bool covers(const struct plane *p, const struct orl_surface *s, double u, double v)
+{
+    bool inside = false;
+    double u0 = along(p, s->vertices[s->n_vertices - 1], 0);
+    double v0 = along(p, s->vertices[s->n_vertices - 1], 1);
+    for (uint32_t i = 0; i < s->n_vertices; i++) {
+        const double u1 = along(p, s->vertices[i], 0), v1 = along(p, s->vertices[i], 1);
+        if ((v0 > v) != (v1 > v) && u < u0 + (v - v0) / (v1 - v0) * (u1 - u0))
+            inside = !inside;
+        u0 = u1;
+        v0 = v1;
+    }
+    return inside;
+}
+
+/* The cells from a coordinate to another, on an axis. */
+struct span {
+    size_t first, end;
+};
+
+static struct span span_of(const struct plane *p, int axis, double low, double high)
+{
+    const double *lines = p->lines[axis];
+    struct span span = {0, p->n_lines[axis] - 1};
+    while (span.first < span.end && (lines[span.first] + lines[span.first + 1]) / 2 < low)
+        span.first++;
+    while (span.end > span.first && (lines[span.end] + lines[span.end - 1]) / 2 > high)
+        span.end--;
+    return span;
+}
+
+/* Marks cells whose middles a polygon covers. Returns false, and does not, if that is more work
+ * than is left. */
+static bool cover_cells(struct plane *p, const struct orl_surface *s, double *work)
+{
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < s->n_vertices; i++)
+        for (int axis = 0; axis < 2; axis++) {
+            low[axis] = fmin(low[axis], along(p, s->vertices[i], axis));
+            high[axis] = fmax(high[axis], along(p, s->vertices[i], axis));
+        }
+    const struct span us = span_of(p, 0, low[0], high[0]), vs = span_of(p, 1, low[1], high[1]);
+    *work += (double)((us.end - us.first) * (vs.end - vs.first)) * s->n_vertices;
+    if (*work > most_work)
+        return false;
+    for (size_t v = vs.first; v < vs.end; v++)
+        for (size_t u = us.first; u < us.end; u++)
+            if (p->cells[v][u] == CELL_FREE &&
+                covers(p, s, (p->lines[0][u] + p->lines[0][u + 1]) / 2,
+                       (p->lines[1][v] + p->lines[1][v + 1]) / 2))
+                p->cells[v][u] = CELL_COVERED;
+    return true;
+}
+
+static bool fill_cells(struct plane *p, double *work)
+{
+    for (size_t v = 0; v + 1 < p->n_lines[1]; v++)
+        memset(p->cells[v], CELL_FREE, p->n_lines[0]);
+    for (size_t i = 0; i < p->n; i++)
+        if (!cover_cells(p, surface_of(p, i), work))
+            return false;
+    return true;
+}
+
+/* Marks a free cell as outside, and puts it on the stack. */
+static void mark_cell(struct plane *p, size_t u, size_t v)
+{
+    if (u + 1 >= p->n_lines[0] || v + 1 >= p->n_lines[1] || p->cells[v][u] != CELL_FREE)
+        return;
+    p->cells[v][u] = CELL_OUTSIDE;
+    p->stack[p->n_stack++] = (struct cell){(uint16_t)u, (uint16_t)v};
+}
+
+/* Free cells that are joined to the rim by others are outside. */
+static void mark_outside(struct plane *p)
+{
+    const size_t nu = p->n_lines[0] - 1, nv = p->n_lines[1] - 1;
+    for (size_t u = 0; u < nu; u++) {
+        mark_cell(p, u, 0);
+        mark_cell(p, u, nv - 1);
+    }
+    for (size_t v = 0; v < nv; v++) {
+        mark_cell(p, 0, v);
+        mark_cell(p, nu - 1, v);
+    }
+    while (p->n_stack > 0) {
+        const struct cell at = p->stack[--p->n_stack];
+        mark_cell(p, at.u + 1U, at.v);
+        mark_cell(p, at.u - 1U, at.v);
+        mark_cell(p, at.u, at.v + 1U);
+        mark_cell(p, at.u, at.v - 1U);
+    }
+}
+
+/* No edge goes through the inside of a rectangle: every cell of it is wholly free. An edge along
+ * its rim does not. */
+static bool is_crossed(const struct plane *p, const double low[2], const double high[2])
+{
+    const double inset = 1e-3 * fmin(high[0] - low[0], high[1] - low[1]);
+    for (size_t i = 0; i < p->n; i++) {
+        const struct orl_surface *s = surface_of(p, i);
+        for (uint32_t k = 0; k < s->n_vertices; k++) {
+            const struct orl_vec3 a = s->vertices[k], b = s->vertices[(k + 1) % s->n_vertices];
+            double from = 0, to = 1;
+            for (int axis = 0; axis < 2; axis++) {
+                const double x = along(p, a, axis), d = along(p, b, axis) - x;
+                const double l = low[axis] + inset, h = high[axis] - inset;
+                if (d == 0 && (x <= l || x >= h))
+                    to = -1;
+                else if (d != 0) {
+                    from = fmax(from, fmin((l - x) / d, (h - x) / d));
+                    to = fmin(to, fmax((l - x) / d, (h - x) / d));
+                }
+            }
+            if (from < to)
+                return true;
+        }
+    }
+    return false;
+}
+
+static void add_opening(const struct plane *p, const double low[2], const double high[2],
+                        struct orl_unglazed *openings, size_t *n)
+{
+    const double length = fmax(p->lines[0][p->n_lines[0] - 1] - p->lines[0][0],
+                               p->lines[1][p->n_lines[1] - 1] - p->lines[1][0]);
+    if (*n == ORL_MOST_UNGLAZED || is_crossed(p, low, high) ||
+        fmin(high[0] - low[0], high[1] - low[1]) < least_side * length)
+        return;
+    openings[(*n)++] = (struct orl_unglazed){
+        .corner = orl_madd(orl_madd(p->origin, p->axes[0], low[0]), p->axes[1], low[1]),
+        .sides = {orl_scale(p->axes[0], high[0] - low[0]), orl_scale(p->axes[1], high[1] - low[1])},
+        .normal = p->normal,
+        .surface = p->members[0].surface};
+}
+
+/* Rectangles of free cells, each as wide and then as high as it goes. */
+static void list_rectangles(struct plane *p, struct orl_unglazed *openings, size_t *n)
+{
+    const size_t nu = p->n_lines[0] - 1, nv = p->n_lines[1] - 1;
+    for (size_t v = 0; v < nv; v++)
+        for (size_t u = 0; u < nu; u++) {
+            size_t right = u, top = v + 1;
+            while (right < nu && p->cells[v][right] == CELL_FREE)
+                right++;
+            if (right == u)
+                continue;
+            for (bool whole = true; top < nv && whole;) {
+                for (size_t k = u; k < right; k++)
+                    whole = whole && p->cells[top][k] == CELL_FREE;
+                top += whole;
+            }
+            for (size_t i = v; i < top; i++)
+                memset(&p->cells[i][u], CELL_TAKEN, right - u);
+            const double low[2] = {p->lines[0][u], p->lines[1][v]};
+            const double high[2] = {p->lines[0][right], p->lines[1][top]};
+            add_opening(p, low, high, openings, n);
+        }
+}
+
+static void search_plane(struct plane *p, double *scratch, double *work,
+                         struct orl_unglazed *openings, size_t *n)
+{
+    size_t corners = 0;
+    for (size_t i = 0; i < p->n; i++)
+        corners += surface_of(p, i)->n_vertices;
+    if (corners < LEAST_CORNERS || p->n > MOST_PLANE_POLYGONS)
+        return;
+    find_axes(p);
+    if (!find_lines(p, 0, corners, scratch) || !find_lines(p, 1, corners, scratch))
+        return;
+    if (!fill_cells(p, work))
+        return;
+    mark_outside(p);
+    list_rectangles(p, openings, n);
+}
+
+/* ---- All planes ------------------------------------------------------------------------------ */
+
+static size_t list_members(const struct orl_description *d, struct member *ret_members,
+                           size_t *ret_corners)
+{
+    const struct extent extent = extent_of(d);
+    size_t n = 0;
+    *ret_corners = 0;
+    for (size_t i = 0; i < d->n_surfaces; i++) {
+        const struct orl_surface *s = &d->surfaces[i];
+        if (!is_solid(d, s))
+            continue;
+        *ret_corners += s->n_vertices;
+        ret_members[n++] = member_of(s, i, &extent);
+    }
+    qsort(ret_members, n, sizeof *ret_members, compare_members);
+    return n;
+}
+
+static bool is_cancelled(const struct orl_description *d)
+{
+    return d->cancel && atomic_load_explicit(d->cancel, memory_order_relaxed);
+}
+
+int orl_unglazed_find(const struct orl_description *description, struct orl_unglazed *ret_openings,
+                      size_t *ret_n)
+{
+    struct member *const members = malloc((description->n_surfaces + 1) * sizeof *members);
+    struct plane *const plane = malloc(sizeof *plane);
+    size_t corners = 0;
+    double work = 0;
+    const size_t n = members ? list_members(description, members, &corners) : 0;
+    double *const scratch = malloc((corners + 1) * sizeof *scratch);
+    int code = members && plane && scratch ? 0 : ORL_ERR_NOMEM;
+    *ret_n = 0;
+    for (size_t first = 0, end; first < n && code == 0; first = end) {
+        for (end = first + 1; end < n && is_one_plane(&members[first], &members[end]);)
+            end++;
+        plane->d = description;
+        plane->members = members + first;
+        plane->n = end - first;
+        plane->n_stack = 0;
+        search_plane(plane, scratch, &work, ret_openings, ret_n);
+        if (is_cancelled(description))
+            code = ORL_ERR_CANCELLED;
+    }
+    free(scratch);
+    free(plane);
+    free(members);
+    return code;
+}
