@@ -1,6 +1,5 @@
 /* Rays that gather: what they meet, how it is lit, and where they go on. */
 #include "photon/density/records.h"
-#include "render/gather/aim.h"
 #include "render/gather/icache.h"
 #include "scene/material/color_at.h"
 
@@ -187,7 +186,6 @@ struct leg {
     struct leg *through;  /* takes the other way on, where the first surface is a dim pane */
     uint32_t reflections; /* diffuse ones */
     bool caustics;        /* it is to find them itself */
-    bool to_port;         /* from the last matt surface on: weighed for that, so no roulette */
 };
 
 static struct leg *leg_of(struct orl_eye_path *p)
@@ -228,8 +226,8 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
 }
 
 /* What a surface does with it: with its first one evenly, if asked. */
-static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl_material *m,
-                                        enum orl_lobes lobes)
+static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material *m,
+                               enum orl_lobes lobes)
 {
     const struct leg *leg = leg_of(p);
     const struct orl_even *even = p->bounce == 0 ? leg->ray->first : NULL;
@@ -239,59 +237,6 @@ static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl
         return orl_scatter_sample(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, p->random);
     orl_sobol_point(&leg->gather->sobol, even->index, even->sequence, even->skip + 3, u);
     return orl_scatter_sample_at(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, u + even->skip);
-}
-
-/* A direction to a point of a port, all ports alike. */
-static struct orl_vec3 draw_port(const struct orl_world *world, struct orl_vec3 from,
-                                 struct orl_random *random)
-{
-    const double which = orl_random_uniform(random), u0 = orl_random_uniform(random);
-    const double u[2] = {u0, orl_random_uniform(random)};
-    struct orl_vec3 there, normal;
-    orl_facet_sample(world->geometry, world->ports[(size_t)(which * (double)world->n_ports)].facet,
-                     u, &there, &normal);
-    return orl_normalize(orl_sub(there, from));
-}
-
-/*
- * At a matt surface that is lit again the window may be in few directions, and be most of the
- * light: one ray of four is aimed at a port, and counts where it meets one first. The weight is by
- * the density of both ways (Veach 1997, section 9.2: the balance heuristic).
- */
-static struct orl_scatter draw_towards_ports(struct orl_eye_path *p, const struct orl_material *m)
-{
-    static const double aimed = 0.25;
-    const struct orl_world *world = p->world;
-    const struct orl_vec3 normal = orl_hit_facing(&p->hit);
-    struct orl_scatter s = draw_by_lobes(p, m, ORL_LOBE_ALL);
-    struct orl_hit ahead;
-    if (s.event != ORL_EVENT_DIFFUSE || s.transmitted)
-        return s;
-    const bool by_port = orl_random_uniform(p->random) < aimed;
-    if (by_port)
-        s.direction = draw_port(world, p->hit.point, p->random);
-    const double cosine = orl_dot(s.direction, normal);
-    const double by_cosine = cosine / ORL_PI;
-    const bool met =
-        cosine > 0 && orl_geometry_intersect(world->geometry,
-                                             orl_hit_leave(world->geometry, &p->hit, s.direction),
-                                             s.direction, INFINITY, &ahead);
-    const double density =
-        met ? orl_aim_port_density(leg_of(p)->gather->aim, &ahead, s.direction) : 0;
-    leg_of(p)->to_port = density > 0;
-    if (by_port && !(density > 0))
-        s.event = ORL_EVENT_ABSORBED;
-    else
-        s.weight = orl_rgb_scale(s.weight, by_cosine / ((1 - aimed) * by_cosine + aimed * density));
-    return s;
-}
-
-static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material *m,
-                               enum orl_lobes lobes)
-{
-    const bool ports = leg_of(p)->ray->to_ports && !p->outside;
-    return ports && lobes == ORL_LOBE_ALL && orl_material_is_matt(m) ? draw_towards_ports(p, m)
-                                                                     : draw_by_lobes(p, m, lobes);
 }
 
 static void note_event(struct leg *leg, const struct orl_scatter *s)
@@ -366,7 +311,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     const double survive = fmin(orl_rgb_max(p->path.weight), 1.0);
-    if (!leg_of(p)->to_port && (p->bounce >= SURE_BOUNCES || survive < dim) &&
+    if ((p->bounce >= SURE_BOUNCES || survive < dim) &&
         !orl_path_survives(&p->path, survive, p->random))
         return false;
     note_event(leg_of(p), s);
