@@ -191,7 +191,7 @@ static const struct plant {
     {2604, "0", "0", FATE_BLACK},
     {3684, "0.0", "-0.0", FATE_BLACK},
     {3685, "-5", "120", FATE_WARNED},
-    {4429, "-999", "-999", FATE_BLACK},
+    {4429, "-999", "-999", FATE_REFUSED},
     {5172, "1500", "120", FATE_REFUSED},
     {6037, "400", "5000", FATE_REFUSED},
     {8749, "1e5", "0", FATE_REFUSED},
