@@ -5,28 +5,34 @@
 #include <string.h>
 
 #include "base/arena.h"
-#include "base/random.h"
+#include "light/escape.h"
+#include "scene/geometry/placed.h"
 #include "scene/geometry/unglazed.h"
-#include "scene/material/bounds.h"
 #include "scene/material/hemisphere.h"
 
-enum { RAYS = 1024, PROBES = 8, NAME = 128 }; /* rays of a side; probes along each of its sides */
-/* As windows are ports (ports.c): the share of rays that leave the scene from its outer side, and
- * how many times the inner side's that is. */
-static const double least_seen = 1e-3, least_contrast = 4;
+enum { RAYS = 1024 };      /* of each side of an opening */
+enum { PROBES = 16 };      /* along each edge of an opening */
+enum { MOST_WINDOWS = 8 }; /* that rays from an opening meet, of which is asked where outside is */
+enum { NAME = 128 };
+static const double often = 0.01; /* share of rays that meet a window */
 
 struct candidate {
-    size_t number; /* as it was found */
+    size_t number; /* in the order of orl_unglazed_find */
     struct orl_unglazed opening;
-    struct orl_vec3 corner; /* moved, as geometry has it */
-    double share[2];        /* of rays that leave the scene; from the normal's side first */
+    struct orl_vec3 corner; /* in geometry's coordinates, which are moved */
+    double shares[2]; /* of rays that leave the scene: from the normal's side, from the other */
 };
 
 struct search {
-    const struct orl_geometry *geometry;
-    const struct candidate *panes; /* those that get one, so far */
+    const struct orl_scene *scene;
+    const struct candidate *panes; /* the openings that get panes, so far */
     size_t n_panes;
 };
+
+static struct orl_vec3 point_of(const struct candidate *c, double u, double v)
+{
+    return orl_madd(orl_madd(c->corner, c->opening.sides[0], u), c->opening.sides[1], v);
+}
 
 /* Returns true if a ray passes one of the panes. */
 static bool passes_pane(const struct search *search, struct orl_vec3 from,
@@ -47,57 +53,113 @@ static bool passes_pane(const struct search *search, struct orl_vec3 from,
     return false;
 }
 
-static double share_leaving(const struct search *search, const struct candidate *c, bool front)
+/* A ray of an opening: from a point of it, to one of its sides, by the cosine. */
+struct ray {
+    struct orl_vec3 from, direction;
+};
+
+static struct ray draw_ray(const struct candidate *c, bool front, struct orl_random *random)
 {
-    const struct orl_unglazed *o = &c->opening;
-    const struct orl_vec3 normal = front ? o->normal : orl_neg(o->normal);
-    struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, o->surface);
-    size_t left = 0;
-    for (int i = 0; i < RAYS; i++) {
-        const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
-        const double x = orl_random_uniform(&random), y = orl_random_uniform(&random);
-        const struct orl_vec3 from = orl_madd(orl_madd(c->corner, o->sides[0], u), o->sides[1], v);
-        const struct orl_vec3 direction = orl_hemisphere_about(normal, x, y);
-        left += !orl_geometry_occluded(search->geometry, from, direction, INFINITY) &&
-                !passes_pane(search, from, direction);
-    }
-    return (double)left / RAYS;
+    const double u = orl_random_uniform(random), v = orl_random_uniform(random);
+    const double x = orl_random_uniform(random), y = orl_random_uniform(random);
+    const struct orl_vec3 normal = c->opening.normal;
+    return (struct ray){point_of(c, u, v),
+                        orl_hemisphere_about(front ? normal : orl_neg(normal), x, y)};
 }
 
-/* Returns true if nearly all of an opening has a window behind it, as a frame's has: that one is
- * the port. */
-static bool is_glazed(const struct orl_scene *scene, const struct candidate *c)
+static struct orl_random random_of(const struct candidate *c)
 {
-    static const double nearly_all = 0.9;
-    const struct orl_unglazed *o = &c->opening;
-    const struct orl_vec3 inwards = c->share[0] > c->share[1] ? orl_neg(o->normal) : o->normal;
-    size_t windows = 0;
+    return orl_random_stream(2, ORL_PURPOSE_PILOT, c->number);
+}
+
+static void find_shares(const struct search *search, struct candidate *c)
+{
+    for (int side = 0; side < 2; side++) {
+        struct orl_random random = random_of(c);
+        size_t left = 0;
+        for (int i = 0; i < RAYS; i++) {
+            const struct ray ray = draw_ray(c, side == 0, &random);
+            left += !orl_geometry_occluded(search->scene->geometry, ray.from, ray.direction,
+                                           INFINITY) &&
+                    !passes_pane(search, ray.from, ray.direction);
+        }
+        c->shares[side] = (double)left / RAYS;
+    }
+}
+
+/* Returns true if nothing lies in the opening: round surfaces and instances are in none of the
+ * planes that were searched. */
+static bool is_free(const struct orl_geometry *g, const struct candidate *c)
+{
+    const struct orl_vec3 normal = c->opening.normal;
+    const double clear = g->radius * 0x1p-20;
     for (int i = 0; i < PROBES; i++)
         for (int k = 0; k < PROBES; k++) {
-            const struct orl_vec3 from =
-                orl_madd(orl_madd(c->corner, o->sides[0], (i + 0.5) / PROBES), o->sides[1],
-                         (k + 0.5) / PROBES);
-            struct orl_hit hit;
-            windows += orl_geometry_intersect(scene->geometry, from, inwards, INFINITY, &hit) &&
-                       orl_material_is_window(orl_scene_material(scene, hit.facet));
+            const struct orl_vec3 at = point_of(c, (i + 0.5) / PROBES, (k + 0.5) / PROBES);
+            if (orl_geometry_occluded(g, orl_madd(at, normal, clear), orl_neg(normal), 2 * clear))
+                return false;
         }
-    return (double)windows >= nearly_all * PROBES * PROBES;
+    return true;
 }
 
-static bool lets_daylight_in(const double share[2])
+/* A side of a window that rays from an opening meet. */
+struct met {
+    uint32_t facet;
+    bool front;
+    size_t rays;
+};
+
+static bool is_outer_side(const struct orl_geometry *g, const struct met *met)
 {
-    const double more = fmax(share[0], share[1]), less = fmin(share[0], share[1]);
-    return more >= least_seen && more >= least_contrast * less;
+    struct orl_random random =
+        orl_random_stream(2, ORL_PURPOSE_PILOT, ((uint64_t)met->facet + 1) << 32);
+    double shares[2];
+    for (int side = 0; side < 2; side++)
+        shares[side] = orl_escape_share(g, met->facet, side == 0, RAYS, &random);
+    return orl_escape_tells(shares) && (shares[0] > shares[1]) == met->front;
+}
+
+/*
+ * Returns true if the opening stands before windows, as that of a frame does, or of a courtyard:
+ * its rays inwards often meet the outer side of one. Those windows are ports, and are to stay so.
+ */
+static bool is_before_windows(const struct orl_scene *scene, const struct candidate *c)
+{
+    struct orl_random random = random_of(c);
+    struct met met[MOST_WINDOWS];
+    size_t n = 0;
+    for (int i = 0; i < RAYS; i++) {
+        const struct ray ray = draw_ray(c, c->shares[0] < c->shares[1], &random);
+        struct orl_hit hit;
+        size_t at = 0;
+        if (!orl_geometry_intersect(scene->geometry, ray.from, ray.direction, INFINITY, &hit) ||
+            orl_facet_is_placed(scene->geometry, hit.facet) ||
+            !orl_material_is_window(orl_scene_material(scene, hit.facet)))
+            continue;
+        while (at < n && (met[at].facet != hit.facet || met[at].front != hit.front))
+            at++;
+        if (at == n && n < MOST_WINDOWS)
+            met[n++] = (struct met){hit.facet, hit.front, 0};
+        if (at < n)
+            met[at].rays++;
+    }
+    for (size_t i = 0; i < n; i++)
+        if ((double)met[i].rays >= often * RAYS && is_outer_side(scene->geometry, &met[i]))
+            return true;
+    return false;
+}
+
+static double larger_share(const struct candidate *c)
+{
+    return fmax(c->shares[0], c->shares[1]);
 }
 
 /* The most open first. */
-static int compare(const void *a, const void *b)
+static int compare_shares(const void *a, const void *b)
 {
     const struct candidate *x = a, *y = b;
-    const double p = fmax(x->share[0], x->share[1]), q = fmax(y->share[0], y->share[1]);
-    return p != q ? (p < q ? 1 : -1)
-                  : (x->opening.surface > y->opening.surface) -
-                        (x->opening.surface < y->opening.surface);
+    const double p = larger_share(x), q = larger_share(y);
+    return p != q ? (p < q ? 1 : -1) : (x->number > y->number) - (x->number < y->number);
 }
 
 static int compare_numbers(const void *a, const void *b)
@@ -106,26 +168,34 @@ static int compare_numbers(const void *a, const void *b)
     return (x->number > y->number) - (x->number < y->number);
 }
 
-/* Moves those that get a pane to the front, as they were found; returns how many. */
-static size_t choose(const struct orl_scene *scene, struct candidate *candidates, size_t n)
+static bool is_cancelled(const struct orl_scene *scene)
 {
-    struct search search = {.geometry = scene->geometry};
-    for (size_t i = 0; i < n; i++)
-        for (int side = 0; side < 2; side++)
-            candidates[i].share[side] = share_leaving(&search, &candidates[i], side == 0);
-    qsort(candidates, n, sizeof *candidates, compare);
-    search.panes = candidates;
-    for (size_t i = 0; i < n; i++) {
+    const atomic_bool *const cancel = scene->description.cancel;
+    return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
+}
+
+/* Moves those that get panes to the front, in the order in which they were found. Returns 0 or
+ * ORL_ERR_CANCELLED. */
+static int choose(const struct orl_scene *scene, struct candidate *candidates, size_t n,
+                  size_t *ret_n)
+{
+    struct search search = {.scene = scene, .panes = candidates};
+    for (size_t i = 0; i < n && !is_cancelled(scene); i++)
+        find_shares(&search, &candidates[i]);
+    qsort(candidates, n, sizeof *candidates, compare_shares);
+    for (size_t i = 0; i < n && !is_cancelled(scene); i++) {
         struct candidate c = candidates[i];
-        if (!lets_daylight_in(c.share) || is_glazed(scene, &c))
+        if (!orl_escape_tells(c.shares) || !is_free(scene->geometry, &c) ||
+            is_before_windows(scene, &c))
             continue;
-        for (int side = 0; side < 2 && search.n_panes > 0; side++)
-            c.share[side] = share_leaving(&search, &c, side == 0);
-        if (lets_daylight_in(c.share))
+        if (search.n_panes > 0)
+            find_shares(&search, &c);
+        if (orl_escape_tells(c.shares))
             candidates[search.n_panes++] = c;
     }
     qsort(candidates, search.n_panes, sizeof *candidates, compare_numbers);
-    return search.n_panes;
+    *ret_n = search.n_panes;
+    return is_cancelled(scene) ? ORL_ERR_CANCELLED : 0;
 }
 
 static int add_material(struct orl_description *d, uint32_t *ret_index)
@@ -147,7 +217,7 @@ static int add_material(struct orl_description *d, uint32_t *ret_index)
     return grown[*ret_index].name ? 0 : ORL_ERR_NOMEM;
 }
 
-/* Appends a pane; it is named, and stands in the files, as one of those about the opening. */
+/* Appends a pane. Its name and its place in the files are those of a surface about the opening. */
 static int add_pane(struct orl_description *d, const struct orl_unglazed *o, uint32_t material)
 {
     const struct orl_surface *about = &d->surfaces[o->surface];
@@ -217,8 +287,9 @@ int orl_scene_glaze_openings(struct orl_scene *scene, struct orl_error *err)
     struct candidate *const candidates = malloc(ORL_MOST_UNGLAZED * sizeof *candidates);
     size_t n = 0;
     int code = candidates ? list_candidates(scene, candidates, &n) : ORL_ERR_NOMEM;
-    n = code == 0 ? choose(scene, candidates, n) : 0;
-    if (n > 0)
+    if (code == 0)
+        code = choose(scene, candidates, n, &n);
+    if (code == 0 && n > 0)
         code = add_panes(d, candidates, n);
     free(candidates);
     if (code == ORL_ERR_CANCELLED)

@@ -9,10 +9,11 @@
 #include "light/scene.h"
 
 /*
- * Adds the panes to a scene whose geometry is built, which is built anew if there are any. An
- * opening gets one where rays leave the scene from one side of it several times as often as from
- * the other, past panes of other openings, and no window is behind nearly all of it. Nothing is
- * added where there is mist. Returns 0 or ORL_ERR_NOMEM, _LIMIT, _CANCELLED.
+ * Adds the panes to a scene whose geometry is built; the geometry is built anew if there are any.
+ * An opening gets a pane if rays leave the scene from one of its sides several times as often as
+ * from the other (escape.h), rays past panes of other openings not counted, and if it does not
+ * stand before windows that are ports themselves, as the opening of a frame or of a courtyard does.
+ * Scenes with mist get none. Returns 0 or ORL_ERR_NOMEM, _LIMIT, _CANCELLED.
  */
 int orl_scene_glaze_openings(struct orl_scene *scene, struct orl_error *err);
 

@@ -1,3 +1,4 @@
+#include "light/escape.h"
 #include "light/scene.h"
 
 #include <stdatomic.h>
@@ -13,11 +14,6 @@
  */
 enum { OWNER_PROBES = 128 };
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
-static const double least_seen =
-    1e-3; /* share of escaping rays that makes a face an outside face */
-static const double least_contrast = 4; /* and how many times the other face's it must be */
-
-enum { AT_ONCE = 64 };
 enum { SEAL_PATHS = 16384, SEAL_BOUNCES = 8, SEAL_ESCAPES = 2 };
 
 struct search {
@@ -42,32 +38,6 @@ static struct orl_vec3 cosine_direction(struct orl_vec3 normal, struct orl_rando
         square = x * x + y * y;
     } while (square > 1);
     return orl_to_world(&frame, orl_v3(x, y, sqrt(1 - square)));
-}
-
-static double share_escaping(const struct search *search, uint32_t facet, bool front,
-                             struct orl_random *random)
-{
-    const struct orl_geometry *g = search->scene->geometry;
-    const struct orl_vec3 normal = orl_facet_normal(g, facet);
-    const struct orl_frame frame = orl_frame_about(front ? normal : orl_neg(normal));
-    uint32_t escaped = 0;
-    for (uint32_t i = 0; i < search->rays; i += AT_ONCE) {
-        const uint32_t n = search->rays - i < AT_ONCE ? search->rays - i : AT_ONCE;
-        double u[AT_ONCE][2];
-        struct orl_vec3 points[AT_ONCE], directions[AT_ONCE];
-        for (uint32_t k = 0; k < n; k++) {
-            u[k][0] = orl_random_uniform(random);
-            u[k][1] = orl_random_uniform(random);
-            const double x = orl_random_uniform(random), y = orl_random_uniform(random);
-            directions[k] = orl_to_world(&frame, orl_hemisphere_point(x, y));
-        }
-        orl_facet_sample_many(g, facet, (const double(*)[2])u, n, points);
-        for (uint32_t k = 0; k < n; k++) {
-            const struct orl_vec3 start = orl_facet_leave(g, facet, points[k], normal, frame.n);
-            escaped += !orl_geometry_occluded(g, start, directions[k], INFINITY);
-        }
-    }
-    return (double)escaped / search->rays;
 }
 
 bool orl_port_owns_shared(const struct orl_geometry *g, const struct orl_port *port,
@@ -102,14 +72,17 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
     const struct orl_facet *f = orl_facet_own(search->scene->geometry, facet, &own);
     struct orl_random random = orl_random_stream(0, ORL_PURPOSE_PILOT, facet);
     (void)member;
-    const double front = share_escaping(search, facet, true, &random);
-    const double back = share_escaping(search, facet, false, &random);
-    const double more = fmax(front, back), less = fmin(front, back);
-    if (more < least_seen || more < least_contrast * less)
+    double shares[2];
+    for (int side = 0; side < 2; side++)
+        shares[side] =
+            orl_escape_share(search->scene->geometry, facet, side == 0, search->rays, &random);
+    if (!orl_escape_tells(shares))
         return;
-    const struct orl_vec3 outward = front > back ? f->normal : orl_neg(f->normal);
-    struct orl_port port = {
-        .facet = facet, .outside_is_front = front > back, .outward = outward, .area = f->area};
+    const bool front = shares[0] > shares[1];
+    struct orl_port port = {.facet = facet,
+                            .outside_is_front = front,
+                            .outward = front ? f->normal : orl_neg(f->normal),
+                            .area = f->area};
     port.shared = is_shared(search->scene->geometry, port, &random);
     search->found[index] = port;
 }

@@ -6,17 +6,19 @@
 
 #include <oriel/error.h>
 
-enum { MOST_PLANE_POLYGONS = 512, MOST_LINES = 160, LEAST_CORNERS = 8 };
-static const double most_work = 2e8;      /* of all planes: cells times corners */
-static const double same_normal = 1e-6;   /* of coordinates of unit normals */
-static const double same_distance = 1e-6; /* of the scene's size, or of a plane's */
-static const double least_side = 1e-3;    /* of the plane's polygons' length */
+enum { MOST_PLANE_POLYGONS = 512, MOST_LINES = 160, LEAST_LINES = 4, LEAST_CORNERS = 8 };
+static const double most_work = 2e8;      /* edges that are looked at, for all planes together */
+static const double same_normal = 1e-6;   /* difference of coordinates of unit normals */
+static const double same_distance = 1e-6; /* relative to the size of the scene, or of a plane */
+static const double least_side = 1e-3;    /* of an opening, relative to the plane's polygons */
+/* Shorter polygons, such as leaves, relative to the scene, are not taken for parts of walls. */
+static const double least_length = 2e-3;
 
 /* ---- Planes ---------------------------------------------------------------------------------- */
 
-/* A polygon's plane, its normal turned to one of two sides; numbers are rounded. */
+/* A polygon, by its plane. */
 struct member {
-    double key[4];
+    double key[4]; /* the plane's normal, turned to one of two sides, and distance; rounded */
     size_t surface;
 };
 
@@ -37,6 +39,7 @@ static bool is_one_plane(const struct member *a, const struct member *b)
     return true;
 }
 
+/* Returns true if it is a polygon that rays meet. */
 static bool is_solid(const struct orl_description *d, const struct orl_surface *s)
 {
     const enum orl_material_kind kind = d->materials[s->material].kind;
@@ -44,11 +47,22 @@ static bool is_solid(const struct orl_description *d, const struct orl_surface *
            kind != ORL_MATERIAL_ANTIMATTER;
 }
 
-/* The middle of the polygons' corners, and how far from it the furthest is along an axis. */
+/* The box about all polygons. */
 struct extent {
     struct orl_vec3 middle;
-    double size;
+    double size; /* half its longest edge */
 };
+
+static bool is_long(const struct orl_surface *s, const struct extent *extent)
+{
+    const double least = least_length * extent->size;
+    for (uint32_t i = 0; i < s->n_vertices; i++) {
+        const struct orl_vec3 edge = orl_sub(s->vertices[(i + 1) % s->n_vertices], s->vertices[i]);
+        if (orl_dot(edge, edge) >= least * least)
+            return true;
+    }
+    return false;
+}
 
 static struct extent extent_of(const struct orl_description *d)
 {
@@ -83,11 +97,12 @@ static struct member member_of(const struct orl_surface *s, size_t surface,
 
 /* ---- One plane ------------------------------------------------------------------------------- */
 
-/* Polygons of a plane, in coordinates along two axes in it; lines through all corners make a grid
- * of cells. */
 struct cell {
     uint16_t u, v;
 };
+
+/* Polygons of a plane, in coordinates along two axes in it. Lines through all corners, parallel to
+ * the axes, make a grid of cells. */
 struct plane {
     const struct orl_description *d;
     const struct member *members;
@@ -98,6 +113,8 @@ struct plane {
     unsigned char cells[MOST_LINES][MOST_LINES]; /* [v][u] */
     struct cell stack[MOST_LINES * MOST_LINES];
     size_t n_stack;
+    size_t corners; /* of all its polygons */
+    double *work;   /* edges looked at so far, for all planes */
 };
 enum { CELL_FREE, CELL_COVERED, CELL_OUTSIDE, CELL_TAKEN };
 
@@ -133,8 +150,9 @@ static int compare_numbers(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns false where there are too many. */
-static bool find_lines(struct plane *p, int axis, size_t corners, double *scratch)
+/* Finds the lines across an axis. Returns false if they are too many, or too few to leave an
+ * opening. scratch: room for all corners. */
+static bool find_lines(struct plane *p, int axis, double *scratch)
 {
     size_t n = 0, kept = 0;
     for (size_t i = 0; i < p->n; i++)
@@ -142,7 +160,7 @@ static bool find_lines(struct plane *p, int axis, size_t corners, double *scratc
             scratch[n++] = along(p, surface_of(p, i)->vertices[k], axis);
     qsort(scratch, n, sizeof *scratch, compare_numbers);
     const double tolerance = 8 * same_distance * (scratch[n - 1] - scratch[0]);
-    for (size_t i = 0; i < corners; i++) {
+    for (size_t i = 0; i < n; i++) {
         if (kept > 0 && scratch[i] - p->lines[axis][kept - 1] <= tolerance)
             continue;
         if (kept == MOST_LINES)
@@ -150,10 +168,11 @@ static bool find_lines(struct plane *p, int axis, size_t corners, double *scratc
         p->lines[axis][kept++] = scratch[i];
     }
     p->n_lines[axis] = kept;
-    return kept >= 4; /* fewer have nothing within */
+    return kept >= LEAST_LINES;
 }
 
-/* By how often a ray along the first axis crosses edges. */
+/* Returns true if the polygon covers the point: a ray from it along the first axis crosses an odd
+ * number of edges. */
 static bool covers(const struct plane *p, const struct orl_surface *s, double u, double v)
 {
     bool inside = false;
@@ -169,7 +188,7 @@ static bool covers(const struct plane *p, const struct orl_surface *s, double u,
     return inside;
 }
 
-/* The cells from a coordinate to another, on an axis. */
+/* Cells along an axis whose middles lie between two coordinates. */
 struct span {
     size_t first, end;
 };
@@ -185,9 +204,8 @@ static struct span span_of(const struct plane *p, int axis, double low, double h
     return span;
 }
 
-/* Marks cells whose middles a polygon covers. Returns false, and does not, if that is more work
- * than is left. */
-static bool cover_cells(struct plane *p, const struct orl_surface *s, double *work)
+/* Marks the cells whose middles a polygon covers. Returns false if that would be too much work. */
+static bool cover_cells(struct plane *p, const struct orl_surface *s)
 {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (uint32_t i = 0; i < s->n_vertices; i++)
@@ -196,8 +214,8 @@ static bool cover_cells(struct plane *p, const struct orl_surface *s, double *wo
             high[axis] = fmax(high[axis], along(p, s->vertices[i], axis));
         }
     const struct span us = span_of(p, 0, low[0], high[0]), vs = span_of(p, 1, low[1], high[1]);
-    *work += (double)((us.end - us.first) * (vs.end - vs.first)) * s->n_vertices;
-    if (*work > most_work)
+    *p->work += (double)((us.end - us.first) * (vs.end - vs.first)) * s->n_vertices;
+    if (*p->work > most_work)
         return false;
     for (size_t v = vs.first; v < vs.end; v++)
         for (size_t u = us.first; u < us.end; u++)
@@ -208,12 +226,12 @@ static bool cover_cells(struct plane *p, const struct orl_surface *s, double *wo
     return true;
 }
 
-static bool fill_cells(struct plane *p, double *work)
+static bool fill_cells(struct plane *p)
 {
     for (size_t v = 0; v + 1 < p->n_lines[1]; v++)
         memset(p->cells[v], CELL_FREE, p->n_lines[0]);
     for (size_t i = 0; i < p->n; i++)
-        if (!cover_cells(p, surface_of(p, i), work))
+        if (!cover_cells(p, surface_of(p, i)))
             return false;
     return true;
 }
@@ -227,7 +245,7 @@ static void mark_cell(struct plane *p, size_t u, size_t v)
     p->stack[p->n_stack++] = (struct cell){(uint16_t)u, (uint16_t)v};
 }
 
-/* Free cells that are joined to the rim by others are outside. */
+/* Marks the free cells that other free cells join to the rim. */
 static void mark_outside(struct plane *p)
 {
     const size_t nu = p->n_lines[0] - 1, nv = p->n_lines[1] - 1;
@@ -248,11 +266,14 @@ static void mark_outside(struct plane *p)
     }
 }
 
-/* No edge goes through the inside of a rectangle: every cell of it is wholly free. An edge along
- * its rim does not. */
+/* Returns true if an edge goes through the inside of the rectangle, so that a cell of it is not
+ * wholly free; or if finding out would be too much work. */
 static bool is_crossed(const struct plane *p, const double low[2], const double high[2])
 {
     const double inset = 1e-3 * fmin(high[0] - low[0], high[1] - low[1]);
+    *p->work += (double)p->corners;
+    if (*p->work > most_work)
+        return true;
     for (size_t i = 0; i < p->n; i++) {
         const struct orl_surface *s = surface_of(p, i);
         for (uint32_t k = 0; k < s->n_vertices; k++) {
@@ -280,8 +301,8 @@ static void add_opening(const struct plane *p, const double low[2], const double
 {
     const double length = fmax(p->lines[0][p->n_lines[0] - 1] - p->lines[0][0],
                                p->lines[1][p->n_lines[1] - 1] - p->lines[1][0]);
-    if (*n == ORL_MOST_UNGLAZED || is_crossed(p, low, high) ||
-        fmin(high[0] - low[0], high[1] - low[1]) < least_side * length)
+    if (*n == ORL_MOST_UNGLAZED || fmin(high[0] - low[0], high[1] - low[1]) < least_side * length ||
+        is_crossed(p, low, high))
         return;
     openings[(*n)++] = (struct orl_unglazed){
         .corner = orl_madd(orl_madd(p->origin, p->axes[0], low[0]), p->axes[1], low[1]),
@@ -290,7 +311,7 @@ static void add_opening(const struct plane *p, const double low[2], const double
         .surface = p->members[0].surface};
 }
 
-/* Rectangles of free cells, each as wide and then as high as it goes. */
+/* Lists rectangles of free cells, each as wide and then as high as it goes. */
 static void list_rectangles(struct plane *p, struct orl_unglazed *openings, size_t *n)
 {
     const size_t nu = p->n_lines[0] - 1, nv = p->n_lines[1] - 1;
@@ -314,18 +335,17 @@ static void list_rectangles(struct plane *p, struct orl_unglazed *openings, size
         }
 }
 
-static void search_plane(struct plane *p, double *scratch, double *work,
-                         struct orl_unglazed *openings, size_t *n)
+/* Lists the openings of a plane. scratch: room for all its corners. */
+static void search_plane(struct plane *p, double *scratch, struct orl_unglazed *openings, size_t *n)
 {
-    size_t corners = 0;
+    p->n_stack = 0;
+    p->corners = 0;
     for (size_t i = 0; i < p->n; i++)
-        corners += surface_of(p, i)->n_vertices;
-    if (corners < LEAST_CORNERS || p->n > MOST_PLANE_POLYGONS)
+        p->corners += surface_of(p, i)->n_vertices;
+    if (p->corners < LEAST_CORNERS || p->n > MOST_PLANE_POLYGONS)
         return;
     find_axes(p);
-    if (!find_lines(p, 0, corners, scratch) || !find_lines(p, 1, corners, scratch))
-        return;
-    if (!fill_cells(p, work))
+    if (!find_lines(p, 0, scratch) || !find_lines(p, 1, scratch) || !fill_cells(p))
         return;
     mark_outside(p);
     list_rectangles(p, openings, n);
@@ -341,7 +361,7 @@ static size_t list_members(const struct orl_description *d, struct member *ret_m
     *ret_corners = 0;
     for (size_t i = 0; i < d->n_surfaces; i++) {
         const struct orl_surface *s = &d->surfaces[i];
-        if (!is_solid(d, s))
+        if (!is_solid(d, s) || !is_long(s, &extent))
             continue;
         *ret_corners += s->n_vertices;
         ret_members[n++] = member_of(s, i, &extent);
@@ -372,8 +392,8 @@ int orl_unglazed_find(const struct orl_description *description, struct orl_ungl
         plane->d = description;
         plane->members = members + first;
         plane->n = end - first;
-        plane->n_stack = 0;
-        search_plane(plane, scratch, &work, ret_openings, ret_n);
+        plane->work = &work;
+        search_plane(plane, scratch, ret_openings, ret_n);
         if (is_cancelled(description))
             code = ORL_ERR_CANCELLED;
     }

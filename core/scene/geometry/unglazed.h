@@ -1,10 +1,11 @@
 /*
- * Unglazed openings: rectangles in a plane of polygons that these surround and leave free, such as
- * a window without a pane, or what is free beside one.
+ * Unglazed openings: rectangles that the polygons of a plane surround and leave free, such as a
+ * window without a pane, or the part of a hole beside a pane.
  *
- * Found are those that are rectangular, or made of a few rectangles, along the longest edge of
- * their plane's first polygon. Work is bounded by what a plane has of corners and polygons; planes
- * of more are left out.
+ * An opening that is made of several rectangles is found as these. Their sides are parallel to the
+ * longest edge of the plane's first polygon, or perpendicular to it; other openings are not found,
+ * nor are those that reach the rim of all polygons of the plane. The search takes bounded work:
+ * planes of many polygons or corners are left out.
  */
 #ifndef ORL_SCENE_GEOMETRY_UNGLAZED_H
 #define ORL_SCENE_GEOMETRY_UNGLAZED_H
@@ -14,9 +15,9 @@
 enum { ORL_MOST_UNGLAZED = 256 };
 
 struct orl_unglazed {
-    struct orl_vec3 corner, sides[2]; /* the others are corner plus one or both sides */
-    struct orl_vec3 normal;           /* unit; sides[0] x sides[1] */
-    size_t surface;                   /* one of those about it */
+    struct orl_vec3 corner, sides[2]; /* the other corners are corner plus one or both sides */
+    struct orl_vec3 normal;           /* unit, along sides[0] x sides[1] */
+    size_t surface;                   /* one of the polygons about it */
 };
 
 /* Fills ret_openings[ORL_MOST_UNGLAZED]. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
