@@ -14,7 +14,8 @@
  * error of both together. */
 enum orl_sun_row { ORL_SUN_DIRECT, ORL_SUN_MIRRORED, ORL_SUN_SQUARES, ORL_SUN_ROWS };
 
-/* Points of a disc, for that many paths a sensor: its error falls as theirs does. */
+/* Returns how many points of a disc to sample for so many paths a sensor, so that both errors fall
+ * together. */
 enum { ORL_DISC_LEAST_POINTS = 128, ORL_DISC_MOST_POINTS = 2048, ORL_PATHS_A_DISC_POINT = 32 };
 static inline uint32_t orl_disc_points(uint32_t samples)
 {
@@ -28,7 +29,7 @@ struct orl_sun_rows {
     float *at; /* [part][ORL_SUN_ROWS][sun] */
     size_t n_suns;
     unsigned char *lit;   /* by part: it has rows; those of others are not set */
-    uint32_t disc_points; /* that a sun's disc is sampled by where an edge crosses it; 4 or more */
+    uint32_t disc_points; /* samples of a sun's disc that an edge crosses; at least 4 */
     bool direct_only;     /* mirrors are not asked for */
     /* [part][sun]: the caller needs that sun by that part; NULL: it needs all. BSDF panes are
      * sampled for these suns only. */

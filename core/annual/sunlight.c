@@ -204,8 +204,8 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* Points of the unit disc: the first ones its rim and its middle, the rest, points in all, evenly
- * over it. */
+/* Returns a point of the unit disc by its number: its middle and six points of its rim come first,
+ * then `points` points spread evenly over it. */
 static void point_of_disc(uint32_t n, uint32_t points, double turn, double ret_at[2])
 {
     const bool first = n < FIRST_POINTS;
@@ -221,7 +221,7 @@ static void point_of_disc(uint32_t n, uint32_t points, double turn, double ret_a
 struct disc {
     struct orl_frame frame;
     double radius, turn;
-    uint32_t points; /* if an edge crosses it */
+    uint32_t points; /* samples, if an edge crosses it */
 };
 
 /* Share of a point's light that gets through, its cosine, and the part it comes in by. */

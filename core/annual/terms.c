@@ -6,7 +6,7 @@
 
 enum { CORNERS = ORL_SUN_CORNERS };
 
-/* What nodes bring is scaled by no more than the inverse of this. */
+/* Corners tell where light falls if they let in at least this share of what the sun lets in. */
 static const double least_lit = 0.05;
 
 struct maker {
@@ -28,11 +28,12 @@ struct weight {
     float fine, wide;
 };
 
-/* The nearest node that lights ports of a kind, where these are lit but not from the corners. */
+/* Where a sun lights ports of a kind and the corners do not, the nearest node that does stands in.
+ */
 struct stand_in {
-    uint32_t beam; /* where the weight is not 0 */
-    float weight;
-    bool missing; /* no node lights them */
+    uint32_t beam; /* of that node */
+    float weight;  /* 0: no node stands in */
+    bool missing;  /* one should, and none lights those ports */
 };
 
 static struct weight *weights_of(const struct maker *m, size_t which)
@@ -68,7 +69,7 @@ static bool is_lit_all_round(const struct maker *m, const struct orl_sun_between
     return true;
 }
 
-/* Flux that ports of a kind get of a sun, past what stands outside. */
+/* Returns the flux that a sun sends through ports of a kind, past what stands outside. */
 static double let_in_of(const struct maker *m, uint32_t kind, struct orl_vec3 sun)
 {
     const double let_in = orl_sun_beams_let_in(m->beams, kind, sun);
@@ -93,8 +94,9 @@ static struct stand_in find_stand_in(const struct maker *m, uint32_t kind, struc
     return ret;
 }
 
-/* Where ports get more than twice as much of the sun as corners say, or less than half, corners do
- * not tell where indoors it falls: the wide way has less, and the error is larger. */
+/* Where a sun sends more than twice as much through the ports as the corners, or less than half,
+ * the corners do not tell where it falls indoors. The wide interpolation then gets less than its
+ * full weight, so that the two interpolations lie further apart and the error is larger. */
 static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, uint32_t kind,
                        size_t which, struct weight *weights)
 {
@@ -182,6 +184,7 @@ static uint32_t list_kind(const struct maker *m, size_t sun, const struct orl_su
     return n + 1;
 }
 
+/* Counts the suns of which some light is lost. */
 static size_t count_lost(const struct maker *m)
 {
     size_t n = 0;

@@ -15,7 +15,7 @@
 
 struct orl_sun_terms {
     uint32_t n_parts; /* of the windows (parts.h) */
-    size_t n_lost;    /* suns that light some ports, which no node does */
+    size_t n_lost;    /* suns that light ports which no node lights: that light is lost */
     /* Into the next ones, by sun: [sun][0]: nodes, [sun][1 + part]: beams of each part; and one
      * more. */
     uint32_t *first;

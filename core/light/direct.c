@@ -6,16 +6,25 @@
 enum { MOST_PANES = 64 };
 static const uint32_t no_target = UINT32_MAX;
 
-/* A shadow ray's way. */
+/* A shadow ray. */
 struct way {
     struct orl_vec3 origin, direction;
     double max_distance;
     bool through_ports;
-    bool to_surface; /* to no sun or lamp: an illum that is met from its front hides it */
-    uint32_t target; /* a flat facet does not hide itself, though rays that graze it may meet it too
-                        soon; no_target: none in particular */
-    int32_t *port;   /* as orl_transmittance_by has it; or NULL */
+    bool to_surface; /* it goes to neither sun nor lamp: the front of an illum blocks it */
+    uint32_t target; /* the facet that it goes to, which does not block it; or no_target */
+    int32_t *port;   /* of orl_transmittance_by; or NULL */
 };
+
+static struct way way_to(struct orl_vec3 origin, struct orl_vec3 direction, double max_distance,
+                         bool through_ports)
+{
+    return (struct way){.origin = origin,
+                        .direction = direction,
+                        .max_distance = max_distance,
+                        .through_ports = through_ports,
+                        .target = no_target};
+}
 
 static bool is_hidden(const struct way *way, const struct orl_material *m,
                       const struct orl_hit *hit)
@@ -83,11 +92,7 @@ static struct orl_rgb transmittance_of(const struct orl_world *world, const stru
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance, bool through_ports)
 {
-    const struct way way = {.origin = origin,
-                            .direction = direction,
-                            .max_distance = max_distance,
-                            .through_ports = through_ports,
-                            .target = no_target};
+    const struct way way = way_to(origin, direction, max_distance, through_ports);
     return transmittance_of(world, &way);
 }
 
@@ -95,24 +100,16 @@ struct orl_rgb orl_transmittance_to_surface(const struct orl_world *world, struc
                                             struct orl_vec3 direction, double max_distance,
                                             bool through_ports)
 {
-    const struct way way = {.origin = origin,
-                            .direction = direction,
-                            .max_distance = max_distance,
-                            .through_ports = through_ports,
-                            .to_surface = true,
-                            .target = no_target};
+    struct way way = way_to(origin, direction, max_distance, through_ports);
+    way.to_surface = true;
     return transmittance_of(world, &way);
 }
 
 struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
                                     struct orl_vec3 direction, int32_t *port)
 {
-    const struct way way = {.origin = origin,
-                            .direction = direction,
-                            .max_distance = INFINITY,
-                            .through_ports = true,
-                            .target = no_target,
-                            .port = port};
+    struct way way = way_to(origin, direction, INFINITY, true);
+    way.port = port;
     return transmittance_of(world, &way);
 }
 
@@ -248,11 +245,8 @@ static struct orl_rgb transmittance_to_lamp(const struct orl_world *world, struc
     struct orl_facet own;
     const struct orl_facet *facet = orl_facet_own(world->geometry, lamp, &own);
     const double reach = distance - 2 * facet->offset;
-    const struct way way = {.origin = origin,
-                            .direction = light,
-                            .max_distance = reach,
-                            .through_ports = through_ports,
-                            .target = is_flat(facet) ? lamp : no_target};
+    struct way way = way_to(origin, light, reach, through_ports);
+    way.target = is_flat(facet) ? lamp : no_target;
     return reach > 0 ? transmittance_of(world, &way) : orl_gray(1);
 }
 

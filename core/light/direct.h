@@ -15,8 +15,8 @@
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance,
                                  bool through_ports);
-/* The same towards a surface that is no sun or lamp: an illum on the way stands for all such light
- * from behind it, and lets none through to its front. */
+/* Returns the transmittance towards a surface that is neither sun nor lamp. The front of an illum
+ * blocks it: the illum shines in place of all such surfaces behind it. */
 struct orl_rgb orl_transmittance_to_surface(const struct orl_world *world, struct orl_vec3 origin,
                                             struct orl_vec3 direction, double max_distance,
                                             bool through_ports);

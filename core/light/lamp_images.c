@@ -6,26 +6,26 @@
 #include "light/world.h"
 #include "scene/material/bounds.h"
 
-/* Pairs beyond so many are left out without a look: some tenths of a second. */
+/* Pairs beyond this number are left out: looking at so many takes some tenths of a second. */
 static const uint64_t most_pairs = 4000000;
-/* Mirrors of which rays tell whether they are inside; those beyond are left out, too. */
+/* Mirrors beyond this number are left out, too: rays have to tell whether each is inside. */
 enum { MOST_MIRRORS_LOOKED_AT = 4096 };
-/* As many pairs as LEAST_PAIRS, or twice as many as lamps, are kept. */
+/* LEAST_PAIRS pairs are kept, or PAIRS_A_LAMP for each lamp if that is more, up to MOST_PAIRS. */
 enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
 
-/* The flux of a lamp that the mirror sends on, at most. */
+/* A lamp and a mirror. */
 struct pair {
     struct orl_lamp_image image;
-    double strength;
+    double strength; /* the most flux of the lamp that the mirror may reflect */
 };
 
-/* The strongest pairs so far: a heap, the weakest first. */
+/* A heap of the strongest pairs so far, the weakest first. */
 struct pairs {
     struct pair kept[MOST_PAIRS];
     size_t n, most;
-    double left_out;  /* sum of strengths */
+    double left_out;  /* sum of the strengths of pairs that are not kept */
     bool overflown;   /* there are pairs that were not looked at */
-    size_t looked_at; /* mirrors */
+    size_t looked_at; /* mirrors that rays were sent from */
 };
 
 /* ---- Mirrors --------------------------------------------------------------------------------- */
@@ -70,11 +70,11 @@ static void find_sphere(const struct orl_geometry *g, const struct orl_facet *f,
 
 /* ---- Pairs ----------------------------------------------------------------------------------- */
 
-/* A lamp as a point: its middle, area, and area times radiance. */
+/* A lamp, taken for a point. */
 struct spot {
     uint32_t emitter, facet;
     struct orl_vec3 middle;
-    double area, power;
+    double area, power; /* power: area times radiance */
 };
 
 /* Lists the lamps that shadow rays sample; returns how many. */
@@ -97,13 +97,14 @@ static size_t list_spots(const struct orl_world *world, struct spot *ret_spots)
     return n;
 }
 
-/* A mirror, with what it sends back of light at 60 degrees, by its front and back. */
+/* A mirror, with its reflectance at 60 degrees of incidence, of its front and its back. */
 struct mirror {
     struct orl_lamp_image image;
     double area, reflectance[2];
 };
 
-/* Flux of the lamp times the share that the mirror may catch, and sends on. */
+/* Returns the flux of the lamp, times the share of it that may meet the mirror, times the
+ * mirror's reflectance. */
 static double strength_of(const struct spot *spot, const struct mirror *mirror)
 {
     const struct orl_vec3 way = orl_sub(spot->middle, mirror->image.center);
@@ -234,7 +235,7 @@ static int find_pairs(struct pairs *pairs, const struct orl_world *world, const 
     return 0;
 }
 
-/* By mirror, then by lamp. */
+/* Orders images by mirror, then by lamp. */
 static int compare_images(const void *a, const void *b)
 {
     const struct orl_lamp_image *x = a, *y = b;
@@ -286,7 +287,7 @@ void orl_lamp_images_done(struct orl_lamp_images *images)
     *images = (struct orl_lamp_images){.n_images = 0};
 }
 
-/* The first image that is not before that mirror and lamp; or how many there are. */
+/* Returns the index of the first image of that mirror and lamp or of a later one; or n_images. */
 static size_t find_image(const struct orl_lamp_images *images, uint32_t mirror, uint32_t lamp)
 {
     const struct orl_lamp_image wanted = {.mirror = mirror, .lamp = lamp};

@@ -32,7 +32,7 @@ struct orl_lamp_image {
 struct orl_lamp_images {
     struct orl_lamp_image *images; /* by mirror, then by lamp */
     size_t n_images;
-    double left_out; /* share of the mirrored light whose pairs are not kept, about */
+    double left_out; /* roughly the share of the mirrored light whose pairs are not kept */
 };
 
 static inline double orl_lamp_image_height(const struct orl_lamp_image *image,
@@ -59,7 +59,7 @@ int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world
                           const struct orl_crew *crew);
 void orl_lamp_images_done(struct orl_lamp_images *images);
 
-/* An image in that mirror, a facet; or NULL. */
+/* Returns an image in that mirror, which is a facet; or NULL. */
 const struct orl_lamp_image *orl_lamp_images_in(const struct orl_lamp_images *images,
                                                 uint32_t mirror);
 /* Returns true if there is an image of that lamp, a facet too, in that mirror. */

@@ -36,7 +36,7 @@ static double mean_off(const struct orl_weather *weather, size_t stride, double 
     return n > 0 ? sum / (double)n : 0;
 }
 
-/* How badly global irradiance alone follows the height of the sun: 1 less their correlation. */
+/* Returns 1 less the correlation of global irradiance with the sine of the sun's altitude. */
 static double global_off(const struct orl_weather *weather, size_t stride, double shift_h)
 {
     double products = 0, squares = 0, heights = 0;
@@ -89,8 +89,9 @@ static void find_means(const struct orl_weather *weather, struct orl_time_shift 
     shift->horizontal_w_m2 /= (double)n;
 }
 
-/* Direct irradiance may have been worked out of global irradiance with a wrong sun: then the times
- * are right, and global irradiance follows the sun as it is. */
+/* Returns true if the times are right although the shift makes the numbers agree: global irradiance
+ * follows the sun at the file's times, and someone derived direct irradiance from it with a wrong
+ * sun. */
 static bool is_doubtful(const struct orl_weather *weather, double shift_h)
 {
     static const double closer = 0.7;
@@ -127,7 +128,7 @@ struct orl_time_shift orl_time_shift_find(const struct orl_weather *weather)
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
-/* Numbers that agree by no sun: which of them is wrong, if that can be told. */
+/* Writes what is wrong with numbers that agree by no shift. Returns false if they do agree. */
 static bool describe_numbers(const struct orl_time_shift *shift, char *text, size_t size)
 {
     static const double usual = 0.1, close = 0.02;

@@ -59,7 +59,7 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 static const double missing = 9999; /* as both formats mark it */
-/* As others do: -999 and the like. Instruments are off by less at night. */
+/* Some files mark it by -999. At night instruments may read less than 0, but by a few W/m2. */
 static const double missing_below = -90;
 
 /* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */

@@ -4,7 +4,7 @@
 #include "plan/decide.h"
 
 enum { RAYS_A_PHOTON = 3 };
-/* Of the light of lamps in mirrors, whose images are not kept. */
+/* The largest share of the light of lamps in mirrors that may have no images. */
 static const double tolerable_left_out = 0.02;
 
 static bool any_lit(const struct orl_lit *lit)
@@ -99,7 +99,8 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
                       lobes->facets, orl_plural(lobes->facets), 100 * lobes->share);
 }
 
-/* As the pane of an unglazed opening is (light/glaze.h). */
+/* Returns true for glass of index 1 that is clear, such as the panes of openings (light/glaze.h).
+ */
 static bool changes_nothing(const struct orl_material *m)
 {
     return m->ior == 1 && m->transmissivity.r == 1 && m->transmissivity.g == 1 &&
@@ -155,7 +156,7 @@ static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, boo
     return simulated && (any_lit(lit) || forced) && plan->technique != ORL_TECHNIQUE_BACKWARD;
 }
 
-/* Shadow rays then look for no light in flat mirrors. */
+/* Shadow rays look for no light in flat mirrors after this. */
 static void leave_out_images(struct orl_world *world)
 {
     orl_images_keep_suns(&world->images, NULL);

@@ -24,7 +24,8 @@
 #include "scene/material/hemisphere.h"
 
 enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11, SURE_BOUNCES = 2 };
-/* Shadow rays to all lights at one surface of each path: with many lights paths are fewer. */
+/* Most shadow rays, counting those to all lights at one surface of each path: the more lights there
+ * are, the fewer paths are traced. */
 enum { MOST_SHADOW_RAYS = 1 << 17, PATHS_OF_USE = 256, LEAST_PATHS_A_SENSOR = 4 };
 /* One path for so many samples of the technique: 2 % of its time, or less. */
 enum { SAMPLES_A_PATH = 64 };
@@ -223,7 +224,7 @@ static bool judge_group(struct orl_result *r, const struct group *group, size_t 
     return true;
 }
 
-/* How far a group's light by paths is from what was found, as a ratio. */
+/* Returns the ratio of a group's light by paths to its light by the technique, at most 1000. */
 static double ratio_of(const struct group *group, double lx)
 {
     return group->sum / fmax(lx, 1e-3 * group->sum);
@@ -289,7 +290,7 @@ static bool leaves_out_on_demand(const struct orl_job *job)
     return false;
 }
 
-/* Shadow rays at a surface, at the most. */
+/* Returns the most shadow rays that one surface takes. */
 static double count_lights(const struct orl_world *world)
 {
     return 1 + (double)(world->n_suns + world->images.n_nodes + world->n_emitters +

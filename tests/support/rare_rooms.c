@@ -19,8 +19,9 @@
 #define SKY GROUND "void glow l 0 0 4 10 10 10 0\nl source sky 0 0 4 0 0 1 180\n"
 #define SUN(direction) GROUND "void light l 0 0 3 4e4 4e4 4e4\nl source sun 0 0 4 " direction " 4\n"
 
-/* A rectangular hole in a wall at x or y, or in floor or ceiling (z), at that coordinate: from u0,
- * v0 to u1, v1 in the other two, in their order. A wall that is none of the box is a partition. */
+/* A rectangular hole in the plane where the axis has that coordinate, from (u0, v0) to (u1, v1) in
+ * the other two coordinates, in the order x, y, z. If the plane is no side of the box, it becomes a
+ * partition of the room. */
 struct hole {
     char axis;
     double at, u0, v0, u1, v1;

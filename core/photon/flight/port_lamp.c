@@ -8,7 +8,7 @@ enum { POINTS_OF_LAMP = 8 };
 
 /* ---- Which lamps ----------------------------------------------------------------------------- */
 
-/* A box about the facet. */
+/* Finds the box about a facet. */
 static void find_box(const struct orl_geometry *g, uint32_t facet, struct orl_vec3 *ret_low,
                      struct orl_vec3 *ret_high)
 {
