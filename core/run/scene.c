@@ -146,6 +146,7 @@ static void tell_faults(struct orl_run_state *state)
     warn_of_proxies(state);
     warn_of_linings(state);
     orl_run_warn_of_covered_panes(state);
+    orl_run_warn_of_turned_panes(state);
 }
 
 /* ---- Reading it ------------------------------------------------------------------------------ */

@@ -119,6 +119,8 @@ void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *sc
 
 /* Warns of panes of the scene that lie on an opaque surface. */
 void orl_run_warn_of_covered_panes(struct orl_run_state *state);
+/* Warns of BSDF panes whose front is outdoors, if their data are not the same when turned round. */
+void orl_run_warn_of_turned_panes(struct orl_run_state *state);
 
 /* Whether no light comes to any sensor or view of the job: then photons are not worth tracing. Says
  * so in a warning. */
