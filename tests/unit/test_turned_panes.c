@@ -27,8 +27,7 @@
 /* Trees of one level: of transmission from the back, and of both reflections. */
 static const struct data {
     const char *transmission, *front, *back;
-} even = {"{ 0.1 }", "{ 0.05 }", "{ 0.05 }"},
-  bright_inside = {"{ 0.1 }", "{ 0.15 }", "{ 0.05 }"},
+} even = {"{ 0.1 }", "{ 0.05 }", "{ 0.05 }"}, bright_inside = {"{ 0.1 }", "{ 0.15 }", "{ 0.05 }"},
   slats = {"{ {0} {0} {0} {0} {0} {0} {0} {0} {.2} {.2} {.2} {.2} {.2} {.2} {.2} {.2} }",
            "{ 0.05 }", "{ 0.05 }"};
 
