@@ -23,6 +23,7 @@ static void test_a_render(void **state)
 {
     char path[80];
     parted_submit(*state, parted_render, path);
+    parted_wait(*state, path);
     parted_compare_daemons(*state, parted_render, path);
 }
 
@@ -30,6 +31,7 @@ static void test_a_year(void **state)
 {
     char path[80];
     parted_submit(*state, parted_annual, path);
+    parted_wait(*state, path);
     parted_compare_daemons(*state, parted_annual, path);
 }
 
@@ -37,6 +39,7 @@ static void test_a_study(void **state)
 {
     char path[80];
     parted_submit(*state, parted_study, path);
+    parted_wait(*state, path);
     parted_compare_daemons(*state, parted_study, path);
 }
 
@@ -44,6 +47,7 @@ static void test_a_goal(void **state)
 {
     char path[80];
     parted_submit(*state, parted_goal, path);
+    parted_wait(*state, path);
     parted_compare_daemons(*state, parted_goal, path);
 }
 
@@ -51,6 +55,7 @@ static void test_bsdfs(void **state)
 {
     char path[80];
     parted_submit(*state, parted_panel, path);
+    parted_wait(*state, path);
     parted_compare_daemons(*state, parted_panel, path);
 }
 

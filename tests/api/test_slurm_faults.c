@@ -235,6 +235,7 @@ static void test_slurmctld_is_killed(void **state)
     parted_submit(f, parted_skies, path);
     cluster_rest(2);
     cluster_command("slurmctld");
+    parted_wait(f, path);
     parted_compare_daemons(f, parted_skies, path);
 }
 

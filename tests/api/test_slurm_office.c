@@ -80,6 +80,7 @@ static void compare(struct parted_daemon *f, const char *document)
 {
     char path[80];
     parted_submit(f, document, path);
+    parted_wait(f, path);
     parted_compare_daemons(f, document, path);
 }
 

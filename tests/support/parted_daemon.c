@@ -131,7 +131,6 @@ void parted_compare_fetched(struct parted_daemon *f, const char *document)
 
 void parted_compare_daemons(struct parted_daemon *f, const char *document, const char *path)
 {
-    parted_wait(f, path);
     parted_fetch(f, path, "slurm");
     parted_assert_cleared(f);
     parted_compare_fetched(f, document);

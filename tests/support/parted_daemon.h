@@ -34,7 +34,7 @@ void parted_wait_resumed(struct parted_daemon *f, const char *path);
 void parted_assert_cleared(const struct parted_daemon *f);
 /* What was fetched into "slurm" is what a daemon finds that has no Slurm. */
 void parted_compare_fetched(struct parted_daemon *f, const char *document);
-/* The same of a job that is done, or will be. */
+/* Asserts the same of a job that has succeeded. */
 void parted_compare_daemons(struct parted_daemon *f, const char *document, const char *path);
 
 #endif
