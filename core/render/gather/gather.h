@@ -135,6 +135,7 @@ struct orl_gather_ray {
     /* Where it is known what is met first: that hit, or nothing_ahead. Else NULL and false. */
     const struct orl_hit *ahead;
     bool nothing_ahead;
+    bool to_ports; /* where it goes on from a matt surface, some rays are aimed at ports */
     /* Flat surfaces may be read by texels: for hemispheres, which themselves are averaged. */
     bool by_texels;
     /* NULL, or records that tell the rest where they reach what is met near. */

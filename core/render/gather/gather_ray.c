@@ -1,5 +1,6 @@
 /* Rays that gather: what they meet, how it is lit, and where they go on. */
 #include "photon/density/records.h"
+#include "render/gather/aim.h"
 #include "render/gather/icache.h"
 #include "scene/material/color_at.h"
 
@@ -186,6 +187,9 @@ struct leg {
     struct leg *through;  /* takes the other way on, where the first surface is a dim pane */
     uint32_t reflections; /* diffuse ones */
     bool caustics;        /* it is to find them itself */
+    bool aims;            /* matt surfaces that are lit again send rays to ports, too */
+    double by_cosine;     /* pdf of its direction, where they may have sent one; else 0 */
+    bool weighed; /* by that pdf and theirs: no roulette by a weight that is small for that */
 };
 
 static struct leg *leg_of(struct orl_eye_path *p)
@@ -225,9 +229,9 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
     return through < back || through + back < dim;
 }
 
-/* What a surface does with it: with its first one evenly, if asked. */
-static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material *m,
-                               enum orl_lobes lobes)
+/* Draws the way on from a surface by its lobes; from the first one evenly, if asked. */
+static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl_material *m,
+                                        enum orl_lobes lobes)
 {
     const struct leg *leg = leg_of(p);
     const struct orl_even *even = p->bounce == 0 ? leg->ray->first : NULL;
@@ -249,6 +253,7 @@ static void note_event(struct leg *leg, const struct orl_scatter *s)
                     : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
     leg->reflections += s->event == ORL_EVENT_DIFFUSE;
     leg->caustics = leg->caustics && s->event != ORL_EVENT_DIFFUSE;
+    leg->weighed = leg->weighed && s->event != ORL_EVENT_DIFFUSE;
     orl_eye_path_cross(p, s);
 }
 
@@ -258,7 +263,7 @@ static void look_through(const struct leg *leg, const struct orl_material *m)
     struct leg *through = leg->through;
     struct orl_eye_path *p = &through->eye;
     *through = *leg;
-    const struct orl_scatter s = draw(p, m, ORL_LOBE_TRANSMITTED);
+    const struct orl_scatter s = draw_by_lobes(p, m, ORL_LOBE_TRANSMITTED);
     if (s.event == ORL_EVENT_ABSORBED)
         return;
     p->seen = orl_gray(0);
@@ -266,6 +271,79 @@ static void look_through(const struct leg *leg, const struct orl_material *m)
     note_event(through, &s);
     orl_path_leave(&p->path, p->world, &p->hit, &s);
     p->bounce++;
+}
+
+/*
+ * At a matt surface that is lit again, ports may be in few directions and send most of the light.
+ * At one in four of such surfaces a ray is aimed at a port, in addition to the ray that goes on,
+ * and counts if it meets a port first. Rays of both kinds that meet a port first are weighed by the
+ * sum of both densities: the balance heuristic for many samples (Veach 1997, section 9.2).
+ */
+static const double aimed = 0.25;
+
+static double weight_of(const struct leg *leg, const struct orl_hit *ahead,
+                        struct orl_vec3 direction, double by_cosine)
+{
+    return by_cosine /
+           (by_cosine + aimed * orl_aim_port_density(leg->gather->aim, ahead, direction));
+}
+
+/* Returns the direction to a point of a port; each port is as likely. */
+static struct orl_vec3 draw_port(const struct orl_world *world, struct orl_vec3 from,
+                                 struct orl_random *random)
+{
+    const double which = orl_random_uniform(random), u0 = orl_random_uniform(random);
+    const double u[2] = {u0, orl_random_uniform(random)};
+    struct orl_vec3 there, normal;
+    orl_facet_sample(world->geometry, world->ports[(size_t)(which * (double)world->n_ports)].facet,
+                     u, &there, &normal);
+    return orl_normalize(orl_sub(there, from));
+}
+
+static void follow(struct leg *leg);
+
+static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
+{
+    struct orl_eye_path *p = &leg->eye;
+    const struct orl_world *world = p->world;
+    struct orl_scatter s = *drawn;
+    struct orl_hit ahead;
+    s.direction = draw_port(world, p->hit.point, p->random);
+    const double cosine = orl_dot(s.direction, orl_hit_facing(&p->hit));
+    if (!(cosine > 0) ||
+        !orl_geometry_intersect(world->geometry,
+                                orl_hit_leave(world->geometry, &p->hit, s.direction), s.direction,
+                                INFINITY, &ahead) ||
+        orl_world_port_of(world, ahead.facet) == ORL_NO_PORT)
+        return;
+    struct leg at_port = *leg;
+    struct orl_eye_path *q = &at_port.eye;
+    at_port.aims = false;
+    q->seen = orl_gray(0);
+    q->path.weight =
+        orl_rgb_mul(q->path.weight,
+                    orl_rgb_scale(s.weight, weight_of(leg, &ahead, s.direction, cosine / ORL_PI)));
+    note_event(&at_port, &s);
+    at_port.weighed = true;
+    orl_path_leave(&q->path, world, &q->hit, &s);
+    orl_eye_path_foresee(q, &ahead);
+    q->bounce++;
+    follow(&at_port);
+    p->seen = orl_rgb_add(p->seen, q->seen);
+}
+
+static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material *m,
+                               enum orl_lobes lobes)
+{
+    struct leg *leg = leg_of(p);
+    const struct orl_scatter s = draw_by_lobes(p, m, lobes);
+    if (!leg->aims || p->outside || s.event != ORL_EVENT_DIFFUSE || s.transmitted ||
+        !orl_material_is_matt(m))
+        return s;
+    if (orl_random_uniform(p->random) < aimed)
+        look_at_port(leg, &s);
+    leg->by_cosine = orl_dot(s.direction, orl_hit_facing(&p->hit)) / ORL_PI;
+    return s;
 }
 
 /* The diffuse light of a surface that a leg meets; ret_relit: it goes on to find more of it. */
@@ -283,6 +361,16 @@ static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
                : sent;
 }
 
+/* Weighs a ray by what it meets first. */
+static void weigh(struct leg *leg)
+{
+    struct orl_eye_path *p = &leg->eye;
+    const double weight = weight_of(leg, &p->hit, p->path.direction, leg->by_cosine);
+    p->path.weight = orl_rgb_scale(p->path.weight, weight);
+    leg->by_cosine = 0;
+    leg->weighed = weight < 1;
+}
+
 /* What the surface shines and reflects; it goes on by what maps do not tell of. */
 static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
@@ -292,6 +380,8 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
                          leg->reflections < p->world->omit.most_reflections;
     bool relit = false;
     leg->search->health.rays++;
+    if (leg->by_cosine > 0)
+        weigh(leg);
     if (p->bounce == 0 && !leg->ray->outside && leg->ray->ret_distance)
         *leg->ray->ret_distance = p->hit.distance;
     orl_eye_path_see(p,
@@ -311,7 +401,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     const double survive = fmin(orl_rgb_max(p->path.weight), 1.0);
-    if ((p->bounce >= SURE_BOUNCES || survive < dim) &&
+    if (!leg_of(p)->weighed && (p->bounce >= SURE_BOUNCES || survive < dim) &&
         !orl_path_survives(&p->path, survive, p->random))
         return false;
     note_event(leg_of(p), s);
@@ -341,7 +431,8 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
                       .ray = ray,
                       .search = search,
                       .through = &through,
-                      .caustics = ray->of_lobe != NULL};
+                      .caustics = ray->of_lobe != NULL,
+                      .aims = ray->to_ports && !gather->world->scene->mist};
     search->health.paths++;
     if (ray->ahead || ray->nothing_ahead)
         orl_eye_path_foresee(&leg.eye, ray->ahead);

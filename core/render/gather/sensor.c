@@ -172,6 +172,7 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
                 .first = &first,
                 .ahead = shot.met ? &shot.hit : NULL,
                 .nothing_ahead = volley->rays[WAY_PORT] > 0 && !shot.met,
+                .to_ports = volley->rays[WAY_PORT] > 0,
                 .tally = tally,
                 .share = ORL_PI / drawn_at(gather, place, volley, &shot) / HEMISPHERES};
             const struct orl_rgb radiance = orl_gather_radiance(gather, &ray, &random, search);
