@@ -9,7 +9,7 @@
 static const char recipe[] = "oriel photons 22";
 
 /* And what precomputed irradiance does beyond its global map. */
-static const char records_recipe[] = "oriel records 23";
+static const char records_recipe[] = "oriel records 24";
 
 static void finish_hex(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1])
 {

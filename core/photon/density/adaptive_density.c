@@ -11,6 +11,8 @@
  * all but empty, beside something far brighter, the next one is taken.
  */
 enum { RINGS = ORL_NESTED_DISCS, SMALLEST = 256, LEAST = 8 };
+/* With fewer photons within reach there is no smaller disc to tell whether light is even. */
+enum { FEW = 2 * SMALLEST };
 
 /* In standard deviations of ring minus disc: full agreement up to the first, none from the last. */
 static const double agrees = 1.25, differs = 3.25;
@@ -347,6 +349,7 @@ struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_densi
                                   .disc = rings.disc,
                                   .cut = rings.cut,
                                   .found = (uint32_t)lrint(rings.found)};
+    density.crowded = density.found < FEW && density.found < adapt->sums.map->header->count;
     if (density.found == 0)
         return density;
     count_health(&adapt->sums, query, density.found, &search->health);

@@ -44,7 +44,7 @@ struct maker {
 static struct orl_record_note note_of(const struct orl_density *density)
 {
     const double luma = orl_luma(density->irradiance), mean = luma / ORL_MAP_BATCHES;
-    struct orl_record_note note = {.bias = 0};
+    struct orl_record_note note = {.few = density->crowded};
     double most = 0;
     for (int i = 0; i < ORL_MAP_BATCHES; i++)
         most = orl_larger(most, fabs(density->parts.luma[i] - mean));
@@ -257,6 +257,7 @@ done:
 struct noted { /* of a value's luma */
     struct orl_batches parts;
     double bias;
+    double few; /* 1: the estimate is of few photons; of sums, times their weight */
 };
 struct fit {
     double weight, x, y, xx, xy, yy;
@@ -264,6 +265,7 @@ struct fit {
     struct noted noted, noted_by_x, noted_by_y;
     double squares; /* of the value's luma */
     uint32_t joined;
+    double nearest, farthest; /* of those joined, as shares of the radius */
 };
 
 /* Sheets end at 30 degrees between normals: there a record's weight is nothing, too. */
@@ -280,6 +282,7 @@ static void add_noted(struct noted *sum, const struct noted *more, double factor
 {
     orl_batches_add(&sum->parts, &more->parts, factor);
     sum->bias += more->bias * factor;
+    sum->few += more->few * factor;
 }
 
 static void add_to_fit(struct fit *fit, double weight, double x, double y, struct orl_rgb value,
@@ -332,7 +335,7 @@ static struct noted noted_of(const struct orl_photon_map *map, uint32_t index, d
     if (!at || map->header->note_bytes < sizeof note)
         return (struct noted){.bias = 0};
     memcpy(&note, at, sizeof note);
-    struct noted noted = {.bias = luma * (double)note.bias};
+    struct noted noted = {.bias = luma * (double)note.bias, .few = note.few};
     for (int i = 0; i < ORL_MAP_BATCHES; i++)
         noted.parts.luma[i] = luma * (1.0 / ORL_MAP_BATCHES + (double)note.unit * note.off[i]);
     return noted;
@@ -356,15 +359,34 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
     const struct orl_rgb value =
         orl_rgb_scale(orl_flux_unpack(map->fluxes[c->index]), map->header->flux_unit);
     const struct noted noted = noted_of(map, c->index, orl_luma(value));
+    fit->nearest = fit->joined == 0 ? share : orl_smaller(fit->nearest, share);
+    fit->farthest = orl_larger(fit->farthest, share);
     add_to_fit(fit, weight, orl_dot(way, frame->u) / radius, orl_dot(way, frame->v) / radius, value,
                &noted);
+}
+
+/*
+ * Returns true if the records do not tell the light of the point: they are few, most of them are of
+ * few photons, they are biased, or the point lies beyond them. Photons, and so records, end where
+ * little light goes; those nearest lie to one side then, far off for how close together they are,
+ * and differ. Of n points spread evenly about it, or about it at an end of the surface, one in
+ * thirty has the nearest that far off: (1 - (nearest / farthest)^2)^(n - 1).
+ */
+static bool tells_little(const struct fit *fit, const struct orl_density *density, double mean)
+{
+    static const double seldom = 1.0 / 30, uneven = 0.3, biased = 0.1;
+    const double ratio = fit->farthest > 0 ? fit->nearest / fit->farthest : 0;
+    if (fit->joined < LEAST_JOINED || fit->noted.few > fit->weight / 2 ||
+        fabs(density->bias) > biased * orl_luma(density->irradiance))
+        return true;
+    return pow(1 - ratio * ratio, fit->joined - 1.0) < seldom && density->spread > uneven * mean;
 }
 
 struct orl_density orl_records_estimate(const struct orl_photon_map *records,
                                         const struct orl_footing *footing, double max_radius,
                                         struct orl_search *search)
 {
-    struct orl_density density = {.found = 0};
+    struct orl_density density = {.crowded = true};
     struct orl_density_query query = {.point = footing->point,
                                       .normal = footing->normal,
                                       .k = NEAREST + 1,
@@ -392,6 +414,7 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
     density.standard_error = sqrt(orl_batches_variance(&density.parts));
     const double mean = orl_luma(fit.value) / fit.weight;
     density.spread = sqrt(orl_larger(fit.squares / fit.weight - mean * mean, 0));
+    density.crowded = tells_little(&fit, &density, mean);
     return density;
 }
 

@@ -46,6 +46,7 @@ struct orl_record_note {
     float unit; /* of the estimate's luma, as are these: */
     float bias;
     int8_t off[ORL_MAP_BATCHES]; /* a batch's part less the mean one, in units */
+    uint32_t few;                /* 1: there were few photons within the estimate's reach */
 };
 
 struct orl_records {

@@ -65,10 +65,11 @@ struct orl_density {
     double clear;              /* no wall is nearer; no more than radius */
     double disc;               /* of adaptive estimates: what was searched, for query.hint */
     bool patch;                /* of spread ones: it took in a small patch as a whole */
-    bool crowded;              /* of leaves: not to be relied on (crowd.h) */
-    bool cut;                  /* of adaptive ones: the footprint is not the whole disc */
-    double evenness;           /* of adaptive estimates: radius over the widest that was tried */
-    uint32_t found;            /* photons in it */
+    bool crowded; /* not to be relied on: of leaves (crowd.h); of adaptive ones with few photons; of
+                     records that tell little */
+    bool cut;     /* of adaptive ones: the footprint is not the whole disc */
+    double evenness; /* of adaptive estimates: radius over the widest that was tried */
+    uint32_t found;  /* photons in it */
     /* Of the irradiance's luma: */
     double standard_error; /* of the photons' scatter */
     double bias;           /* what it is thought to be too high, for its width */

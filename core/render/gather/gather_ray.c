@@ -49,8 +49,11 @@ static struct orl_rgb met_irradiance(const struct orl_gather *gather, const stru
                 ? orl_records_glance(gather->maps[ORL_MAP_PRECOMPUTED], &footing,
                                      gather->max_radius[ORL_MAP_PRECOMPUTED], search)
                 : orl_gather_rest(gather, &footing, search);
-        tally->parts[ORL_MAP_PRECOMPUTED] = rest.parts;
-        irradiance = rest.irradiance;
+        *relit = rest.crowded;
+        if (!*relit) {
+            tally->parts[ORL_MAP_PRECOMPUTED] = rest.parts;
+            irradiance = rest.irradiance;
+        }
     } else if (gather->leaves && !*relit) {
         irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search,
                                            &tally->parts[ORL_MAP_GLOBAL], relit);

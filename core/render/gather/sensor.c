@@ -331,7 +331,7 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
         rest = orl_gather_rest(gather, footing, search);
     struct orl_estimate lights = sample_lights(gather, place, index, &search->health);
     struct orl_estimate sum = estimate_by_map(&rest, &tally.parts[kind_of_rest], &search->health);
-    if (rest.found == 0) {
+    if (rest.found == 0 || rest.crowded) {
         const struct orl_estimate seen =
             gather_evenly(gather, place, samples, index, search, &tally);
         sum = estimate_by_map(&none, &tally.parts[kind_of_rest], &search->health);
