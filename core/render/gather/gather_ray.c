@@ -291,16 +291,17 @@ static double weight_of(const struct leg *leg, const struct orl_hit *ahead,
            (by_cosine + aimed * orl_aim_port_density(leg->gather->aim, ahead, direction));
 }
 
-/* Returns the direction to a point of a port; each port is as likely. */
-static struct orl_vec3 draw_port(const struct orl_world *world, struct orl_vec3 from,
-                                 struct orl_random *random)
+/* Draws a direction to a point of a port; each port is as likely. Returns the port's facet. */
+static uint32_t draw_port(const struct orl_world *world, struct orl_vec3 from,
+                          struct orl_random *random, struct orl_vec3 *ret_direction)
 {
     const double which = orl_random_uniform(random), u0 = orl_random_uniform(random);
     const double u[2] = {u0, orl_random_uniform(random)};
+    const uint32_t facet = world->ports[(size_t)(which * (double)world->n_ports)].facet;
     struct orl_vec3 there, normal;
-    orl_facet_sample(world->geometry, world->ports[(size_t)(which * (double)world->n_ports)].facet,
-                     u, &there, &normal);
-    return orl_normalize(orl_sub(there, from));
+    orl_facet_sample(world->geometry, facet, u, &there, &normal);
+    *ret_direction = orl_normalize(orl_sub(there, from));
+    return facet;
 }
 
 static void follow(struct leg *leg);
@@ -311,13 +312,13 @@ static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
     const struct orl_world *world = p->world;
     struct orl_scatter s = *drawn;
     struct orl_hit ahead;
-    s.direction = draw_port(world, p->hit.point, p->random);
+    const uint32_t facet = draw_port(world, p->hit.point, p->random, &s.direction);
     const double cosine = orl_dot(s.direction, orl_hit_facing(&p->hit));
     if (!(cosine > 0) ||
         !orl_geometry_intersect(world->geometry,
                                 orl_hit_leave(world->geometry, &p->hit, s.direction), s.direction,
                                 INFINITY, &ahead) ||
-        orl_world_port_of(world, ahead.facet) == ORL_NO_PORT)
+        ahead.facet != facet)
         return;
     struct leg at_port = *leg;
     struct orl_eye_path *q = &at_port.eye;
