@@ -72,6 +72,17 @@ static json_t *interval_of(const struct orl_result *result, size_t index)
     return json_pack("[o, o]", orl_json_from_real(interval[0]), orl_json_from_real(interval[1]));
 }
 
+/* Why the value is unreliable; NULL: it is reliable. */
+static json_t *doubts_of(const struct orl_result *result, size_t index)
+{
+    const unsigned doubts = result->doubts ? result->doubts[index] : 0;
+    json_t *json = doubts ? json_array() : NULL;
+    for (unsigned i = 0; json && i < ORL_DOUBTS; i++)
+        if (doubts & 1U << i)
+            json_array_append_new(json, json_string(orl_doubt_name((enum orl_doubt)(1U << i))));
+    return json;
+}
+
 static json_t *sensors_to_json(const struct orl_result *result)
 {
     json_t *sensors = json_array();
@@ -80,9 +91,10 @@ static json_t *sensors_to_json(const struct orl_result *result)
         json_t *lux = orl_json_from_real(result->illuminance_lx[i]);
         json_t *se = number_of(result->standard_error_lx, i);
         json_t *bias = number_of(result->bias_estimate_lx, i);
-        if (append(sensors, json_pack("{s:o, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
-                                      "standard_error_lx", se, "bias_estimate_lx", bias,
-                                      "interval_95_lx", interval_of(result, i)))) {
+        if (append(sensors,
+                   json_pack("{s:o, s:o*, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
+                             "standard_error_lx", se, "bias_estimate_lx", bias, "interval_95_lx",
+                             interval_of(result, i), "unreliable", doubts_of(result, i)))) {
             json_decref(sensors);
             return NULL;
         }

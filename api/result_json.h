@@ -5,7 +5,7 @@
  *      "timings_s": {"load", "bvh", "plan", "photons", "maps", "render", "total"},
  *      "maps": [{"kind", "key", "emitted", "stored", "reused", "bytes", "seconds", "cached"}],
  *      "sensors": [{"illuminance_lx", "standard_error_lx", "bias_estimate_lx",
- *                   "interval_95_lx": [low, high]}],
+ *                   "interval_95_lx": [low, high], "unreliable": [...]}],
  *      "views": [{"name", "hdr", "png", "error_hdr" and "error_png" where errors are known,
  *                 "seconds"}], "health": {...}, "warnings": ["..."],
  *      "dark" of a job with a sky: whether that gives no light,

@@ -115,9 +115,10 @@ export function sensorFigures(sensors) {
   if (!values.length) return [];
   const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
   const lit = values.filter((value) => value >= 300).length / values.length;
+  const unreliable = sensors.filter((one) => one.unreliable).length;
   return facts([
     ['Sensors', count(values.length)], ['Mean', `${number(mean)}\u202flx`], ['Median', `${number(values[values.length >> 1])}\u202flx`],
-    ['Least', `${number(values[0])}\u202flx`], ['Most', `${number(values.at(-1))}\u202flx`], ['At 300\u202flx or more', percent(lit, 3)],
+    ['Least', `${number(values[0])}\u202flx`], ['Most', `${number(values.at(-1))}\u202flx`], ['At 300\u202flx or more', percent(lit, 3)], ...(unreliable ? [['Unreliable: see the warnings', count(unreliable)]] : []),
   ]);
 }
 

@@ -73,7 +73,7 @@ static void widen(double interval[2], double found_lx, const struct orl_estimate
     interval[1] = fmax(interval[1], found_lx + ORL_EFFICACY_LM_PER_W * most);
 }
 
-static void look_at_sensor(const struct orl_run_state *state, const struct orl_air *air, size_t i,
+static void look_at_sensor(struct orl_run_state *state, const struct orl_air *air, size_t i,
                            struct missed *missed)
 {
     struct orl_result *r = state->result;
@@ -90,6 +90,7 @@ static void look_at_sensor(const struct orl_run_state *state, const struct orl_a
     if (!lacks)
         return;
     const double share = lx / (lx + found);
+    orl_run_doubt(state, i, ORL_DOUBT_MISSED_LIGHT);
     missed->sensors++;
     if (share > missed->share)
         *missed = (struct missed){missed->sensors, i, ORL_EFFICACY_LM_PER_W * all, share};

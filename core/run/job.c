@@ -385,6 +385,7 @@ void orl_result_done(struct orl_result *result)
     free(result->standard_error_lx);
     free(result->bias_estimate_lx);
     free(result->interval_95_lx);
+    free(result->doubts);
     for (size_t i = 0; i < result->n_views; i++)
         orl_view_result_done(&result->views[i]);
     free(result->views);

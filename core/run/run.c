@@ -106,6 +106,7 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
     if (code == 0)
         code = orl_run_cross_check(state, err);
     if (code == 0) {
+        orl_run_heed_doubts(state);
         orl_run_leave(state);
         orl_run_judge_health(state);
     }

@@ -25,6 +25,18 @@ static int name_file(const struct orl_run_state *state, const char *name, char *
 
 /* ---- Tables ---------------------------------------------------------------------------------- */
 
+/* Ends a line with the names of what makes the value unreliable. */
+static void write_doubts(unsigned doubts, FILE *stream)
+{
+    const char *space = "";
+    for (unsigned i = 0; i < ORL_DOUBTS; i++)
+        if (doubts & 1U << i) {
+            fprintf(stream, "%s%s", space, orl_doubt_name((enum orl_doubt)(1U << i)));
+            space = " ";
+        }
+    fputc('\n', stream);
+}
+
 static int write_csv(const struct orl_run_state *state, const char *path, struct orl_error *err)
 {
     const struct orl_result *r = state->result;
@@ -33,13 +45,15 @@ static int write_csv(const struct orl_run_state *state, const char *path, struct
     if (code < 0)
         return code;
     file.cancel = state->env->cancel;
-    fputs("x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,bias_estimate_lx,low_95_lx,high_95_lx\n",
+    fputs("x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,bias_estimate_lx,low_95_lx,high_95_lx,"
+          "unreliable\n",
           file.stream);
     for (size_t i = 0; i < r->n_sensors && orl_out_goes_on(&file); i++) {
         const struct orl_vec3 p = state->sensors[i].position, d = state->sensors[i].direction;
-        fprintf(file.stream, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6g,%.4g,%.4g,%.6g,%.6g\n", p.x, p.y,
+        fprintf(file.stream, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6g,%.4g,%.4g,%.6g,%.6g,", p.x, p.y,
                 p.z, d.x, d.y, d.z, r->illuminance_lx[i], r->standard_error_lx[i],
                 r->bias_estimate_lx[i], r->interval_95_lx[i][0], r->interval_95_lx[i][1]);
+        write_doubts(r->doubts ? r->doubts[i] : 0, file.stream);
     }
     return orl_out_close(&file, 0, err);
 }

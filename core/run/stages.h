@@ -122,6 +122,11 @@ void orl_run_warn_of_covered_panes(struct orl_run_state *state);
 /* Warns of BSDF panes whose front is outdoors, if their data are not the same when turned round. */
 void orl_run_warn_of_turned_panes(struct orl_run_state *state);
 
+/* Marks a sensor as unreliable. */
+void orl_run_doubt(struct orl_run_state *state, size_t sensor, enum orl_doubt doubt);
+/* After all checks: an accuracy counts as not met if sensors are unreliable. */
+void orl_run_heed_doubts(struct orl_run_state *state);
+
 /* Whether no light comes to any sensor or view of the job: then photons are not worth tracing. Says
  * so in a warning. */
 bool orl_run_is_dark(struct orl_run_state *state);

@@ -83,7 +83,16 @@ static struct orl_result check(struct bench *b, double factor, uint64_t seed)
                                   .world = b->world,
                                   .samples = 1 << 20};
     assert_int_equal(orl_run_cross_check(&state, &err), 0);
+    orl_run_heed_doubts(&state);
     return result;
+}
+
+static size_t count_doubts(const struct orl_result *r)
+{
+    size_t n = 0;
+    for (size_t i = 0; r->doubts && i < r->n_sensors; i++)
+        n += r->doubts[i] == ORL_DOUBT_CROSS_CHECK;
+    return n;
 }
 
 static void test_right_values(void **state)
@@ -94,6 +103,7 @@ static void test_right_values(void **state)
         struct orl_result r = check(&b, 1, seed);
         assert_int_equal(r.cross_check.sensors_off, 0);
         assert_int_equal(r.n_warnings, 0);
+        assert_null(r.doubts);
         assert_true(r.outcome.met);
         assert_true(r.cross_check.sensors >= 3);
         assert_true(fabs(r.cross_check.ratio - 1) < 4.5 * r.cross_check.ratio_error);
@@ -115,7 +125,9 @@ static void check_wrong(struct bench *b, double factor)
         assert_true(held >= r.cross_check.sensors_off * 8 / 10);
         assert_int_equal(r.n_warnings, 1);
         assert_non_null(strstr(r.warnings[0], "cross-check"));
+        assert_int_equal(count_doubts(&r), r.cross_check.sensors_off);
         assert_false(r.outcome.met);
+        assert_non_null(strstr(r.outcome.why, "unreliable"));
         orl_result_done(&r);
     }
 }

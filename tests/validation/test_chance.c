@@ -71,8 +71,10 @@ static void check_missed(const char *scene, double missed)
         fail_msg("missed %g lx, but: %s", missed, warning ? warning : "nothing is said");
     assert_true(3 * backward.standard_error_lx[0] < 0.5 * missed);
     assert_true(backward.interval_95_lx[0][1] >= backward.illuminance_lx[0] + missed);
+    assert_true(backward.doubts && backward.doubts[0] & ORL_DOUBT_MISSED_LIGHT);
     assert_int_equal(planned.plan.technique, ORL_TECHNIQUE_GATHER);
     assert_null(warning_of(&planned));
+    assert_null(planned.doubts);
     const double found = planned.illuminance_lx[0] - backward.illuminance_lx[0];
     const double error = hypot(planned.standard_error_lx[0], backward.standard_error_lx[0]) +
                          fabs(planned.bias_estimate_lx[0]);
@@ -82,11 +84,26 @@ static void check_missed(const char *scene, double missed)
     orl_result_done(&planned);
 }
 
+/* An accuracy that paths alone think they have come to does not count as met. */
+static void check_not_met(const char *scene)
+{
+    struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
+                                                        .sensors = &sensor,
+                                                        .n_sensors = 1,
+                                                        .technique = ORL_TECHNIQUE_BACKWARD,
+                                                        .goal = {.relative_error = 0.02, .at = 0.95}});
+    assert_true(r.outcome.asked && r.outcome.achieved < 0.02);
+    assert_false(r.outcome.met);
+    assert_string_equal(r.outcome.why, "1 sensor is unreliable: see warnings");
+    orl_result_done(&r);
+}
+
 /* A ball of radius r spreads it: straight back, at a distance s, by (r / (r + 2 s))^2. */
 static void a_mirror_ball(void **state)
 {
     (void)state;
     check_missed(SUN SKY GLARE "m sphere ball 0 0 4 0 0 0 2\n", 0.9 * sun_lx() / 4);
+    check_not_met(SUN SKY GLARE "m sphere ball 0 0 4 0 0 0 2\n");
 }
 
 /*

@@ -178,8 +178,8 @@ export class SensorsPage {
     if (found) setText(this.readout, `${found.place.map((value) => number(value)).join(', ')}: ${this.#words(this.sensors[found.index])}`);
   }
 
-  #words({ illuminance_lx: value, interval_95_lx: interval }) {
-    return `${number(value, 4)}\u202flx${interval ? `, ${number(interval[0], 4)} to ${number(interval[1], 4)}` : ''}`;
+  #words({ illuminance_lx: value, interval_95_lx: interval, unreliable }) {
+    return `${number(value, 4)}\u202flx${interval ? `, ${number(interval[0], 4)} to ${number(interval[1], 4)}` : ''}${unreliable ? ', unreliable' : ''}`;
   }
 
   #slider(id, label, from, to, value, act) {
@@ -211,8 +211,8 @@ export class SensorsPage {
 
   #csv() {
     if (this.address) URL.revokeObjectURL(this.address);
-    const lines = this.sensors.map((one, i) => [...(this.rows[i] || ['', '', '', '', '', '']), one.illuminance_lx, one.standard_error_lx, ...(one.interval_95_lx || ['', ''])].join());
-    this.address = URL.createObjectURL(new Blob([['x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,low_95_lx,high_95_lx', ...lines].join('\n')], { type: 'text/csv' }));
+    const lines = this.sensors.map((one, i) => [...(this.rows[i] || ['', '', '', '', '', '']), one.illuminance_lx, one.standard_error_lx, ...(one.interval_95_lx || ['', '']), (one.unreliable || []).join(' ')].join());
+    this.address = URL.createObjectURL(new Blob([['x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,low_95_lx,high_95_lx,unreliable', ...lines].join('\n')], { type: 'text/csv' }));
     return this.address;
   }
 
@@ -225,7 +225,7 @@ export class SensorsPage {
       h('tbody', {}, list.map(({ index, place }) => {
         const one = this.sensors[index], interval = one.interval_95_lx;
         return h('tr', {}, h('td', {}, place ? place.map((value) => number(value)).join(', ') : `Sensor ${index + 1}`), h('td', { class: 'n' }, number(one.illuminance_lx, 4)),
-          h('td', { class: 'n' }, number(one.standard_error_lx ?? NaN, 2)), h('td', { class: 'n' }, interval ? `${number(interval[0], 4)} to ${number(interval[1], 4)}` : ''));
+          h('td', { class: 'n' }, number(one.standard_error_lx ?? NaN, 2)), h('td', { class: 'n' }, interval ? `${number(interval[0], 4)} to ${number(interval[1], 4)}${one.unreliable ? ', unreliable' : ''}` : ''));
       }))));
   }
 }

@@ -254,6 +254,15 @@ struct orl_cross_check {
                                   where they cannot find all */
 };
 
+/* Why a sensor's value is unreliable. Its interval was widened to include what another method
+ * found; how far off the value is beyond that is not known. Flags. */
+enum orl_doubt {
+    ORL_DOUBT_CROSS_CHECK = 1, /* plain path tracing finds other light (run/cross_check.c) */
+    ORL_DOUBT_MISSED_LIGHT = 2 /* photons bring light that paths hardly ever meet (run/chance.c) */
+};
+enum { ORL_DOUBTS = 2 };
+const char *orl_doubt_name(enum orl_doubt doubt); /* "cross-check", "missed-light" */
+
 /* How a job with a goal ended. */
 enum { ORL_COURSE = 48 };
 struct orl_outcome {
@@ -308,6 +317,7 @@ struct orl_result {
     double *standard_error_lx;   /* of photons and rays together */
     double *bias_estimate_lx;    /* what bandwidths are thought to add */
     double (*interval_95_lx)[2]; /* low, high */
+    unsigned char *doubts;       /* of enum orl_doubt; NULL: all values are reliable */
     size_t n_sensors;
     struct orl_grid_result *grids;
     size_t n_grids;
