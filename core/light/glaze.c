@@ -6,6 +6,7 @@
 
 #include "base/arena.h"
 #include "light/escape.h"
+#include "light/focus.h"
 #include "scene/geometry/placed.h"
 #include "scene/geometry/unglazed.h"
 #include "scene/material/hemisphere.h"
@@ -149,6 +150,18 @@ static bool is_before_windows(const struct orl_scene *scene, const struct candid
     return false;
 }
 
+/* Returns true if lenses or curved mirrors stand before the opening outdoors. */
+static bool is_behind_lenses(const struct orl_scene *scene, const struct candidate *c)
+{
+    struct orl_random random = random_of(c);
+    struct orl_focus focus = {.scene = scene, .parallel_too = true};
+    for (int i = 0; i < RAYS; i++) {
+        const struct ray ray = draw_ray(c, c->shares[0] > c->shares[1], &random);
+        orl_focus_look(&focus, ray.from, ray.direction);
+    }
+    return orl_focus_matters(&focus);
+}
+
 static double larger_share(const struct candidate *c)
 {
     return fmax(c->shares[0], c->shares[1]);
@@ -186,7 +199,7 @@ static int choose(const struct orl_scene *scene, struct candidate *candidates, s
     for (size_t i = 0; i < n && !is_cancelled(scene); i++) {
         struct candidate c = candidates[i];
         if (!orl_escape_tells(c.shares) || !is_free(scene->geometry, &c) ||
-            is_before_windows(scene, &c))
+            is_before_windows(scene, &c) || is_behind_lenses(scene, &c))
             continue;
         if (search.n_panes > 0)
             find_shares(&search, &c);

@@ -13,7 +13,8 @@
  * An opening gets a pane if rays leave the scene from one of its sides several times as often as
  * from the other (escape.h), rays past panes of other openings not counted, and if it does not
  * stand before windows that are ports themselves, as the opening of a frame or of a courtyard does.
- * Scenes with mist get none. Returns 0 or ORL_ERR_NOMEM, _LIMIT, _CANCELLED.
+ * An opening gets none if curved mirrors or lenses stand before it outdoors, whose light ports do
+ * not send in, and scenes with mist get none. Returns 0 or ORL_ERR_NOMEM, _LIMIT, _CANCELLED.
  */
 int orl_scene_glaze_openings(struct orl_scene *scene, struct orl_error *err);
 

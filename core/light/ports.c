@@ -1,4 +1,5 @@
 #include "light/escape.h"
+#include "light/focus.h"
 #include "light/scene.h"
 
 #include <stdatomic.h>
@@ -10,7 +11,9 @@
 /*
  * A window is a port when rays leaving one of its faces, with everything taken as opaque, reach
  * open space much more often than rays leaving the other. Panes inside a building see open space
- * from neither side (the outer panes block), panes standing free see it from both.
+ * from neither side (the outer panes block), panes standing free see it from both. Windows that
+ * lenses or curved mirrors stand before are none (focus.h): the scene is open then, and photons
+ * from suns and sky pass them.
  */
 enum { OWNER_PROBES = 128 };
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
@@ -64,6 +67,22 @@ static bool is_shared(const struct orl_geometry *g, struct orl_port port, struct
     return false;
 }
 
+/* Returns true if lenses or curved mirrors stand before a window outdoors. */
+static bool is_behind_lenses(const struct search *search, const struct orl_port *port,
+                             struct orl_random *random)
+{
+    const struct orl_geometry *g = search->scene->geometry;
+    struct orl_focus focus = {.scene = search->scene};
+    for (uint32_t i = 0; i < search->rays; i++) {
+        const double u[2] = {orl_random_uniform(random), orl_random_uniform(random)};
+        struct orl_vec3 point, normal;
+        orl_facet_sample(g, port->facet, u, &point, &normal);
+        orl_focus_look(&focus, orl_facet_leave(g, port->facet, point, normal, port->outward),
+                       cosine_direction(port->outward, random));
+    }
+    return orl_focus_matters(&focus);
+}
+
 static void look_both_ways(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
@@ -84,7 +103,8 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
                             .outward = front ? f->normal : orl_neg(f->normal),
                             .area = f->area};
     port.shared = is_shared(search->scene->geometry, port, &random);
-    search->found[index] = port;
+    if (!is_behind_lenses(search, &port, &random))
+        search->found[index] = port;
 }
 
 /*

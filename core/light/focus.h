@@ -1,0 +1,26 @@
+/*
+ * Surfaces outdoors that focus or spread the light of a sun: curved or textured mirrors, and bodies
+ * that refract. Paths outdoors do not find suns by way of them (exterior.h), so that ports, whose
+ * light comes of such paths, would send in none. Photons from the sun do.
+ */
+#ifndef ORL_LIGHT_FOCUS_H
+#define ORL_LIGHT_FOCUS_H
+
+#include "light/scene.h"
+
+/* Rays from the outer side of a window or an opening, and what they have met that focuses. */
+struct orl_focus {
+    const struct orl_scene *scene;
+    bool parallel_too; /* flat surfaces that refract count whichever way they face */
+    size_t rays, met;
+    struct orl_vec3 flat; /* normal of the first flat surface that refracts; 0: none yet */
+};
+
+/* Follows a ray to what it meets first. Flat surfaces that refract count where they face different
+ * ways: parallel ones, as of water and of panes, only move the light. */
+void orl_focus_look(struct orl_focus *focus, struct orl_vec3 from, struct orl_vec3 direction);
+
+/* Returns true if at least 1 in 500 rays has met such a surface. */
+bool orl_focus_matters(const struct orl_focus *focus);
+
+#endif
