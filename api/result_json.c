@@ -238,9 +238,12 @@ static json_t *cross_check_to_json(const struct orl_cross_check *check)
 {
     if (check->paths == 0)
         return NULL;
-    return json_pack("{s:I, s:I, s:I, s:o, s:o}", "paths", (json_int_t)check->paths, "sensors",
-                     (json_int_t)check->sensors, "sensors_off", (json_int_t)check->sensors_off,
-                     "ratio", orl_json_from_real(check->ratio), "ratio_error",
+    const char *differs_in =
+        check->sensors_off > 0 ? orl_light_class_name(check->differs_in) : NULL;
+    return json_pack("{s:I, s:I, s:I, s:s*, s:o, s:o}", "paths", (json_int_t)check->paths,
+                     "sensors", (json_int_t)check->sensors, "sensors_off",
+                     (json_int_t)check->sensors_off, "differs_in", differs_in, "ratio",
+                     orl_json_from_real(check->ratio), "ratio_error",
                      orl_json_from_real(check->ratio_error));
 }
 

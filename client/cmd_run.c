@@ -50,8 +50,8 @@ static void print_cross_check(const struct orl_cross_check *check)
         return;
     fprintf(stderr, "cross-check by path tracing: ");
     if (check->sensors_off > 0)
-        fprintf(stderr, "%zu of %zu sensors differ by more than the errors", check->sensors_off,
-                check->sensors);
+        fprintf(stderr, "%zu of %zu sensors differ by more than the errors, most likely in the %s",
+                check->sensors_off, check->sensors, orl_light_class_name(check->differs_in));
     else
         fprintf(stderr, "agrees at %zu sensor%s", check->sensors, check->sensors == 1 ? "" : "s");
     if (check->sensors_off == 0 && isfinite(check->ratio))

@@ -125,10 +125,10 @@ export function sensorFigures(sensors) {
 // What plain path tracing says of the sensors' values.
 export function crossCheck(check) {
   if (!check?.sensors) return [];
-  const { sensors, sensors_off: off, ratio, ratio_error: error } = check;
+  const { sensors, sensors_off: off, differs_in: kind, ratio, ratio_error: error } = check;
   const apart = Number.isFinite(ratio) ? `, their sum within ${percent(Math.abs(ratio - 1) + 1.96 * error)}` : '';
   return h('p', { class: 'after' }, off
-    ? `Cross-check by path tracing: ${off} of ${count(sensors)} sensors differ by more than the errors. See the warnings.`
+    ? `Cross-check by path tracing: ${off} of ${count(sensors)} sensors differ by more than the errors, most likely in the ${kind}. See the warnings.`
     : `Cross-check by path tracing: agrees at ${count(sensors)} sensor${sensors === 1 ? '' : 's'}${apart}.`);
 }
 

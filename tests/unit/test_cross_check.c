@@ -112,17 +112,18 @@ static void test_right_values(void **state)
     tear_down(&b);
 }
 
-/* Where enough paths are known, the interval then holds the truth. */
+/* Where enough paths are known, the interval then holds the truth: of some 80 intervals, 95 % each,
+ * fewer than 87 % do so by chance once in a thousand times. */
 static void check_wrong(struct bench *b, double factor)
 {
+    size_t off = 0, held = 0;
     for (uint64_t seed = 1; seed <= 20; seed++) {
         struct orl_result r = check(b, factor, seed);
-        size_t held = 0;
         for (int i = 0; i < PATH_SENSORS; i++)
-            held += r.interval_95_lx[i][0] <= b->truth[i].mean &&
+            held += r.doubts && r.doubts[i] && r.interval_95_lx[i][0] <= b->truth[i].mean &&
                     b->truth[i].mean <= r.interval_95_lx[i][1];
         assert_true(r.cross_check.sensors_off >= 3);
-        assert_true(held >= r.cross_check.sensors_off * 8 / 10);
+        off += r.cross_check.sensors_off;
         assert_int_equal(r.n_warnings, 1);
         assert_non_null(strstr(r.warnings[0], "cross-check"));
         assert_int_equal(count_doubts(&r), r.cross_check.sensors_off);
@@ -130,6 +131,7 @@ static void check_wrong(struct bench *b, double factor)
         assert_non_null(strstr(r.outcome.why, "unreliable"));
         orl_result_done(&r);
     }
+    assert_true((double)held >= 0.87 * (double)off);
 }
 
 static void test_values_too_low(void **state)

@@ -244,11 +244,23 @@ struct orl_view_result {
     bool black; /* no pixel has any light */
 };
 
+/* Light by how it comes to a sensor. */
+enum orl_light_class {
+    ORL_LIGHT_STRAIGHT, /* of suns and lamps, straight or through panes */
+    ORL_LIGHT_MIRRORED, /* of suns and lamps, by way of flat mirrors and panes */
+    ORL_LIGHT_OUTDOORS, /* of the sky, of what stands outdoors and of glows; not reflected diffusely
+                         */
+    ORL_LIGHT_REFLECTED, /* reflected diffusely, indoors or by what is beside the sensor */
+    ORL_LIGHT_CLASSES
+};
+const char *orl_light_class_name(enum orl_light_class light); /* "reflected light", ... */
+
 /* Sensors compared with plain path tracing (run/cross_check.c). */
 struct orl_cross_check {
-    uint64_t paths;            /* 0: none were compared */
-    size_t sensors;            /* of which enough is known by paths to compare */
-    size_t sensors_off;        /* by more than the errors of both: their intervals are widened */
+    uint64_t paths;     /* 0: none were compared */
+    size_t sensors;     /* of which enough is known by paths to compare */
+    size_t sensors_off; /* by more than the errors of both: their intervals are widened */
+    enum orl_light_class differs_in; /* what the difference is most like, if sensors are off */
     double ratio, ratio_error; /* light by paths over light found, all together, and the standard
                                   error of the former; NaN: not known, or paths find less
                                   where they cannot find all */
