@@ -12,6 +12,7 @@ static const uint64_t most_pairs = 4000000;
 enum { MOST_MIRRORS_LOOKED_AT = 4096 };
 /* LEAST_PAIRS pairs are kept, or PAIRS_A_LAMP for each lamp if that is more, up to MOST_PAIRS. */
 enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
+enum { MOST_TWICE = 64 }; /* mirrors that light is followed between */
 
 /* A lamp and a mirror. */
 struct pair {
@@ -260,6 +261,93 @@ static int keep_images(struct orl_lamp_images *images, const struct pairs *pairs
     return 0;
 }
 
+/* ---- Two mirrors ----------------------------------------------------------------------------- */
+
+/* The image of a lamp in a mirror, as a spot that shines through the mirror. */
+struct mirrored_spot {
+    const struct orl_lamp_image *image;
+    struct spot spot; /* its power: as the mirror reflects it */
+};
+
+/* Returns true if the mirror's light may go on to the other one: a ray from the image to that one's
+ * middle passes the mirror, and meets nothing on the way. */
+static bool goes_on(const struct orl_world *world, const struct mirrored_spot *from,
+                    const struct mirror *to)
+{
+    const struct orl_lamp_image *image = from->image;
+    const struct orl_vec3 way = orl_sub(to->image.center, from->spot.middle);
+    const double height = orl_dot(orl_sub(image->center, from->spot.middle), image->normal);
+    const double climb = orl_dot(way, image->normal), share = height / climb;
+    if (!(climb * height > 0) || !(share < 1))
+        return false;
+    const struct orl_vec3 at = orl_madd(from->spot.middle, way, share);
+    const struct orl_vec3 off = orl_sub(at, image->center), ahead = orl_normalize(way);
+    const double length = (1 - share) * orl_length(way);
+    const double wide = image->radius + to->image.radius;
+    struct orl_facet own;
+    const double offset = orl_facet_own(world->geometry, image->mirror, &own)->offset;
+    return orl_dot(off, off) < wide * wide && length > 4 * offset &&
+           !orl_geometry_occluded(world->geometry, orl_madd(at, ahead, 2 * offset), ahead,
+                                  length - 4 * offset);
+}
+
+/* The mirrors that have images, each once: images are in their order. */
+static size_t list_mirrors(const struct orl_lamp_images *images, const struct orl_world *world,
+                           struct mirror *ret_mirrors)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < images->n_images && n < MOST_TWICE; i++) {
+        const uint32_t facet = images->images[i].mirror;
+        struct orl_facet own;
+        if (n == 0 || ret_mirrors[n - 1].image.mirror != facet)
+            ret_mirrors[n++] = mirror_of(world, orl_facet_own(world->geometry, facet, &own), facet);
+    }
+    return n;
+}
+
+static struct mirrored_spot mirror_spot(const struct orl_lamp_image *image, const struct spot *spot,
+                                        const struct mirror *mirror)
+{
+    struct mirrored_spot mirrored = {image, *spot};
+    const bool front = orl_lamp_image_height(image, spot->middle) > 0;
+    mirrored.spot.middle = orl_lamp_image_of(image, spot->middle);
+    mirrored.spot.power *= mirror->reflectance[!front];
+    return mirrored;
+}
+
+static const struct spot *find_spot(const struct spot *spots, size_t n, uint32_t facet)
+{
+    for (size_t i = 0; i < n; i++)
+        if (spots[i].facet == facet)
+            return &spots[i];
+    return NULL;
+}
+
+/* Estimates images->twice. */
+static void estimate_twice(struct orl_lamp_images *images, const struct orl_world *world,
+                           const struct spot *spots, size_t n_spots)
+{
+    struct mirror mirrors[MOST_TWICE];
+    const size_t n = list_mirrors(images, world, mirrors);
+    double twice = 0, power = 0;
+    size_t at = 0;
+    for (size_t i = 0; i < n_spots; i++)
+        power += spots[i].power;
+    for (size_t i = 0; i < images->n_images && n > 1; i++) {
+        const struct orl_lamp_image *image = &images->images[i];
+        const struct spot *spot = find_spot(spots, n_spots, image->lamp);
+        while (at < n && mirrors[at].image.mirror != image->mirror)
+            at++;
+        if (at == n || !spot)
+            break;
+        const struct mirrored_spot from = mirror_spot(image, spot, &mirrors[at]);
+        for (size_t k = 0; k < n; k++)
+            if (k != at && goes_on(world, &from, &mirrors[k]))
+                twice += strength_of(&from.spot, &mirrors[k]);
+    }
+    images->twice = power > 0 ? twice / power : 0;
+}
+
 int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world *world,
                           const struct orl_crew *crew)
 {
@@ -276,6 +364,8 @@ int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world
     }
     if (code == 0)
         code = keep_images(images, pairs);
+    if (code == 0)
+        estimate_twice(images, world, spots, list_spots(world, spots));
     free(spots);
     free(pairs);
     return code;

@@ -33,6 +33,8 @@ struct orl_lamp_images {
     struct orl_lamp_image *images; /* by mirror, then by lamp */
     size_t n_images;
     double left_out; /* roughly the share of the mirrored light whose pairs are not kept */
+    double twice; /* roughly the flux by way of two mirrors, which have no images, over that of all
+                     lamps */
 };
 
 static inline double orl_lamp_image_height(const struct orl_lamp_image *image,
@@ -58,6 +60,12 @@ static inline struct orl_vec3 orl_lamp_image_of(const struct orl_lamp_image *ima
 int orl_lamp_images_build(struct orl_lamp_images *images, const struct orl_world *world,
                           const struct orl_crew *crew);
 void orl_lamp_images_done(struct orl_lamp_images *images);
+
+/* Returns true if light by way of two mirrors matters: it is more than a hundredth of all. */
+static inline bool orl_lamp_images_twice(const struct orl_lamp_images *images)
+{
+    return images->twice > 0.01;
+}
 
 /* Returns an image in that mirror, which is a facet; or NULL. */
 const struct orl_lamp_image *orl_lamp_images_in(const struct orl_lamp_images *images,

@@ -162,6 +162,7 @@ static void leave_out_images(struct orl_world *world)
     orl_images_keep_suns(&world->images, NULL);
     world->lamp_images.n_images = 0;
     world->lamp_images.left_out = 0;
+    world->lamp_images.twice = 0;
 }
 
 void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
@@ -187,5 +188,6 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
         plan->photons_caustic = 0;
     plan->by_chance = plan->technique == ORL_TECHNIQUE_BACKWARD && mirrors &&
                       (orl_lit_by_chance(lit, &world->images) ||
-                       world->lamp_images.left_out > tolerable_left_out);
+                       world->lamp_images.left_out > tolerable_left_out ||
+                       orl_lamp_images_twice(&world->lamp_images));
 }

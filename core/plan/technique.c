@@ -64,6 +64,12 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
             lit->classes[ORL_LIT_CURVED].facets + lit->classes[ORL_LIT_FLAT].facets);
         return ORL_TECHNIQUE_GATHER;
     }
+    if (orl_lamp_images_twice(&survey->world->lamp_images)) {
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "lamps by way of two mirrors, which paths would find by chance only: photons find "
+                 "them");
+        return ORL_TECHNIQUE_GATHER;
+    }
     snprintf(
         ret_why, ORL_WHY_MAX,
         "%zu sensor%s and no view: paths are exact on average; photons become virtual lamps for "

@@ -89,7 +89,8 @@ static void trace_group(void *arg, size_t index, uint32_t member)
 static bool paths_find_all(const struct orl_world *world)
 {
     bool lights = world->n_suns > 0;
-    if (world->images.n_left_out > 0 || world->lamp_images.left_out > 0)
+    if (world->images.n_left_out > 0 || world->lamp_images.left_out > 0 ||
+        orl_lamp_images_twice(&world->lamp_images))
         return false;
     for (size_t i = 0; i < world->n_emitters && !lights; i++)
         lights = world->emitters[i].direct;

@@ -127,6 +127,65 @@ static void test_many_lamps(void **state)
     check(state, scene, irradiance);
 }
 
+/*
+ * Between two mirrors that face each other the lamp has images without end: those ahead stand at
+ * 4.5, 7.5, 12.5, 15.5, ..., one reflection more each. Only the first is a virtual lamp.
+ */
+static const char facing[] = MIRROR "m polygon other 0 0 12 -2 -3 0 -2 3 0 -2 3 3 -2 -3 3\n"
+                                    "void light l 0 0 3 1e4 1e4 1e4\n"
+                                    "l sphere lamp 0 0 4 " LAMP_AT " .05\n";
+
+static double of_facing_mirrors(void)
+{
+    enum { IMAGES = 60 };
+    double sum = 0, share = mirrored;
+    for (int i = 0; i < IMAGES; i++, share *= mirrored) {
+        const double far = 4.5 + 8 * (i / 2) + (i % 2 ? 3 : 0), d2 = far * far + 1 + 0.04;
+        sum += share * ORL_PI * 1e4 * 0.05 * 0.05 / d2 * far / sqrt(d2);
+    }
+    return ORL_EFFICACY_LM_PER_W * sum;
+}
+
+static struct orl_result run_facing_mirrors(enum orl_technique technique)
+{
+    return scene_run(&(struct scene_run){.scene = facing,
+                                         .sensors = &sensor,
+                                         .n_sensors = 1,
+                                         .technique = technique,
+                                         .by_plan = true,
+                                         .samples = 1024,
+                                         .global = 20000,
+                                         .caustic = 100000});
+}
+
+/* Photons find what virtual lamps leave out, a third of the light here. */
+static void test_facing_mirrors(void **state)
+{
+    struct orl_result r = run_facing_mirrors(ORL_TECHNIQUE_AUTO);
+    const double expected = of_facing_mirrors();
+    (void)state;
+    print_message("%.1f [%.1f, %.1f] of %.1f lx\n", r.illuminance_lx[0], r.interval_95_lx[0][0],
+                  r.interval_95_lx[0][1], expected);
+    assert_int_equal(r.plan.technique, ORL_TECHNIQUE_GATHER);
+    assert_null(r.doubts);
+    assert_true(fabs(r.illuminance_lx[0] / expected - 1) < 0.1);
+    assert_true(r.interval_95_lx[0][0] < expected && expected < r.interval_95_lx[0][1]);
+    orl_result_done(&r);
+}
+
+/* By paths alone the interval is widened, and the sensor is unreliable. */
+static void test_facing_mirrors_by_paths(void **state)
+{
+    struct orl_result r = run_facing_mirrors(ORL_TECHNIQUE_BACKWARD);
+    const double expected = of_facing_mirrors();
+    (void)state;
+    print_message("%.1f [%.1f, %.1f] of %.1f lx\n", r.illuminance_lx[0], r.interval_95_lx[0][0],
+                  r.interval_95_lx[0][1], expected);
+    assert_true(r.doubts && r.doubts[0] == ORL_DOUBT_MISSED_LIGHT);
+    assert_true(r.interval_95_lx[0][0] < expected && expected < r.interval_95_lx[0][1]);
+    orl_result_done(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -138,6 +197,7 @@ int main(void)
         OF_TECHNIQUE(test_narrow_beam, GATHER),    OF_TECHNIQUE(test_narrow_beam, DIRECT),
         OF_TECHNIQUE(test_many_lamps, BACKWARD),   OF_TECHNIQUE(test_many_lamps, GATHER),
         OF_TECHNIQUE(test_through_pane, BACKWARD), OF_TECHNIQUE(test_through_pane, GATHER),
+        cmocka_unit_test(test_facing_mirrors),     cmocka_unit_test(test_facing_mirrors_by_paths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
