@@ -5,36 +5,46 @@
 #include "scene/material/scatter.h"
 
 static const double seldom = 2e-3;
+/* Of a convex mirror that takes a share p of the view a window gets p / 4 of the sun's light,
+ * spread evenly; of a lens or a hollow mirror as much as falls on that, several times p. */
+static const double of_convex = 0.1;
 
-static bool focuses(struct orl_focus *focus, const struct orl_hit *hit)
+/* Returns true if a mirror is seen from the side where it spreads light; textured ones are taken to
+ * do so. */
+static bool is_convex(const struct orl_facet *f, const struct orl_hit *hit)
+{
+    const bool inwards =
+        f->kind == ORL_SURFACE_BUBBLE || f->kind == ORL_SURFACE_TUBE || f->kind == ORL_SURFACE_CUP;
+    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING || hit->front != inwards;
+}
+
+static double weight_of(struct orl_focus *focus, const struct orl_hit *hit)
 {
     static const double parallel = 0.999;
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_of(focus->scene->geometry, hit->facet, &own);
     const struct orl_material *m = orl_scene_material(focus->scene, hit->facet);
     const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-    if (!orl_material_bends(m) && !orl_material_is_mirror(m))
-        return false;
-    if (!flat || m->texture)
-        return true;
-    if (!orl_material_bends(m))
-        return false;
-    if (focus->parallel_too)
-        return true;
+    if (!orl_material_bends(m)) {
+        const bool curved = !flat || m->texture;
+        return !orl_material_is_mirror(m) || !curved ? 0 : is_convex(f, hit) ? of_convex : 1;
+    }
+    if (!flat || m->texture || focus->parallel_too)
+        return 1;
     if (!(orl_dot(focus->flat, focus->flat) > 0))
         focus->flat = hit->normal;
-    return fabs(orl_dot(focus->flat, hit->normal)) < parallel;
+    return fabs(orl_dot(focus->flat, hit->normal)) < parallel ? 1 : 0;
 }
 
 void orl_focus_look(struct orl_focus *focus, struct orl_vec3 from, struct orl_vec3 direction)
 {
     struct orl_hit hit;
     focus->rays++;
-    focus->met += orl_geometry_intersect(focus->scene->geometry, from, direction, INFINITY, &hit) &&
-                  focuses(focus, &hit);
+    if (orl_geometry_intersect(focus->scene->geometry, from, direction, INFINITY, &hit))
+        focus->met += weight_of(focus, &hit);
 }
 
 bool orl_focus_matters(const struct orl_focus *focus)
 {
-    return focus->met > 0 && (double)focus->met >= seldom * (double)focus->rays;
+    return focus->met > 0 && focus->met >= seldom * (double)focus->rays;
 }

@@ -12,7 +12,8 @@
 struct orl_focus {
     const struct orl_scene *scene;
     bool parallel_too; /* flat surfaces that refract count whichever way they face */
-    size_t rays, met;
+    size_t rays;
+    double met; /* rays that have met something that focuses; those to convex mirrors count less */
     struct orl_vec3 flat; /* normal of the first flat surface that refracts; 0: none yet */
 };
 
@@ -20,7 +21,7 @@ struct orl_focus {
  * ways: parallel ones, as of water and of panes, only move the light. */
 void orl_focus_look(struct orl_focus *focus, struct orl_vec3 from, struct orl_vec3 direction);
 
-/* Returns true if at least 1 in 500 rays has met such a surface. */
+/* Returns true if at least 1 ray in 500 has met such a surface, or 1 in 50 a convex mirror. */
 bool orl_focus_matters(const struct orl_focus *focus);
 
 #endif
