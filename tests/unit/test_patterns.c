@@ -225,6 +225,7 @@ static void run(const char *scene, enum orl_technique technique, uint32_t thread
                                   .n_sensors = SENSORS,
                                   .technique = technique,
                                   .wishes = scene_wish_maps,
+                                  .global = 100000,
                                   .samples = 4096,
                                   .threads = threads};
     scene_run_lx(&job, ret_lx);
