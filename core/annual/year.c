@@ -144,10 +144,10 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
         return code;
     if (y->hours.n_missing > 0)
         orl_year_warn(y, "of the weather file %zu %s not measured: no value is given there",
-                      y->hours.n_missing, y->hours.n_missing == 1 ? "hour was" : "hours were");
+                      y->hours.n_missing, y->hours.n_missing == 1 ? "row was" : "rows were");
     if (y->hours.n_warned > 0)
         orl_year_warn(y, "in %zu %s with light, of the sky: %s", y->hours.n_warned,
-                      y->hours.n_warned == 1 ? "hour" : "hours", y->hours.warning);
+                      y->hours.n_warned == 1 ? "row" : "rows", y->hours.warning);
     return 0;
 }
 

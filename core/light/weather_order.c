@@ -38,7 +38,7 @@ static void carry_hours(struct orl_weather *weather)
 {
     const bool leap = orl_weather_has_leap_day(weather);
     for (size_t i = 0; i < weather->n_rows; i++)
-        if (weather->rows[i].hour > day_h)
+        if (weather->rows[i].hour >= day_h)
             go_to_next_day(&weather->rows[i], leap);
 }
 

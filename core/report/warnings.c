@@ -164,13 +164,16 @@ int orl_annual_report_warn(const struct orl_annual_request *request,
     const struct warning w = {result, warned, ctx, err};
     int code = 0;
     if (report->year.n_missing > 0)
-        code =
-            warn(&w, "%zu steps of the year are not in the weather file", report->year.n_missing);
+        code = warn(&w,
+                    "%zu step%s of the year %s not in the weather file, or not measured; nights "
+                    "beside them are known to be dark",
+                    report->year.n_missing, report->year.n_missing == 1 ? "" : "s",
+                    report->year.n_missing == 1 ? "is" : "are");
     if (code == 0 && report->year.n_doubtful > 0)
         code = warn(&w,
-                    "%zu steps have the sun up by 3 degrees or more and no light in the weather "
-                    "file: they count as dark",
-                    report->year.n_doubtful);
+                    "%zu step%s the sun up by 3 degrees or more and no light in the weather file: "
+                    "counted as dark",
+                    report->year.n_doubtful, report->year.n_doubtful == 1 ? " has" : "s have");
     if (code == 0 && report->n_unlit > 0)
         code = warn(&w, "no light ever reaches %zu sensors: are they inside of something?",
                     report->n_unlit);

@@ -399,7 +399,7 @@ static void test_july_to_june(void **state)
     assert_non_null(strstr(err.message, "lines 7 and 9 are of the same time: month 7, day 1"));
 }
 
-/* DAYSIM writes 24.25 for a quarter past midnight, on 31 December, too. */
+/* DAYSIM writes 24.25 for a quarter past midnight, on 31 December, too; other programs 24. */
 static void test_past_midnight(void **state)
 {
     static const struct {
@@ -420,6 +420,9 @@ static void test_past_midnight(void **state)
         assert_true(row->month == cases[i].month && row->day == cases[i].day);
         orl_weather_done(&weather);
     }
+    struct orl_weather at_midnight = parse_good(WEA "3 22 23 1 1\n3 22 24 7 1\n");
+    assert_true(at_midnight.rows[1].hour == 0 && at_midnight.rows[1].day == 23);
+    orl_weather_done(&at_midnight);
     struct orl_weather none;
     struct orl_error err = {0};
     assert_int_equal(parse(WEA "3 22 25.5 7 1\n", &none, &err), ORL_ERR_RANGE);
