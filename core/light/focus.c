@@ -31,9 +31,13 @@ static double weight_of(struct orl_focus *focus, const struct orl_hit *hit)
     }
     if (!flat || m->texture || focus->parallel_too)
         return 1;
-    if (!(orl_dot(focus->flat, focus->flat) > 0))
-        focus->flat = hit->normal;
-    return fabs(orl_dot(focus->flat, hit->normal)) < parallel ? 1 : 0;
+    for (int i = 0; i < 2; i++) {
+        if (!(orl_dot(focus->flat[i], focus->flat[i]) > 0))
+            focus->flat[i] = hit->normal;
+        if (fabs(orl_dot(focus->flat[i], hit->normal)) >= parallel)
+            return 0;
+    }
+    return 1;
 }
 
 void orl_focus_look(struct orl_focus *focus, struct orl_vec3 from, struct orl_vec3 direction)

@@ -14,11 +14,11 @@ struct orl_focus {
     bool parallel_too; /* flat surfaces that refract count whichever way they face */
     size_t rays;
     double met; /* rays that have met something that focuses; those to convex mirrors count less */
-    struct orl_vec3 flat; /* normal of the first flat surface that refracts; 0: none yet */
+    struct orl_vec3 flat[2]; /* normals of flat surfaces that refract, the first two; 0: none yet */
 };
 
-/* Follows a ray to what it meets first. Flat surfaces that refract count where they face different
- * ways: parallel ones, as of water and of panes, only move the light. */
+/* Follows a ray to what it meets first. Flat surfaces that refract count from the third way on
+ * that they face: water, and panes in one or two facades, only move the light. */
 void orl_focus_look(struct orl_focus *focus, struct orl_vec3 from, struct orl_vec3 direction);
 
 /* Returns true if at least 1 ray in 500 has met such a surface, or 1 in 50 a convex mirror. */
