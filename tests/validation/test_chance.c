@@ -87,11 +87,12 @@ static void check_missed(const char *scene, double missed)
 /* An accuracy that paths alone think they have come to does not count as met. */
 static void check_not_met(const char *scene)
 {
-    struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
-                                                        .sensors = &sensor,
-                                                        .n_sensors = 1,
-                                                        .technique = ORL_TECHNIQUE_BACKWARD,
-                                                        .goal = {.relative_error = 0.02, .at = 0.95}});
+    struct orl_result r =
+        scene_run(&(struct scene_run){.scene = scene,
+                                      .sensors = &sensor,
+                                      .n_sensors = 1,
+                                      .technique = ORL_TECHNIQUE_BACKWARD,
+                                      .goal = {.relative_error = 0.02, .at = 0.95}});
     assert_true(r.outcome.asked && r.outcome.achieved < 0.02);
     assert_false(r.outcome.met);
     assert_string_equal(r.outcome.why, "1 sensor is unreliable: see warnings");
