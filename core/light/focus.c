@@ -5,9 +5,10 @@
 #include "scene/material/scatter.h"
 
 static const double seldom = 2e-3;
-/* Of a convex mirror that takes a share p of the view a window gets p / 4 of the sun's light,
- * spread evenly; of a lens or a hollow mirror as much as falls on that, several times p. */
-static const double of_convex = 0.1;
+/* Weight of a ray that meets a convex mirror. If such mirrors fill a share p of a window's view,
+ * they reflect p / 4 of the sun's irradiance onto it; lenses and hollow mirrors of the same size
+ * send several times p. */
+static const double convex_weight = 0.1;
 
 /* Returns true if a mirror is seen from the side where it spreads light; textured ones are taken to
  * do so. */
@@ -27,7 +28,7 @@ static double weight_of(struct orl_focus *focus, const struct orl_hit *hit)
     const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
     if (!orl_material_bends(m)) {
         const bool curved = !flat || m->texture;
-        return !orl_material_is_mirror(m) || !curved ? 0 : is_convex(f, hit) ? of_convex : 1;
+        return !orl_material_is_mirror(m) || !curved ? 0 : is_convex(f, hit) ? convex_weight : 1;
     }
     if (!flat || m->texture || focus->parallel_too)
         return 1;

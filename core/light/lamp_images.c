@@ -12,7 +12,9 @@ static const uint64_t most_pairs = 4000000;
 enum { MOST_MIRRORS_LOOKED_AT = 4096 };
 /* LEAST_PAIRS pairs are kept, or PAIRS_A_LAMP for each lamp if that is more, up to MOST_PAIRS. */
 enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
-enum { MOST_TWICE = 64 }; /* mirrors that light is followed between */
+/* Mirrors that light is followed between. With more of them pairs are left out (images->left_out).
+ */
+enum { MOST_TWICE = 64 };
 
 /* A lamp and a mirror. */
 struct pair {
@@ -263,16 +265,16 @@ static int keep_images(struct orl_lamp_images *images, const struct pairs *pairs
 
 /* ---- Two mirrors ----------------------------------------------------------------------------- */
 
-/* The image of a lamp in a mirror, as a spot that shines through the mirror. */
+/* The image of a lamp in a mirror: a spot behind the mirror. */
 struct mirrored_spot {
     const struct orl_lamp_image *image;
-    struct spot spot; /* its power: as the mirror reflects it */
+    struct spot spot; /* its power is the lamp's times the mirror's reflectance */
 };
 
-/* Returns true if the mirror's light may go on to the other one: a ray from the image to that one's
- * middle passes the mirror, and meets nothing on the way. */
-static bool goes_on(const struct orl_world *world, const struct mirrored_spot *from,
-                    const struct mirror *to)
+/* Returns true if the mirror may reflect the lamp's light to the other mirror: a ray from the image
+ * of the lamp to the other's middle passes the mirror, and meets nothing after it. */
+static bool reaches_mirror(const struct orl_world *world, const struct mirrored_spot *from,
+                           const struct mirror *to)
 {
     const struct orl_lamp_image *image = from->image;
     const struct orl_vec3 way = orl_sub(to->image.center, from->spot.middle);
@@ -291,7 +293,7 @@ static bool goes_on(const struct orl_world *world, const struct mirrored_spot *f
                                   length - 4 * offset);
 }
 
-/* The mirrors that have images, each once: images are in their order. */
+/* Lists the mirrors that have images, each once, in the order of the images; returns how many. */
 static size_t list_mirrors(const struct orl_lamp_images *images, const struct orl_world *world,
                            struct mirror *ret_mirrors)
 {
@@ -342,7 +344,7 @@ static void estimate_twice(struct orl_lamp_images *images, const struct orl_worl
             break;
         const struct mirrored_spot from = mirror_spot(image, spot, &mirrors[at]);
         for (size_t k = 0; k < n; k++)
-            if (k != at && goes_on(world, &from, &mirrors[k]))
+            if (k != at && reaches_mirror(world, &from, &mirrors[k]))
                 twice += strength_of(&from.spot, &mirrors[k]);
     }
     images->twice = power > 0 ? twice / power : 0;

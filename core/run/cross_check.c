@@ -1,7 +1,7 @@
 /*
- * A cross-check of sensors by plain path tracing with shadow rays: no photons, no ports, no rays
- * that are aimed, no caches. Sensors are taken in groups of neighbours; of each group the sum by
- * paths is compared with the sum that the technique found (cross_check_judge.h).
+ * A cross-check of sensors by plain path tracing with shadow rays (cross_check_path.h), which uses
+ * no photons, ports, aimed rays or caches. Sensors are taken in groups of neighbours; of each group
+ * the sum by paths is compared with the sum that the technique found (cross_check_judge.h).
  *
  * Paths leave out suns by way of curved mirrors and dielectrics, and seldom meet suns and lamps by
  * way of lobes: where there are such, finding less says nothing.

@@ -7,15 +7,17 @@
 static const double least_effective = 30; /* samples */
 /* A difference counts beyond so many joint standard errors, and such a share of the light. */
 static const double differs_in_errors = 5, differs_by = 0.1;
-/* One of a class: if so much of the class differs, and in groups where it is that share of all. */
+/* A difference of a class counts if it is such a share of the class's light, in those groups in
+ * which it is also such a share of all light. */
 static const double differs_by_class = 0.25, matters = 0.05;
 static const double bound_in_errors = 2;
 
 /* A group beside what the technique found for the same sensors. */
 struct compared {
     const struct orl_plain_group *group;
-    double lx, error; /* found; half of the intervals as standard errors, summed: errors of
-                         neighbours go along */
+    double lx;    /* sum of the values that the technique found */
+    double error; /* sum of the standard errors that the intervals imply: those of neighbours are
+                     taken to be correlated */
 };
 
 static struct compared compare(const struct orl_result *r, const struct orl_plain_groups *groups,
@@ -42,39 +44,40 @@ static double variance_of(const struct compared *c)
 
 /* ---- Classes --------------------------------------------------------------------------------- */
 
-/* How much of a class's light the differences of all groups are like. */
+/* Least-squares fit of the differences of all groups by the light of one class. */
 struct match {
-    double share, errors; /* of the class; and over its standard error */
+    double share;  /* the factor of the class's light: 1 if all of it is missing */
+    double errors; /* that factor over its standard error */
 };
 
 static struct match match_class(const struct orl_result *r, const struct orl_plain_groups *groups,
-                                int class)
+                                int light)
 {
     double product = 0, squares = 0;
     for (size_t g = 0; g < groups->count; g++) {
         const struct compared c = compare(r, groups, g);
-        const double variance = variance_of(&c), light = c.group->classes[class];
+        const double variance = variance_of(&c), lx = c.group->classes[light];
         if (!is_known(&c) || !(variance > 0))
             continue;
-        product += (c.group->sum - c.lx) * light / variance;
-        squares += light * light / variance;
+        product += (c.group->sum - c.lx) * lx / variance;
+        squares += lx * lx / variance;
     }
     return squares > 0 ? (struct match){product / squares, product / sqrt(squares)}
                        : (struct match){0, 0};
 }
 
-/* Returns the class that the differences are most like. */
+/* Returns the class whose fit is the most significant. */
 static enum orl_light_class find_class(const struct orl_result *r,
                                        const struct orl_plain_groups *groups,
                                        struct match *ret_match)
 {
     enum orl_light_class best = ORL_LIGHT_STRAIGHT;
     *ret_match = (struct match){0, 0};
-    for (int class = 0; class < ORL_LIGHT_CLASSES; class ++) {
-        const struct match match = match_class(r, groups, class);
+    for (int light = 0; light < ORL_LIGHT_CLASSES; light++) {
+        const struct match match = match_class(r, groups, light);
         if (fabs(match.errors) <= fabs(ret_match->errors))
             continue;
-        best = (enum orl_light_class) class;
+        best = (enum orl_light_class)light;
         *ret_match = match;
     }
     return best;
@@ -107,9 +110,10 @@ static void widen(struct orl_run_state *state, const struct compared *c, double 
     r->cross_check.sensors_off += group->count;
 }
 
-/* What the differences of all groups are like; share 0: of no class so much that it counts. */
+/* The class that best fits the differences of all groups. If match.share is 0, no class fits well
+ * enough to count. */
 struct verdict {
-    enum orl_light_class class;
+    enum orl_light_class light;
     struct match match;
 };
 
@@ -118,7 +122,7 @@ static bool judge_group(struct orl_run_state *state, const struct compared *c, b
                         const struct verdict *verdict)
 {
     const double off = c->group->sum - c->lx, scatter = sqrt(c->group->variance);
-    const double of_class = verdict->match.share * c->group->classes[verdict->class];
+    const double of_class = verdict->match.share * c->group->classes[verdict->light];
     const bool by_itself = fabs(off) >= differs_in_errors * sqrt(variance_of(c)) &&
                            fabs(off) >= differs_by * c->lx && (off > 0 || find_all);
     if (!by_itself && !(fabs(of_class) >= matters * c->lx))
@@ -163,7 +167,7 @@ void orl_cross_check_judge(struct orl_run_state *state, const struct orl_plain_g
     struct verdict verdict;
     struct compared worst = {.group = NULL};
     double all = 0, by_paths = 0, variance = 0;
-    verdict.class = check->differs_in = find_class(r, groups, &verdict.match);
+    verdict.light = check->differs_in = find_class(r, groups, &verdict.match);
     if (fabs(verdict.match.errors) < differs_in_errors ||
         fabs(verdict.match.share) < differs_by_class ||
         (verdict.match.share < 0 && !groups->find_all))

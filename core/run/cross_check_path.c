@@ -10,8 +10,8 @@ struct trip {
     struct orl_eye_path eye; /* first: what sinks are given */
     struct orl_health *health;
     uint32_t reflections, most_reflections; /* diffuse ones */
-    /* Before the first of them: what surfaces on the way reflect diffusely of suns and lamps, and,
-     * once there was one, all else that it has seen. */
+    /* Radiance that the path has found before its first diffuse reflection: what surfaces on the
+     * way reflect diffusely of suns and lamps, and the rest. The rest is set at that reflection. */
     struct orl_rgb lit, unreflected;
 };
 
@@ -82,8 +82,8 @@ static double lux_of(struct orl_rgb irradiance)
     return ORL_EFFICACY_LM_PER_W * orl_luma(irradiance);
 }
 
-/* Adds suns and lamps by shadow rays from the place; the same points of them with mirrors and
- * without tell what comes by mirrors. */
+/* Adds the light of suns and lamps by shadow rays from the place. The same points of the lights are
+ * sampled with mirrors and without, and the difference is the mirrored light. */
 static void add_lights(const struct orl_world *world, const struct orl_place *place,
                        struct orl_random *random, struct orl_plain_light *light)
 {

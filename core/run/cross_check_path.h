@@ -1,6 +1,7 @@
 /*
- * One plain path from a sensor, for the cross-check (cross_check.c): no photons, no ports, no rays
- * that are aimed, no caches. Its light is told apart by how it came to the sensor.
+ * Plain path tracing from a sensor, for the cross-check (cross_check.c). It uses no photons, ports,
+ * aimed rays or caches. The light that a path finds is counted by class, which says how it reached
+ * the sensor.
  */
 #ifndef ORL_RUN_CROSS_CHECK_PATH_H
 #define ORL_RUN_CROSS_CHECK_PATH_H
@@ -16,8 +17,8 @@ struct orl_plain_light {
     double lx[ORL_LIGHT_CLASSES];
 };
 
-/* Draws it by one path with shadow rays at every surface; diffuse reflections are followed up to
- * that number. */
+/* Traces one path, with shadow rays at every surface and at most most_reflections diffuse
+ * reflections, and returns its estimate. */
 struct orl_plain_light orl_plain_path(const struct orl_world *world, const struct orl_place *place,
                                       uint32_t most_reflections, struct orl_random *random,
                                       struct orl_health *health);

@@ -1,4 +1,5 @@
-/* BSDF panes whose front looks outdoors, as that of no window of Radiance's conventions does. */
+/* BSDF panes whose front looks outdoors. By Radiance's convention the front of a window looks into
+ * the room. */
 #include <math.h>
 #include <stdio.h>
 
@@ -9,12 +10,11 @@
 #include "scene/material/hemisphere.h"
 
 enum { DIRECTIONS = 16 }; /* by azimuth, and by square of the sine */
-/* Differences smaller than this, relative to the transmittance or of the reflectance, change
- * little. */
+/* Differences that change little: relative to the transmittance, and of the reflectance. */
 static const double small_transmitted = 0.05, small_reflected = 0.05;
 
-/* A direction of the front's hemisphere, and the one that takes its place, in the data's frame,
- * when the pane is turned about its up direction. */
+/* Returns the direction, in the frame of the data, that takes a direction's place when the pane is
+ * turned about its up direction. */
 static struct orl_vec3 turned(struct orl_vec3 in)
 {
     return orl_v3(-in.x, in.y, -in.z);

@@ -8,6 +8,8 @@
 
 #include <cmocka.h>
 
+#include "support/scene_text.h"
+
 #define MATERIALS                                                                                  \
     "void plastic w 0 0 5 .4 .4 .4 0 0\nvoid plastic g 0 0 5 .2 .2 .2 0 0\n"                       \
     "void plastic white 0 0 5 .8 .8 .8 0 0\n"                                                      \
@@ -257,4 +259,37 @@ void rare_room_scene(size_t room, char ret_text[PATH_TEXT],
     for (int i = 0; i < PATH_SENSORS; i++)
         ret_sensors[i] = (struct orl_sensor){
             {places[i].u * r->size[0], places[i].v * r->size[1], places[i].z}, places[i].towards};
+}
+
+/* ---- Jobs ------------------------------------------------------------------------------------ */
+
+static size_t find_room(const char *name)
+{
+    for (size_t i = 0; i < ROOMS; i++)
+        if (strcmp(rooms[i].name, name) == 0)
+            return i;
+    fail_msg("there is no room '%s'", name);
+    return 0;
+}
+
+struct orl_result rare_room_run(const struct rare_room_job *job)
+{
+    char text[PATH_TEXT];
+    struct orl_sensor sensors[PATH_SENSORS];
+    rare_room_scene(find_room(job->name), text, sensors);
+    if (job->more) {
+        assert_true(strlen(text) + strlen(job->more) < sizeof text);
+        strcat(text, job->more);
+    }
+    return scene_run(&(struct scene_run){.scene = text,
+                                         .resource_name = "pane.xml",
+                                         .resource_text = path_pane(),
+                                         .sensors = sensors,
+                                         .n_sensors = PATH_SENSORS,
+                                         .seed = job->seed,
+                                         .technique = job->technique,
+                                         .by_plan = true,
+                                         .global = 200000,
+                                         .caustic = job->caustic,
+                                         .threads = 2});
 }

@@ -47,11 +47,11 @@ static const struct orl_sensor sensors[SENSORS] = {
     {{3.6, 2.4, .8}, {0, 0, 1}},  {{4.3, 1.5, .8}, {0, 0, 1}}, {{1.2, 3.3, 1.2}, {0, -1, 0}},
     {{2.5, 3.3, 1.2}, {1, 0, 0}}, {{1.1, 2.9, .8}, {0, 0, -1}}};
 
-/* What is switched off: an effect, or a part of the scene. */
+/* A fault: the job leaves out an effect, or runs on a scene that lacks a part. */
 static const struct fault {
     const char *name, *whole, *faulty;
-    int left_out;     /* an effect; or none: ORL_EFFECT_COUNT */
-    unsigned classes; /* that it takes away most of: flags of 1 << class */
+    int left_out;     /* the effect; ORL_EFFECT_COUNT: none */
+    unsigned classes; /* of which most is missing then: flags 1 << class */
 } faults[] = {
     {"images of lamps", MATERIALS SHELL EAST_MIRROR SOUTH LAMP("a", "1"), NULL,
      ORL_EFFECT_CAUSTICS_MIRROR, 1U << ORL_LIGHT_MIRRORED},

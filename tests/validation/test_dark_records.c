@@ -7,13 +7,10 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 #include <cmocka.h>
 
-#include "support/path_cells.h"
 #include "support/rare_rooms.h"
-#include "support/scene_text.h"
 
 struct truth {
     size_t sensor;
@@ -23,21 +20,8 @@ struct truth {
 static void check_room(const char *name, enum orl_technique technique, const struct truth *truths,
                        size_t n)
 {
-    static char text[PATH_TEXT];
-    struct orl_sensor sensors[PATH_SENSORS];
-    size_t room = 0;
-    while (strcmp(rare_room_name(room), name) != 0)
-        room++;
-    rare_room_scene(room, text, sensors);
-    struct orl_result r = scene_run(&(struct scene_run){.scene = text,
-                                                        .resource_name = "pane.xml",
-                                                        .resource_text = path_pane(),
-                                                        .sensors = sensors,
-                                                        .n_sensors = PATH_SENSORS,
-                                                        .technique = technique,
-                                                        .by_plan = true,
-                                                        .global = 200000,
-                                                        .threads = 2});
+    struct orl_result r =
+        rare_room_run(&(struct rare_room_job){.name = name, .technique = technique});
     for (size_t i = 0; i < n; i++) {
         const double *const interval = r.interval_95_lx[truths[i].sensor];
         const double t = truths[i].lx.mean, wide = 2 * truths[i].lx.standard_error;

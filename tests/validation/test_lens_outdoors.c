@@ -7,14 +7,11 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 #include <cmocka.h>
 #include <math.h>
 
-#include "support/path_cells.h"
 #include "support/rare_rooms.h"
-#include "support/scene_text.h"
 
 /* In the hole; it lets 81 to 84 % of the light through. */
 static const char pane[] = "clear polygon p 0 0 12 1.8 0 1.2 1.8 0 1.6 2.2 0 1.6 2.2 0 1.2\n";
@@ -23,31 +20,10 @@ static const double glazed = 0.82;
 static const struct brute_value truth_lx[PATH_SENSORS] = {
     {2071.9, 37}, {27.4, 5.5}, {50.2, 7.6}, {156.2, 13}, {154.9, 10}};
 
-static struct orl_result run_room(const char *more, enum orl_technique technique)
-{
-    static char text[PATH_TEXT];
-    struct orl_sensor sensors[PATH_SENSORS];
-    size_t room = 0;
-    while (strcmp(rare_room_name(room), "lens before a hole, sun") != 0)
-        room++;
-    rare_room_scene(room, text, sensors);
-    assert_true(strlen(text) + strlen(more) < sizeof text);
-    strcat(text, more);
-    return scene_run(&(struct scene_run){.scene = text,
-                                         .resource_name = "pane.xml",
-                                         .resource_text = path_pane(),
-                                         .sensors = sensors,
-                                         .n_sensors = PATH_SENSORS,
-                                         .technique = technique,
-                                         .by_plan = true,
-                                         .global = 200000,
-                                         .caustic = 20000,
-                                         .threads = 2});
-}
-
 static void check_room(const char *more, double share, enum orl_technique technique)
 {
-    struct orl_result r = run_room(more, technique);
+    struct orl_result r = rare_room_run(&(struct rare_room_job){
+        .name = "lens before a hole, sun", .more = more, .technique = technique, .caustic = 20000});
     for (size_t i = 0; i < PATH_SENSORS; i++) {
         const double t = share * truth_lx[i].mean, wide = 2.5 * share * truth_lx[i].standard_error;
         const double *const interval = r.interval_95_lx[i];

@@ -6,14 +6,11 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 #include <cmocka.h>
 #include <math.h>
 
-#include "support/path_cells.h"
 #include "support/rare_rooms.h"
-#include "support/scene_text.h"
 
 enum { MOST_MISSED = 2 };
 
@@ -25,35 +22,15 @@ struct room {
     double truths_lx[PATH_SENSORS], off;
 };
 
-static struct orl_result run_room(const struct room *room, uint64_t seed,
-                                  struct orl_sensor sensors[PATH_SENSORS])
-{
-    static char text[PATH_TEXT];
-    size_t index = 0;
-    while (strcmp(rare_room_name(index), room->name) != 0)
-        index++;
-    rare_room_scene(index, text, sensors);
-    return scene_run(&(struct scene_run){.scene = text,
-                                         .resource_name = "pane.xml",
-                                         .resource_text = path_pane(),
-                                         .sensors = sensors,
-                                         .n_sensors = PATH_SENSORS,
-                                         .seed = seed,
-                                         .technique = ORL_TECHNIQUE_GATHER,
-                                         .by_plan = true,
-                                         .global = 200000,
-                                         .threads = 2});
-}
-
 /* Asserts that all but two intervals hold the truth, that no value is off by a quarter, and that
  * the means of all seeds are right. */
 static void check_room(const struct room *room)
 {
-    struct orl_sensor sensors[PATH_SENSORS];
     double means[PATH_SENSORS] = {0}, variances[PATH_SENSORS] = {0};
     size_t missed = 0;
     for (uint64_t seed = 1; seed <= room->seeds; seed++) {
-        struct orl_result r = run_room(room, seed, sensors);
+        struct orl_result r = rare_room_run(&(struct rare_room_job){
+            .name = room->name, .technique = ORL_TECHNIQUE_GATHER, .seed = seed});
         for (size_t i = room->first; i < PATH_SENSORS; i++) {
             const double t = room->truths_lx[i], wide = 2 * room->off * t;
             const double lx = r.illuminance_lx[i], error = r.standard_error_lx[i] / room->seeds;

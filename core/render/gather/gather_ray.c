@@ -190,9 +190,9 @@ struct leg {
     struct leg *through;  /* takes the other way on, where the first surface is a dim pane */
     uint32_t reflections; /* diffuse ones */
     bool caustics;        /* it is to find them itself */
-    bool aims;            /* matt surfaces that are lit again send rays to ports, too */
-    double by_cosine;     /* pdf of its direction, where they may have sent one; else 0 */
-    bool weighed; /* by that pdf and theirs: no roulette by a weight that is small for that */
+    bool aims;            /* aims extra rays at ports from matt surfaces that are lit again */
+    double by_cosine;     /* pdf of its direction if port rays compete with it; else 0 */
+    bool weighed; /* by the balance heuristic: a small weight is then no reason for roulette */
 };
 
 static struct leg *leg_of(struct orl_eye_path *p)
@@ -278,12 +278,13 @@ static void look_through(const struct leg *leg, const struct orl_material *m)
 
 /*
  * At a matt surface that is lit again, ports may be in few directions and send most of the light.
- * At one in four of such surfaces a ray is aimed at a port, in addition to the ray that goes on,
- * and counts if it meets a port first. Rays of both kinds that meet a port first are weighed by the
- * sum of both densities: the balance heuristic for many samples (Veach 1997, section 9.2).
+ * With a probability of a quarter such a surface aims one ray at a port, in addition to the ray
+ * that goes on. The aimed ray counts if it meets that port first. Rays of both kinds that meet a
+ * port first are weighed by the multi-sample balance heuristic (Veach 1997, section 9.2).
  */
 static const double aimed = 0.25;
 
+/* Returns the weight of a ray from a matt surface by the balance heuristic. */
 static double weight_of(const struct leg *leg, const struct orl_hit *ahead,
                         struct orl_vec3 direction, double by_cosine)
 {
@@ -304,8 +305,9 @@ static uint32_t draw_port(const struct orl_world *world, struct orl_vec3 from,
     return facet;
 }
 
-static void follow(struct leg *leg);
+static void follow_leg(struct leg *leg);
 
+/* Aims a ray at a port and adds the light that it finds; drawn: the ray that goes on. */
 static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
 {
     struct orl_eye_path *p = &leg->eye;
@@ -332,7 +334,7 @@ static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
     orl_path_leave(&q->path, world, &q->hit, &s);
     orl_eye_path_foresee(q, &ahead);
     q->bounce++;
-    follow(&at_port);
+    follow_leg(&at_port);
     p->seen = orl_rgb_add(p->seen, q->seen);
 }
 
@@ -365,8 +367,8 @@ static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
                : sent;
 }
 
-/* Weighs a ray by what it meets first. */
-static void weigh(struct leg *leg)
+/* Applies the balance heuristic to a ray from a matt surface, by what it meets first. */
+static void weigh_leg(struct leg *leg)
 {
     struct orl_eye_path *p = &leg->eye;
     const double weight = weight_of(leg, &p->hit, p->path.direction, leg->by_cosine);
@@ -385,7 +387,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
     bool relit = false;
     leg->search->health.rays++;
     if (leg->by_cosine > 0)
-        weigh(leg);
+        weigh_leg(leg);
     if (p->bounce == 0 && !leg->ray->outside && leg->ray->ret_distance)
         *leg->ray->ret_distance = p->hit.distance;
     orl_eye_path_see(p,
@@ -415,7 +417,7 @@ static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
 static const struct orl_eye_sink sink = {
     .outdoors = comes_in, .escaped = leaks, .met = meet, .draw = draw, .sent_on = goes_on};
 
-static void follow(struct leg *leg)
+static void follow_leg(struct leg *leg)
 {
     orl_eye_path_follow(&leg->eye, &sink, &leg->search->health);
 }
@@ -440,10 +442,10 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
     search->health.paths++;
     if (ray->ahead || ray->nothing_ahead)
         orl_eye_path_foresee(&leg.eye, ray->ahead);
-    follow(&leg);
+    follow_leg(&leg);
     if (through.eye.bounce == 0)
         return leg.eye.seen;
-    follow(&through);
+    follow_leg(&through);
     return orl_rgb_add(leg.eye.seen, through.eye.seen);
 }
 
