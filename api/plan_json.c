@@ -96,11 +96,17 @@ json_t *orl_plan_to_json(const struct orl_plan *plan)
     json_t *reflections = plan->most_reflections == ORL_ALL_REFLECTIONS
                               ? json_null()
                               : json_integer((json_int_t)plan->most_reflections);
+    json_t *sensors =
+        plan->sensor_technique != plan->technique
+            ? json_pack("{s:s, s:o}", "technique", orl_technique_name(plan->sensor_technique),
+                        "why", orl_json_from_text(plan->sensor_why))
+            : NULL;
     json_t *foresight = plan->foresight.made ? foresight_to_json(&plan->foresight) : NULL;
-    return json_pack("{s:s, s:o, s:o, s:I, s:{s:I, s:I}, s:o, s:o*}", "technique",
+    return json_pack("{s:s, s:o, s:o*, s:o, s:I, s:{s:I, s:I}, s:o, s:o*}", "technique",
                      orl_technique_name(plan->technique), "why",
-                     orl_json_from_text(plan->technique_why), "most_reflections", reflections,
-                     "channels", (json_int_t)plan->channels, "photons", "global",
-                     (json_int_t)plan->photons_global, "caustic", (json_int_t)plan->photons_caustic,
-                     "effects", decisions_to_json(plan), "foresight", foresight);
+                     orl_json_from_text(plan->technique_why), "sensors", sensors,
+                     "most_reflections", reflections, "channels", (json_int_t)plan->channels,
+                     "photons", "global", (json_int_t)plan->photons_global, "caustic",
+                     (json_int_t)plan->photons_caustic, "effects", decisions_to_json(plan),
+                     "foresight", foresight);
 }

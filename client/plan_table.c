@@ -22,8 +22,11 @@ static int left_out(const struct orl_plan *plan)
 
 void orl_format_plan(const struct orl_plan *plan, char *ret_text, size_t size)
 {
-    snprintf(ret_text, size, "%s; %d of %d effects left out", orl_technique_name(plan->technique),
-             left_out(plan), ORL_EFFECT_COUNT);
+    const bool apart = plan->sensor_technique != plan->technique;
+    snprintf(ret_text, size, "%s%s%s; %d of %d effects left out",
+             orl_technique_name(plan->technique), apart ? ", of sensors " : "",
+             apart ? orl_technique_name(plan->sensor_technique) : "", left_out(plan),
+             ORL_EFFECT_COUNT);
 }
 
 /* Two digits are enough for a bound; "1.2e+03" is not what a person writes. */
@@ -123,14 +126,21 @@ static void print_foresight(FILE *to, const struct orl_plan *plan)
     orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
 }
 
-static void print_head(FILE *to, const struct orl_plan *plan)
+static void print_technique(FILE *to, const char *head, enum orl_technique technique,
+                            const char *why)
 {
     char text[ORL_WHY_MAX + 64];
 
-    snprintf(text, sizeof text, "%s%s%s", orl_technique_name(plan->technique),
-             plan->technique_why[0] ? ": " : "", plan->technique_why);
-    fprintf(to, "%-*s", HEAD_WIDTH, "technique");
+    snprintf(text, sizeof text, "%s%s%s", orl_technique_name(technique), why[0] ? ": " : "", why);
+    fprintf(to, "%-*s", HEAD_WIDTH, head);
     orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+}
+
+static void print_head(FILE *to, const struct orl_plan *plan)
+{
+    print_technique(to, "technique", plan->technique, plan->technique_why);
+    if (plan->sensor_technique != plan->technique)
+        print_technique(to, "of sensors", plan->sensor_technique, plan->sensor_why);
     print_photons(to, plan);
     print_foresight(to, plan);
     fprintf(to, "%-*s%s\n", HEAD_WIDTH, "channels", plan->channels == 1 ? "1 (grey)" : "3");

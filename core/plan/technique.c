@@ -1,5 +1,6 @@
 /* Which technique, how deep light is followed, and by how many photons. */
 #include <stdio.h>
+#include <string.h>
 
 #include "plan/decide.h"
 #include "scene/material/lobed.h"
@@ -21,10 +22,11 @@ static uint64_t count_placed(const struct orl_geometry *geometry)
     return n;
 }
 
-static enum orl_technique by_itself(const struct orl_survey *survey, const struct orl_lit *lit,
-                                    char ret_why[ORL_WHY_MAX])
+/* Conditions under which sensors and views alike are rendered by paths. Returns ORL_TECHNIQUE_AUTO
+ * if none holds. */
+static enum orl_technique for_both(const struct orl_survey *survey, const struct orl_lit *lit,
+                                   char ret_why[ORL_WHY_MAX])
 {
-    const struct orl_job *job = survey->request->job;
     if (survey->world->scene->mist) {
         snprintf(ret_why, ORL_WHY_MAX, "there is mist: paths are scattered by it, photons are not");
         return ORL_TECHNIQUE_BACKWARD;
@@ -36,11 +38,6 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                  "suns and lamps, photons would be few and bright");
         return ORL_TECHNIQUE_BACKWARD;
     }
-    if (orl_job_asks_for_glare(job) && !orl_lit_by_chance(lit, &survey->world->images)) {
-        snprintf(ret_why, ORL_WHY_MAX,
-                 "views ask for their glare: paths have no bias, and their batches tell its error");
-        return ORL_TECHNIQUE_BACKWARD;
-    }
     const uint64_t leaves = count_placed(survey->world->geometry);
     if (leaves > ORL_DEFAULT_PHOTONS && !orl_lit_by_chance(lit, &survey->world->images)) {
         snprintf(ret_why, ORL_WHY_MAX,
@@ -49,18 +46,34 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                  (unsigned long long)leaves);
         return ORL_TECHNIQUE_BACKWARD;
     }
-    if (job->n_views > 0 || survey->request->n_sensors == 0) {
+    return ORL_TECHNIQUE_AUTO;
+}
+
+static enum orl_technique for_views(const struct orl_survey *survey, const struct orl_lit *lit,
+                                    char ret_why[ORL_WHY_MAX])
+{
+    const struct orl_job *job = survey->request->job;
+    if (orl_job_asks_for_glare(job) && !orl_lit_by_chance(lit, &survey->world->images)) {
         snprintf(ret_why, ORL_WHY_MAX,
-                 "%zu view%s: an image is smooth soonest by a final gather to a photon map",
-                 job->n_views, orl_plural(job->n_views));
-        return ORL_TECHNIQUE_GATHER;
+                 "views ask for their glare: paths have no bias, and their batches tell its error");
+        return ORL_TECHNIQUE_BACKWARD;
     }
+    snprintf(ret_why, ORL_WHY_MAX,
+             "%zu view%s: an image is smooth soonest by a final gather to a photon map",
+             job->n_views, orl_plural(job->n_views));
+    return ORL_TECHNIQUE_GATHER;
+}
+
+static enum orl_technique for_sensors(const struct orl_survey *survey, const struct orl_lit *lit,
+                                      char ret_why[ORL_WHY_MAX])
+{
+    const size_t n = survey->request->n_sensors;
     if (orl_lit_by_chance(lit, &survey->world->images)) {
         snprintf(
             ret_why, ORL_WHY_MAX,
             "mirrors or lenses that paths from the %zu sensor%s would find by chance only (%zu "
             "of them): photons find them",
-            survey->request->n_sensors, orl_plural(survey->request->n_sensors),
+            n, orl_plural(n),
             lit->classes[ORL_LIT_CURVED].facets + lit->classes[ORL_LIT_FLAT].facets);
         return ORL_TECHNIQUE_GATHER;
     }
@@ -70,24 +83,27 @@ static enum orl_technique by_itself(const struct orl_survey *survey, const struc
                  "them");
         return ORL_TECHNIQUE_GATHER;
     }
-    snprintf(
-        ret_why, ORL_WHY_MAX,
-        "%zu sensor%s and no view: paths are exact on average; photons become virtual lamps for "
-        "them, and no map is kept",
-        survey->request->n_sensors, orl_plural(survey->request->n_sensors));
+    snprintf(ret_why, ORL_WHY_MAX,
+             "%zu sensor%s: paths are exact on average; photons become virtual lamps for them, and "
+             "no map is kept",
+             n, orl_plural(n));
     return ORL_TECHNIQUE_BACKWARD;
 }
 
+/* The technique of views or of sensors, whichever is asked for. */
 static enum orl_technique choose(const struct orl_survey *survey, const struct orl_lit *lit,
-                                 char ret_why[ORL_WHY_MAX])
+                                 bool views, char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
     const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
     enum orl_technique technique = job->technique;
-    if (technique != ORL_TECHNIQUE_AUTO)
+    if (technique != ORL_TECHNIQUE_AUTO) {
         snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
-    else
-        technique = by_itself(survey, lit, ret_why);
+    } else {
+        technique = for_both(survey, lit, ret_why);
+        if (technique == ORL_TECHNIQUE_AUTO)
+            technique = (views ? for_views : for_sensors)(survey, lit, ret_why);
+    }
     if (gather == ORL_WISH_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
         snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
         return ORL_TECHNIQUE_GATHER;
@@ -98,6 +114,20 @@ static enum orl_technique choose(const struct orl_survey *survey, const struct o
         return ORL_TECHNIQUE_DIRECT;
     }
     return technique;
+}
+
+/* Sensors have a technique of their own beside views, unless the job names one for both, or has a
+ * deadline: how its time is shared out is decided round by round for both together. */
+static void decide_techniques(const struct orl_survey *survey, const struct orl_lit *lit,
+                              struct orl_plan *plan)
+{
+    const struct orl_job *job = survey->request->job;
+    const bool views = job->n_views > 0 || survey->request->n_sensors == 0;
+    plan->technique = choose(survey, lit, views, plan->technique_why);
+    plan->sensor_technique = plan->technique;
+    memcpy(plan->sensor_why, plan->technique_why, sizeof plan->sensor_why);
+    if (views && survey->request->n_sensors > 0 && !(job->goal.deadline_s > 0))
+        plan->sensor_technique = choose(survey, lit, false, plan->sensor_why);
 }
 
 static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
@@ -230,7 +260,7 @@ static uint64_t global_photons(const struct orl_survey *survey, const struct orl
 void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
                           struct orl_plan *plan)
 {
-    plan->technique = choose(survey, lit, plan->technique_why);
+    decide_techniques(survey, lit, plan);
     decide_gather(survey, plan);
     decide_interreflection(survey, lit, plan);
     survey->world->omit.most_reflections = reflections_of_photons(plan);

@@ -8,6 +8,7 @@
 #include "run/grids.h"
 #include "run/rounds.h"
 #include "run/scene.h"
+#include "run/sensor_run.h"
 #include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 
@@ -91,32 +92,70 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
                : code;
 }
 
-static int run_stages(struct orl_run_state *state, struct orl_error *err)
+/* Renders what the job asks for, in rounds or in one piece. */
+static int render(struct orl_run_state *state, struct orl_error *err)
 {
-    bool in_rounds = orl_goal_is_set(&state->job->goal);
-    int code = prepare(state, err);
-    if (code == 0) {
-        in_rounds = in_rounds || orl_run_batches(state) > 1;
-        code = in_rounds ? orl_run_rounds(state, err) : orl_run_technique(state, err);
-    }
-    if (code == 0)
-        code = orl_run_judge_darkness(state, err);
-    if (code == 0)
-        code = orl_run_judge_chance(state, err);
+    if (orl_goal_is_set(&state->job->goal) || orl_run_batches(state) > 1)
+        return orl_run_rounds(state, err);
+    return orl_run_technique(state, err);
+}
+
+/* What more accuracy would cost; rounds have worked it out. */
+static void tell_cost(struct orl_run_state *state)
+{
+    orl_run_leave(state);
+    if (!orl_goal_is_set(&state->job->goal) && orl_run_batches(state) == 1)
+        orl_run_cost(state);
+}
+
+/* Compares what was found with photons and with plain path tracing. */
+static int check_sensors(struct orl_run_state *state, struct orl_error *err)
+{
+    int code = orl_run_judge_chance(state, err);
     if (code == 0)
         code = orl_run_cross_check(state, err);
-    if (code == 0) {
+    if (code == 0)
         orl_run_heed_doubts(state);
-        orl_run_leave(state);
-        orl_run_judge_health(state);
-    }
-    if (code == 0)
-        code = orl_run_write_sensors(state, err);
-    if (code == 0)
-        code = orl_run_write_grids(state, err);
-    if (code == 0 && !in_rounds)
-        orl_run_cost(state);
     return code;
+}
+
+static int render_and_check(struct orl_run_state *state, struct orl_error *err)
+{
+    int code = render(state, err);
+    if (code == 0)
+        code = check_sensors(state, err);
+    if (code == 0)
+        tell_cost(state);
+    return code;
+}
+
+static int finish(struct orl_run_state *state, struct orl_error *err)
+{
+    int code = orl_run_judge_darkness(state, err);
+    if (code == 0) {
+        orl_run_judge_health(state);
+        code = orl_run_write_sensors(state, err);
+    }
+    return code == 0 ? orl_run_write_grids(state, err) : code;
+}
+
+static int run_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    struct orl_sensor_run sensors = {.made = false};
+    int code = prepare(state, err);
+    if (code == 0)
+        code = orl_sensor_run_make(state, &sensors, err);
+    if (code == 0)
+        code = render_and_check(state, err);
+    orl_sensor_run_join(state, &sensors);
+    return code == 0 ? finish(state, err) : code;
+}
+
+static int sensor_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    state->only_sensors = true;
+    const int code = prepare(state, err);
+    return code == 0 ? render_and_check(state, err) : code;
 }
 
 static int plan_stages(struct orl_run_state *state, struct orl_error *err)
@@ -194,6 +233,14 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
                    &(struct orl_run_report){.share = 1, .elapsed_s = result.total_s});
     *ret_result = result;
     return 0;
+}
+
+int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *env,
+                         struct orl_scene *scene, struct orl_result *ret_result,
+                         struct orl_error *err)
+{
+    return run_settled(job, env, &scene, &(struct course){.stages = sensor_stages}, ret_result,
+                       err);
 }
 
 /* The same of a job whose views may be in files. */

@@ -35,6 +35,7 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
+    bool only_sensors;             /* of a job that has views, too (sensor_run.h) */
     bool only_plan;                /* nothing is to be rendered: what it would take is asked for */
     struct orl_pilot *pilot;       /* what accuracies would take is (curve.h); else NULL */
     const struct orl_swaps *swaps; /* of the scene's materials; NULL: none */
