@@ -111,9 +111,12 @@ static void tell_cost(struct orl_run_state *state)
 /* Compares what was found with photons and with plain path tracing. */
 static int check_sensors(struct orl_run_state *state, struct orl_error *err)
 {
+    const size_t warnings = state->result->n_warnings;
     int code = orl_run_judge_chance(state, err);
     if (code == 0)
         code = orl_run_cross_check(state, err);
+    if (code == 0)
+        code = orl_sensor_run_again(state, warnings, err);
     if (code == 0)
         orl_run_heed_doubts(state);
     return code;

@@ -2,6 +2,8 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Seconds of the stages from photons on, as they are foreseen. */
 static double foreseen_s(const struct orl_run_state *state)
@@ -98,6 +100,8 @@ int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_
     if (code < 0)
         return code;
     take_values(state->result, &run->result);
+    state->result->plan.sensor_technique = run->result.plan.sensor_technique;
+    memcpy(state->result->plan.sensor_why, run->result.plan.sensor_why, ORL_WHY_MAX);
     state->env = &run->env;
     run->seconds = env->now_s(env->ctx) - started;
     state->stage_started += run->seconds;
@@ -173,4 +177,99 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
     join_costs(&result->cost, &sensors->cost);
     join_maps(result, sensors);
     orl_result_done(&run->result);
+}
+
+/* ---- Another technique after the cross-check ------------------------------------------------- */
+
+static size_t count_doubts(const struct orl_result *result)
+{
+    size_t n = 0;
+    for (size_t i = 0; result->doubts && i < result->n_sensors; i++)
+        n += result->doubts[i] != 0;
+    return n;
+}
+
+/* A deadline has no time for it; of a goal for views, too, the outcome is that of both. */
+static bool may_run_again(const struct orl_run_state *state)
+{
+    const struct orl_job *job = state->job;
+    return job->technique == ORL_TECHNIQUE_AUTO &&
+           job->wishes[ORL_EFFECT_FINAL_GATHER] == ORL_WISH_AUTO && !state->pilot &&
+           state->result->cross_check.sensors_off > 0 && !(job->goal.deadline_s > 0) &&
+           !(job->n_views > 0 && orl_goal_is_set(&job->goal)) && !state->world->scene->mist;
+}
+
+static struct orl_run_env env_of_second(const struct orl_run_state *state)
+{
+    struct orl_run_env env = *state->env;
+    const double part = env.part > 0 ? env.part : 1, done = state->told->share;
+    env.part_from += part * done;
+    env.part = part * (1 - done);
+    env.part_stages_s = NULL;
+    env.plan_ready = NULL;
+    env.round_ready = NULL;
+    env.sensors_kept = NULL;
+    env.sensors_done = NULL;
+    env.spent = NULL;
+    return env;
+}
+
+static void free_values(struct orl_result *result)
+{
+    free(result->illuminance_lx);
+    free(result->standard_error_lx);
+    free(result->bias_estimate_lx);
+    free(result->interval_95_lx);
+    free(result->doubts);
+}
+
+static void drop_warnings(struct orl_result *result, size_t first)
+{
+    while (result->n_warnings > first)
+        free(result->warnings[--result->n_warnings]);
+}
+
+/* The values of the second run, and its warnings, instead of the first ones. */
+static void adopt(struct orl_run_state *state, struct orl_result *second, size_t first_warning)
+{
+    struct orl_result *result = state->result;
+    const size_t off = result->cross_check.sensors_off, n = result->n_sensors;
+    const enum orl_technique before = result->plan.sensor_technique;
+    free_values(result);
+    drop_warnings(result, first_warning);
+    take_values(result, second);
+    for (size_t i = 0; i < second->n_warnings; i++)
+        orl_run_warn_once(state, "%s", second->warnings[i]);
+    if (state->job->n_views == 0)
+        result->outcome = second->outcome;
+    result->plan.sensor_technique = second->plan.technique;
+    snprintf(result->plan.sensor_why, sizeof result->plan.sensor_why,
+             "by %s %zu of %zu sensors differed from plain path tracing, by %s %zu do",
+             orl_technique_name(before), off, n, orl_technique_name(second->plan.technique),
+             result->cross_check.sensors_off);
+}
+
+int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, struct orl_error *err)
+{
+    struct orl_result *result = state->result, second = {0};
+    if (!may_run_again(state))
+        return 0;
+    struct orl_job job = without_views(state->job);
+    job.technique = result->plan.sensor_technique == ORL_TECHNIQUE_BACKWARD
+                        ? ORL_TECHNIQUE_GATHER
+                        : ORL_TECHNIQUE_BACKWARD;
+    const struct orl_run_env *own = state->env, env = env_of_second(state);
+    orl_run_leave(state);
+    const int code = orl_run_only_sensors(&job, &env, state->scene, &second, err);
+    orl_crew_heed(own->crew, own->cancel);
+    if (code < 0)
+        return code;
+    state->stage_started = state->told->at_s = own->now_s(own->ctx);
+    for (int i = 0; i < ORL_STAGE_COUNT; i++)
+        result->timings_s[i] += second.timings_s[i];
+    join_health(&result->health, &second.health);
+    if (count_doubts(&second) < count_doubts(result))
+        adopt(state, &second, first_warning);
+    orl_result_done(&second);
+    return 0;
 }

@@ -27,6 +27,15 @@ int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_
  * result the time, health, warnings and outcome of the sensors' run, too. Frees what is in *run. */
 void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run);
 
+/*
+ * After the cross-check: sensors that differ from plain path tracing are rendered again by the
+ * other of the techniques gather and backward, if the job leaves the technique to the planner. The
+ * result has the values of the one that leaves fewer sensors unreliable. first_warning: the number
+ * of the result's warnings before its checks, which are dropped with the values that they are
+ * about.
+ */
+int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, struct orl_error *err);
+
 /* run.c: plans and renders a job's sensors, without writing files. scene: the one to use. */
 int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *env,
                          struct orl_scene *scene, struct orl_result *ret_result,

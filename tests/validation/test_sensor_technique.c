@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "run/sensor_run.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 
@@ -216,6 +217,104 @@ static void test_darkness_of_both(void **state)
     assert_non_null(strstr(err.message, "all sensors (1) and views (1) are black"));
 }
 
+/* ---- Another technique after the cross-check ------------------------------------------------- */
+
+static double no_clock(void *ctx)
+{
+    (void)ctx;
+    return 0;
+}
+
+/* A result of the sensors that a cross-check has found wrong, as fault injection makes it. */
+static struct orl_result faulty_result(void)
+{
+    struct orl_result r = {.n_sensors = SENSORS};
+    r.plan.technique = r.plan.sensor_technique = ORL_TECHNIQUE_BACKWARD;
+    r.illuminance_lx = calloc(SENSORS, sizeof(double));
+    r.standard_error_lx = calloc(SENSORS, sizeof(double));
+    r.bias_estimate_lx = calloc(SENSORS, sizeof(double));
+    r.interval_95_lx = calloc(SENSORS, sizeof *r.interval_95_lx);
+    r.doubts = calloc(SENSORS, 1);
+    assert_true(r.illuminance_lx && r.standard_error_lx && r.bias_estimate_lx && r.interval_95_lx);
+    assert_non_null(r.doubts);
+    memset(r.doubts, ORL_DOUBT_CROSS_CHECK, SENSORS);
+    r.cross_check.sensors_off = SENSORS;
+    return r;
+}
+
+static struct orl_job sensor_job(enum orl_technique technique)
+{
+    static char name[] = "scene.rad", *names[] = {name};
+    struct orl_job job;
+    orl_job_init(&job);
+    job.scene_files = names;
+    job.n_scene_files = 1;
+    job.technique = technique;
+    job.photons_global = 20000;
+    job.photons_caustic = 1;
+    job.photons_exact = true;
+    job.gather_samples = 256;
+    job.sensors = (struct orl_sensor *)(uintptr_t)sensors;
+    job.n_sensors = SENSORS;
+    return job;
+}
+
+/* Runs the sensors of a faulty result again, under that job. */
+static struct orl_result run_again(struct orl_job job)
+{
+    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_world *world = scene_world(ROOM, NULL, NULL, crew);
+    struct orl_told told = {0};
+    struct orl_error err;
+    atomic_bool cancel;
+    atomic_init(&cancel, false);
+    const struct orl_run_env env = {.crew = crew, .cancel = &cancel, .now_s = no_clock};
+    struct orl_result result = faulty_result();
+    struct orl_run_state state = {.job = &job,
+                                  .env = &env,
+                                  .result = &result,
+                                  .sensors = job.sensors,
+                                  .n_sensors = SENSORS,
+                                  .scene = world->scene,
+                                  .world = world,
+                                  .told = &told};
+    orl_run_warn(&state, "of the scene");
+    orl_run_warn(&state, "of the first technique");
+    assert_int_equal(orl_sensor_run_again(&state, 1, &err), 0);
+    orl_world_free(world);
+    orl_crew_free(crew);
+    return result;
+}
+
+/* The planner's technique gives way to the other one, whose values are sound. */
+static void test_another_technique_after_the_cross_check(void **state)
+{
+    struct scene_run gather = with_sensors(base());
+    (void)state;
+    gather.technique = ORL_TECHNIQUE_GATHER;
+    struct orl_result r = run_again(sensor_job(ORL_TECHNIQUE_AUTO)), truth = scene_run(&gather);
+    assert_int_equal(r.plan.sensor_technique, ORL_TECHNIQUE_GATHER);
+    assert_non_null(strstr(r.plan.sensor_why, "by backward 3 of 3 sensors differed"));
+    assert_memory_equal(r.illuminance_lx, truth.illuminance_lx, SENSORS * sizeof(double));
+    assert_null(r.doubts);
+    assert_int_equal(r.cross_check.sensors_off, 0);
+    assert_true(warns_of(&r, "of the scene") && !warns_of(&r, "of the first technique"));
+    orl_result_done(&r);
+    orl_result_done(&truth);
+}
+
+/* A technique that the job names stays, with its doubts and its warnings. */
+static void test_a_named_technique_stays(void **state)
+{
+    struct orl_result r = run_again(sensor_job(ORL_TECHNIQUE_BACKWARD));
+    (void)state;
+    assert_int_equal(r.plan.sensor_technique, ORL_TECHNIQUE_BACKWARD);
+    assert_int_equal(r.cross_check.sensors_off, SENSORS);
+    assert_non_null(r.doubts);
+    assert_true(warns_of(&r, "of the first technique"));
+    orl_result_done(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -225,6 +324,8 @@ int main(void)
         cmocka_unit_test(test_an_accuracy_of_both),
         cmocka_unit_test(test_progress_of_both),
         cmocka_unit_test(test_darkness_of_both),
+        cmocka_unit_test(test_another_technique_after_the_cross_check),
+        cmocka_unit_test(test_a_named_technique_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
