@@ -3,6 +3,8 @@
 #include <sodium.h>
 #include <stdlib.h>
 
+#include <oriel/paths.h>
+
 #include "run/cost.h"
 #include "run/curve.h"
 #include "run/grids.h"
@@ -50,7 +52,8 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_scene *const scene = state->world->scene;
     uint32_t facet = 0;
-    if (!scene->mist || state->result->plan.technique == ORL_TECHNIQUE_BACKWARD)
+    const struct orl_plan *plan = &state->result->plan;
+    if (!(orl_paths_missed(plan->technique, plan->paths) & 1U << ORL_PATHS_MIST))
         return 0;
     while (!(orl_facet_area(scene->mist, facet) > 0))
         facet++;
@@ -58,7 +61,7 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
                   "the technique %s does not follow light through mist, which the surface '%.100s' "
                   "is of",
-                  orl_technique_name(state->result->plan.technique), label.name);
+                  orl_technique_name(plan->technique), label.name);
     orl_error_at(err, label.file, label.line, NULL);
     orl_error_hint(err, "use the technique backward, which is chosen where the job names none");
     return ORL_ERR_UNSUPPORTED;

@@ -191,7 +191,7 @@ static void test_a_plan_is_told_whole(void **state)
     const json_t *photons = json_object_get(doc, "photons");
     const json_t *effects = json_object_get(doc, "effects");
     const json_t *sensors = json_object_get(doc, "sensors");
-    assert_int_equal(json_object_size(doc), 7);
+    assert_int_equal(json_object_size(doc), 8);
     assert_string_equal(json_string_value(json_object_get(sensors, "technique")), "backward");
     assert_string_equal(json_string_value(json_object_get(sensors, "why")), "5 sensors");
     assert_string_equal(json_string_value(json_object_get(doc, "technique")), "precomputed");
