@@ -193,6 +193,7 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_run_state state = {.job = job,
                                   .env = env,
                                   .result = &result,
+                                  .run_sensors = orl_run_only_sensors,
                                   .only_plan = course->stages == plan_stages,
                                   .pilot = course->pilot};
     const double started = env->now_s(env->ctx);

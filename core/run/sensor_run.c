@@ -95,7 +95,7 @@ int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_
     go_on_with_views(state, run);
     const struct orl_run_env sensors_env = divide_progress(state, run, all_s - foreseen_s(state));
     const struct orl_job sensors = without_views(run->job);
-    const int code = orl_run_only_sensors(&sensors, &sensors_env, state->scene, &run->result, err);
+    const int code = state->run_sensors(&sensors, &sensors_env, state->scene, &run->result, err);
     orl_crew_heed(env->crew, env->cancel);
     if (code < 0)
         return code;
@@ -260,7 +260,7 @@ int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, stru
                         : ORL_TECHNIQUE_BACKWARD;
     const struct orl_run_env *own = state->env, env = env_of_second(state);
     orl_run_leave(state);
-    const int code = orl_run_only_sensors(&job, &env, state->scene, &second, err);
+    const int code = state->run_sensors(&job, &env, state->scene, &second, err);
     orl_crew_heed(own->crew, own->cancel);
     if (code < 0)
         return code;

@@ -36,7 +36,8 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
  */
 int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, struct orl_error *err);
 
-/* run.c: plans and renders a job's sensors, without writing files. scene: the one to use. */
+/* In run.c, for orl_run_state.run_sensors: plans and renders a job's sensors, without writing
+ * files. scene: the one to use. */
 int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *env,
                          struct orl_scene *scene, struct orl_result *ret_result,
                          struct orl_error *err);

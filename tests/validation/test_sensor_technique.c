@@ -277,7 +277,8 @@ static struct orl_result run_again(struct orl_job job)
                                   .n_sensors = SENSORS,
                                   .scene = world->scene,
                                   .world = world,
-                                  .told = &told};
+                                  .told = &told,
+                                  .run_sensors = orl_run_only_sensors};
     orl_run_warn(&state, "of the scene");
     orl_run_warn(&state, "of the first technique");
     assert_int_equal(orl_sensor_run_again(&state, 1, &err), 0);
