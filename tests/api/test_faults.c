@@ -13,8 +13,8 @@ static void run(const char *script, const char *arguments)
     const char *build = getenv("ORIEL_BUILD");
     char command[512];
     snprintf(command, sizeof command,
-             "PYTHONDONTWRITEBYTECODE=1 timeout 550 python3 tests/torture/%s %s %s >&2", script,
-             build ? build : "build", arguments);
+             "PYTHONDONTWRITEBYTECODE=1 timeout 550 /usr/bin/python3 tests/torture/%s %s %s >&2",
+             script, build ? build : "build", arguments);
     assert_int_equal(system(command), 0);
 }
 
