@@ -167,18 +167,6 @@ static int name_copy(const struct copy *copy, bool migrated, struct orl_error *e
     return 0;
 }
 
-/* All but the last, of a database that has none. It holds nothing yet: they need not be safe one by
- * one, and are when the last is, as its log is synced up to there. */
-static int apply_before_last(struct orl_db *db, const struct orl_migration *list, size_t count,
-                             struct orl_error *err)
-{
-    int rc = orl_db_exec(db, "PRAGMA synchronous = NORMAL", err);
-    for (size_t i = 0; i + 1 < count && rc == 0; i++)
-        rc = apply(db, &list[i], i + 1, err);
-    const int restored = orl_db_exec(db, "PRAGMA synchronous = FULL", rc == 0 ? err : NULL);
-    return rc ? rc : restored;
-}
-
 int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t count,
                    struct orl_error *err)
 {
@@ -197,10 +185,6 @@ int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t c
         rc = check_unlisted(db, err);
     if (rc == 0 && applied > 0 && applied < count)
         rc = make_copy(db, applied, &copy, err);
-    if (rc == 0 && applied == 0 && count > 1) {
-        rc = apply_before_last(db, list, count, err);
-        applied = count - 1;
-    }
     for (size_t i = applied; i < count && rc == 0; i++) {
         rc = apply(db, &list[i], i + 1, err);
         if (i == applied) {
