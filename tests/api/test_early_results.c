@@ -3,7 +3,7 @@
  *
  * The job's last row may not be on disk yet and its files not verified yet, so that the daemon has
  * two reasons to wait at once. Clients also hang up at random, and delete jobs while they fetch.
- * $ORIEL_EARLY_JOBS sets the number of jobs (80, or 200 in the long form).
+ * $ORIEL_EARLY_JOBS sets the number of jobs (200).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 #include "support/daemon.h"
-#include "support/extent.h"
 
 enum { CLIENTS = 8, REPLY_MAX = 1 << 16 };
 
@@ -164,7 +163,7 @@ static void run_client(const struct daemon *daemon, const char *scene, unsigned 
 static int count_jobs(void)
 {
     const char *text = getenv("ORIEL_EARLY_JOBS");
-    return text ? atoi(text) : (int)extent(80, 200);
+    return text ? atoi(text) : 200;
 }
 
 static void test_daemon_survives_early_fetches(void **state)
