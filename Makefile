@@ -63,12 +63,15 @@ INC_client  := -Icore/include -iquote api -iquote client
 INC_tests   := -Icore/include -iquote core -iquote api -iquote server -iquote tests \
 	-iquote $(BUILD)/generated
 
+# Where objects outside the core are: the build with counters has none of its own.
+OTHERS     ?= $(BUILD)
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+other = $(patsubst %.c,$(OTHERS)/obj/%.o,$(1))
 CORE_OBJ   := $(call obj,$(CORE_SRC))
-API_OBJ    := $(call obj,$(API_SRC))
-SERVER_OBJ := $(call obj,$(SERVER_SRC))
-CLIENT_OBJ := $(call obj,$(CLIENT_SRC))
-SUPPORT_OBJ := $(call obj,$(SUPPORT_SRC))
+API_OBJ    := $(call other,$(API_SRC))
+SERVER_OBJ := $(call other,$(SERVER_SRC))
+CLIENT_OBJ := $(call other,$(CLIENT_SRC))
+SUPPORT_OBJ := $(call other,$(SUPPORT_SRC))
 SERVER_LIB_OBJ := $(filter-out %/server/main.o,$(SERVER_OBJ))
 TEST_BIN   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 
@@ -192,8 +195,8 @@ CHART_JS  ?= /usr/share/javascript/chart.js/chart.min.js
 $(BUILD)/generated/dashboard.h: client/dashboard/embed $(CHART_JS) $(DASHBOARD)
 	@mkdir -p $(@D)
 	@client/dashboard/embed $(CHART_JS) $(DASHBOARD) >$@.part && mv $@.part $@
-$(SERVER_OBJ): | $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
-$(call obj,$(TEST_SRC)): | $(BUILD)/generated/embedded.h
+$(SERVER_OBJ): | $(OTHERS)/generated/embedded.h $(OTHERS)/generated/dashboard.h
+$(call other,$(TEST_SRC)): | $(OTHERS)/generated/embedded.h
 
 $(BUILD)/liboriel.a: $(CORE_OBJ) $(API_OBJ)
 	@rm -f $@; ar rcs $@ $^
@@ -204,12 +207,12 @@ $(BUILD)/oriel: $(CLIENT_OBJ) $(BUILD)/liboriel.a
 	$(call say,LD,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(CLIENT_LIBS) $(CORE_LIBS)
 # What tests link beside the library: all of the daemon but its main, and their own shared code.
-$(BUILD)/libtests.a: $(SUPPORT_OBJ) $(SERVER_LIB_OBJ)
+$(OTHERS)/libtests.a: $(SUPPORT_OBJ) $(SERVER_LIB_OBJ)
 	@rm -f $@; ar rcs $@ $^
 # Over 300 programs: a fast linker, and no copy of the debug information where a sanitizer needs none.
 FAST_LD := $(firstword $(foreach l,gold lld,$(if $(shell command -v ld.$(l)),-fuse-ld=$(l))))
 TEST_LDFLAGS := $(FAST_LD) $(if $(filter release cover,$(MODE)),-Xlinker -S)
-$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(BUILD)/libtests.a $(BUILD)/liboriel.a
+$(BUILD)/tests/%: $(OTHERS)/obj/tests/%.o $(OTHERS)/libtests.a $(BUILD)/liboriel.a
 	@mkdir -p $(@D)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) $(TEST_LDFLAGS) -o $@ $^ -lcmocka -lgnutls $(SERVER_LIBS) $(CLIENT_LIBS) $(CORE_LIBS)
@@ -247,20 +250,22 @@ browser: deps-check deps-browser
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/browser/ready
 	@tests/run $(BUILD) tests/browser/run
 
-# The figure for coverage comes from a second build with counters, and from the suites that look at
-# the core: what users run is what the tests themselves are about. Nothing else waits for it.
-# Programs that ask much of lines that others run as well are left to the build without counters.
+# The figure for coverage comes from a second build of the core, with counters, and from the suites
+# that look at the core: what users run is what the tests themselves are about. Nothing else waits for
+# it. Programs that take long (tests/durations) ask much of lines that others run as well.
 COVER_SUITES := unit stats validation
-COVER_LEFT := test_doubling test_cie171_flux test_cie171_sky test_furnace test_invariance \
-	test_panes_in_series test_mid_air test_materials test_budget test_office_moved test_shadow_edge \
-	test_annual_reuse test_annual_verdicts test_annual_hours test_annual_nodes test_glazing test_reader_polls test_mixtures \
-	test_bsdf_fit test_bsdf_fit_errors test_bsdf_make_trees test_bsdf_make_errors test_plans test_lobes test_effects test_prism
-COVER_BIN := $(filter-out $(COVER_LEFT:%=\%/%),$(foreach s,$(COVER_SUITES),$(filter $(BUILD)/tests/$(s)/%,$(TEST_BIN))))
+COVER_LONG := $(shell awk '!/^\#/ && $$1 > 5 { print $$2 }' tests/durations)
+COVER_TESTS := $(filter-out $(COVER_LONG),$(patsubst %.c,%,$(foreach s,$(COVER_SUITES),$(filter tests/$(s)/%,$(TEST_SRC)))))
+COVER_BIN := $(COVER_TESTS:%=$(BUILD)/%)
 COVER_LEAST := 85
 .PHONY: coverage
 coverage: deps-check
-	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/cover MODE=cover CC=gcc $(BUILD)/cover/counted; \
+	@$(MAKE) --no-print-directory -j$(JOBS) cover-others
+	@$(MAKE) --no-print-directory -j$(JOBS) BUILD=$(BUILD)/cover OTHERS=$(BUILD) MODE=cover \
+		CC='$(if $(findstring clang,$(CC)),gcc,$(CC))' $(BUILD)/cover/counted; \
 		status=$$?; cat $(BUILD)/cover/coverage.txt; exit $$status
+.PHONY: cover-others
+cover-others: $(COVER_TESTS:%=$(BUILD)/obj/%.o) $(BUILD)/libtests.a $(API_OBJ)
 $(BUILD)/counted: $(COVER_BIN) tests/coverage tests/run $(wildcard tests/fixtures/*)
 	@echo "  counting the lines that tests run"
 	@tests/coverage $(BUILD) $(COVER_LEAST) $(COVER_BIN) >$(@D)/coverage.txt
