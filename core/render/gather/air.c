@@ -336,16 +336,26 @@ static double expected_square(const struct reading readings[WIDTHS], int width)
     return fmax(r->variance, widest->variance * widest->area / r->area) + r->bias * r->bias;
 }
 
+/* The widest width that may be chosen. Beside a lens light varies within the distance to it, in
+ * ways that wider means do not show: they are left to sensors that are farther from one. */
+static int widest_of(const struct orl_disc *disc)
+{
+    int w = WIDTHS - 1;
+    while (w > 0 && sqrt(width2(w)) * disc->radius > (double)disc->curved)
+        w--;
+    return w;
+}
+
 static struct reading read_disc(const struct orl_air *air, uint32_t disc)
 {
+    const struct orl_disc *d = &air->discs[disc];
     struct reading readings[WIDTHS];
-    int best = WIDTHS - 1;
+    int best = widest_of(d);
     read_widths(air, disc, readings);
     find_biases(readings);
-    for (int w = WIDTHS - 1; w >= 0; w--)
+    for (int w = best; w >= 0; w--)
         if (expected_square(readings, w) < expected_square(readings, best))
             best = w;
-    const struct orl_disc *d = &air->discs[disc];
     const double luma = orl_luma(readings[best].irradiance);
     /* All that is known of light beside a lens is its mean over more than the lens is away. */
     if ((double)d->curved < sqrt(width2(best)) * d->radius && luma > fabs(readings[best].bias))
