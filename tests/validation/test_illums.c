@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "support/extent.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow sky 0 0 4 100 90 80 0\nsky source s 0 0 4 0 0 1 360\n"
@@ -35,8 +36,8 @@ static double run(const char *scene, enum orl_technique technique, double *ret_e
                                   .n_sensors = 1,
                                   .technique = technique,
                                   .wishes = scene_wish_maps,
-                                  .samples = 2048,
-                                  .global = 200000,
+                                  .samples = (uint32_t)extent(1024, 2048),
+                                  .global = extent(60000, 200000),
                                   .threads = 2,
                                   .dark_is_error = false};
     struct orl_result result = scene_run(&job);

@@ -177,8 +177,8 @@ static void run_cell(size_t source, size_t chain, struct orl_crew *crew,
                                                             .n_sensors = PATH_SENSORS,
                                                             .technique = techniques[t],
                                                             .samples = 1024,
-                                                            .global = 50000,
-                                                            .caustic = 50000,
+                                                            .global = extent(20000, 50000),
+                                                            .caustic = extent(20000, 50000),
                                                             .bounded = true});
         snprintf(name, sizeof name, "%s, %s, technique %d", path_chain_name(chain),
                  path_source_name(source), (int)techniques[t]);
