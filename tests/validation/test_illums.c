@@ -31,13 +31,14 @@ static const double lumens = 179;
 static double run(const char *scene, enum orl_technique technique, double *ret_error)
 {
     static const struct orl_sensor sensor = {{1.5, 1, .8}, {0, 0, 1}};
+    const bool has_maps = technique != ORL_TECHNIQUE_BACKWARD;
     const struct scene_run job = {.scene = scene,
                                   .sensors = &sensor,
                                   .n_sensors = 1,
                                   .technique = technique,
-                                  .wishes = scene_wish_maps,
-                                  .samples = (uint32_t)extent(1024, 2048),
-                                  .global = extent(60000, 200000),
+                                  .wishes = has_maps ? scene_wish_maps : NULL,
+                                  .samples = 2048,
+                                  .global = extent(100000, 200000),
                                   .threads = 2,
                                   .dark_is_error = false};
     struct orl_result result = scene_run(&job);
