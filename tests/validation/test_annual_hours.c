@@ -64,7 +64,7 @@ static struct orl_sensor random_sensor(struct orl_random *random)
 
 static size_t count_hours(void)
 {
-    return extent(12, 25);
+    return extent(6, 25);
 }
 static size_t count_sensors(void)
 {

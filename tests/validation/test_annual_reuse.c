@@ -19,7 +19,7 @@
 #include "support/cli.h"
 #include "support/year.h"
 
-enum { SENSORS = 70 /* two blocks */, TEXT = 1 << 14, FEW = 128, MANY = 512 };
+enum { SENSORS = 70 /* two blocks */, TEXT = 1 << 14, FEW = 32, MANY = 128 };
 
 static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
     "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground "
@@ -57,6 +57,7 @@ static struct year_run run_of(const char *scene, const char *kept_in)
                              .sensors = sensors,
                              .n_sensors = SENSORS,
                              .samples = FEW,
+                             .photons = 5000,
                              .seed = 5,
                              .kept_in = kept_in};
 }

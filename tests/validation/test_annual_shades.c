@@ -59,6 +59,7 @@ static struct year_run usual(const char *scene)
                              .sensors = sensors,
                              .n_sensors = SENSORS,
                              .samples = SAMPLES,
+                             .photons = 5000,
                              .seed = 5};
 }
 
