@@ -83,6 +83,7 @@ static struct orl_annual_result run_at(double height_m, enum pane pane, const ch
                                                                 .groups = group,
                                                                 .n_groups = group ? 1 : 0,
                                                                 .samples = 16,
+                                                                .photons = 2000,
                                                                 .threads = 2,
                                                                 .seed = 3});
     free(bsdf.data);

@@ -11,7 +11,7 @@
 
 #include "support/year.h"
 
-enum { SAMPLES = 512, SIDE = 60, PIXEL_SAMPLES = 12, MOST_COLUMNS = 64 };
+enum { SAMPLES = 512, SIDE = 60, PIXEL_SAMPLES = 6, MOST_COLUMNS = 64 };
 
 #define HEAD(latitude)                                                                             \
     "place made_up\nlatitude " latitude "\nlongitude -27.14\ntime_zone -30\nsite_elevation 0\n"    \

@@ -26,7 +26,7 @@ enum {
     FIRST = 64,
     LONG = 16384,
     LONG_RUNS = 5,
-    SHORT = 4096,
+    SHORT = 2048,
     TEXT = 1 << 15
 };
 
@@ -47,7 +47,7 @@ static const struct {
     {"facing a wall", ROOM_GREY ROOM_CLEAR ROOM_SHELL PANES ROOM_GROUND WALL, "sDA200/50", false},
     {"panel", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND, "sDA700/50", true}};
 enum { ROOMS = sizeof rooms / sizeof *rooms };
-static const double offsets[] = {-8, -3, 3, 8}, short_offsets[] = {-8, -3, 8};
+static const double offsets[] = {-8, -3, 3, 8}, short_offsets[] = {-8, -4, 8};
 
 /* ---- A year ---------------------------------------------------------------------------------- */
 

@@ -70,12 +70,22 @@ static void count(struct tally *tally, double made, double stated)
         tally->within[k] += fabs(made) < (k + 1) * stated;
 }
 
+/* By the number of the angle; found once. */
+static double albedo_of(enum scatterer which, size_t angle)
+{
+    static double known[SCATTERERS][ANGLES];
+    double *const albedo = &known[which][angle];
+    if (*albedo == 0)
+        *albedo = scatterer_albedo(which, scatterer_direction(thetas[angle], 180));
+    return *albedo;
+}
+
 static void of_kind(enum scatterer which, double noise, unsigned rows, struct tally *all)
 {
     struct tally tally = {0};
     for (size_t i = 0; i < ANGLES; i++) {
-        const double albedo = scatterer_albedo(which, scatterer_direction(thetas[i], 180));
-        for (uint64_t seed = 1; seed <= extent(2, 4); seed++) {
+        const double albedo = albedo_of(which, i);
+        for (uint64_t seed = 1; seed <= extent(1, 4); seed++) {
             const struct scatterer_scan scan = {thetas[i], 180, rows, noise, true, 100 * i + seed};
             struct orl_fit_shape shape = shape_of(which, &scan);
             count(&tally, shape.total - albedo, shape.total_error);

@@ -43,7 +43,7 @@ static const struct glare_case {
 static const double coverage = 0.95;
 enum {
     CASES = sizeof cases / sizeof cases[0],
-    SIDE = 40,
+    SIDE = 28,
     SAMPLES = 16,
     OF_REFERENCE = 32 * SAMPLES
 };

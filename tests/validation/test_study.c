@@ -125,7 +125,7 @@ static struct orl_study_request make_request(void)
     r.samples = samples;
     r.n_samples = 2;
     r.repeats = 4;
-    r.reference_samples = 65536;
+    r.reference_samples = 32768;
     r.reference_runs = 4;
     r.given = given;
     r.n_given = 2;
