@@ -20,7 +20,7 @@ int subject_draws(void)
 {
     static int draws;
     if (draws == 0)
-        draws = (int)extent(25000, LOBE_DRAWS);
+        draws = (int)extent(50000, LOBE_DRAWS);
     return draws;
 }
 

@@ -33,6 +33,7 @@ static struct year_run run_of(const char *scene, const char *weather)
                              .sensors = &nowhere,
                              .n_sensors = 1,
                              .samples = SAMPLES,
+                             .photons = 20000,
                              .seed = 3};
 }
 
