@@ -2,6 +2,8 @@
 
 #include <stdbool.h>
 
+#include <oriel/paths.h>
+
 #include "encode.h"
 
 static bool in_group(int effect)
@@ -89,6 +91,36 @@ static json_t *foresight_to_json(const struct orl_foresight *f)
         "job_s", orl_json_from_real(f->job_s), "enough_caustic", (json_int_t)f->enough_caustic);
 }
 
+static json_t *strategies_to_json(unsigned strategies)
+{
+    json_t *names = json_array();
+    for (unsigned i = 0; i < ORL_PATH_STRATEGIES; i++)
+        if (strategies & 1U << i)
+            json_array_append_new(
+                names, json_string(orl_path_strategy_name((enum orl_path_strategy)(1U << i))));
+    return names;
+}
+
+/* The classes of paths that the scene has, and how each is found. */
+static json_t *paths_to_json(const struct orl_plan *plan)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < ORL_PATH_CLASSES; i++) {
+        const enum orl_path_class class = (enum orl_path_class)i;
+        if (!(plan->paths & 1U << i))
+            continue;
+        json_array_append_new(
+            list, json_pack("{s:s, s:s, s:o, s:o}", "class", orl_path_class_name(class), "light",
+                            orl_path_class_words(class), "in_air",
+                            strategies_to_json(orl_path_strategies(plan->sensor_technique, class,
+                                                                   ORL_RECEIVER_AIR)),
+                            "on_surfaces",
+                            strategies_to_json(orl_path_strategies(plan->technique, class,
+                                                                   ORL_RECEIVER_SURFACE))));
+    }
+    return list;
+}
+
 json_t *orl_plan_to_json(const struct orl_plan *plan)
 {
     if (plan->technique == ORL_TECHNIQUE_AUTO)
@@ -96,11 +128,17 @@ json_t *orl_plan_to_json(const struct orl_plan *plan)
     json_t *reflections = plan->most_reflections == ORL_ALL_REFLECTIONS
                               ? json_null()
                               : json_integer((json_int_t)plan->most_reflections);
+    json_t *sensors =
+        plan->sensor_technique != plan->technique
+            ? json_pack("{s:s, s:o}", "technique", orl_technique_name(plan->sensor_technique),
+                        "why", orl_json_from_text(plan->sensor_why))
+            : NULL;
     json_t *foresight = plan->foresight.made ? foresight_to_json(&plan->foresight) : NULL;
-    return json_pack("{s:s, s:o, s:o, s:I, s:{s:I, s:I}, s:o, s:o*}", "technique",
+    return json_pack("{s:s, s:o, s:o*, s:o, s:I, s:{s:I, s:I}, s:o, s:o, s:o*}", "technique",
                      orl_technique_name(plan->technique), "why",
-                     orl_json_from_text(plan->technique_why), "most_reflections", reflections,
-                     "channels", (json_int_t)plan->channels, "photons", "global",
-                     (json_int_t)plan->photons_global, "caustic", (json_int_t)plan->photons_caustic,
-                     "effects", decisions_to_json(plan), "foresight", foresight);
+                     orl_json_from_text(plan->technique_why), "sensors", sensors,
+                     "most_reflections", reflections, "channels", (json_int_t)plan->channels,
+                     "photons", "global", (json_int_t)plan->photons_global, "caustic",
+                     (json_int_t)plan->photons_caustic, "paths", paths_to_json(plan), "effects",
+                     decisions_to_json(plan), "foresight", foresight);
 }

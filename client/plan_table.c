@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include <oriel/paths.h>
+
 #include "progress.h"
 #include "wrap.h"
 
@@ -22,8 +24,11 @@ static int left_out(const struct orl_plan *plan)
 
 void orl_format_plan(const struct orl_plan *plan, char *ret_text, size_t size)
 {
-    snprintf(ret_text, size, "%s; %d of %d effects left out", orl_technique_name(plan->technique),
-             left_out(plan), ORL_EFFECT_COUNT);
+    const bool apart = plan->sensor_technique != plan->technique;
+    snprintf(ret_text, size, "%s%s%s; %d of %d effects left out",
+             orl_technique_name(plan->technique), apart ? ", of sensors " : "",
+             apart ? orl_technique_name(plan->sensor_technique) : "", left_out(plan),
+             ORL_EFFECT_COUNT);
 }
 
 /* Two digits are enough for a bound; "1.2e+03" is not what a person writes. */
@@ -123,14 +128,21 @@ static void print_foresight(FILE *to, const struct orl_plan *plan)
     orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
 }
 
-static void print_head(FILE *to, const struct orl_plan *plan)
+static void print_technique(FILE *to, const char *head, enum orl_technique technique,
+                            const char *why)
 {
     char text[ORL_WHY_MAX + 64];
 
-    snprintf(text, sizeof text, "%s%s%s", orl_technique_name(plan->technique),
-             plan->technique_why[0] ? ": " : "", plan->technique_why);
-    fprintf(to, "%-*s", HEAD_WIDTH, "technique");
+    snprintf(text, sizeof text, "%s%s%s", orl_technique_name(technique), why[0] ? ": " : "", why);
+    fprintf(to, "%-*s", HEAD_WIDTH, head);
     orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+}
+
+static void print_head(FILE *to, const struct orl_plan *plan)
+{
+    print_technique(to, "technique", plan->technique, plan->technique_why);
+    if (plan->sensor_technique != plan->technique)
+        print_technique(to, "of sensors", plan->sensor_technique, plan->sensor_why);
     print_photons(to, plan);
     print_foresight(to, plan);
     fprintf(to, "%-*s%s\n", HEAD_WIDTH, "channels", plan->channels == 1 ? "1 (grey)" : "3");
@@ -141,12 +153,46 @@ static void print_head(FILE *to, const struct orl_plan *plan)
                 plan->most_reflections);
 }
 
+/* The names of the strategies by which views, or sensors if there are none, find a class. */
+static void format_strategies(const struct orl_plan *plan, enum orl_path_class class,
+                              char *ret_text, size_t size)
+{
+    const unsigned found = orl_path_strategies(plan->technique, class, ORL_RECEIVER_SURFACE);
+    size_t length = 0;
+
+    for (unsigned i = 0; i < ORL_PATH_STRATEGIES && length < size; i++)
+        if (found & 1U << i)
+            length +=
+                (size_t)snprintf(ret_text + length, size - length, "%s%s", length > 0 ? ", " : "",
+                                 orl_path_strategy_name((enum orl_path_strategy)(1U << i)));
+}
+
+/* The classes of paths that the scene has, a line each. */
+static void print_paths(FILE *to, const struct orl_plan *plan)
+{
+    const char *head = "light";
+
+    for (int i = 0; i < ORL_PATH_CLASSES; i++) {
+        const enum orl_path_class class = (enum orl_path_class)i;
+        char by[160] = "", text[320];
+
+        if (!(plan->paths & 1U << i))
+            continue;
+        format_strategies(plan, class, by, sizeof by);
+        snprintf(text, sizeof text, "%s: by %s", orl_path_class_words(class), by);
+        fprintf(to, "%-*s", HEAD_WIDTH, head);
+        orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+        head = "";
+    }
+}
+
 void orl_plan_print(FILE *to, const struct orl_plan *plan)
 {
     char line[96];
     double saved_s = 0;
 
     print_head(to, plan);
+    print_paths(to, plan);
     fprintf(to, "\n%-*s  %-*s  %*s  %*s  %*s  %s\n", EFFECT_WIDTH, "effect", SIMULATED_WIDTH,
             "simulated", BOUND_WIDTH, "bound", TIME_WIDTH, "costs", TIME_WIDTH, "saved", "why");
     for (int i = 0; i < ORL_EFFECT_COUNT; i++) {

@@ -71,14 +71,28 @@ function planRow(decision) {
     h('td', { class: 'why', role: 'cell' }, decision.why), h('td', { class: 'n', role: 'cell' }, cost));
 }
 
+const techniqueSentence = ({ technique, why }, before = '') => {
+  const words = `${before}${TECHNIQUES[technique]}`;
+  return `${words[0].toUpperCase()}${words.slice(1)}: ${why}.`;
+};
+
+// The classes of paths that the scene has, and what finds them.
+const STRATEGIES = {
+  rays: 'rays', 'port-rays': 'rays to windows', 'shadow-rays': 'shadow rays', images: 'images in mirrors', beams: 'rays along beams',
+  'caustic-photons': 'caustic photons', photons: 'global photons', chance: 'chance only',
+};
+const lightItem = ({ light, on_surfaces: found }) => h('li', {}, `${light[0].toUpperCase()}${light.slice(1)}: by ${found.map((name) => STRATEGIES[name]).join(', ')}`);
+
 export function plan(plan) {
   const effects = [...plan.effects].sort((a, b) => b.simulated - a.simulated);
   return section('plan', 'Plan',
-    h('p', {}, `${TECHNIQUES[plan.technique][0].toUpperCase()}${TECHNIQUES[plan.technique].slice(1)}: ${plan.why}.`),
+    h('p', {}, techniqueSentence(plan)),
+    plan.sensors && h('p', {}, techniqueSentence(plan.sensors, 'sensors by ')),
     h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-labelledby': 'plan' },
       h('table', { class: 'plan', role: 'table' },
         h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, ['Effect of light', 'Simulated', 'Why'].map((word) => h('th', { scope: 'col', role: 'columnheader' }, word)), h('th', { scope: 'col', role: 'columnheader', class: 'n' }, 'Cost, or what is lost'))),
-        h('tbody', { role: 'rowgroup' }, effects.map(planRow)))));
+        h('tbody', { role: 'rowgroup' }, effects.map(planRow)))),
+    h('ul', { class: 'quiet', 'aria-label': 'How light is found' }, (plan.paths || []).map(lightItem)));
 }
 
 export const techniqueWords = (technique) => TECHNIQUES[technique] || technique;

@@ -4,8 +4,6 @@
 #include "plan/decide.h"
 
 enum { RAYS_A_PHOTON = 3 };
-/* The largest share of the light of lamps in mirrors that may have no images. */
-static const double tolerable_left_out = 0.02;
 
 static bool any_lit(const struct orl_lit *lit)
 {
@@ -186,8 +184,6 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     }
     if (!may_land(lit, plan, mirrors || lobes))
         plan->photons_caustic = 0;
-    plan->by_chance = plan->technique == ORL_TECHNIQUE_BACKWARD && mirrors &&
-                      (orl_lit_by_chance(lit, &world->images) ||
-                       world->lamp_images.left_out > tolerable_left_out ||
-                       orl_lamp_images_twice(&world->lamp_images));
+    if (!mirrors)
+        plan->paths = orl_path_set_without_mirrors(plan->paths);
 }

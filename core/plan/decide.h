@@ -43,6 +43,10 @@ void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan);
 /* caustics by mirrors, lobes, and straight through glass. */
 void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
                          struct orl_plan *plan);
+/* The classes of paths that the scene has (oriel/paths.h), as flags; and a set without those by way
+ * of mirrors and dielectrics. */
+uint32_t orl_find_path_set(const struct orl_survey *survey, const struct orl_lit *lit);
+uint32_t orl_path_set_without_mirrors(uint32_t set);
 /* The technique and the final gather, interreflection, and how many photons. */
 void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
                           struct orl_plan *plan);

@@ -260,12 +260,6 @@ static void take_as_lit(struct orl_lit *lit)
         lit->classes[kind].lit = lit->classes[kind].facets > 0;
 }
 
-bool orl_lit_by_chance(const struct orl_lit *lit, const struct orl_images *images)
-{
-    return lit->classes[ORL_LIT_CURVED].lit ||
-           (images->n_left_out > 0 && lit->classes[ORL_LIT_FLAT].lit);
-}
-
 void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit)
 {
     const struct orl_world *world = survey->world;

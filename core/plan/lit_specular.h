@@ -37,13 +37,6 @@ struct orl_lit {
     size_t lights;
 };
 
-/*
- * Whether paths from a sensor would have to happen on some of it. They find suns by shadow rays,
- * also in flat mirrors and behind BSDFs; but by way of something curved, of a lens, or of mirrors
- * that face more ways than there are images for (a curved one in facets) only by chance.
- */
-bool orl_lit_by_chance(const struct orl_lit *lit, const struct orl_images *images);
-
 void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit);
 
 #endif

@@ -26,6 +26,7 @@ int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lig
     orl_decide_windows(&survey, ret_plan);
     orl_decide_color(&survey, ret_plan);
     orl_lit_look(&survey, &lit);
+    ret_plan->paths = orl_find_path_set(&survey, &lit);
     orl_decide_technique(&survey, &lit, ret_plan);
     orl_decide_caustics(&survey, &lit, ret_plan);
     orl_decide_requests(&survey, ret_plan);

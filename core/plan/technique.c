@@ -1,8 +1,10 @@
 /* Which technique, how deep light is followed, and by how many photons. */
 #include <stdio.h>
+#include <string.h>
+
+#include <oriel/paths.h>
 
 #include "plan/decide.h"
-#include "scene/material/lobed.h"
 
 enum { MOST_LAMPS = 4000000, DEEPEST = 1000 };
 enum { PHOTONS_A_WINDOW = 40000, LEAST_WINDOWS = 3 };
@@ -21,64 +23,72 @@ static uint64_t count_placed(const struct orl_geometry *geometry)
     return n;
 }
 
-static enum orl_technique by_itself(const struct orl_survey *survey, const struct orl_lit *lit,
+/*
+ * The first of two techniques that finds all classes of paths, not some by chance only; if neither
+ * does, paths, whose results say what they miss (run/chance.c). Fills in why if it is not the
+ * first.
+ */
+static enum orl_technique finds_all(const enum orl_technique preferred[2], uint32_t paths,
                                     char ret_why[ORL_WHY_MAX])
 {
-    const struct orl_job *job = survey->request->job;
-    if (survey->world->scene->mist) {
-        snprintf(ret_why, ORL_WHY_MAX, "there is mist: paths are scattered by it, photons are not");
-        return ORL_TECHNIQUE_BACKWARD;
-    }
-    if (lit->classes[ORL_LIT_LOBE].lit &&
-        orl_lobed_narrow_of(survey->world->geometry, survey->world->materials)) {
-        snprintf(ret_why, ORL_WHY_MAX,
-                 "lobes of functions that draws do not see all of: paths ask them for the light of "
-                 "suns and lamps, photons would be few and bright");
-        return ORL_TECHNIQUE_BACKWARD;
-    }
-    if (orl_job_asks_for_glare(job) && !orl_lit_by_chance(lit, &survey->world->images)) {
+    const uint32_t missed = orl_paths_missed(preferred[0], paths);
+    if (missed == 0)
+        return preferred[0];
+    const bool second = orl_paths_missed(preferred[1], paths) == 0;
+    const enum orl_technique technique = second ? preferred[1] : ORL_TECHNIQUE_BACKWARD;
+    if (technique != preferred[0])
+        snprintf(ret_why, ORL_WHY_MAX, "the scene has %s, which technique %s finds %s",
+                 orl_path_class_words(orl_paths_first(missed)), orl_technique_name(preferred[0]),
+                 orl_path_strategies(preferred[0], orl_paths_first(missed), ORL_RECEIVER_AIR)
+                     ? "by chance only"
+                     : "not at all");
+    return technique;
+}
+
+static enum orl_technique for_views(const struct orl_job *job, uint32_t paths,
+                                    char ret_why[ORL_WHY_MAX])
+{
+    static const enum orl_technique usual[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_BACKWARD},
+                                    rated[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
+    const bool glare = orl_job_asks_for_glare(job);
+    if (glare)
         snprintf(ret_why, ORL_WHY_MAX,
                  "views ask for their glare: paths have no bias, and their batches tell its error");
-        return ORL_TECHNIQUE_BACKWARD;
-    }
+    else
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "%zu view%s: an image is smooth soonest by a final gather to a photon map",
+                 job->n_views, orl_plural(job->n_views));
+    return finds_all(glare ? rated : usual, paths, ret_why);
+}
+
+static enum orl_technique for_sensors(size_t n, uint32_t paths, char ret_why[ORL_WHY_MAX])
+{
+    static const enum orl_technique preferred[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
+    snprintf(ret_why, ORL_WHY_MAX,
+             "%zu sensor%s: paths are exact on average; photons become virtual lamps for them, and "
+             "no map is kept",
+             n, orl_plural(n));
+    return finds_all(preferred, paths, ret_why);
+}
+
+/* By which technique views, or sensors, are rendered if the job does not say. */
+static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t paths, bool views,
+                                     char ret_why[ORL_WHY_MAX])
+{
     const uint64_t leaves = count_placed(survey->world->geometry);
-    if (leaves > ORL_DEFAULT_PHOTONS && !orl_lit_by_chance(lit, &survey->world->images)) {
+    if (leaves > ORL_DEFAULT_PHOTONS && !orl_paths_missed(ORL_TECHNIQUE_BACKWARD, paths)) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "%llu surfaces by instances: photons would be fewer than leaves are, paths do not "
                  "ask for them",
                  (unsigned long long)leaves);
         return ORL_TECHNIQUE_BACKWARD;
     }
-    if (job->n_views > 0 || survey->request->n_sensors == 0) {
-        snprintf(ret_why, ORL_WHY_MAX,
-                 "%zu view%s: an image is smooth soonest by a final gather to a photon map",
-                 job->n_views, orl_plural(job->n_views));
-        return ORL_TECHNIQUE_GATHER;
-    }
-    if (orl_lit_by_chance(lit, &survey->world->images)) {
-        snprintf(
-            ret_why, ORL_WHY_MAX,
-            "mirrors or lenses that paths from the %zu sensor%s would find by chance only (%zu "
-            "of them): photons find them",
-            survey->request->n_sensors, orl_plural(survey->request->n_sensors),
-            lit->classes[ORL_LIT_CURVED].facets + lit->classes[ORL_LIT_FLAT].facets);
-        return ORL_TECHNIQUE_GATHER;
-    }
-    if (orl_lamp_images_twice(&survey->world->lamp_images)) {
-        snprintf(ret_why, ORL_WHY_MAX,
-                 "lamps by way of two mirrors, which paths would find by chance only: photons find "
-                 "them");
-        return ORL_TECHNIQUE_GATHER;
-    }
-    snprintf(
-        ret_why, ORL_WHY_MAX,
-        "%zu sensor%s and no view: paths are exact on average; photons become virtual lamps for "
-        "them, and no map is kept",
-        survey->request->n_sensors, orl_plural(survey->request->n_sensors));
-    return ORL_TECHNIQUE_BACKWARD;
+    return views ? for_views(survey->request->job, paths, ret_why)
+                 : for_sensors(survey->request->n_sensors, paths, ret_why);
 }
 
-static enum orl_technique choose(const struct orl_survey *survey, const struct orl_lit *lit,
+/* The technique of views or of sensors, whichever is asked for. */
+static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths, bool views,
                                  char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
@@ -87,7 +97,7 @@ static enum orl_technique choose(const struct orl_survey *survey, const struct o
     if (technique != ORL_TECHNIQUE_AUTO)
         snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
     else
-        technique = by_itself(survey, lit, ret_why);
+        technique = by_planner(survey, paths, views, ret_why);
     if (gather == ORL_WISH_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
         snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
         return ORL_TECHNIQUE_GATHER;
@@ -98,6 +108,19 @@ static enum orl_technique choose(const struct orl_survey *survey, const struct o
         return ORL_TECHNIQUE_DIRECT;
     }
     return technique;
+}
+
+/* Sensors have a technique of their own beside views, unless the job names one for both, or has a
+ * deadline: how its time is shared out is decided round by round for both together. */
+static void decide_techniques(const struct orl_survey *survey, struct orl_plan *plan)
+{
+    const struct orl_job *job = survey->request->job;
+    const bool views = job->n_views > 0 || survey->request->n_sensors == 0;
+    plan->technique = choose(survey, plan->paths, views, plan->technique_why);
+    plan->sensor_technique = plan->technique;
+    memcpy(plan->sensor_why, plan->technique_why, sizeof plan->sensor_why);
+    if (views && survey->request->n_sensors > 0 && !(job->goal.deadline_s > 0))
+        plan->sensor_technique = choose(survey, plan->paths, false, plan->sensor_why);
 }
 
 static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
@@ -230,7 +253,7 @@ static uint64_t global_photons(const struct orl_survey *survey, const struct orl
 void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
                           struct orl_plan *plan)
 {
-    plan->technique = choose(survey, lit, plan->technique_why);
+    decide_techniques(survey, plan);
     decide_gather(survey, plan);
     decide_interreflection(survey, lit, plan);
     survey->world->omit.most_reflections = reflections_of_photons(plan);

@@ -8,6 +8,8 @@
  */
 #include <math.h>
 
+#include <oriel/paths.h>
+
 #include "base/random.h"
 #include "photon/shooting/worth.h"
 #include "render/gather/air.h"
@@ -111,6 +113,21 @@ static void put_sensors(const struct orl_run_state *state, struct orl_air *air)
     }
 }
 
+/* The classes that the backward technique finds by chance only; 0 by other techniques, which read
+ * photon maps. */
+static uint32_t missed_by_paths(const struct orl_run_state *state)
+{
+    const struct orl_plan *plan = &state->result->plan;
+    return plan->technique == ORL_TECHNIQUE_BACKWARD
+               ? orl_paths_missed(plan->technique, plan->paths)
+               : 0;
+}
+
+static const char *words_of_missed(const struct orl_run_state *state)
+{
+    return orl_path_class_words(orl_paths_first(missed_by_paths(state)));
+}
+
 static int judge_sensors(struct orl_run_state *state, const struct orl_shoot_env *env)
 {
     const struct orl_air_bounds bounds = {MOST_FLIGHTS, MOST_RAYS};
@@ -127,11 +144,12 @@ static int judge_sensors(struct orl_run_state *state, const struct orl_shoot_env
     if (code == 0 && missed.sensors > 0)
         orl_run_warn(
             state,
-            "%zu of %zu sensors lack light: the backward technique hardly ever meets a "
-            "sun or lamp by way of curved or very many mirrors, or of lenses; sensors[%zu] "
-            "lacks about %.3g lx, %.2g %% of its light. Intervals are widened to include it. "
-            "Photons find it: use technique gather, or leave the technique to the plan",
-            missed.sensors, state->n_sensors, missed.worst, missed.lx, 100 * missed.share);
+            "%zu of %zu sensors lack light of %s, which the backward technique finds by chance "
+            "only; "
+            "sensors[%zu] lacks about %.3g lx, %.2g %% of its light. Intervals are widened to "
+            "include it. Photons find it: use technique gather, or leave the technique to the plan",
+            missed.sensors, state->n_sensors, words_of_missed(state), missed.worst, missed.lx,
+            100 * missed.share);
     return code;
 }
 
@@ -141,18 +159,18 @@ static int judge_views(struct orl_run_state *state, const struct orl_shoot_env *
     struct orl_worth worth;
     const int code = orl_worth_measure(env, NULL, NULL, &worth, err);
     if (code == 0 && worth.share * worth.contrast > tolerable_of_view)
-        orl_run_warn(state,
-                     "views lack light: the backward technique hardly ever meets a sun or lamp by "
-                     "way of curved or very many mirrors, or of lenses; that is %.2g %% of all "
-                     "light, and %.2g %% of it where it lands. Photons find it: use technique "
-                     "gather, or leave the technique to the plan",
-                     100 * worth.share, 100 * worth.contrast);
+        orl_run_warn(
+            state,
+            "views lack light of %s, which the backward technique finds by chance only; that "
+            "is %.2g %% of all light, and %.2g %% of it where it lands. Photons find it: "
+            "use technique gather, or leave the technique to the plan",
+            words_of_missed(state), 100 * worth.share, 100 * worth.contrast);
     return code;
 }
 
 int orl_run_judge_chance(struct orl_run_state *state, struct orl_error *err)
 {
-    if (!state->result->plan.by_chance)
+    if (missed_by_paths(state) == 0)
         return 0;
     int code = orl_run_need_emission(state, err);
     if (code < 0)

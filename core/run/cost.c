@@ -345,7 +345,7 @@ static size_t list_parts(const struct orl_run_state *state, const double *noise,
 {
     const struct orl_result *result = state->result;
     size_t n = 0;
-    if (result->n_sensors > 0)
+    if (state->n_sensors > 0)
         ret_parts[n++] = (struct orl_estimates){.value = result->illuminance_lx,
                                                 .error = result->standard_error_lx,
                                                 .bias = result->bias_estimate_lx,

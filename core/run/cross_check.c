@@ -10,14 +10,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/paths.h>
+
 #include "base/random.h"
 #include "plan/decide.h"
 #include "run/cross_check_judge.h"
 #include "run/cross_check_path.h"
 #include "run/stages.h"
-#include "scene/geometry/placed.h"
 #include "scene/geometry/stand.h"
-#include "scene/material/bounds.h"
 
 enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11 };
 /* Most shadow rays, counting those to all lights at one surface of each path: the more lights there
@@ -81,29 +81,10 @@ static void trace_group(void *arg, size_t index, uint32_t member)
     group->effective = sums[1] > 0 ? sums[0] * sums[0] / sums[1] : 0;
 }
 
-/*
- * Returns true if paths find all light, and often: nothing bends or focuses it, flat mirrors have
- * images of all suns and lamps, and no lobe sends on a sun or lamp, which paths from a sensor meet
- * in few directions; so few that their scatter may not tell that there is such light.
- */
-static bool paths_find_all(const struct orl_world *world)
+/* Returns true if plain paths find all light of the scene, none of it by chance only. */
+static bool paths_find_all(const struct orl_run_state *state)
 {
-    bool lights = world->n_suns > 0;
-    if (world->images.n_left_out > 0 || world->lamp_images.left_out > 0 ||
-        orl_lamp_images_twice(&world->lamp_images))
-        return false;
-    for (size_t i = 0; i < world->n_emitters && !lights; i++)
-        lights = world->emitters[i].direct;
-    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
-        struct orl_facet room;
-        const struct orl_facet *f = orl_facet_of(world->geometry, walk.facet, &room);
-        const struct orl_material *m = &world->materials[f->material];
-        const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-        if (orl_material_bends(m) || (orl_material_is_mirror(m) && (!flat || m->texture)) ||
-            (lights && orl_material_has_lobes(m)))
-            return false;
-    }
-    return true;
+    return orl_paths_missed(ORL_TECHNIQUE_AUTO, state->result->plan.paths) == 0;
 }
 
 /* Effects that the job leaves out on demand would be in the light of the paths. */
@@ -148,6 +129,6 @@ int orl_run_cross_check(struct orl_run_state *state, struct orl_error *err)
         return orl_error_set(err, code, "%s", "cancelled while checking sensors by paths");
     orl_cross_check_judge(state,
                           &(struct orl_plain_groups){check.groups, check.n_groups, check.stride,
-                                                     check.paths, paths_find_all(state->world)});
+                                                     check.paths, paths_find_all(state)});
     return 0;
 }

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/paths.h>
+
 #include "run/rounds.h"
 #include "scene/material/lobed.h"
 
@@ -90,9 +92,10 @@ static double samples_of(const struct orl_run_state *state)
 const char *orl_run_why_no_curve(const struct orl_run_state *state)
 {
     const struct orl_world *const world = state->world;
+    const struct orl_plan *plan = &state->result->plan;
     if (orl_lobed_narrow_of(world->geometry, world->materials))
         return "not known: materials have lobes narrower than draws are made for";
-    if (state->result->plan.by_chance)
+    if (orl_paths_missed(plan->technique, plan->paths))
         return "not known: paths come upon light by way of mirrors or lenses by chance only";
     return NULL;
 }

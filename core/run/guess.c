@@ -69,14 +69,14 @@ static double first_reads_us(const struct orl_run_state *state, double rays)
 {
     const struct orl_plan *plan = &state->result->plan;
     const double all = (double)plan->photons_global * leaf_us;
-    if (plan->technique != ORL_TECHNIQUE_GATHER || !(all > 0))
+    if (plan->sensor_technique != ORL_TECHNIQUE_GATHER || !(all > 0))
         return 0;
     return (1 - state->read_before) * all * (1 - exp(-rays * first_us / all));
 }
 
 static double rays_us(const struct orl_run_state *state, double rays)
 {
-    const bool paths = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD;
+    const bool paths = state->result->plan.sensor_technique == ORL_TECHNIQUE_BACKWARD;
     return rays * (paths ? path_us : gather_us) + first_reads_us(state, rays);
 }
 
@@ -168,6 +168,7 @@ static double settings_core_s(const struct orl_job *job)
     const struct orl_run_state state = {.job = job, .result = &result, .n_sensors = job->n_sensors};
     struct orl_plan *plan = &result.plan;
     plan->technique = job->technique == ORL_TECHNIQUE_AUTO ? ORL_TECHNIQUE_GATHER : job->technique;
+    plan->sensor_technique = plan->technique;
     plan->photons_global = target_of(job->photons_global);
     plan->photons_caustic = target_of(job->photons_caustic);
     const double photons = (double)(plan->photons_global + plan->photons_caustic);

@@ -143,7 +143,8 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     if (code == 0) {
         judge_light(state);
         orl_run_judge_views(state);
-        code = judge_sensors(state, err);
+        if (!state->only_sensors) /* their places are checked with the whole job */
+            code = judge_sensors(state, err);
     }
     orl_run_guess_costs(state);
     if (code == 0 && plan->foresight.made)

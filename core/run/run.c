@@ -3,11 +3,14 @@
 #include <sodium.h>
 #include <stdlib.h>
 
+#include <oriel/paths.h>
+
 #include "run/cost.h"
 #include "run/curve.h"
 #include "run/grids.h"
 #include "run/rounds.h"
 #include "run/scene.h"
+#include "run/sensor_run.h"
 #include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 
@@ -49,7 +52,8 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_scene *const scene = state->world->scene;
     uint32_t facet = 0;
-    if (!scene->mist || state->result->plan.technique == ORL_TECHNIQUE_BACKWARD)
+    const struct orl_plan *plan = &state->result->plan;
+    if (!(orl_paths_missed(plan->technique, plan->paths) & 1U << ORL_PATHS_MIST))
         return 0;
     while (!(orl_facet_area(scene->mist, facet) > 0))
         facet++;
@@ -57,7 +61,7 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
                   "the technique %s does not follow light through mist, which the surface '%.100s' "
                   "is of",
-                  orl_technique_name(state->result->plan.technique), label.name);
+                  orl_technique_name(plan->technique), label.name);
     orl_error_at(err, label.file, label.line, NULL);
     orl_error_hint(err, "use the technique backward, which is chosen where the job names none");
     return ORL_ERR_UNSUPPORTED;
@@ -91,32 +95,73 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
                : code;
 }
 
-static int run_stages(struct orl_run_state *state, struct orl_error *err)
+/* Renders what the job asks for, in rounds or in one piece. */
+static int render(struct orl_run_state *state, struct orl_error *err)
 {
-    bool in_rounds = orl_goal_is_set(&state->job->goal);
-    int code = prepare(state, err);
-    if (code == 0) {
-        in_rounds = in_rounds || orl_run_batches(state) > 1;
-        code = in_rounds ? orl_run_rounds(state, err) : orl_run_technique(state, err);
-    }
-    if (code == 0)
-        code = orl_run_judge_darkness(state, err);
-    if (code == 0)
-        code = orl_run_judge_chance(state, err);
+    if (orl_goal_is_set(&state->job->goal) || orl_run_batches(state) > 1)
+        return orl_run_rounds(state, err);
+    return orl_run_technique(state, err);
+}
+
+/* What more accuracy would cost; rounds have worked it out. */
+static void tell_cost(struct orl_run_state *state)
+{
+    orl_run_leave(state);
+    if (!orl_goal_is_set(&state->job->goal) && orl_run_batches(state) == 1)
+        orl_run_cost(state);
+}
+
+/* Compares what was found with photons and with plain path tracing. */
+static int check_sensors(struct orl_run_state *state, struct orl_error *err)
+{
+    const size_t warnings = state->result->n_warnings;
+    int code = orl_run_judge_chance(state, err);
     if (code == 0)
         code = orl_run_cross_check(state, err);
-    if (code == 0) {
+    if (code == 0)
+        code = orl_sensor_run_again(state, warnings, err);
+    if (code == 0)
         orl_run_heed_doubts(state);
-        orl_run_leave(state);
-        orl_run_judge_health(state);
-    }
-    if (code == 0)
-        code = orl_run_write_sensors(state, err);
-    if (code == 0)
-        code = orl_run_write_grids(state, err);
-    if (code == 0 && !in_rounds)
-        orl_run_cost(state);
     return code;
+}
+
+static int render_and_check(struct orl_run_state *state, struct orl_error *err)
+{
+    int code = render(state, err);
+    if (code == 0)
+        code = check_sensors(state, err);
+    if (code == 0)
+        tell_cost(state);
+    return code;
+}
+
+static int finish(struct orl_run_state *state, struct orl_error *err)
+{
+    int code = orl_run_judge_darkness(state, err);
+    if (code == 0) {
+        orl_run_judge_health(state);
+        code = orl_run_write_sensors(state, err);
+    }
+    return code == 0 ? orl_run_write_grids(state, err) : code;
+}
+
+static int run_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    struct orl_sensor_run sensors = {.made = false};
+    int code = prepare(state, err);
+    if (code == 0)
+        code = orl_sensor_run_make(state, &sensors, err);
+    if (code == 0)
+        code = render_and_check(state, err);
+    orl_sensor_run_join(state, &sensors);
+    return code == 0 ? finish(state, err) : code;
+}
+
+static int sensor_stages(struct orl_run_state *state, struct orl_error *err)
+{
+    state->only_sensors = true;
+    const int code = prepare(state, err);
+    return code == 0 ? render_and_check(state, err) : code;
 }
 
 static int plan_stages(struct orl_run_state *state, struct orl_error *err)
@@ -148,6 +193,7 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_run_state state = {.job = job,
                                   .env = env,
                                   .result = &result,
+                                  .run_sensors = orl_run_only_sensors,
                                   .only_plan = course->stages == plan_stages,
                                   .pilot = course->pilot};
     const double started = env->now_s(env->ctx);
@@ -194,6 +240,14 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
                    &(struct orl_run_report){.share = 1, .elapsed_s = result.total_s});
     *ret_result = result;
     return 0;
+}
+
+int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *env,
+                         struct orl_scene *scene, struct orl_result *ret_result,
+                         struct orl_error *err)
+{
+    return run_settled(job, env, &scene, &(struct course){.stages = sensor_stages}, ret_result,
+                       err);
 }
 
 /* The same of a job whose views may be in files. */

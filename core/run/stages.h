@@ -35,6 +35,7 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* of the job, or of its file; owned when sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
+    bool only_sensors;             /* of a job that has views, too (sensor_run.h) */
     bool only_plan;                /* nothing is to be rendered: what it would take is asked for */
     struct orl_pilot *pilot;       /* what accuracies would take is (curve.h); else NULL */
     const struct orl_swaps *swaps; /* of the scene's materials; NULL: none */
@@ -51,6 +52,10 @@ struct orl_run_state {
     double cost_s[ORL_STAGE_COUNT]; /* foreseen, of the run or of the round under way (ahead.h) */
     double after_s;                 /* likewise, of the rounds after it */
     struct orl_told *told;          /* of the whole run */
+    /* Plans and renders a job's sensors by a run of their own (sensor_run.h). */
+    int (*run_sensors)(const struct orl_job *job, const struct orl_run_env *env,
+                       struct orl_scene *scene, struct orl_result *ret_result,
+                       struct orl_error *err);
     enum orl_stage stage;
     double stage_started;
     double started_s; /* of the run */

@@ -251,7 +251,7 @@ static void test_long_checks_yield(void **state)
     (void)state;
     daemon_start(&daemon, patient);
     for (int i = 0; i < BOMBS; i++) {
-        make_bomb(&bombs[i], 1, (ORL_SANITIZED ? 4000 : 20000) + i);
+        make_bomb(&bombs[i], 1, (ORL_SANITIZED ? 4000 : 10000) + i);
         clients[i] = upload_beside(&daemon, &bombs[i], 201);
         checks[i] = hold_check(&daemon);
     }

@@ -22,7 +22,7 @@
 
 #include "support/daemon.h"
 
-enum { CLIENTS = 8, JOBS = 200, REPLY_MAX = 1 << 16 };
+enum { CLIENTS = 8, REPLY_MAX = 1 << 16 };
 
 /* ---- A client: a process of its own, so that it shares nothing with the test ----------------- */
 
@@ -163,7 +163,7 @@ static void run_client(const struct daemon *daemon, const char *scene, unsigned 
 static int count_jobs(void)
 {
     const char *text = getenv("ORIEL_EARLY_JOBS");
-    return text ? atoi(text) : JOBS;
+    return text ? atoi(text) : 200;
 }
 
 static void test_daemon_survives_early_fetches(void **state)

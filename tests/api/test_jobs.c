@@ -5,11 +5,14 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <curl/curl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <oriel/plan.h>
 
@@ -385,6 +388,30 @@ static size_t count_by_pages(struct daemon *daemon)
     return count;
 }
 
+/* By several clients at once: the disk is waited for once for all that ask meanwhile. */
+static void submit_many(const struct fixture *f, unsigned count)
+{
+    enum { CLIENTS = 8 };
+    pid_t clients[CLIENTS];
+    for (unsigned i = 0; i < CLIENTS; i++) {
+        clients[i] = fork();
+        assert_true(clients[i] >= 0);
+        if (clients[i] == 0) {
+            struct daemon own = f->daemon;
+            char job[80];
+            own.curl = curl_easy_init(); /* a connection of its own */
+            for (unsigned k = i; k < count; k += CLIENTS)
+                daemon_submit(&own, f->scene, PHOTONS, 1, NULL, job);
+            _exit(0);
+        }
+    }
+    for (unsigned i = 0; i < CLIENTS; i++) {
+        int status;
+        assert_int_equal(waitpid(clients[i], &status, 0), clients[i]);
+        assert_int_equal(status, 0);
+    }
+}
+
 /* The queue has an end; what it refuses it refuses before it stores. */
 static void test_full_queue(void **state)
 {
@@ -393,8 +420,8 @@ static void test_full_queue(void **state)
     char blocker[80], job[80];
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 7, NULL, blocker);
     daemon_wait_running(&f->daemon, blocker, -1);
-    for (unsigned i = 0; i < ORL_SERVER_QUEUE; i++)
-        daemon_submit(&f->daemon, f->scene, PHOTONS, 1, NULL, job);
+    submit_many(f, ORL_SERVER_QUEUE - 1);
+    daemon_submit(&f->daemon, f->scene, PHOTONS, 1, NULL, job);
     daemon_get(&f->daemon, "/readyz", &reply);
     assert_int_equal(reply.status, 503);
     reply_done(&reply);

@@ -123,7 +123,7 @@ static void test_empty_file(void **state)
 
 static void test_database_without_tables(void **state)
 {
-    lose_database(*state, "rm $D/oriel.db; python3 -c \"import sqlite3, sys; "
+    lose_database(*state, "rm $D/oriel.db; /usr/bin/python3 -c \"import sqlite3, sys; "
                           "d = sqlite3.connect(sys.argv[1]); d.execute('PRAGMA user_version = 1'); "
                           "d.commit()\" $D/oriel.db");
 }

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "support/daemon.h"
+#include "support/extent.h"
 
 static void document(const struct daemon_room *room, const char *members, char ret_text[700])
 {
@@ -147,7 +148,8 @@ static int dial_from_another(const struct daemon *daemon)
  * way. */
 static void test_removed_and_sent_again(void **state)
 {
-    enum { TURNS = 6, AT_ONCE = 12 };
+    enum { AT_ONCE = 12 };
+    const int turns = (int)extent(2, 6);
     struct daemon_room *f = *state;
     char post[1024], body[512], look[256], removal[160], id[65], answer[4096];
     snprintf(removal, sizeof removal, "/v1/scenes/%s", f->scene);
@@ -160,7 +162,7 @@ static void test_removed_and_sent_again(void **state)
     snprintf(look, sizeof look,
              "GET /v1/scenes/%s/outline HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
              f->scene);
-    for (int turn = 0; turn < TURNS; turn++) {
+    for (int turn = 0; turn < turns; turn++) {
         int fds[AT_ONCE];
         struct reply reply;
         for (int i = 0; i < AT_ONCE; i++) {

@@ -24,7 +24,7 @@ static void run_case(const struct fixture *f, const char *name)
     char folder[] = "/tmp/oriel-test-XXXXXX", command[700];
     assert_non_null(mkdtemp(folder));
     snprintf(command, sizeof command,
-             "READ_TOKEN='%s' PYTHONDONTWRITEBYTECODE=1 timeout 550 python3 -W error "
+             "READ_TOKEN='%s' PYTHONDONTWRITEBYTECODE=1 timeout 550 /usr/bin/python3 -W error "
              "tests/api/python_client.py %s %s %s '%s' '%s' >&2",
              f->read, name, f->daemon.url, folder, f->cert, f->submit);
     const int status = system(command);

@@ -65,7 +65,7 @@ static void test_parts_are_told_of(void **state)
     struct parted_daemon *f = *state;
     char path[80], events[96];
     struct reply reply;
-    parted_submit(f, parted_long, path);
+    parted_submit(f, parted_middle, path);
     cluster_wait_for_tasks();
     daemon_metric_wait(&f->daemon, "oriel_parts{state=\"running\"}", 1);
     daemon_get(&f->daemon, path, &reply);

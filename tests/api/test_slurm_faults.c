@@ -61,7 +61,7 @@ static void test_the_daemon_is_killed(void **state)
 {
     struct parted_daemon *f = *state;
     char path[80];
-    parted_submit(f, parted_long, path);
+    parted_submit(f, parted_middle, path);
     cluster_wait_for_tasks();
     daemon_end(&f->daemon, SIGKILL);
     cluster_rest(0.5);
@@ -69,7 +69,7 @@ static void test_the_daemon_is_killed(void **state)
     parted_restart(f);
     parted_wait_resumed(f, path);
     assert_nothing_twice(f, path, tasks, wave);
-    parted_compare_daemons(f, parted_long, path);
+    parted_compare_daemons(f, parted_middle, path);
 }
 
 /* Stopped in good order its tasks go on, too. */
@@ -139,7 +139,7 @@ static void test_the_shared_disk_is_full(void **state)
     parted_restart(f);
     if (!mounted)
         skip();
-    parted_submit(f, parted_long, path);
+    parted_submit(f, parted_middle, path);
     cluster_wait_for_tasks();
     snprintf(command, sizeof command, "! cat /dev/zero >%s/filler 2>/dev/null", f->shared);
     cluster_command(command);
@@ -154,7 +154,7 @@ static void test_the_shared_disk_is_full(void **state)
     cluster_command(command);
     parted_restart(f);
     parted_fetch(f, path, "slurm");
-    parted_compare_fetched(f, parted_long);
+    parted_compare_fetched(f, parted_middle);
 }
 
 /* What a part has written is cut short before it is read: it is made once more. */
@@ -162,7 +162,7 @@ static void test_output_is_truncated(void **state)
 {
     struct parted_daemon *f = *state;
     char path[80], command[400];
-    parted_submit(f, parted_long, path);
+    parted_submit(f, parted_middle, path);
     cluster_wait_for_tasks();
     snprintf(command, sizeof command,
              "cd %s/%s/store; until ls sky-*.opm >/dev/null 2>&1; do sleep 0.02; done;"
@@ -174,7 +174,7 @@ static void test_output_is_truncated(void **state)
     daemon_get(&f->daemon, path, &reply);
     assert_true(reply_number(&reply, "runner.parts.waves") == 2);
     reply_done(&reply);
-    parted_compare_daemons(f, parted_long, path);
+    parted_compare_daemons(f, parted_middle, path);
 }
 
 /* A program in oriel's place, beside a copy of the daemon: where there is a file "hungry" its part
@@ -256,14 +256,15 @@ static void cancel_after(struct parted_daemon *f, double moment_s)
     parted_assert_cleared(f);
 }
 
-/* Ten of the time that the job takes, or most of it. */
+/* At moments over the time that the job takes, or most of it: one in each of four parts of it, or
+ * of ten in the long form. */
 static void test_cancels_at_any_moment(void **state)
 {
-    enum { CANCELS = 10 };
+    const int cancels = cluster_long_form() ? 10 : 4;
     const double until_s = 2.5;
     struct orl_random random = orl_random_stream(25, ORL_PURPOSE_BENCH, 0);
-    for (int i = 0; i < CANCELS; i++)
-        cancel_after(*state, until_s * orl_random_uniform(&random));
+    for (int i = 0; i < cancels; i++)
+        cancel_after(*state, until_s * (i + orl_random_uniform(&random)) / cancels);
 }
 
 /* Also where the test has failed before it came to that. */

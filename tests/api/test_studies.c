@@ -24,7 +24,7 @@
 enum { PATIENCE = 8 };
 #else
 #define SMALL "\"photons\":[2000,8000],\"gather_samples\":[64],\"repeats\":2,"
-#define REFERENCE "\"reference\":{\"samples\":8192,\"runs\":2}"
+#define REFERENCE "\"reference\":{\"samples\":2048,\"runs\":2}"
 enum { PATIENCE = 1 };
 #endif
 /* Minutes; to be cancelled. */

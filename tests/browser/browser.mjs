@@ -45,10 +45,10 @@ export class Browser {
     return { page, faults, close: () => context.close() };
   }
 
-  // Findings of axe-core that are serious or worse, each as a line.
-  async audit(page) {
+  // Findings of axe-core that are serious or worse, each as a line. parts: of the document, as axe takes them.
+  async audit(page, parts = { include: ['html'] }) {
     await page.evaluate(this.axe);
-    const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+    const { violations } = await page.evaluate((of) => globalThis.axe.run(of, { resultTypes: ['violations'] }), parts);
     return violations.filter((one) => ['serious', 'critical'].includes(one.impact))
       .map((one) => `${one.id}: ${one.nodes.slice(0, 3).map((node) => node.html).join(' | ')}`);
   }

@@ -51,8 +51,14 @@ def too_many_streams(daemon, path):
 
 def full_queue(daemon, scene):
     """429: of jobs. readyz says so too."""
-    while daemon.ask("POST", "/v1/jobs", sensors_of(scene, seed=10)).status == 202:
-        continue
+    job, connections, taken = sensors_of(scene, seed=10), [daemon.connect() for _ in range(16)], True
+    while taken:  # many at once: the disk is waited for once for all of them
+        for connection in connections:
+            daemon.send("POST", "/v1/jobs", job, connection=connection)
+        answers = [daemon.receive("POST", "/v1/jobs", connection=connection) for connection in connections]
+        taken = all(answer.status == 202 for answer in answers)
+    for connection in connections:
+        connection.close()
     daemon.ask("POST", "/v1/jobs", sensors_of(scene, seed=10), want=429)
     daemon.ask("GET", "/readyz", want=503)
 

@@ -152,4 +152,4 @@ class Daemon:
                 return job
             assert job["state"] not in ENDED, job
             assert time.monotonic() < patience, job
-            time.sleep(0.005)
+            time.sleep(0.02)

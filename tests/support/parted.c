@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -15,6 +16,7 @@
 
 const char *const parted_render = "render.json";
 const char *const parted_skies = "skies.json";
+const char *const parted_middle = "middle.json";
 const char *const parted_long = "long.json";
 const char *const parted_goal = "goal.json";
 const char *const parted_annual = "annual.json";
@@ -37,9 +39,10 @@ static const char render_text[] = "{\"kind\": \"render\", " LIT ", " SENSORS
                                   ", \"technique\": \"gather\", \"gather_samples\": 64, \"photons\""
                                   ": {\"global\": 20000, \"caustic\": 0},"
                                   " \"views\": [" VIEW("one") ", " VIEW("two") "]}";
-static const char goal_text[] = "{\"kind\": \"render\", " LIT ", " SENSORS
-                                ", \"technique\": \"backward\", \"accuracy\": {\"relative_error\":"
-                                " 0.5}, \"views\": [" VIEW("one") "]}";
+static const char goal_text[] =
+    "{\"kind\": \"render\", " LIT ", \"sensors\": {\"file\": \"few.pts\"}"
+    ", \"technique\": \"backward\", \"accuracy\": {\"relative_error\":"
+    " 0.5}, \"views\": [" VIEW("one") "]}";
 
 #define CIE(NAME, UP)                                                                              \
     "{\"name\": \"" NAME "\", \"cie\": {\"type\": \"clear\", \"sun_altitude\": " UP                \
@@ -50,7 +53,8 @@ static const char goal_text[] = "{\"kind\": \"render\", " LIT ", " SENSORS
     ", \"photons\": {\"global\": " PHOTONS                                                         \
     ", \"caustic\": 0}, \"views\": [" VIEW("one") "], \"skies\": [" CIE("a", "10") ", " CIE(       \
         "b", "25") ", " CIE("c", "40") ", " CIE("d", "55") ", " CIE("e", "70") "]}"
-static const char skies_text[] = SKIES("64", "10000"), long_text[] = SKIES("1024", "50000");
+static const char skies_text[] = SKIES("64", "10000"), middle_text[] = SKIES("512", "25000"),
+                  long_text[] = SKIES("1024", "50000");
 
 static const char annual_text[] =
     "{\"kind\": \"annual\", " UNLIT ", \"weather\": \"place.epw\", \"samples\": 64, \"seed\": 3,"
@@ -91,19 +95,14 @@ static void write_sensors(const char *folder, const char *name, int n)
 
 int parted_set_up(void **state)
 {
-    static const struct cli_file files[] = {{"render.json", render_text},
-                                            {"goal.json", goal_text},
-                                            {"skies.json", skies_text},
-                                            {"long.json", long_text},
-                                            {"annual.json", annual_text},
-                                            {"study-job.json", study_text},
-                                            {"panel.json", panel_text},
-                                            {"tree.json", tree_text},
-                                            {"slats.rad", slats_text},
-                                            {"colors.json", colors_text},
-                                            {"room.rad", room_text},
-                                            {"sky.rad", sky_text},
-                                            {NULL, NULL}};
+    static const struct cli_file files[] = {
+        {"render.json", render_text},   {"goal.json", goal_text},
+        {"skies.json", skies_text},     {"middle.json", middle_text},
+        {"long.json", long_text},       {"annual.json", annual_text},
+        {"study-job.json", study_text}, {"panel.json", panel_text},
+        {"tree.json", tree_text},       {"slats.rad", slats_text},
+        {"colors.json", colors_text},   {"room.rad", room_text},
+        {"sky.rad", sky_text},          {NULL, NULL}};
     const int code = cli_desk_set_up(state, files);
     const char *folder = ((struct cli_desk *)*state)->folder;
     char *weather = cli_read_file("tests/fixtures", "weather.epw");
@@ -112,6 +111,7 @@ int parted_set_up(void **state)
     free(weather);
     write_sensors(folder, "desks.pts", 300);
     write_sensors(folder, "some.pts", 150);
+    write_sensors(folder, "few.pts", 40);
     return code;
 }
 
@@ -239,7 +239,10 @@ void parted_assert_same(const struct cli_desk *desk, const char *one, const char
 
 void parted_compare(struct cli_desk *desk, const char *document, const char *const *options)
 {
-    parted_run(desk, document, "whole", NULL);
+    char whole[160];
+    snprintf(whole, sizeof whole, "%s/whole", desk->folder);
+    if (access(whole, F_OK) != 0) /* a desk compares ways of one document */
+        parted_run(desk, document, "whole", NULL);
     parted_run(desk, document, "parts", options);
     assert_non_null(strstr(desk->result.err, "parts: "));
     parted_assert_same(desk, "whole", "parts");

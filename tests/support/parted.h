@@ -12,8 +12,9 @@
 /* Documents of the desk: kinds of jobs. */
 extern const char *const parted_render; /* two views, 300 sensors, photon maps */
 extern const char *const parted_skies;  /* five skies */
-extern const char *const parted_long;   /* the same, of seconds rather than tenths of one */
-extern const char *const parted_goal;   /* an accuracy, in rounds */
+extern const char *const parted_middle; /* the same, of a second each */
+extern const char *const parted_long;   /* and of two */
+extern const char *const parted_goal;   /* an accuracy, in rounds, 40 sensors */
 extern const char *const parted_annual; /* 150 sensors, two days of weather */
 extern const char *const parted_study;  /* two techniques, three seeds */
 extern const char *const parted_panel;  /* a matrix of slats, to an accuracy, in rounds */

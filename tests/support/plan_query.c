@@ -41,7 +41,7 @@ struct orl_plan plan_of(const struct plan_query *q, struct plan_left *ret_left)
     job.n_views = q->view;
     const struct orl_plan_request request = {.job = &job,
                                              .sensors = q->sensor ? q->sensor : &inside,
-                                             .n_sensors = q->view ? 0 : 1,
+                                             .n_sensors = !q->view || q->sensor,
                                              .crew = crew,
                                              .now_s = tick,
                                              .ctx = &now};

@@ -25,7 +25,7 @@ struct plan_query {
     bool view;
     uint32_t threads;
     uint64_t caustic;
-    const struct orl_sensor *sensor;
+    const struct orl_sensor *sensor; /* NULL: one inside, if there is no view */
 };
 
 /* What the world was left with, beside the plan. */

@@ -129,6 +129,8 @@ static struct orl_plan example(void)
 {
     struct orl_plan plan = {.technique = ORL_TECHNIQUE_PRECOMPUTED,
                             .technique_why = "2 views of 240000 pixels",
+                            .sensor_technique = ORL_TECHNIQUE_BACKWARD,
+                            .sensor_why = "5 sensors",
                             .most_reflections = 7,
                             .channels = 1,
                             .photons_global = 3000000000,
@@ -188,7 +190,10 @@ static void test_a_plan_is_told_whole(void **state)
     json_t *doc = written_and_read(&plan);
     const json_t *photons = json_object_get(doc, "photons");
     const json_t *effects = json_object_get(doc, "effects");
-    assert_int_equal(json_object_size(doc), 6);
+    const json_t *sensors = json_object_get(doc, "sensors");
+    assert_int_equal(json_object_size(doc), 8);
+    assert_string_equal(json_string_value(json_object_get(sensors, "technique")), "backward");
+    assert_string_equal(json_string_value(json_object_get(sensors, "why")), "5 sensors");
     assert_string_equal(json_string_value(json_object_get(doc, "technique")), "precomputed");
     assert_string_equal(json_string_value(json_object_get(doc, "why")), plan.technique_why);
     assert_int_equal(json_integer_value(json_object_get(doc, "most_reflections")), 7);

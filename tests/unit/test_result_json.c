@@ -85,7 +85,7 @@ static void test_plan(void **state)
 {
     (void)state;
     struct orl_result result = example();
-    result.plan.technique = ORL_TECHNIQUE_DIRECT;
+    result.plan.technique = result.plan.sensor_technique = ORL_TECHNIQUE_DIRECT;
     json_t *plan = orl_plan_to_json(&result.plan);
     json_t *doc = orl_result_to_json(&result, "succeeded");
     const struct orl_curve curve = {.technique = ORL_TECHNIQUE_BACKWARD,

@@ -80,10 +80,14 @@ struct orl_foresight {
 struct orl_plan {
     enum orl_technique technique; /* never AUTO in a plan that was made */
     char technique_why[ORL_WHY_MAX];
+    /* The technique of the sensors. It differs from the technique above, which is then the views',
+     * only if the job has both and leaves the technique to the planner. */
+    enum orl_technique sensor_technique;
+    char sensor_why[ORL_WHY_MAX];
     struct orl_decision effects[ORL_EFFECT_COUNT];
     uint32_t most_reflections; /* diffuse ones that light is followed through; or ORL_ALL_... */
     uint32_t channels;         /* 3, or 1 where all is gray */
-    bool by_chance; /* backward, with suns or lamps by ways that its paths would happen on only */
+    uint32_t paths;            /* the classes of paths that the scene has (paths.h), as 1 << class */
     uint64_t photons_global, photons_caustic; /* targets; 0: no such map */
     struct orl_foresight foresight;
 };

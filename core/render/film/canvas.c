@@ -124,14 +124,6 @@ struct shape {
     double scale, turn; /* turn: which way about its corners go */
 };
 
-/* How far a point lies within the edge that starts at corner k. */
-static double within(const struct shape *s, size_t k, double x, double y)
-{
-    const size_t n = (k + 1) % s->n;
-    const double x0 = s->scale * s->x[k], y0 = s->scale * s->y[k];
-    return (s->scale * s->x[n] - x0) * (y - y0) - (s->scale * s->y[n] - y0) * (x - x0);
-}
-
 static double area_of(const struct shape *s)
 {
     double twice = 0;
@@ -150,6 +142,20 @@ static void bounds_of(const double v[], size_t n, double scale, double *ret_low,
     }
 }
 
+/* Of a row's pixels those whose middles lie within the edge that starts at corner k: along a row a
+ * point goes once at the most from within to without, or back. */
+static void clip_row(const struct shape *s, size_t k, uint32_t row, uint32_t *first, uint32_t *end)
+{
+    const size_t n = (k + 1) % s->n;
+    const double x0 = s->scale * s->x[k], y0 = s->scale * s->y[k];
+    const double across = (s->scale * s->x[n] - x0) * (row + 0.5 - y0);
+    const double along = s->scale * s->y[n] - y0;
+    while (*first < *end && !(s->turn * (across - along * (*first + 0.5 - x0)) >= 0))
+        (*first)++;
+    while (*first < *end && !(s->turn * (across - along * (*end - 0.5 - x0)) >= 0))
+        (*end)--;
+}
+
 /* Pixels whose middle it holds. */
 static void fill_pixels(const struct orl_raster *raster, struct shape *s,
                         const unsigned char rgb[3])
@@ -160,14 +166,13 @@ static void fill_pixels(const struct orl_raster *raster, struct shape *s,
     bounds_of(s->y, s->n, s->scale, &y0, &y1);
     x1 = fmin(x1 + 1, raster->width);
     y1 = fmin(y1 + 1, raster->height);
-    for (uint32_t y = (uint32_t)fmax(y0, 0); y < y1; y++)
-        for (uint32_t x = (uint32_t)fmax(x0, 0); x < x1; x++) {
-            bool in = true;
-            for (size_t k = 0; k < s->n && in; k++)
-                in = s->turn * within(s, k, x + 0.5, y + 0.5) >= 0;
-            if (in)
-                memcpy(raster->rgb + 3 * ((size_t)y * raster->width + x), rgb, 3);
-        }
+    for (uint32_t y = (uint32_t)fmax(y0, 0); y < y1; y++) {
+        uint32_t first = (uint32_t)fmax(x0, 0), end = (uint32_t)ceil(fmax(x1, 0));
+        for (size_t k = 0; k < s->n && first < end; k++)
+            clip_row(s, k, y, &first, &end);
+        for (uint32_t x = first; x < end; x++)
+            memcpy(raster->rgb + 3 * ((size_t)y * raster->width + x), rgb, 3);
+    }
 }
 
 void orl_canvas_fill(struct orl_canvas *canvas, size_t n, const double x[], const double y[],

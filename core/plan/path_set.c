@@ -1,0 +1,57 @@
+/* Which classes of paths (oriel/paths.h) a scene has. */
+#include <oriel/paths.h>
+
+#include "plan/decide.h"
+#include "scene/material/lobed.h"
+
+/* The largest share of the light of lamps in mirrors that may have no images. */
+static const double tolerable_left_out = 0.02;
+
+static uint32_t set_if(bool present, enum orl_path_class class)
+{
+    return present ? 1U << class : 0;
+}
+
+static uint32_t of_lights(const struct orl_world *world)
+{
+    bool direct = world->n_suns > 0, wide = world->n_domes > 0;
+    for (size_t i = 0; i < world->n_emitters; i++) {
+        direct = direct || world->emitters[i].direct;
+        wide = wide || !world->emitters[i].direct;
+    }
+    return set_if(wide, ORL_PATHS_SKY) | set_if(direct, ORL_PATHS_DIRECT);
+}
+
+static uint32_t of_mirrors(const struct orl_world *world, const struct orl_lit *lit)
+{
+    const bool flat = lit->classes[ORL_LIT_FLAT].lit;
+    return set_if(flat, ORL_PATHS_FLAT_MIRRORS) |
+           set_if(lit->classes[ORL_LIT_CURVED].lit, ORL_PATHS_CURVED) |
+           set_if(flat && world->images.n_left_out > 0, ORL_PATHS_MANY_SUN_MIRRORS) |
+           set_if(world->lamp_images.left_out > tolerable_left_out, ORL_PATHS_MANY_LAMP_MIRRORS) |
+           set_if(orl_lamp_images_twice(&world->lamp_images), ORL_PATHS_TWO_LAMP_MIRRORS);
+}
+
+static uint32_t of_lobes(const struct orl_world *world, const struct orl_lit *lit)
+{
+    if (!lit->classes[ORL_LIT_LOBE].lit)
+        return 0;
+    return set_if(true, ORL_PATHS_LOBES) |
+           set_if(orl_lobed_narrow_of(world->geometry, world->materials) != NULL,
+                  ORL_PATHS_NARROW_LOBES);
+}
+
+uint32_t orl_find_path_set(const struct orl_survey *survey, const struct orl_lit *lit)
+{
+    const struct orl_world *world = survey->world;
+    return of_lights(world) | of_mirrors(world, lit) | of_lobes(world, lit) |
+           set_if(survey->rho_diffuse > 0, ORL_PATHS_DIFFUSE) |
+           set_if(world->scene->mist != NULL, ORL_PATHS_MIST);
+}
+
+uint32_t orl_path_set_without_mirrors(uint32_t set)
+{
+    return set & ~(1U << ORL_PATHS_FLAT_MIRRORS | 1U << ORL_PATHS_CURVED |
+                   1U << ORL_PATHS_MANY_SUN_MIRRORS | 1U << ORL_PATHS_MANY_LAMP_MIRRORS |
+                   1U << ORL_PATHS_TWO_LAMP_MIRRORS);
+}

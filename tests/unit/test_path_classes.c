@@ -1,0 +1,180 @@
+/*
+ * The table of classes of paths: it is complete, the README shows it as it is, the planner finds
+ * the classes of a scene, and chooses techniques that find all of them.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <oriel/paths.h>
+
+#include "support/plan_query.h"
+#include "support/scene_text.h"
+
+#define SET(class) (1U << ORL_PATHS_##class)
+
+/* Every class is found by every technique, but mist, which photons do not know; and what is found
+ * by chance is found by nothing else. */
+static void test_table_is_complete(void **state)
+{
+    (void)state;
+    for (int t = 0; t < ORL_TECHNIQUE_COUNT; t++)
+        for (int c = 0; c < ORL_PATH_CLASSES; c++)
+            for (int r = 0; r < ORL_RECEIVERS; r++) {
+                const unsigned found = orl_path_strategies(
+                    (enum orl_technique)t, (enum orl_path_class)c, (enum orl_path_receiver)r);
+                const bool photons = t > ORL_TECHNIQUE_BACKWARD;
+                assert_int_equal(found == 0, c == ORL_PATHS_MIST && photons);
+                assert_true(!(found & ORL_FIND_BY_CHANCE) || found == ORL_FIND_BY_CHANCE);
+            }
+}
+
+/* Names are unique. */
+static void test_names(void **state)
+{
+    (void)state;
+    for (int a = 0; a < ORL_PATH_CLASSES; a++)
+        for (int b = 0; b < a; b++) {
+            const enum orl_path_class one = (enum orl_path_class)a, two = (enum orl_path_class)b;
+            assert_string_not_equal(orl_path_class_name(one), orl_path_class_name(two));
+            assert_string_not_equal(orl_path_class_words(one), orl_path_class_words(two));
+        }
+    for (unsigned i = 0; i < ORL_PATH_STRATEGIES; i++)
+        assert_non_null(orl_path_strategy_name((enum orl_path_strategy)(1U << i)));
+}
+
+/* ---- The README ------------------------------------------------------------------------------ */
+
+static void add_names(unsigned found, char *text, size_t size)
+{
+    bool first = true;
+    if (found == 0)
+        strncat(text, "none", size - strlen(text) - 1);
+    for (unsigned i = 0; i < ORL_PATH_STRATEGIES; i++)
+        if (found & 1U << i) {
+            strncat(text, first ? "" : " ", size - strlen(text) - 1);
+            strncat(text, orl_path_strategy_name((enum orl_path_strategy)(1U << i)),
+                    size - strlen(text) - 1);
+            first = false;
+        }
+}
+
+/* A row of the table: what both receivers have alike is said once. */
+static void format_row(enum orl_path_class class_of, char *text, size_t size)
+{
+    snprintf(text, size, "| `%s` | %s |", orl_path_class_name(class_of),
+             orl_path_class_words(class_of));
+    for (int t = 0; t < ORL_TECHNIQUE_COUNT; t++) {
+        const enum orl_technique technique = (enum orl_technique)t;
+        const unsigned air = orl_path_strategies(technique, class_of, ORL_RECEIVER_AIR);
+        const unsigned surface = orl_path_strategies(technique, class_of, ORL_RECEIVER_SURFACE);
+        strncat(text, " ", size - strlen(text) - 1);
+        add_names(air, text, size);
+        if (air != surface) {
+            strncat(text, "; ", size - strlen(text) - 1);
+            add_names(surface, text, size);
+        }
+        strncat(text, " |", size - strlen(text) - 1);
+    }
+}
+
+static void test_readme_shows_the_table(void **state)
+{
+    size_t size;
+    char *readme = (char *)scene_read_bytes("core/light/README.md", &size);
+    (void)state;
+    for (int c = 0; c < ORL_PATH_CLASSES; c++) {
+        char row[512];
+        format_row((enum orl_path_class)c, row, sizeof row);
+        if (!strstr(readme, row))
+            fail_msg("core/light/README.md lacks this row:\n%s", row);
+    }
+    free(readme);
+}
+
+/* ---- What the planner finds ------------------------------------------------------------------ */
+
+#define ALL_SKY "void glow g 0 0 4 20 20 20 0\ng source sky 0 0 4 0 0 1 180\n"
+#define SOUTH_SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 .5 .533\n"
+#define LAMP "void light b 0 0 3 100 100 100\nb sphere lamp 0 0 4 0 1 2.5 .1\n"
+#define WALL                                                                                       \
+    "void plastic w 0 0 5 .5 .5 .5 0 0\nw polygon floor 0 0 12 -3 -3 0 3 -3 0 3 3 0 -3 3 0\n"
+#define MIRROR "void mirror m 0 0 3 .9 .9 .9\nm polygon mirror 0 0 12 -1 2 0 1 2 0 1 2 2 -1 2 2\n"
+#define FACING MIRROR "m polygon other 0 0 12 -1 -2 0 -1 -2 2 1 -2 2 1 -2 0\n"
+#define BALL "void dielectric d 0 0 5 1 1 1 1.5 0\nd sphere ball 0 0 4 0 .5 1 .3\n"
+#define METAL_BALL "void metal s 0 0 5 .9 .9 .9 1 0\ns sphere dish 0 0 4 0 .5 1 .3\n"
+#define ROUGH "void metal r 0 0 5 .9 .9 .9 1 .1\nr polygon rough 0 0 12 -1 2 0 1 2 0 1 2 2 -1 2 2\n"
+#define MIST "void mist a 0 0 7 .1 .1 .1 .5 .5 .5 0\na sphere cloud 0 0 4 0 0 1 .5\n"
+
+static const struct {
+    const char *scene;
+    uint32_t has, has_not;
+    enum orl_technique of_sensors, of_views;
+} scenes[] = {
+    {ALL_SKY WALL, SET(SKY) | SET(DIFFUSE), SET(DIRECT) | SET(CURVED) | SET(MIST),
+     ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER},
+    {SOUTH_SUN WALL, SET(DIRECT) | SET(DIFFUSE), SET(SKY) | SET(FLAT_MIRRORS),
+     ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER},
+    {SOUTH_SUN WALL MIRROR, SET(DIRECT) | SET(FLAT_MIRRORS), SET(MANY_SUN_MIRRORS) | SET(CURVED),
+     ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER},
+    {LAMP WALL MIRROR, SET(DIRECT) | SET(FLAT_MIRRORS), SET(TWO_LAMP_MIRRORS),
+     ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER},
+    {LAMP WALL FACING, SET(FLAT_MIRRORS) | SET(TWO_LAMP_MIRRORS), SET(CURVED), ORL_TECHNIQUE_GATHER,
+     ORL_TECHNIQUE_GATHER},
+    {SOUTH_SUN WALL BALL, SET(CURVED), SET(FLAT_MIRRORS), ORL_TECHNIQUE_GATHER,
+     ORL_TECHNIQUE_GATHER},
+    {SOUTH_SUN WALL METAL_BALL, SET(CURVED), SET(FLAT_MIRRORS), ORL_TECHNIQUE_GATHER,
+     ORL_TECHNIQUE_GATHER},
+    /* A lens that only a sky lights: rays find that. */
+    {ALL_SKY WALL BALL, SET(SKY), SET(CURVED), ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER},
+    {SOUTH_SUN WALL ROUGH, SET(LOBES), SET(NARROW_LOBES) | SET(CURVED), ORL_TECHNIQUE_BACKWARD,
+     ORL_TECHNIQUE_GATHER},
+    {SOUTH_SUN WALL MIST, SET(MIST), SET(CURVED), ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_BACKWARD},
+};
+
+static void check_scene(size_t i)
+{
+    static const struct orl_sensor sensor = {{0, 0, 1}, {0, 0, 1}};
+    const struct plan_query query = {.text = scenes[i].scene, .view = true, .sensor = &sensor};
+    const struct orl_plan plan = plan_of(&query, NULL);
+    if ((plan.paths & scenes[i].has) != scenes[i].has || (plan.paths & scenes[i].has_not) != 0)
+        fail_msg("scene %zu: classes %x", i, plan.paths);
+    assert_int_equal(plan.technique, scenes[i].of_views);
+    assert_int_equal(plan.sensor_technique, scenes[i].of_sensors);
+    assert_int_equal(orl_paths_missed(plan.sensor_technique, plan.paths), 0);
+    assert_int_equal(orl_paths_missed(plan.technique, plan.paths), 0);
+}
+
+static void test_classes_of_scenes(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
+        check_scene(i);
+}
+
+/* A job without mirrors has no light by way of them. */
+static void test_left_out_on_demand(void **state)
+{
+    const struct orl_plan plan = plan_of(&(struct plan_query){.text = SOUTH_SUN WALL BALL,
+                                                              .effect = ORL_EFFECT_CAUSTICS_MIRROR,
+                                                              .wish = ORL_WISH_SKIP},
+                                         NULL);
+    (void)state;
+    assert_int_equal(plan.paths & SET(CURVED), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_table_is_complete),      cmocka_unit_test(test_names),
+        cmocka_unit_test(test_readme_shows_the_table), cmocka_unit_test(test_classes_of_scenes),
+        cmocka_unit_test(test_left_out_on_demand),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
