@@ -16,7 +16,6 @@
 #include "base/random.h"
 #include "scene/material/kinds.h"
 #include "scene/material/own_settle.h"
-#include "support/extent.h"
 #include "support/scene_text.h"
 #include "support/subject.h"
 
@@ -173,8 +172,8 @@ static void test_two_ways(void **state)
 /*
  * Sun from above by a skylight that is the wedge. Along its deflected beam the irradiance is that
  * of the sun times the share and the stretch of solid angles, by differences of Snell's law; on the
- * floor by the cosine. Photons: 300 000 (half in the short form), of which some 600 count for a
- * sensor, evenly spread; the disc is 0.5 degrees.
+ * floor by the cosine. Photons: 300 000, of which some 600 count for a sensor, evenly spread; the
+ * disc is 0.5 degrees.
  */
 static void test_sun(void **state)
 {
@@ -206,8 +205,7 @@ static void test_sun(void **state)
                                   .resource_text = wedge,
                                   .sensors = sensors,
                                   .n_sensors = 2,
-                                  .samples = 256,
-                                  .caustic = extent(150000, 300000),
+                                  .caustic = 300000,
                                   .technique = ORL_TECHNIQUE_GATHER};
     scene_run_lx(&run, lx);
     if (!(fabs(lx[0] / expected - 1) < .02))

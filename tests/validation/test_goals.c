@@ -220,7 +220,7 @@ static double sum_of_view(double deadline_s, double every_s, uint32_t *ret_round
     run.width = WIDTH;
     run.height = HEIGHT;
     run.folder = folder;
-    run.global = 50000;
+    run.global = 200000;
     run.now_s = every_s > 0 ? tick : NULL;
     run.ctx = &watch;
     struct orl_result r = scene_run(&run);

@@ -16,7 +16,6 @@
 
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"
-#include "support/extent.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"
 
@@ -187,7 +186,7 @@ static void a_pane_that_stands_free_is_aimed_at(void **state)
                             .sensors = near,
                             .n_sensors = N,
                             .technique = ORL_TECHNIQUE_BACKWARD,
-                            .samples = (uint32_t)extent(32768, 131072)};
+                            .samples = 131072};
     scene_run_lx(&run, truth);
     run.samples = 2048;
     for (run.seed = 1; run.seed <= SEEDS; run.seed++) {
