@@ -1,6 +1,9 @@
 /*
  * Whether errors that `bsdf make` states are errors made: how many cells lie within one, two and
- * three of them of what an independent run of many more paths says.
+ * three of them of what an independent run says, whose own errors count too (both in joint
+ * errors). That run has 4 to 32 times the paths of those with a fixed number, in the short form 2
+ * to 8 times; it states its errors by the same code, so that errors that are stated too small by a
+ * factor show in full whatever the number of its paths is.
  *
  * Bounds. An error from 16 batches is Student's t of 15 degrees of freedom: 0.6669, 0.9361 and
  * 0.9910 of cells. A share of n cells scatters by sqrt(p (1 - p) / n); four of these are allowed,
