@@ -312,16 +312,16 @@ static int fit_measured(const void *what, const atomic_bool *cancel, struct orl_
 
 static void test_measured(void **state)
 {
-    enum { SCANS = 2, ROWS = 30 };
+    const int scans = (int)extent(2, 3), rows = (int)extent(30, 60);
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     (void)state;
     assert_non_null(out);
     fputs("theta_in,phi_in,theta_out,phi_out,bsdf\n", out);
-    for (int k = 0; k < SCANS; k++)
-        for (int i = 0; i < ROWS; i++) {
-            const double theta = acos(1 - 0.95 * (i + 0.5) / ROWS) / ORL_DEG_TO_RAD;
+    for (int k = 0; k < scans; k++)
+        for (int i = 0; i < rows; i++) {
+            const double theta = acos(1 - 0.95 * (i + 0.5) / rows) / ORL_DEG_TO_RAD;
             fprintf(out, "%d,180,%.3f,%.3f,%.5f\n", 30 * k, theta, fmod(137.508 * i, 360),
                     0.1 + 0.001 * theta);
         }

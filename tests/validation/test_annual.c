@@ -346,7 +346,7 @@ static void test_kept_rows(void **state)
                            .sensors = sensors,
                            .n_sensors = MANY,
                            .samples = 16,
-                           .photons = 5000,
+                           .photons = (uint32_t)extent(5000, 0),
                            .env = &env,
                            .wishes = &wishes,
                            .ret_refinement = &first};

@@ -13,6 +13,7 @@
 
 #include <oriel/vec.h>
 
+#include "support/extent.h"
 #include "support/room.h"
 
 enum { GLOBAL = 200000 };
@@ -212,7 +213,7 @@ static int run_gleams(void **state)
 {
     (void)state;
     gleam_by_plan = run(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 3);
-    gleam_of_many = run(ROOM GLOSS, NULL, 50000, 3);
+    gleam_of_many = run(ROOM GLOSS, NULL, extent(50000, 100000), 3);
     return 0;
 }
 
