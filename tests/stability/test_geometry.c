@@ -43,7 +43,7 @@ static double mean_lx(const char *more, uint64_t seed)
 /* The mean of some seeds. */
 static double mean_of_seeds(const char *more)
 {
-    const uint64_t seeds = stability_full() ? 32 : 8;
+    const uint64_t seeds = stability_full() ? 32 : 16;
     double sum = 0;
     for (uint64_t s = 1; s <= seeds; s++)
         sum += mean_lx(more, s) / (double)seeds;
@@ -52,8 +52,9 @@ static double mean_of_seeds(const char *more)
 
 /*
  * A second floor in the floor, and a second pane in the pane: whole, turned round, over a half of
- * it. A seed's mean scatters by 0.5 %: of the difference of two means of eight that is 0.25 %, a
- * quarter of what is allowed. Where rays meet the same surfaces in the same order seeds are common.
+ * it. Where rays meet the same surfaces in the same order, nothing differs; else a seed's mean
+ * scatters by 1.5 % and its difference by 1.3 %, as 48 seeds showed: the mean difference of sixteen
+ * by 0.33 %, a third of what is allowed.
  */
 static void test_duplicates(void **state)
 {

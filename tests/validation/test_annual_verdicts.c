@@ -232,7 +232,7 @@ static double three_errors(double share, double tries)
  * the spread, and takes half a percent from what holds. A mean sums hours of all bands of
  * illuminance, whose errors cancel more than the one factor of a sensor says (annual/coherence.h):
  * of 2304 tries 97.7 % held, and of 576 such ones three standard errors are 1.9 %. Where all errors
- * of hours count as one common factor, 98.4 % and more hold the reference, and of means 99.7 %.
+ * of hours count as one common factor, 99 % and more hold the reference.
  */
 static void test_sensors(void **state)
 {
