@@ -155,10 +155,12 @@ static void test_19_cut_short(void **state)
                   (double)loaded, 0);
 }
 
-/* Braces and values thrown together: whatever comes of it, an error has a line and a reason. */
+/* Braces and values thrown together: whatever comes of it, an error has a line and a reason. Both
+ * ranks have one parser; a tree of rank 3 that is accepted is filled, which takes most of the time,
+ * so that the short form has fewer of these. */
 static void test_19_braces_at_random(void **state)
 {
-    const long rounds = stability_full() ? 20000 : 600;
+    const long rounds = stability_full() ? 20000 : 600, rank_3_each = stability_full() ? 2 : 10;
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_BENCH, 19);
     long mute = 0, refused = 0;
     (void)state;
@@ -172,8 +174,8 @@ static void test_19_braces_at_random(void **state)
         for (int k = 0; k < n; k++)
             fputs(pieces[(int)(6 * orl_random_uniform(&random))], data.stream);
         text_close(&data);
-        file =
-            make_file(i & 1 ? "TensorTree3" : "TensorTree4", "Reflection Front", NULL, data.data);
+        file = make_file(i % rank_3_each == 1 ? "TensorTree3" : "TensorTree4", "Reflection Front",
+                         NULL, data.data);
         if (load(&file, file.size, &err) < 0) {
             refused++;
             mute += err.line == 0 || err.message[0] == '\0';

@@ -19,6 +19,7 @@
 #include <cmocka.h>
 
 #include "support/cli.h"
+#include "support/extent.h"
 #include "support/room.h"
 #include "support/stability.h"
 
@@ -36,7 +37,7 @@ static double worst_of(const double *a, const double *b, size_t n)
 static double difference_by(const struct room_change *change)
 {
     static const struct room_change none = {1, 0, {0, 0, 0}};
-    const uint64_t photons = stability_full() ? 2000000 : 200000;
+    const uint64_t photons = stability_full() ? 2000000 : extent(50000, 200000);
     double first[ROOM_SENSORS], second[ROOM_SENSORS];
     room_changed_lx(&none, photons, 1, first);
     room_changed_lx(change, photons, 1, second);
@@ -89,7 +90,7 @@ static void copy_office(struct office *office, const char *xform, struct orl_vec
 
 static struct orl_result run_office(const char *xform, struct orl_vec3 shift)
 {
-    const uint64_t photons = stability_full() ? 2000000 : 100000;
+    const uint64_t photons = stability_full() ? 2000000 : extent(50000, 100000);
     struct office office;
     copy_office(&office, xform, shift);
     struct orl_result result = scene_run(&(struct scene_run){.source = office.folder,
@@ -161,14 +162,28 @@ static double worst_t(double differences[MOST_PAIRS][MOST_SEEDS], int pairs, int
 
 static int count_seeds(void)
 {
-    return stability_full() ? MOST_SEEDS : 24;
+    return stability_full() ? MOST_SEEDS : (int)extent(12, 24);
+}
+
+/* Samples and photons of a seed: half of them in the short form. What scatters is held against its
+ * own standard error, whatever the number is. */
+static uint32_t count_samples(void)
+{
+    return stability_full() ? 1024 : (uint32_t)extent(512, 1024);
+}
+
+static uint64_t count_photons(void)
+{
+    return stability_full() ? 50000 : extent(25000, 50000);
 }
 
 static void test_normals(void **state)
 {
     static double differences[MOST_PAIRS][MOST_SEEDS];
-    struct scene_run run = {
-        .sensors = room_sensors, .n_sensors = ROOM_SENSORS, .samples = 1024, .global = 50000};
+    struct scene_run run = {.sensors = room_sensors,
+                            .n_sensors = ROOM_SENSORS,
+                            .samples = count_samples(),
+                            .global = count_photons()};
     (void)state;
     for (int s = 0; s < count_seeds(); s++) {
         double a[ROOM_SENSORS], b[ROOM_SENSORS];
@@ -200,8 +215,8 @@ static void test_mirror_image(void **state)
                                 .sensors = pairs,
                                 .n_sensors = 6,
                                 .seed = (uint64_t)s + 1,
-                                .samples = 1024,
-                                .global = 50000},
+                                .samples = count_samples(),
+                                .global = count_photons()},
             lx);
         for (int i = 0; i < 3; i++)
             differences[i][s] = lx[2 * i + 1] - lx[2 * i];

@@ -40,21 +40,21 @@ static double mean_lx(const char *more, uint64_t seed)
     return sum;
 }
 
-/* By how much of itself the light changes when surfaces are added; the mean of some seeds. */
-static double change_by(const char *more)
+/* The mean of some seeds. */
+static double mean_of_seeds(const char *more)
 {
     const uint64_t seeds = stability_full() ? 32 : 16;
-    double with = 0, without = 0;
-    for (uint64_t s = 1; s <= seeds; s++) {
-        with += mean_lx(more, s);
-        without += mean_lx("", s);
-    }
-    return fabs(with / without - 1);
+    double sum = 0;
+    for (uint64_t s = 1; s <= seeds; s++)
+        sum += mean_lx(more, s) / (double)seeds;
+    return sum;
 }
 
 /*
  * A second floor in the floor, and a second pane in the pane: whole, turned round, over a half of
- * it. A seed's mean scatters by 0.5 %: of the difference of two means of sixteen that is 0.2 %.
+ * it. Where rays meet the same surfaces in the same order, nothing differs; else a seed's mean
+ * scatters by 1.5 % and its difference by 1.3 %, as 48 seeds showed: the mean difference of sixteen
+ * by 0.33 %, a third of what is allowed.
  */
 static void test_duplicates(void **state)
 {
@@ -63,13 +63,14 @@ static void test_duplicates(void **state)
     static const char *const panes[3] = {"p polygon pane2 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n",
                                          "p polygon pane2 0 0 12 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n",
                                          "p polygon pane2 0 0 12 2 0 1 2 0 2.5 3 0 2.5 3 0 1\n"};
+    const double bare = mean_of_seeds("");
     double worst = 0;
     (void)state;
     stability_row(31, "coplanar duplicates",
-                  "floor and shelf twice: relative change of a room's light", change_by(floors),
-                  1e-3);
+                  "floor and shelf twice: relative change of a room's light",
+                  fabs(mean_of_seeds(floors) / bare - 1), 1e-3);
     for (int i = 0; i < 3; i++)
-        worst = fmax(worst, change_by(panes[i]));
+        worst = fmax(worst, fabs(mean_of_seeds(panes[i]) / bare - 1));
     stability_row(31, "coplanar duplicates", "pane twice: worst relative change of a room's light",
                   worst, 0.01);
     stability_holds(31, "coplanar duplicates", "pane twice: the same bytes each time",

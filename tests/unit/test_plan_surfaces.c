@@ -39,6 +39,29 @@ static void test_mirrors(void **state)
                           ORL_EFFECT_CAUSTICS_MIRROR);
 }
 
+/*
+ * A mirror in the sun's patch, by an open window: a sensor that faces the sun's image there has the
+ * mirror's reflectance of what the sun brings, to a half angle a the irradiance pi sin^2 a L. What
+ * is curved may gather the sun, and so add more.
+ */
+static void test_what_mirrors_may_add(void **state)
+{
+    static const char *const scenes[2] = {
+        SKY SUN ROOM_GREY ROOM_SHELL "void mirror m 0 0 3 .9 .9 .9\n"
+                                     "m polygon flat 0 0 12 1.5 1.2 .01 2.5 1.2 .01 2.5 2.2 .01 "
+                                     "1.5 2.2 .01\n",
+        SKY SUN ROOM_GREY ROOM_SHELL DISH};
+    const double sine = sin(0.533 / 2 * ORL_DEG_TO_RAD);
+    const double added_lx = 0.9 * ORL_EFFICACY_LM_PER_W * ORL_PI * sine * sine * 1e6;
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const struct orl_plan plan = plan_text(scenes[i], NULL);
+        const struct orl_decision *d = &plan.effects[ORL_EFFECT_CAUSTICS_MIRROR];
+        if (!d->simulated || !(d->bound >= 0.999 * added_lx))
+            fail_msg("%s: the bound is %g lx, a mirror adds %g lx", d->why, d->bound, added_lx);
+    }
+}
+
 /* A small pane of a house opposite throws the northern sun into the window. */
 static void test_mirrors_outside(void **state)
 {
@@ -211,10 +234,15 @@ static void test_clear_solids(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_mirrors),      cmocka_unit_test(test_mirrors_outside),
-        cmocka_unit_test(test_lobes),        cmocka_unit_test(test_caustics_of_paths),
-        cmocka_unit_test(test_glass),        cmocka_unit_test(test_interreflection),
-        cmocka_unit_test(test_glossy),       cmocka_unit_test(test_color),
+        cmocka_unit_test(test_mirrors),
+        cmocka_unit_test(test_what_mirrors_may_add),
+        cmocka_unit_test(test_mirrors_outside),
+        cmocka_unit_test(test_lobes),
+        cmocka_unit_test(test_caustics_of_paths),
+        cmocka_unit_test(test_glass),
+        cmocka_unit_test(test_interreflection),
+        cmocka_unit_test(test_glossy),
+        cmocka_unit_test(test_color),
         cmocka_unit_test(test_clear_solids),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

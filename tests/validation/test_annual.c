@@ -13,7 +13,13 @@
 #include "support/extent.h"
 #include "support/year.h"
 
-enum { SAMPLES = 2048, TRUTH_SAMPLES = 1024 };
+enum { SAMPLES = 2048, TRUTH_SAMPLES = 1024, FEW = 512 };
+
+/* Standard errors are told by as many batches, whatever the number of paths is. */
+static uint32_t year_samples(void)
+{
+    return (uint32_t)extent(SAMPLES / 2, SAMPLES);
+}
 
 /* A pane in a room's wall, on ground: the room of support/room.h. */
 static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND;
@@ -48,7 +54,8 @@ static void check_hours(const struct year_run *asked)
     struct year_run run = *asked;
     const size_t n_sensors = asked->n_sensors;
     run.site = izmir;
-    run.samples = SAMPLES;
+    run.samples = year_samples();
+    run.photons = extent_is_long() ? 0 : 50000;
     run.seed = 5;
     struct orl_annual_result year = year_run(&run);
     double squares = 0, worst = 0;
@@ -57,7 +64,7 @@ static void check_hours(const struct year_run *asked)
     for (size_t c = 0; c < year.n_columns; c += extent(4, 2)) {
         const struct orl_annual_step *step = &year.steps[year.step_of_column[c]];
         double lx[16], se[16];
-        year_hour(&run, step, TRUTH_SAMPLES, lx, se);
+        year_hour(&run, step, (uint32_t)extent(FEW, TRUTH_SAMPLES), lx, se);
         for (size_t s = 0; s < n_sensors; s++, n++) {
             const double found = (double)orl_annual_row(&year, year.total, s)[c];
             const double own = (double)orl_annual_row(&year, year.se, s)[c];
@@ -339,6 +346,7 @@ static void test_kept_rows(void **state)
                            .sensors = sensors,
                            .n_sensors = MANY,
                            .samples = 16,
+                           .photons = (uint32_t)extent(5000, 0),
                            .env = &env,
                            .wishes = &wishes,
                            .ret_refinement = &first};

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 
 #include "fixtures/bsdf_make.h"
+#include "support/extent.h"
 #include "support/year.h"
 
 enum { COLUMNS = 8, ROWS = 40, SENSORS = COLUMNS * ROWS, HOURS = 4, SUNNY = 3, PANES = 4 };
@@ -74,17 +75,19 @@ static struct orl_annual_result run_at(double height_m, enum pane pane, const ch
     }
     snprintf(scene, sizeof scene, "%s%s%s", materials[pane], screen,
              ROOM_GREY ROOM_SHELL ROOM_PANE ROOM_GROUND);
-    struct orl_annual_result year = year_run(&(struct year_run){.scene = scene,
-                                                                .resource_name = "pane.xml",
-                                                                .resource_text = bsdf.data,
-                                                                .weather = weather,
-                                                                .sensors = sensors,
-                                                                .n_sensors = SENSORS,
-                                                                .groups = group,
-                                                                .n_groups = group ? 1 : 0,
-                                                                .samples = 16,
-                                                                .threads = 2,
-                                                                .seed = 3});
+    struct orl_annual_result year =
+        year_run(&(struct year_run){.scene = scene,
+                                    .resource_name = "pane.xml",
+                                    .resource_text = bsdf.data,
+                                    .weather = weather,
+                                    .sensors = sensors,
+                                    .n_sensors = SENSORS,
+                                    .groups = group,
+                                    .n_groups = group ? 1 : 0,
+                                    .samples = 16,
+                                    .photons = (uint32_t)extent(2000, 0),
+                                    .threads = 2,
+                                    .seed = 3});
     free(bsdf.data);
     assert_int_equal(year.n_columns, HOURS);
     return year;

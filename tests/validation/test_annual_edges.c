@@ -12,6 +12,7 @@
 
 #include "fixtures/bsdf_make.h"
 #include "scene/generate/sun.h"
+#include "support/extent.h"
 #include "support/year.h"
 
 #define HEAD(latitude, longitude, zone)                                                            \
@@ -176,7 +177,7 @@ static void test_disc_in_two_cells(void **state)
                                  .weather = weather,
                                  .sensors = sensors,
                                  .n_sensors = 2,
-                                 .samples = 2048};
+                                 .samples = (uint32_t)extent(512, 2048)};
     struct orl_annual_result year = year_run(&run);
     for (size_t c = 0; c < year.n_columns; c++) {
         const struct orl_annual_step *step = &year.steps[year.step_of_column[c]];
@@ -184,7 +185,7 @@ static void test_disc_in_two_cells(void **state)
         const double off = off_normal_deg(step);
         if (fabs(off - 35) > 0.4)
             continue;
-        year_hour(&run, step, 4096, lx, se);
+        year_hour(&run, step, (uint32_t)extent(1024, 4096), lx, se);
         for (size_t s = 0; s < 2; s++) {
             const double found = (double)orl_annual_row(&year, year.total, s)[c];
             const double own = (double)orl_annual_row(&year, year.se, s)[c];

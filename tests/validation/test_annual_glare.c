@@ -9,9 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/extent.h"
 #include "support/year.h"
 
-enum { SAMPLES = 512, SIDE = 60, PIXEL_SAMPLES = 12, MOST_COLUMNS = 64 };
+enum { SAMPLES = 512, SIDE = 60, MOST_COLUMNS = 64 };
 
 #define HEAD(latitude)                                                                             \
     "place made_up\nlatitude " latitude "\nlongitude -27.14\ntime_zone -30\nsite_elevation 0\n"    \
@@ -33,6 +34,7 @@ static struct year_run run_of(const char *scene, const char *weather)
                              .sensors = &nowhere,
                              .n_sensors = 1,
                              .samples = SAMPLES,
+                             .photons = (uint32_t)extent(20000, 0),
                              .seed = 3};
 }
 
@@ -58,6 +60,7 @@ static void test_against_pictures(void **state)
                                                 "11 5 12.5 0 160\n";
     const struct year_run run = run_of(ROOM, weather);
     struct orl_annual_result year = year_run(&run);
+    const uint32_t pixel_samples = (uint32_t)extent(6, 12);
     unsigned char wanted[MOST_COLUMNS];
     double squares = 0, worst = 0;
     (void)state;
@@ -68,7 +71,7 @@ static void test_against_pictures(void **state)
         for (size_t c = 0; c < year.n_columns; c++) {
             const struct orl_annual_step *step = &year.steps[year.step_of_column[c]];
             double eye_lx;
-            const double dgp = year_dgp(&run, step, &seats[s], SIDE, PIXEL_SAMPLES, &eye_lx);
+            const double dgp = year_dgp(&run, step, &seats[s], SIDE, pixel_samples, &eye_lx);
             const double found = (double)hours[s].dgp[c];
             print_message("%s, %d/%d %.1f h: %.3f [%.3f, %.3f] %.0f lx, picture %.3f %.0f lx\n",
                           seats[s].name, step->month, step->day, step->hour, found,

@@ -64,7 +64,7 @@ static struct orl_sensor random_sensor(struct orl_random *random)
 
 static size_t count_hours(void)
 {
-    return extent(12, 25);
+    return extent(6, 25);
 }
 static size_t count_sensors(void)
 {
@@ -118,6 +118,7 @@ static void try_scene(size_t scene, struct tally *sum)
                                  .sensors = sensors,
                                  .n_sensors = count_sensors(),
                                  .samples = SAMPLES,
+                                 .photons = extent_is_long() ? 0 : 50000,
                                  .threads = 2,
                                  .seed = 11 + scene};
     struct orl_annual_result year = year_run(&run);
@@ -136,7 +137,8 @@ static void try_scene(size_t scene, struct tally *sum)
 }
 
 /* Student's law of 15 degrees of freedom puts nine of a thousand beyond 3, and one in 7 000 beyond
- * 5; hours of one sensor are correlated, some dozens of them about as one. */
+ * 5; hours of one sensor are correlated, some dozens of them about as one: 21 of a thousand are
+ * allowed. */
 static void test_random_hours(void **state)
 {
     struct tally sum = {.n = 0};
@@ -146,7 +148,7 @@ static void test_random_hours(void **state)
     assert_int_equal(sum.n, SCENES * count_hours() * count_sensors());
     print_message("all: beyond 3 %zu of %zu, z rms %.2f\n", sum.beyond, sum.n,
                   sqrt(sum.squares / (double)sum.n));
-    assert_true(sum.beyond <= 20);
+    assert_true(sum.beyond * 48 <= sum.n);
     assert_true(sqrt(sum.squares / (double)sum.n) < 1.25);
     assert_true(sum.worst < 5.5);
 }

@@ -17,9 +17,10 @@
 
 #include "run/kept_file.h"
 #include "support/cli.h"
+#include "support/extent.h"
 #include "support/year.h"
 
-enum { SENSORS = 70 /* two blocks */, TEXT = 1 << 14, FEW = 128, MANY = 512 };
+enum { SENSORS = 70 /* two blocks */, TEXT = 1 << 14 };
 
 static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
     "void plastic e 0 0 5 .2 .2 .2 0 0\ne polygon ground "
@@ -56,7 +57,8 @@ static struct year_run run_of(const char *scene, const char *kept_in)
                              .site = izmir,
                              .sensors = sensors,
                              .n_sensors = SENSORS,
-                             .samples = FEW,
+                             .samples = (uint32_t)extent(32, 128),
+                             .photons = (uint32_t)extent(5000, 0),
                              .seed = 5,
                              .kept_in = kept_in};
 }
@@ -167,7 +169,7 @@ static void test_more_samples_go_on(void **state)
     cli_make_folder(folder);
     struct year_run run = run_of(panel_room, folder);
     struct orl_annual_result few = run_twice(&run);
-    run.samples = MANY;
+    run.samples = (uint32_t)extent(128, 512);
     run.threads = 7;
     struct orl_annual_result many = run_twice(&run);
     assert_int_equal(many.reuse.of[ORL_YEARS_PATHS].topped_up, 2);

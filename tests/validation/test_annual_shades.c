@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "support/cli.h"
+#include "support/extent.h"
 #include "support/year.h"
 
 enum { SAMPLES = 64, TEXT = 8192 };
@@ -59,6 +60,7 @@ static struct year_run usual(const char *scene)
                              .sensors = sensors,
                              .n_sensors = SENSORS,
                              .samples = SAMPLES,
+                             .photons = (uint32_t)extent(5000, 0),
                              .seed = 5};
 }
 

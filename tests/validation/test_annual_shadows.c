@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "support/extent.h"
 #include "support/year.h"
 
 #define ROOM ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
@@ -21,7 +22,12 @@ static const struct orl_sensor sensors[] = {{{1, .7, .8}, {0, 0, 1}},
                                             {{2, 1.5, .8}, {0, 0, 1}},
                                             {{3, 2.5, .8}, {0, 0, 1}},
                                             {{2, 4, .8}, {0, 0, 1}}};
-enum { SENSORS = sizeof sensors / sizeof *sensors, TEXT = 1 << 15, TRUTH_SAMPLES = 4096 };
+enum {
+    SENSORS = sizeof sensors / sizeof *sensors,
+    TEXT = 1 << 15,
+    TRUTH_SAMPLES = 4096,
+    FEW = 1024
+};
 
 /* ---- Towers ---------------------------------------------------------------------------------- */
 
@@ -100,7 +106,7 @@ static void test_slit(void **state)
                                  .site = izmir,
                                  .sensors = sensors,
                                  .n_sensors = SENSORS,
-                                 .samples = 8192,
+                                 .samples = (uint32_t)extent(2048, 8192),
                                  .threads = 2,
                                  .seed = 3};
     struct orl_annual_result year = year_run(&run);
@@ -111,7 +117,7 @@ static void test_slit(void **state)
         double lx[SENSORS], se[SENSORS];
         if (fabs(step->hour - 13.5) > 1)
             continue;
-        year_hour(&run, step, TRUTH_SAMPLES, lx, se);
+        year_hour(&run, step, (uint32_t)extent(FEW, TRUTH_SAMPLES), lx, se);
         for (size_t s = 0; s < SENSORS; s++, n++) {
             const size_t at = s * year.n_columns + c;
             const double off = (double)year.total[at] - lx[s];

@@ -26,7 +26,7 @@ enum {
     FIRST = 64,
     LONG = 16384,
     LONG_RUNS = 5,
-    SHORT = 4096,
+    SHORT = 2048,
     TEXT = 1 << 15
 };
 
@@ -47,7 +47,7 @@ static const struct {
     {"facing a wall", ROOM_GREY ROOM_CLEAR ROOM_SHELL PANES ROOM_GROUND WALL, "sDA200/50", false},
     {"panel", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND, "sDA700/50", true}};
 enum { ROOMS = sizeof rooms / sizeof *rooms };
-static const double offsets[] = {-8, -3, 3, 8}, short_offsets[] = {-8, -3, 8};
+static const double offsets[] = {-8, -3, 3, 8}, short_offsets[] = {-8, -4, 8};
 
 /* ---- A year ---------------------------------------------------------------------------------- */
 
@@ -95,6 +95,7 @@ static struct year_run run_of(size_t room, uint64_t seed, uint32_t samples)
                              .sensors = sensors,
                              .n_sensors = SENSORS,
                              .samples = samples,
+                             .photons = extent_is_long() ? 0 : 50000,
                              .threads = 2,
                              .seed = seed};
 }
@@ -189,7 +190,7 @@ static void test_verdicts(void **state)
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 
-enum { METRICS = 3, SEEDS = 12, FEW = 128, REFERENCE = 4096 };
+enum { METRICS = 3, SEEDS = 12, REFERENCE_OF_FEW = 32 };
 static const struct orl_annual_metric metrics[METRICS] = {
     {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 600, 0},
     {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 300, 2000},
@@ -217,21 +218,33 @@ static void evaluate(size_t room, uint64_t seed, uint32_t samples,
     orl_annual_done(&year);
 }
 
+/* Of a share that is found by that many independent tries. */
+static double three_errors(double share, double tries)
+{
+    return 3 * sqrt(share * (1 - share) / tries);
+}
+
 /*
  * Sensors have paths of their own, so that the intervals are as many independent tries as there are
- * sensors and seeds, 576 of each metric: of 95 %, three standard errors are 2.7 %. The reference's
- * error adds 1.5 % to the spread, half a percent of the intervals. Where all errors of hours count
- * as one common factor, 99 % and more hold it.
+ * sensors and seeds, 576 of each metric: of 95 %, three standard errors are 2.7 %. (Of 24 seeds the
+ * numbers that held scattered from seed to seed by 0.5 to 1.1 of the binomial variance, so that
+ * sensors of one seed do not go together.) The reference, of 32 times as many paths, adds 1.5 % to
+ * the spread, and takes half a percent from what holds. A mean sums hours of all bands of
+ * illuminance, whose errors cancel more than the one factor of a sensor says (annual/coherence.h):
+ * of 2304 tries 97.7 % held, and of 576 such ones three standard errors are 1.9 %. Where all errors
+ * of hours count as one common factor, 99 % and more hold the reference.
  */
 static void test_sensors(void **state)
 {
     static struct orl_annual_value truth[METRICS][SENSORS], found[METRICS][SENSORS];
     unsigned held[METRICS] = {0};
-    const double tries = SEEDS * SENSORS, least = 0.95 - 0.027 - 0.005, most = 0.95 + 0.027 + 0.005;
+    static const double usual[METRICS] = {0.95, 0.95, 0.977};
+    const uint32_t few = (uint32_t)extent(64, 128);
+    const double tries = SEEDS * SENSORS, least = 0.95 - three_errors(0.95, tries) - 0.005;
     (void)state;
-    evaluate(0, 4711, REFERENCE, truth);
+    evaluate(0, 4711, REFERENCE_OF_FEW * few, truth);
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        evaluate(0, seed, FEW, found);
+        evaluate(0, seed, few, found);
         for (size_t i = 0; i < METRICS * SENSORS; i++) {
             const struct orl_annual_value *value = &found[i / SENSORS][i % SENSORS];
             const double right = truth[i / SENSORS][i % SENSORS].value;
@@ -242,7 +255,8 @@ static void test_sensors(void **state)
         char name[64];
         orl_annual_metric_name(&metrics[k], name, sizeof name);
         print_message("%s: %.1f %% of intervals hold the reference\n", name, 100 * held[k] / tries);
-        assert_true(held[k] >= least * tries && held[k] <= most * tries);
+        assert_true(held[k] >= least * tries);
+        assert_true(held[k] <= (usual[k] + three_errors(usual[k], tries)) * tries);
     }
 }
 

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "support/cli.h"
+#include "support/extent.h"
 #include "support/hdr.h"
 #include "support/room.h"
 
@@ -43,6 +44,7 @@ static void look(const struct look *l, picture ret)
         .global = l->photons ? l->photons : 100000,
         .caustic = l->technique == ORL_TECHNIQUE_GATHER ? l->photons : 0,
         .pixel_samples = l->pixel_samples ? l->pixel_samples : 16,
+        .samples = (uint32_t)extent(1024, 4096),
         .wishes = l->wishes,
         .folder = folder});
     snprintf(path, sizeof path, "%s/view.hdr", folder);
@@ -91,7 +93,7 @@ static void assert_both_alike(const char *scene, const char *pane, const char *v
                         .view = view,
                         .pane = pane,
                         .technique = ORL_TECHNIQUE_GATHER,
-                        .photons = 300000},
+                        .photons = extent(100000, 300000)},
          gathered);
     look(&(struct look){.scene = scene, .view = view, .pane = pane, .pixel_samples = 64}, backward);
     for (int row = 0; row < PARTS; row++)

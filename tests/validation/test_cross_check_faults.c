@@ -41,7 +41,7 @@
 #define LAMP(name, x) "l sphere " name " 0 0 4 " x " 2.6 2.4 .02\n"
 #define MIRROR_FLOOR "m polygon strip 0 0 12 .6 1.3 .01 2.2 1.3 .01 2.2 2.8 .01 .6 2.8 .01\n"
 
-enum { SENSORS = 8, SEEDS = 6 };
+enum { SENSORS = 8 };
 static const struct orl_sensor sensors[SENSORS] = {
     {{.7, 1.2, .8}, {0, 0, 1}},   {{1.8, 2.2, .8}, {0, 0, 1}}, {{2.6, 1.1, .8}, {0, 0, 1}},
     {{3.6, 2.4, .8}, {0, 0, 1}},  {{4.3, 1.5, .8}, {0, 0, 1}}, {{1.2, 3.3, 1.2}, {0, -1, 0}},
@@ -124,7 +124,7 @@ static void test_faults(void **state)
     for (size_t f = 0; f < FAULTS; f++) {
         const struct fault *fault = &faults[f];
         struct orl_world *world = scene_world(fault->whole, NULL, NULL, crew);
-        for (uint64_t seed = 1; seed <= SEEDS; seed++, all++) {
+        for (uint64_t seed = 1; seed <= extent(3, 6); seed++, all++) {
             struct orl_result r = run_scene(fault->faulty ? fault->faulty : fault->whole,
                                             fault->left_out, ORL_TECHNIQUE_BACKWARD, seed);
             assert_int_equal(r.cross_check.sensors_off, 0);
@@ -152,7 +152,7 @@ static void test_sound_rooms(void **state)
     size_t alarms = 0, all = 0;
     (void)state;
     for (size_t f = 0; f < FAULTS; f++)
-        for (uint64_t seed = 1; seed <= extent(12, 17); seed++, all++) {
+        for (uint64_t seed = 1; seed <= extent(4, 17); seed++, all++) {
             struct orl_result r =
                 run_scene(faults[f].whole, ORL_EFFECT_COUNT, techniques[seed % 2], seed);
             if (r.cross_check.sensors_off > 0)
@@ -162,7 +162,7 @@ static void test_sound_rooms(void **state)
             orl_result_done(&r);
         }
     print_message("%zu alarms in %zu sound rooms\n", alarms, all);
-    assert_true(alarms <= 1);
+    assert_true(alarms <= extent(0, 1)); /* 1 % of 102, and of 24 */
 }
 
 int main(void)

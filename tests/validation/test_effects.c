@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "support/extent.h"
 #include "support/room.h"
 
 /* A room of 4 x 5 x 3 m whose walls are w, without its south wall. */
@@ -144,9 +145,9 @@ static struct orl_result run_once(const struct pair *pair, const char *scene, en
                                          .height = 16,
                                          .wishes = wishes,
                                          .seed = seed,
-                                         .global = 30000,
-                                         .caustic = 3000,
-                                         .samples = 512});
+                                         .global = extent(8000, 30000),
+                                         .caustic = extent(2000, 3000),
+                                         .samples = (uint32_t)extent(256, 512)});
 }
 
 /* Means of sensors over some seeds, the variance of the means, and what the work was. */

@@ -121,13 +121,13 @@ static const char *const place_names[] = {"floor",     "floor, off middle", "flo
 enum { PLACES = sizeof places / sizeof *places, CORNER = 2 };
 
 static void read_sensors(const char *scene, const struct orl_sensor *sensors, size_t n,
-                         double *ret_radiance)
+                         uint64_t photons, double *ret_radiance)
 {
     scene_run_lx(&(struct scene_run){.scene = scene,
                                      .sensors = sensors,
                                      .n_sensors = n,
-                                     .samples = stability_full() ? 16384 : 4096,
-                                     .global = stability_full() ? 4000000 : 200000},
+                                     .samples = stability_full() ? 16384 : 1024,
+                                     .global = stability_full() ? 4000000 : photons},
                  ret_radiance);
     for (size_t i = 0; i < n; i++)
         ret_radiance[i] /= ORL_PI * ORL_EFFICACY_LM_PER_W;
@@ -145,7 +145,7 @@ static void test_trays(void **state)
         if (!s->white)
             continue;
         snprintf(text, sizeof text, "%s%s%s%s", SKY, s->text, TRAY, s->lets_through ? LID : "");
-        read_sensors(text, places, PLACES, found);
+        read_sensors(text, places, PLACES, 200000, found);
         for (int p = 0; p < PLACES; p++) {
             const double tolerance = p == CORNER ? 1.5 * set.tolerance : set.tolerance;
             snprintf(what, sizeof what, "%s: %s", s->name, place_names[p]);
@@ -240,7 +240,7 @@ static void test_plates(void **state)
         if (s->diffuse + s->specular == 0)
             continue;
         snprintf(text, sizeof text, "%s%s%s", SKY, s->text, PLATE);
-        read_sensors(text, sensors, 2, found);
+        read_sensors(text, sensors, 2, 50000, found);
         find_albedos(s, &albedos);
         for (int p = 0; p < 2; p++) {
             snprintf(what, sizeof what, "%s: from %g m", s->name, heights[p]);

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "support/extent.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow sky 0 0 4 100 90 80 0\nsky source s 0 0 4 0 0 1 360\n"
@@ -30,13 +31,14 @@ static const double lumens = 179;
 static double run(const char *scene, enum orl_technique technique, double *ret_error)
 {
     static const struct orl_sensor sensor = {{1.5, 1, .8}, {0, 0, 1}};
+    const bool has_maps = technique != ORL_TECHNIQUE_BACKWARD;
     const struct scene_run job = {.scene = scene,
                                   .sensors = &sensor,
                                   .n_sensors = 1,
                                   .technique = technique,
-                                  .wishes = scene_wish_maps,
+                                  .wishes = has_maps ? scene_wish_maps : NULL,
                                   .samples = 2048,
-                                  .global = 200000,
+                                  .global = extent(100000, 200000),
                                   .threads = 2,
                                   .dark_is_error = false};
     struct orl_result result = scene_run(&job);

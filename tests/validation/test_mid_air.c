@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "support/extent.h"
 #include "support/room.h"
 
 #define DARK "void plastic w 0 0 5 .001 .001 .001 0 0\n"
@@ -195,7 +196,7 @@ static void a_narrow_gleam_on_a_floor_is_caught(void **state)
         struct orl_result result = scene_run(&(struct scene_run){.scene = scenes[i],
                                                                  .sensors = sensors,
                                                                  .n_sensors = 1,
-                                                                 .global = 1000000,
+                                                                 .global = extent(300000, 1000000),
                                                                  .caustic = ORL_PHOTONS_BY_PLAN,
                                                                  .samples = 256});
         assert_near(&result, 0, shares[i] * sun_w() * sqrt(0.5), 0.2);
@@ -231,7 +232,7 @@ static void a_lamp_is_seen_in_a_mirror(void **state)
                                                                  .sensors = sensors,
                                                                  .n_sensors = 1,
                                                                  .wishes = dark,
-                                                                 .caustic = 400000,
+                                                                 .caustic = extent(100000, 400000),
                                                                  .samples = 256,
                                                                  .threads = 1 + 2 * i});
         assert_near(&result, 0, 0.9 * 100 * form, 0.2);
@@ -278,14 +279,14 @@ static void the_sun_glances_off_rough_metal(void **state)
 
 /*
  * Of few photons each run is a matter of chance, but not all of them are low: of widths that are
- * read the one that has caught least must not be taken for the surest. Twenty-four seeds scatter by
- * 9 % each, their mean by 1.8 %, and a wide disc blurs a lobe by some per cent; when widths were
- * chosen by their own scatter the mean was 21 % low, and 9 of 24 intervals held. Of intervals that
- * hold in 88 of 100 cases 17 or more do in 99.8 of 100 runs.
+ * read the one that has caught least must not be taken for the surest. Seeds scatter by 9 % each,
+ * and a wide disc blurs a lobe by some per cent; when widths were chosen by their own scatter the
+ * mean was 21 % low, and 9 of 24 intervals held. Of intervals that hold in 88 of 100 cases 17 or
+ * more of 24 do in 99.8 of 100 runs, and as often 7 or more of 12, as the short form has.
  */
 static void few_photons_are_not_read_low(void **state)
 {
-    enum { SEEDS = 24, HELD = 17 };
+    const int seeds = (int)extent(12, 24), least_held = (int)extent(7, 17);
     static const char scene[] =
         "void glow sky 0 0 4 100 90 80 0\nsky source s 0 0 4 0 0 1 360\n"
         "void light sun 0 0 3 4e6 4e6 4e6\nsun source d 0 0 4 .2 -.7 .6 .533\n"
@@ -313,17 +314,17 @@ static void few_photons_are_not_read_low(void **state)
     job.global = 50000;
     job.caustic = 20000;
     job.samples = 1024;
-    for (int i = 0; i < SEEDS; i++) {
+    for (int i = 0; i < seeds; i++) {
         job.seed = (uint64_t)i + 1;
         struct orl_result result = scene_run(&job);
         const double *interval = result.interval_95_lx[0];
         held += interval[0] <= lx && lx <= interval[1];
-        sum += result.illuminance_lx[0] / SEEDS;
+        sum += result.illuminance_lx[0] / seeds;
         orl_result_done(&result);
     }
-    print_message("mean %g of %g lx, %d of %d held\n", sum, lx, held, SEEDS);
-    assert_true(held >= HELD);
-    assert_true(fabs(sum / lx - 1) < 0.06 + 3 * 0.018);
+    print_message("mean %g of %g lx, %d of %d held\n", sum, lx, held, seeds);
+    assert_true(held >= least_held);
+    assert_true(fabs(sum / lx - 1) < 0.06 + 3 * 0.09 / sqrt(seeds));
     orl_result_done(&known);
 }
 

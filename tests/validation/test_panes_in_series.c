@@ -14,6 +14,7 @@
 
 #include <cmocka.h>
 
+#include "support/extent.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow g 0 0 4 30 30 30 0\ng source sky 0 0 4 0 0 1 360\n"
@@ -36,8 +37,8 @@ enum { SIDE_X = 12, SIDE_Y = 15, PLACES = SIDE_X * SIDE_Y };
 static const struct orl_sensor watcher = {{2, 0.05, 2.7}, {0, 1, 0}};
 
 /* Illuminance at the middles of the floor's squares, and the watcher's, by each technique. */
-static double run(const char *scene, enum orl_technique technique, double ret_floor[PLACES],
-                  double *ret_error)
+static double run(const char *scene, uint64_t photons, enum orl_technique technique,
+                  double ret_floor[PLACES], double *ret_error)
 {
     static struct orl_sensor sensors[PLACES + 1];
     for (int i = 0; i < PLACES; i++)
@@ -48,9 +49,9 @@ static double run(const char *scene, enum orl_technique technique, double ret_fl
                                                         .sensors = sensors,
                                                         .n_sensors = PLACES + 1,
                                                         .technique = technique,
-                                                        .samples = 2048,
-                                                        .global = 100000,
-                                                        .caustic = 50000});
+                                                        .samples = (uint32_t)extent(512, 2048),
+                                                        .global = photons,
+                                                        .caustic = photons / 2});
     for (int i = 0; i < PLACES; i++)
         ret_floor[i] = r.illuminance_lx[i];
     *ret_error = r.standard_error_lx[PLACES];
@@ -82,13 +83,13 @@ static double seen_of_floor(const double floor[PLACES])
  * squares' middles stand for what is not even over them, which under the sky is a per cent and at
  * the sun's edges two, as finer grids show.
  */
-static void check(const char *scene)
+static void check(const char *scene, uint64_t photons)
 {
     static const enum orl_technique techniques[3] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
                                                      ORL_TECHNIQUE_PRECOMPUTED};
     double floor[PLACES], error;
     for (int t = 0; t < 3; t++) {
-        const double seen = run(scene, techniques[t], floor, &error);
+        const double seen = run(scene, photons, techniques[t], floor, &error);
         const double expected = seen_of_floor(floor);
         print_message("technique %d: %g +- %g lx, by the floor %g\n", (int)techniques[t], seen,
                       error, expected);
@@ -101,13 +102,13 @@ static void check(const char *scene)
 static void under_the_sky(void **state)
 {
     (void)state;
-    check(SKY ROOM);
+    check(SKY ROOM, 100000);
 }
 
 static void in_the_sun(void **state)
 {
     (void)state;
-    check(SKY SUN ROOM);
+    check(SKY SUN ROOM, extent(50000, 100000));
 }
 
 int main(void)

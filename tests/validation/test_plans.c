@@ -84,7 +84,7 @@ static void test_skipped_is_within_bounds(void **state)
     struct tally tally = {0};
     (void)state;
     scene_uniform_bsdf(0.2, bsdf);
-    for (uint32_t i = 0; i < extent(50, 200); i++)
+    for (uint32_t i = 0; i < extent(24, 200); i++)
         compare_room(i, bsdf, &tally);
     print_message("%d comparisons, %d beyond 3 standard errors; rays planned / forced: %.3f\n",
                   tally.compared, tally.beyond_3,

@@ -17,6 +17,7 @@
 #include <oriel/study.h>
 
 #include "support/cli.h"
+#include "support/extent.h"
 #include "support/room.h"
 
 static const char scene[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_SKY;
@@ -125,7 +126,7 @@ static struct orl_study_request make_request(void)
     r.samples = samples;
     r.n_samples = 2;
     r.repeats = 4;
-    r.reference_samples = 65536;
+    r.reference_samples = (uint32_t)extent(32768, 65536);
     r.reference_runs = 4;
     r.given = given;
     r.n_given = 2;
