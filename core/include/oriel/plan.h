@@ -87,7 +87,7 @@ struct orl_plan {
     struct orl_decision effects[ORL_EFFECT_COUNT];
     uint32_t most_reflections; /* diffuse ones that light is followed through; or ORL_ALL_... */
     uint32_t channels;         /* 3, or 1 where all is gray */
-    uint32_t paths;            /* the classes of paths that the scene has (paths.h), as 1 << class */
+    uint32_t paths; /* the classes of paths that the scene has (paths.h), as 1 << class */
     uint64_t photons_global, photons_caustic; /* targets; 0: no such map */
     struct orl_foresight foresight;
 };
