@@ -50,6 +50,9 @@ static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL
     [ORL_PATHS_NARROW_LOBES] = {BOTH(CHANCE), BOTH(SHADOW), BOTH(CHANCE), BOTH(CHANCE),
                                 BOTH(CHANCE)},
     [ORL_PATHS_CURVED] = {BOTH(CHANCE), BOTH(CHANCE), BOTH(CAUSTIC), BOTH(CAUSTIC), BOTH(CAUSTIC)},
+    /* Plain paths are too few for what a lens shows of a window. */
+    [ORL_PATHS_SKY_CURVED] = {BOTH(CHANCE), BOTH(RAYS), BOTH(RAYS), AIR_SURFACE(RAYS, GLOBAL),
+                              AIR_SURFACE(RAYS, GLOBAL)},
     [ORL_PATHS_MANY_SUN_MIRRORS] = {BOTH(CHANCE), BOTH(CHANCE), BOTH(CAUSTIC), BOTH(CAUSTIC),
                                     BOTH(CAUSTIC)},
     [ORL_PATHS_MANY_LAMP_MIRRORS] = {BOTH(CHANCE), BOTH(CHANCE), BOTH(CAUSTIC), BOTH(CAUSTIC),
@@ -76,6 +79,8 @@ static const struct {
                                 "suns and lamps by lobes of functions that are very narrow"},
     [ORL_PATHS_CURVED] = {"curved",
                           "suns and lamps by way of curved mirrors, lenses or thick glass"},
+    [ORL_PATHS_SKY_CURVED] = {"sky-curved",
+                              "skies and glows by way of curved mirrors, lenses or thick glass"},
     [ORL_PATHS_MANY_SUN_MIRRORS] = {"many-sun-mirrors",
                                     "suns by way of flat mirrors that face very many ways"},
     [ORL_PATHS_MANY_LAMP_MIRRORS] = {"many-lamp-mirrors", "lamps by way of very many flat mirrors"},

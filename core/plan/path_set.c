@@ -12,21 +12,29 @@ static uint32_t set_if(bool present, enum orl_path_class class)
     return present ? 1U << class : 0;
 }
 
+/* Returns true if there are lights that rays have to meet: skies and glows. */
+static bool has_wide_lights(const struct orl_world *world)
+{
+    bool wide = world->n_domes > 0;
+    for (size_t i = 0; i < world->n_emitters; i++)
+        wide = wide || !world->emitters[i].direct;
+    return wide;
+}
+
 static uint32_t of_lights(const struct orl_world *world)
 {
-    bool direct = world->n_suns > 0, wide = world->n_domes > 0;
-    for (size_t i = 0; i < world->n_emitters; i++) {
+    bool direct = world->n_suns > 0;
+    for (size_t i = 0; i < world->n_emitters; i++)
         direct = direct || world->emitters[i].direct;
-        wide = wide || !world->emitters[i].direct;
-    }
-    return set_if(wide, ORL_PATHS_SKY) | set_if(direct, ORL_PATHS_DIRECT);
+    return set_if(has_wide_lights(world), ORL_PATHS_SKY) | set_if(direct, ORL_PATHS_DIRECT);
 }
 
 static uint32_t of_mirrors(const struct orl_world *world, const struct orl_lit *lit)
 {
-    const bool flat = lit->classes[ORL_LIT_FLAT].lit;
+    const bool flat = lit->classes[ORL_LIT_FLAT].lit, wide = has_wide_lights(world);
     return set_if(flat, ORL_PATHS_FLAT_MIRRORS) |
            set_if(lit->classes[ORL_LIT_CURVED].lit, ORL_PATHS_CURVED) |
+           set_if(wide && lit->classes[ORL_LIT_CURVED].facets > 0, ORL_PATHS_SKY_CURVED) |
            set_if(flat && world->images.n_left_out > 0, ORL_PATHS_MANY_SUN_MIRRORS) |
            set_if(world->lamp_images.left_out > tolerable_left_out, ORL_PATHS_MANY_LAMP_MIRRORS) |
            set_if(orl_lamp_images_twice(&world->lamp_images), ORL_PATHS_TWO_LAMP_MIRRORS);

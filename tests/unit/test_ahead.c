@@ -147,6 +147,7 @@ static void test_a_slow_machine(void **state)
     for (int i = 0; i < 2; i++) {
         struct orl_result result = {
             .plan = {.technique = ORL_TECHNIQUE_GATHER,
+                     .sensor_technique = ORL_TECHNIQUE_GATHER,
                      .photons_global = 1000000,
                      .foresight = {.known = true, .ray_s = 2e-7 * (1 + i)}}};
         struct orl_run_state run = {.job = &job, .env = &env, .result = &result, .n_sensors = 50};
@@ -164,8 +165,9 @@ static void test_a_map_that_was_read(void **state)
     double render_s[3];
     (void)state;
     for (int i = 0; i < 3; i++) {
-        struct orl_result result = {
-            .plan = {.technique = ORL_TECHNIQUE_GATHER, .photons_global = 1000000}};
+        struct orl_result result = {.plan = {.technique = ORL_TECHNIQUE_GATHER,
+                                             .sensor_technique = ORL_TECHNIQUE_GATHER,
+                                             .photons_global = 1000000}};
         struct orl_run_state run = {.job = &job, .env = &env, .result = &result, .n_sensors = 50};
         orl_run_guess_costs(&run);
         orl_run_know_reads(&run, 0.5 * i);

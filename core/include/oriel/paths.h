@@ -21,6 +21,7 @@ enum orl_path_class {
     ORL_PATHS_LOBES,        /* suns and lamps scattered by BSDFs, rough metal or plastic, trans */
     ORL_PATHS_NARROW_LOBES, /* by lobes of functions that are narrower than draws see */
     ORL_PATHS_CURVED,       /* suns and lamps by curved mirrors, lenses, prisms, thick glass */
+    ORL_PATHS_SKY_CURVED,   /* skies and glows by the same */
     ORL_PATHS_MANY_SUN_MIRRORS,  /* suns by flat mirrors in more directions than have images */
     ORL_PATHS_MANY_LAMP_MIRRORS, /* lamps by pairs of lamp and mirror beyond those with images */
     ORL_PATHS_TWO_LAMP_MIRRORS,  /* lamps by two flat mirrors one after the other */
