@@ -14,7 +14,7 @@ enum {
     CHANCE = ORL_FIND_BY_CHANCE
 };
 
-/* The same strategies in mid-air and on surfaces, or different ones. */
+/* A cell whose strategies are the same for both receivers, and one whose strategies differ. */
 #define BOTH(found)                                                                                \
     {                                                                                              \
         found, found                                                                               \

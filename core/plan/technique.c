@@ -71,7 +71,7 @@ static enum orl_technique for_sensors(size_t n, uint32_t paths, char ret_why[ORL
     return finds_all(preferred, paths, ret_why);
 }
 
-/* By which technique views, or sensors, are rendered if the job does not say. */
+/* Returns the planner's technique of the views, or of the sensors. */
 static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t paths, bool views,
                                      char ret_why[ORL_WHY_MAX])
 {
@@ -87,7 +87,7 @@ static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t p
                  : for_sensors(survey->request->n_sensors, paths, ret_why);
 }
 
-/* The technique of views or of sensors, whichever is asked for. */
+/* Returns the technique of the views, or of the sensors: the job's or the planner's. */
 static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths, bool views,
                                  char ret_why[ORL_WHY_MAX])
 {
@@ -110,8 +110,9 @@ static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths
     return technique;
 }
 
-/* Sensors have a technique of their own beside views, unless the job names one for both, or has a
- * deadline: how its time is shared out is decided round by round for both together. */
+/* Sensors beside views get their own technique, unless the job names one for both or has a
+ * deadline: rounds divide the time of a deadline between sensors and views, and have one technique.
+ */
 static void decide_techniques(const struct orl_survey *survey, struct orl_plan *plan)
 {
     const struct orl_job *job = survey->request->job;

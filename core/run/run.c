@@ -103,7 +103,7 @@ static int render(struct orl_run_state *state, struct orl_error *err)
     return orl_run_technique(state, err);
 }
 
-/* What more accuracy would cost; rounds have worked it out. */
+/* Predicts the cost of more accuracy for a job in one piece; rounds predict it themselves. */
 static void tell_cost(struct orl_run_state *state)
 {
     orl_run_leave(state);

@@ -112,7 +112,7 @@ int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_
 
 /* ---- Results of both ------------------------------------------------------------------------- */
 
-/* What the scene's files had is counted by both runs. */
+/* Adds the sensors' counts, except those of the scene's files, which both runs have counted. */
 static void join_health(struct orl_health *sum, const struct orl_health *sensors)
 {
     struct orl_health part = *sensors;
@@ -189,7 +189,8 @@ static size_t count_doubts(const struct orl_result *result)
     return n;
 }
 
-/* A deadline has no time for it; of a goal for views, too, the outcome is that of both. */
+/* Not with a deadline, which leaves no time for a second run, and not where views have an accuracy
+ * to meet, for then the outcome belongs to both. */
 static bool may_run_again(const struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;

@@ -10,7 +10,8 @@ import os
 
 from cases import MEASURED, PANEL, ROOM, SENSORS, SKY, VIEW, bsdf
 
-# Of the odd values each place gets every third, and each value every third place; all with ORIEL_LONG.
+# Each place is sent every third odd value, and each value goes to every third place. With ORIEL_LONG
+# each place is sent all of them.
 SHARE = 1 if os.environ.get("ORIEL_LONG", "0") not in ("", "0") else 3
 ODD = (None, True, "", "x" * 70000, "/", 1.5, -1, 1e300, 10**30, [], {}, [[1]], {"x": 1})
 PLACE = {"latitude": 38, "longitude": 27, "time_zone": 2}

@@ -15,7 +15,8 @@
 
 enum { SAMPLES = 2048, TRUTH_SAMPLES = 1024, FEW = 512 };
 
-/* Standard errors are told by as many batches, whatever the number of paths is. */
+/* The number of samples. Bounds follow from standard errors, which have the same number of batches
+ * for any number of samples. */
 static uint32_t year_samples(void)
 {
     return (uint32_t)extent(SAMPLES / 2, SAMPLES);

@@ -218,7 +218,7 @@ static void evaluate(size_t room, uint64_t seed, uint32_t samples,
     orl_annual_done(&year);
 }
 
-/* Of a share that is found by that many independent tries. */
+/* Returns three binomial standard errors of a share that so many independent tries have. */
 static double three_errors(double share, double tries)
 {
     return 3 * sqrt(share * (1 - share) / tries);

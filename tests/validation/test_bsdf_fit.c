@@ -9,10 +9,10 @@
  * the sample averaged over the cells of the tree, out and in, which is all that a tree can have. In
  * rings of incidence that the tree has, but for the last ones, which are 6 degrees wide and more.
  *
- * Of rank 4, from 13 incident directions (10 in the short form, which is harder) of 40 000 rows, a
- * sample that is not isotropic: rms of cells over that of the sample itself, to 80 degrees of
- * incidence, at most 16 %: half of what pabopto2bsdf and bsdf2ttree make of such rows would be 16
- * to 20 (33 and 41 % were measured).
+ * A sample that is not isotropic is measured from 13 incident directions (10 in the short form,
+ * which is harder), 40 000 rows, and fitted as a tree of rank 4: rms of cells over that of the
+ * sample itself, to 80 degrees of incidence, at most 16 %: half of what pabopto2bsdf and bsdf2ttree
+ * make of such rows would be 16 to 20 (33 and 41 % were measured).
  */
 #include <setjmp.h>
 #include <stdarg.h>

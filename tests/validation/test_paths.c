@@ -42,7 +42,7 @@ static bool is_too_rare(const char *chain)
 static const char kept_truths[] = "tests/fixtures/path_truths.txt";
 enum { DIGEST_TEXT = 17 };
 
-/* Of the scene and the sensors: eight bytes in hexadecimal. */
+/* Writes the first eight bytes of the digest of scene and sensors, in hexadecimal. */
 static void digest_of(const char *scene, char ret_text[DIGEST_TEXT])
 {
     unsigned char digest[ORL_SHA256_BYTES];

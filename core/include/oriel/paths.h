@@ -19,9 +19,9 @@ enum orl_path_class {
     ORL_PATHS_DIRECT,       /* suns and lamps, straight or through panes and openings */
     ORL_PATHS_FLAT_MIRRORS, /* suns and lamps by flat mirrors and panes that have their images */
     ORL_PATHS_LOBES,        /* suns and lamps scattered by BSDFs, rough metal or plastic, trans */
-    ORL_PATHS_NARROW_LOBES, /* by lobes of functions that are narrower than draws see */
+    ORL_PATHS_NARROW_LOBES, /* by lobes of functions that are too narrow for sampling to find */
     ORL_PATHS_CURVED,       /* suns and lamps by curved mirrors, lenses, prisms, thick glass */
-    ORL_PATHS_SKY_CURVED,   /* skies and glows by the same */
+    ORL_PATHS_SKY_CURVED,   /* skies and glows by curved mirrors, lenses, prisms, thick glass */
     ORL_PATHS_MANY_SUN_MIRRORS,  /* suns by flat mirrors in more directions than have images */
     ORL_PATHS_MANY_LAMP_MIRRORS, /* lamps by pairs of lamp and mirror beyond those with images */
     ORL_PATHS_TWO_LAMP_MIRRORS,  /* lamps by two flat mirrors one after the other */
@@ -32,7 +32,7 @@ enum orl_path_class {
 const char *orl_path_class_name(enum orl_path_class class);  /* "sky", "flat-mirrors", ... */
 const char *orl_path_class_words(enum orl_path_class class); /* "suns and lamps by ..." */
 
-/* Strategies. Flags. */
+/* The sampling strategies, as flags. */
 enum orl_path_strategy {
     ORL_FIND_BY_RAYS = 1,        /* rays drawn by lobes and the cosine, which meet it often */
     ORL_FIND_BY_PORT_RAYS = 2,   /* rays aimed at windows and openings; combined with the above by
@@ -52,15 +52,16 @@ const char *orl_path_strategy_name(enum orl_path_strategy strategy); /* "shadow-
  * by what a view sees. */
 enum orl_path_receiver { ORL_RECEIVER_AIR, ORL_RECEIVER_SURFACE, ORL_RECEIVERS };
 
-/* By which strategies the technique finds the class; 0: by none, which is refused. AUTO: plain path
- * tracing with shadow rays, which checks results (core/run/cross_check.c). */
+/* Returns the strategies by which the technique finds the class. 0: it finds none of it, and jobs
+ * with such light are refused. ORL_TECHNIQUE_AUTO stands for plain path tracing with shadow rays,
+ * which checks results (core/run/cross_check.c). */
 unsigned orl_path_strategies(enum orl_technique technique, enum orl_path_class class,
                              enum orl_path_receiver receiver);
 
-/* Of a set of classes, flags 1 << class, those that the technique does not find, or by chance, at
- * some receiver. */
+/* Returns the subset of the classes (flags 1 << class) that the technique finds by chance only, or
+ * not at all, at one of the receivers. */
 uint32_t orl_paths_missed(enum orl_technique technique, uint32_t classes);
-/* The first of a set that is not empty. */
+/* Returns the first class of a set, which must not be empty. */
 enum orl_path_class orl_paths_first(uint32_t classes);
 
 #endif

@@ -142,8 +142,8 @@ static void bounds_of(const double v[], size_t n, double scale, double *ret_low,
     }
 }
 
-/* Of a row's pixels those whose middles lie within the edge that starts at corner k: along a row a
- * point goes once at the most from within to without, or back. */
+/* Shortens the range of pixels of a row to those whose centres lie on the inner side of the edge
+ * that starts at corner k. A row crosses an edge once at most. */
 static void clip_row(const struct shape *s, size_t k, uint32_t row, uint32_t *first, uint32_t *end)
 {
     const size_t n = (k + 1) % s->n;

@@ -336,8 +336,8 @@ static double expected_square(const struct reading readings[WIDTHS], int width)
     return fmax(r->variance, widest->variance * widest->area / r->area) + r->bias * r->bias;
 }
 
-/* The widest width that may be chosen. Beside a lens light varies within the distance to it, in
- * ways that wider means do not show: they are left to sensors that are farther from one. */
+/* Returns the widest width that may be chosen. Beside a lens illuminance varies over about the
+ * distance to the lens, and the mean over a wider disc is biased. */
 static int widest_of(const struct orl_disc *disc)
 {
     int w = WIDTHS - 1;
