@@ -5,7 +5,7 @@
 
 /* Rays of a place: at the sensor, at surfaces that a ray comes to, and outside of a sealed
  * building, where no ray is aimed at its windows. */
-static const struct orl_effort at_sensors = {{1, 1, 0}}, deeper = {{1, 0.5, 0}},
+static const struct orl_effort at_sensors = {{1, 1, 0, 0.5}}, deeper = {{1, 0.5, 0, 0}},
                                outside = {{1, 0, 0}};
 /* Places that matter less than that, of one sensor's sample, are followed by lot. */
 static const double dimmest_place = 0.03, dimmest_path = 0.02;
@@ -238,6 +238,7 @@ static void light_at(struct tracer *t, const struct stop *stop)
     }
     look_by(t, stop, &effort, ORL_WAY_COSINE);
     look_by(t, stop, &effort, ORL_WAY_PORT);
+    look_by(t, stop, &effort, ORL_WAY_TARGET);
 }
 
 void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_place *place,

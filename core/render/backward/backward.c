@@ -3,7 +3,7 @@
 
 enum { LAMPS_A_SAMPLE = 8 };
 /* Rays of a sensor's sample, and where one of them comes to a surface. */
-static const struct orl_effort at_sensors = {{1, 1, 1}}, deeper = {{1, 1, 0.5}};
+static const struct orl_effort at_sensors = {{1, 1, 1, 0.5}}, deeper = {{1, 1, 0.5, 0.25}};
 
 int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
                       struct orl_crew *crew)

@@ -104,7 +104,7 @@ int orl_aim_init(struct orl_aim *aim, const struct orl_world *world, const struc
     const struct maker maker = {aim, sobol, crew};
     int code = 0;
     *aim = (struct orl_aim){.world = world};
-    if (!list_panes(aim))
+    if (!list_panes(aim) || orl_targets_init(&aim->targets, world) < 0)
         return ORL_ERR_NOMEM;
     aim->first_shaft = calloc((size_t)aim->n_panes + 1, sizeof *aim->first_shaft);
     if (!aim->first_shaft)
@@ -134,6 +134,7 @@ void orl_aim_done(struct orl_aim *aim)
     free(aim->cells);
     free(aim->beams);
     free(aim->shafts);
+    orl_targets_done(&aim->targets);
     *aim = (struct orl_aim){.world = NULL};
 }
 
@@ -143,6 +144,8 @@ struct orl_effort orl_aim_effort(const struct orl_aim *aim, struct orl_effort wa
         wanted.rays[ORL_WAY_PORT] = 0;
     if (aim->n_shafts == 0)
         wanted.rays[ORL_WAY_BEAM] = 0;
+    if (aim->targets.n == 0)
+        wanted.rays[ORL_WAY_TARGET] = 0;
     return wanted;
 }
 
@@ -175,52 +178,88 @@ static double beam_density(const struct orl_aim *aim, const struct orl_aimed *ai
     return sum / aim->n_shafts;
 }
 
-/* Draws a direction; ret_facet says what the ray must first meet to count, UINT32_MAX: anything. */
+/* What a ray must first meet to count. */
+struct goal {
+    uint32_t facet;  /* UINT32_MAX: any */
+    uint32_t target; /* ORL_NO_TARGET: any */
+};
+
+/* Draws a direction. */
 static bool draw(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 point,
                  struct orl_vec3 normal, const double u[3], struct orl_vec3 *ret_direction,
-                 uint32_t *ret_facet)
+                 struct goal *ret_goal)
 {
     const struct orl_world *world = aim->world;
-    const size_t choices = way == ORL_WAY_PORT ? world->n_ports : aim->n_shafts;
-    const size_t choice = (size_t)(u[2] * (double)choices);
+    const size_t choices[ORL_WAYS] = {1, world->n_ports, aim->n_shafts, aim->targets.n};
+    const size_t choice = (size_t)(u[2] * (double)choices[way]);
+    *ret_goal = (struct goal){.facet = UINT32_MAX, .target = ORL_NO_TARGET};
     if (way == ORL_WAY_COSINE) {
-        *ret_facet = UINT32_MAX;
         *ret_direction = orl_hemisphere_about(normal, u[0], u[1]);
+        return true;
+    }
+    if (way == ORL_WAY_TARGET) {
+        ret_goal->target = (uint32_t)choice;
+        *ret_direction = orl_target_draw(&aim->targets.at[choice], point, u);
         return true;
     }
     if (way == ORL_WAY_PORT) {
         struct orl_vec3 there, ignored;
-        *ret_facet = world->ports[choice].facet;
-        orl_facet_sample(world->geometry, *ret_facet, u, &there, &ignored);
+        ret_goal->facet = world->ports[choice].facet;
+        orl_facet_sample(world->geometry, ret_goal->facet, u, &there, &ignored);
         *ret_direction = orl_normalize(orl_sub(there, point));
         return true;
     }
     const struct orl_shaft *shaft = &aim->shafts[choice];
-    *ret_facet = shaft->facet;
+    ret_goal->facet = shaft->facet;
     return orl_shaft_draw(shaft, &aim->beams[shaft->beam], aim->cells, point, u, ret_direction);
+}
+
+static uint32_t target_of(const struct orl_aim *aim, const struct orl_aimed *aimed)
+{
+    return aimed->met ? orl_targets_of(&aim->targets, aim->world->geometry, aimed->hit.facet)
+                      : ORL_NO_TARGET;
+}
+
+bool orl_aim_draw(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 point,
+                  struct orl_vec3 normal, const double u[3], struct orl_aimed *ret_aimed)
+{
+    struct goal goal;
+    if (!draw(aim, way, point, normal, u, &ret_aimed->direction, &goal) ||
+        !(orl_dot(ret_aimed->direction, normal) > 0))
+        return false;
+    ret_aimed->met = orl_geometry_intersect(aim->world->geometry, point, ret_aimed->direction,
+                                            INFINITY, &ret_aimed->hit);
+    if (goal.facet != UINT32_MAX)
+        return ret_aimed->met && ret_aimed->hit.facet == goal.facet;
+    return goal.target == ORL_NO_TARGET || target_of(aim, ret_aimed) == goal.target;
+}
+
+double orl_aim_density(const struct orl_aim *aim, const struct orl_effort *effort,
+                       struct orl_vec3 point, struct orl_vec3 normal, const struct orl_aimed *aimed)
+{
+    const double *const rays = effort->rays;
+    const int32_t pane = aimed->met ? pane_of(aim, aimed->hit.facet) : ORL_NO_PORT;
+    double density = rays[ORL_WAY_COSINE] * orl_dot(aimed->direction, normal) / ORL_PI;
+    if (pane != ORL_NO_PORT && rays[ORL_WAY_PORT] > 0)
+        density += rays[ORL_WAY_PORT] * port_density(aim, &aimed->hit, aimed->direction);
+    if (pane != ORL_NO_PORT && rays[ORL_WAY_BEAM] > 0)
+        density += rays[ORL_WAY_BEAM] * beam_density(aim, aimed, pane, point);
+    if (!(rays[ORL_WAY_TARGET] > 0))
+        return density;
+    const uint32_t target = target_of(aim, aimed);
+    if (target != ORL_NO_TARGET)
+        density += rays[ORL_WAY_TARGET] / aim->targets.n *
+                   orl_target_density(&aim->targets.at[target], point, aimed->direction);
+    return density;
 }
 
 bool orl_aim_sample(const struct orl_aim *aim, const struct orl_effort *effort, enum orl_way way,
                     struct orl_vec3 point, struct orl_vec3 normal, const double u[3],
                     struct orl_aimed *ret_aimed)
 {
-    uint32_t facet;
-    if (!draw(aim, way, point, normal, u, &ret_aimed->direction, &facet))
+    if (!orl_aim_draw(aim, way, point, normal, u, ret_aimed))
         return false;
-    const double cosine = orl_dot(ret_aimed->direction, normal);
-    if (!(cosine > 0))
-        return false;
-    ret_aimed->met = orl_geometry_intersect(aim->world->geometry, point, ret_aimed->direction,
-                                            INFINITY, &ret_aimed->hit);
-    const int32_t pane = ret_aimed->met ? pane_of(aim, ret_aimed->hit.facet) : ORL_NO_PORT;
-    if (facet != UINT32_MAX && (!ret_aimed->met || ret_aimed->hit.facet != facet))
-        return false;
-    double density = effort->rays[ORL_WAY_COSINE] * cosine / ORL_PI;
-    if (pane != ORL_NO_PORT && effort->rays[ORL_WAY_PORT] > 0)
-        density +=
-            effort->rays[ORL_WAY_PORT] * port_density(aim, &ret_aimed->hit, ret_aimed->direction);
-    if (pane != ORL_NO_PORT && effort->rays[ORL_WAY_BEAM] > 0)
-        density += effort->rays[ORL_WAY_BEAM] * beam_density(aim, ret_aimed, pane, point);
-    ret_aimed->weight = cosine / density;
+    ret_aimed->weight = orl_dot(ret_aimed->direction, normal) /
+                        orl_aim_density(aim, effort, point, normal, ret_aimed);
     return true;
 }

@@ -9,7 +9,11 @@
 
 /* Rays fall into groups, each with sequences of its own: their spread tells the error. */
 enum { GROUPS = 16, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
-enum { HEMISPHERES = 4, SHARE_AIMED = 16, SHARE_PORTS = 8 }; /* of rays: one such part is aimed */
+enum {
+    HEMISPHERES = 4,
+    SHARE_AIMED = 16,
+    SHARE_PORTS = 8
+}; /* of rays: one such part is aimed; at ports, and at targets */
 /* A bias of caustics is small beside so much of the rest's error, or of all light: of the light
  * less than scatter would be, for it is told to a half of itself. */
 static const double beside_rest = 0.5, beside_light = 0.002;
@@ -19,7 +23,16 @@ static const double differs_in_errors = 5, differs_by = 0.15;
 static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
 
 /* Names of sequences: no two of any seeds are alike. */
-enum { OF_DIRECT, OF_HEMISPHERE, OF_PANES, OF_AIMED = 1 << 30, OF_BLUR, OF_BEAMS, OF_PORTS };
+enum {
+    OF_DIRECT,
+    OF_HEMISPHERE,
+    OF_PANES,
+    OF_AIMED = 1 << 30,
+    OF_BLUR,
+    OF_BEAMS,
+    OF_PORTS,
+    OF_TARGETS
+};
 
 static uint32_t sequence_of(const struct orl_gather *gather, uint64_t what, uint64_t name)
 {
@@ -65,33 +78,38 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
 }
 
 /*
- * The rays of a group, drawn in three ways: evenly by the cosine; by where photons say that it is
+ * The rays of a group, drawn in four ways: evenly by the cosine; by where photons say that it is
  * bright; at points of the ports, so that a deep room does not depend on one ray of a thousand that
- * meets its window. The last count only where they meet the port first. A direction weighs by the
- * sum of the densities of all three, each times its number of rays: the balance heuristic for many
- * samples of Veach and Guibas 1995.
+ * meets its window; at small mirrors and lenses. The last two count only where they meet that
+ * first (aim.h). A direction weighs by the sum of the densities of all four, each times its number
+ * of rays: the balance heuristic for many samples of Veach and Guibas 1995.
  */
-enum ray_way { WAY_EVEN, WAY_BRIGHT, WAY_PORT, RAY_WAYS };
+enum ray_way { WAY_EVEN, WAY_BRIGHT, WAY_PORT, WAY_TARGET, RAY_WAYS };
 
 struct volley {
     const struct orl_bright_view *bright;
     uint32_t rays[RAY_WAYS];
+    bool aimed; /* some are: at ports or at targets */
 };
 
-/* A ray's direction and what it meets first. */
+/* A ray, and its direction on the square of scene/material/hemisphere.h. */
 struct shot {
-    struct orl_vec3 direction;
-    double u[2]; /* of the direction, on the square of scene/material/hemisphere.h */
-    struct orl_hit hit;
-    bool met;
+    struct orl_aimed
+        ray; /* without a weight; whether it has met something: of a volley with aims */
+    double u[2];
 };
 
-static struct orl_vec3 direction_to_port(const struct orl_world *world, struct orl_vec3 point,
-                                         uint32_t facet, const double u[2])
+/* Draws a ray by the cosine, or by where it is bright. */
+static bool draw_cosine(const struct orl_gather *gather, const struct orl_place *place,
+                        const struct volley *volley, struct shot *ret)
 {
-    struct orl_vec3 there, normal;
-    orl_facet_sample(world->geometry, facet, u, &there, &normal);
-    return orl_normalize(orl_sub(there, point));
+    ret->ray.direction = orl_hemisphere_about(place->normal, ret->u[0], ret->u[1]);
+    if (!(orl_dot(ret->ray.direction, place->normal) > 0))
+        return false;
+    ret->ray.met =
+        volley->aimed && orl_geometry_intersect(gather->world->geometry, place->point,
+                                                ret->ray.direction, INFINITY, &ret->ray.hit);
+    return true;
 }
 
 /* Draws a ray; false: it counts for nothing. */
@@ -99,32 +117,23 @@ static bool draw_shot(const struct orl_gather *gather, const struct orl_place *p
                       const struct volley *volley, enum ray_way way, const struct orl_even *even,
                       struct shot *ret)
 {
-    const struct orl_world *world = gather->world;
     double u[3];
-    orl_sobol_point(&gather->sobol, even->index, even->sequence, way == WAY_PORT ? 3 : 2, u);
+    orl_sobol_point(&gather->sobol, even->index, even->sequence, even->skip, u);
     if (way == WAY_BRIGHT)
         orl_bright_draw(volley->bright, u);
     ret->u[0] = u[0];
     ret->u[1] = u[1];
-    const uint32_t facet =
-        way == WAY_PORT ? world->ports[(size_t)(u[2] * (double)world->n_ports)].facet : 0;
-    ret->direction = way == WAY_PORT ? direction_to_port(world, place->point, facet, u)
-                                     : orl_hemisphere_about(place->normal, u[0], u[1]);
-    if (!(orl_dot(ret->direction, place->normal) > 0))
+    if (way == WAY_EVEN || way == WAY_BRIGHT)
+        return draw_cosine(gather, place, volley, ret);
+    if (!orl_aim_draw(gather->aim, way == WAY_PORT ? ORL_WAY_PORT : ORL_WAY_TARGET, place->point,
+                      place->normal, u, &ret->ray))
         return false;
-    ret->met = false;
-    if (volley->rays[WAY_PORT] == 0)
-        return true;
-    ret->met =
-        orl_geometry_intersect(world->geometry, place->point, ret->direction, INFINITY, &ret->hit);
-    if (way != WAY_PORT)
-        return true;
     const struct orl_frame frame = orl_frame_about(place->normal);
-    const struct orl_vec3 local = orl_to_local(&frame, ret->direction);
+    const struct orl_vec3 local = orl_to_local(&frame, ret->ray.direction);
     const struct orl_square at = orl_disk_to_square(local.x, local.y);
     ret->u[0] = 0.5 * (at.x + 1);
     ret->u[1] = 0.5 * (at.y + 1);
-    return ret->met && ret->hit.facet == facet;
+    return true;
 }
 
 /* How many rays of the volley would have been drawn there, by projected solid angle over pi. */
@@ -134,11 +143,13 @@ static double drawn_at(const struct orl_gather *gather, const struct orl_place *
     double drawn = volley->rays[WAY_EVEN];
     if (volley->rays[WAY_BRIGHT] > 0)
         drawn += volley->rays[WAY_BRIGHT] * orl_bright_density(volley->bright, shot->u);
-    if (volley->rays[WAY_PORT] > 0 && shot->met)
-        drawn += volley->rays[WAY_PORT] * ORL_PI *
-                 orl_aim_port_density(gather->aim, &shot->hit, shot->direction) /
-                 fmax(orl_dot(shot->direction, place->normal), 1e-9);
-    return drawn;
+    if (!volley->aimed || !shot->ray.met)
+        return drawn;
+    const struct orl_effort effort = {
+        {[ORL_WAY_PORT] = volley->rays[WAY_PORT], [ORL_WAY_TARGET] = volley->rays[WAY_TARGET]}};
+    return drawn +
+           ORL_PI * orl_aim_density(gather->aim, &effort, place->point, place->normal, &shot->ray) /
+               fmax(orl_dot(shot->ray.direction, place->normal), 1e-9);
 }
 
 /*
@@ -151,27 +162,28 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
                                    struct orl_search *search, struct orl_tally *tally,
                                    struct orl_rays *seen)
 {
-    const uint32_t sequences[RAY_WAYS] = {sequence_of(gather, OF_HEMISPHERE, name),
-                                          sequence_of(gather, OF_AIMED, name),
-                                          sequence_of(gather, OF_PORTS, name)};
+    const uint32_t sequences[RAY_WAYS] = {
+        sequence_of(gather, OF_HEMISPHERE, name), sequence_of(gather, OF_AIMED, name),
+        sequence_of(gather, OF_PORTS, name), sequence_of(gather, OF_TARGETS, name)};
     struct orl_rgb sum = orl_gray(0);
     uint32_t number = 0;
     for (int way = 0; way < RAY_WAYS; way++)
         for (uint32_t i = 0; i < volley->rays[way] && !orl_is_cancelled(gather->cancel); i++) {
             struct orl_random random =
                 orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + ++number);
-            const struct orl_even first = {
-                .index = i, .sequence = sequences[way], .skip = way == WAY_PORT ? 3 : 2};
+            const struct orl_even first = {.index = i,
+                                           .sequence = sequences[way],
+                                           .skip = way == WAY_EVEN || way == WAY_BRIGHT ? 2 : 3};
             struct shot shot;
             if (!draw_shot(gather, place, volley, (enum ray_way)way, &first, &shot))
                 continue;
             const struct orl_gather_ray ray = {
                 .origin = place->point,
-                .direction = shot.direction,
+                .direction = shot.ray.direction,
                 .outside = place->outside,
                 .first = &first,
-                .ahead = shot.met ? &shot.hit : NULL,
-                .nothing_ahead = volley->rays[WAY_PORT] > 0 && !shot.met,
+                .ahead = shot.ray.met ? &shot.ray.hit : NULL,
+                .nothing_ahead = volley->aimed && !shot.ray.met,
                 .to_ports = volley->rays[WAY_PORT] > 0,
                 .tally = tally,
                 .share = ORL_PI / drawn_at(gather, place, volley, &shot) / HEMISPHERES};
@@ -197,12 +209,17 @@ static struct orl_estimate gather_evenly(const struct orl_gather *gather,
     struct orl_rgb means[HEMISPHERES];
     struct orl_rays seen = {0, 0};
     orl_bright_look(&gather->bright, place->point, place->normal, samples, &bright);
-    const bool ports = gather->aim && gather->world->n_ports > 0 && !place->outside;
+    const bool aimed = gather->aim && !place->outside;
+    const bool ports = aimed && gather->world->n_ports > 0;
+    const bool targets = aimed && gather->aim->targets.n > 0;
+    const uint32_t share = (each + SHARE_PORTS - 1) / SHARE_PORTS;
     const struct volley volley = {
         &bright,
         {[WAY_EVEN] = each,
          [WAY_BRIGHT] = bright.worth ? (each + SHARE_AIMED - 1) / SHARE_AIMED : 0,
-         [WAY_PORT] = ports ? (each + SHARE_PORTS - 1) / SHARE_PORTS : 0}};
+         [WAY_PORT] = ports ? share : 0,
+         [WAY_TARGET] = targets ? share : 0},
+        ports || targets};
     for (uint32_t group = 0; group < HEMISPHERES; group++)
         means[group] =
             gather_group(gather, place, &volley, index * HEMISPHERES + group, search, tally, &seen);

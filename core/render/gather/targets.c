@@ -1,0 +1,291 @@
+#include "render/gather/targets.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/geometry/placed.h"
+#include "scene/geometry/quadric.h"
+#include "scene/material/bounds.h"
+
+/* Of the radius of the scene; and the reflectance from which a flat surface is a mirror. */
+static const double largest = 0.25, least_mirrored = 0.2;
+static const double parallel = 0.999; /* cosine between normals of surfaces that face one way */
+
+/* A facet or a placed copy, with its bounding sphere. */
+struct item {
+    struct orl_target_sphere bound;
+    uint32_t index;
+    bool placed;
+};
+
+struct finder {
+    const struct orl_world *world;
+    struct orl_targets *targets;
+    struct item *items;
+    size_t n;
+    struct orl_vec3 (*faces)[2]; /* by material: two ways that its flat facets face */
+    bool *solid;                 /* by material: they face a third way */
+};
+
+/* ---- What is a target ------------------------------------------------------------------------ */
+
+static bool is_flat(enum orl_surface_kind kind)
+{
+    return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
+}
+
+/* Materials that refract and whose facets face more than two ways enclose a body that may be a
+ * lens: panes of thick glass and water only shift light. */
+static void find_solids(struct finder *f, const struct orl_geometry *geometry)
+{
+    struct orl_facet own;
+    for (size_t i = 0; i < geometry->n_facets; i++) {
+        const struct orl_facet *facet = orl_facet_own(geometry, i, &own);
+        struct orl_vec3 *const faces = f->faces[facet->material];
+        if (!is_flat(facet->kind) || !orl_material_bends(&f->world->materials[facet->material]))
+            continue;
+        bool known = false;
+        for (int side = 0; side < 2 && !known; side++) {
+            if (!(orl_dot(faces[side], faces[side]) > 0))
+                faces[side] = facet->normal;
+            known = fabs(orl_dot(faces[side], facet->normal)) >= parallel;
+        }
+        f->solid[facet->material] = f->solid[facet->material] || !known;
+    }
+}
+
+static bool is_target(const struct finder *f, const struct orl_facet *facet)
+{
+    const struct orl_material *const m = &f->world->materials[facet->material];
+    const bool flat = is_flat(facet->kind);
+    if (orl_material_bends(m))
+        return !flat || f->solid[facet->material];
+    return orl_material_is_mirror(m) && (orl_material_mirrored_most(m, true, 1) > least_mirrored ||
+                                         orl_material_mirrored_most(m, false, 1) > least_mirrored);
+}
+
+/* ---- Bounding spheres ------------------------------------------------------------------------ */
+
+static struct orl_target_sphere about_box(struct orl_vec3 low, struct orl_vec3 high)
+{
+    return (struct orl_target_sphere){orl_scale(orl_add(low, high), 0.5),
+                                      0.5 * orl_length(orl_sub(high, low))};
+}
+
+static void grow(struct orl_vec3 *low, struct orl_vec3 *high, struct orl_vec3 point)
+{
+    *low = orl_v3(fmin(low->x, point.x), fmin(low->y, point.y), fmin(low->z, point.z));
+    *high = orl_v3(fmax(high->x, point.x), fmax(high->y, point.y), fmax(high->z, point.z));
+}
+
+static struct orl_target_sphere about_facet(const struct orl_geometry *g,
+                                            const struct orl_facet *facet)
+{
+    struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
+    if (facet->kind == ORL_SURFACE_SPHERE || facet->kind == ORL_SURFACE_BUBBLE)
+        return (struct orl_target_sphere){facet->round->center[0], facet->round->radius[0]};
+    if (facet->kind == ORL_SURFACE_POLYGON)
+        for (uint32_t i = 0; i < facet->n_triangles; i++) {
+            const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(facet, i));
+            grow(&low, &high, t.a);
+            grow(&low, &high, t.b);
+            grow(&low, &high, t.c);
+        }
+    else
+        orl_quadric_bounds(facet, &low, &high);
+    return about_box(low, high);
+}
+
+static struct orl_target_sphere about_items(const struct item *items, size_t n)
+{
+    struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_vec3 c = items[i].bound.center, r = orl_v3(1, 1, 1);
+        grow(&low, &high, orl_madd(c, r, items[i].bound.radius));
+        grow(&low, &high, orl_madd(c, r, -items[i].bound.radius));
+    }
+    struct orl_target_sphere bound = {orl_scale(orl_add(low, high), 0.5), 0};
+    for (size_t i = 0; i < n; i++)
+        bound.radius = fmax(bound.radius, orl_length(orl_sub(items[i].bound.center, bound.center)) +
+                                              items[i].bound.radius);
+    return bound;
+}
+
+/* ---- Groups ---------------------------------------------------------------------------------- */
+
+static double along(struct orl_vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/* Moves the items below the middle of the longest axis to the front; returns how many they are. */
+static size_t divide(struct item *items, size_t n)
+{
+    struct orl_vec3 low = items[0].bound.center, high = low;
+    for (size_t i = 1; i < n; i++)
+        grow(&low, &high, items[i].bound.center);
+    const struct orl_vec3 size = orl_sub(high, low);
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const double middle = 0.5 * (along(low, axis) + along(high, axis));
+    size_t front = 0;
+    for (size_t i = 0; i < n; i++)
+        if (along(items[i].bound.center, axis) < middle) {
+            const struct item moved = items[i];
+            items[i] = items[front];
+            items[front++] = moved;
+        }
+    return front;
+}
+
+static void add_target(struct finder *f, const struct item *items, size_t n,
+                       struct orl_target_sphere bound)
+{
+    struct orl_targets *const t = f->targets;
+    if (t->n == ORL_MOST_TARGETS || bound.radius > largest * f->world->geometry->radius ||
+        orl_world_is_outside(f->world, bound.center))
+        return;
+    for (size_t i = 0; i < n; i++)
+        (items[i].placed ? t->of_place : t->of_facet)[items[i].index] = (uint8_t)t->n;
+    t->at[t->n++] = bound;
+}
+
+static void add_groups(struct finder *f, struct item *items, size_t n, uint32_t most)
+{
+    const struct orl_target_sphere bound = about_items(items, n);
+    const size_t front = most > 1 ? divide(items, n) : 0;
+    if (front > 0 && front < n) {
+        const double r1 = about_items(items, front).radius,
+                     r2 = about_items(items + front, n - front).radius;
+        if (r1 * r1 + r2 * r2 < 0.5 * bound.radius * bound.radius) {
+            add_groups(f, items, front, most / 2);
+            add_groups(f, items + front, n - front, most / 2);
+            return;
+        }
+    }
+    add_target(f, items, n, bound);
+}
+
+/* ---- All of them ----------------------------------------------------------------------------- */
+
+static void find_facets(struct finder *f)
+{
+    const struct orl_geometry *const g = f->world->geometry;
+    struct orl_facet own;
+    for (size_t i = 0; i < g->n_facets; i++) {
+        const struct orl_facet *facet = orl_facet_own(g, i, &own);
+        if (facet->area > 0 && is_target(f, facet))
+            f->items[f->n++] = (struct item){about_facet(g, facet), (uint32_t)i, false};
+    }
+}
+
+static void find_places(struct finder *f)
+{
+    const struct orl_geometry *const g = f->world->geometry;
+    for (size_t i = 0; i < g->n_placed; i++) {
+        const struct orl_geometry *const prototype = g->placed[i].prototype;
+        struct orl_facet own;
+        bool any = false;
+        for (size_t k = 0; k < prototype->n_facets && !any; k++)
+            any = is_target(f, orl_facet_own(prototype, k, &own));
+        if (any)
+            f->items[f->n++] =
+                (struct item){about_box(g->placed[i].low, g->placed[i].high), (uint32_t)i, true};
+    }
+}
+
+static bool make_room(struct finder *f)
+{
+    const struct orl_geometry *const g = f->world->geometry;
+    struct orl_targets *const t = f->targets;
+    const size_t materials = f->world->n_materials + 1;
+    f->items = malloc((g->n_facets + g->n_placed + 1) * sizeof *f->items);
+    f->faces = calloc(materials, sizeof *f->faces);
+    f->solid = calloc(materials, sizeof *f->solid);
+    t->of_facet = malloc(g->n_facets + 1);
+    t->of_place = malloc(g->n_placed + 1);
+    return f->items && f->faces && f->solid && t->of_facet && t->of_place;
+}
+
+static bool has_specular(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (orl_material_bends(&world->materials[i]) ||
+            orl_material_is_mirror(&world->materials[i]))
+            return true;
+    return false;
+}
+
+int orl_targets_init(struct orl_targets *targets, const struct orl_world *world)
+{
+    struct finder f = {.world = world, .targets = targets};
+    const struct orl_geometry *const g = world->geometry;
+    memset(targets, 0, sizeof *targets);
+    if (!has_specular(world))
+        return 0;
+    const bool made = make_room(&f);
+    if (made) {
+        memset(targets->of_facet, ORL_NO_TARGET, g->n_facets + 1);
+        memset(targets->of_place, ORL_NO_TARGET, g->n_placed + 1);
+        find_solids(&f, g);
+        for (size_t i = 0; i < g->n_prototypes; i++)
+            find_solids(&f, g->prototypes[i]);
+        find_facets(&f);
+        find_places(&f);
+        if (f.n > 0)
+            add_groups(&f, f.items, f.n, ORL_MOST_TARGETS);
+    }
+    free(f.items);
+    free(f.faces);
+    free(f.solid);
+    if (targets->n == 0)
+        orl_targets_done(targets);
+    return made ? 0 : ORL_ERR_NOMEM;
+}
+
+void orl_targets_done(struct orl_targets *targets)
+{
+    free(targets->of_facet);
+    free(targets->of_place);
+    memset(targets, 0, sizeof *targets);
+}
+
+uint32_t orl_targets_of(const struct orl_targets *targets, const struct orl_geometry *geometry,
+                        uint32_t facet)
+{
+    if (targets->n == 0)
+        return ORL_NO_TARGET;
+    return orl_facet_is_placed(geometry, facet)
+               ? targets->of_place[orl_placed_of(geometry, facet) - geometry->placed]
+               : targets->of_facet[facet];
+}
+
+/* ---- Directions ------------------------------------------------------------------------------ */
+
+/* The cone that a target fills: 1 minus the cosine of its half angle; 2 from within the sphere. */
+static double opening_of(const struct orl_target_sphere *target, struct orl_vec3 way)
+{
+    const double d2 = orl_dot(way, way), sine2 = target->radius * target->radius / d2;
+    return sine2 < 1 ? sine2 / (1 + sqrt(1 - sine2)) : 2;
+}
+
+struct orl_vec3 orl_target_draw(const struct orl_target_sphere *target, struct orl_vec3 point,
+                                const double u[2])
+{
+    const struct orl_vec3 way = orl_sub(target->center, point);
+    const double down = u[0] * opening_of(target, way), phi = 2 * ORL_PI * u[1];
+    const double sine = sqrt(fmax(0, down * (2 - down))), d = orl_length(way);
+    const struct orl_frame frame = orl_frame_about(d > 0 ? orl_scale(way, 1 / d) : orl_v3(0, 0, 1));
+    return orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), 1 - down));
+}
+
+double orl_target_density(const struct orl_target_sphere *target, struct orl_vec3 point,
+                          struct orl_vec3 direction)
+{
+    const struct orl_vec3 way = orl_sub(target->center, point);
+    const double opening = opening_of(target, way), d2 = orl_dot(way, way);
+    /* By the distance at which the ray passes the centre, which is exact for narrow cones. */
+    const double ahead = orl_dot(way, direction), past2 = d2 - ahead * ahead;
+    if (opening < 1 && !(ahead > 0 && past2 <= target->radius * target->radius * (1 + 1e-9)))
+        return 0;
+    return 1 / (2 * ORL_PI * opening);
+}
