@@ -19,13 +19,31 @@ static bool is_convex(const struct orl_facet *f, const struct orl_hit *hit)
     return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING || hit->front != inwards;
 }
 
+static bool is_flat(const struct orl_facet *f)
+{
+    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+}
+
+bool orl_focus_exists(const struct orl_scene *scene)
+{
+    struct orl_kept_walk walk = orl_kept_walk(scene->geometry);
+    while (orl_kept_next(&walk)) {
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_of(scene->geometry, walk.facet, &own);
+        const struct orl_material *m = &scene->description.materials[f->material];
+        if (orl_material_bends(m) || (orl_material_is_mirror(m) && (!is_flat(f) || m->texture)))
+            return true;
+    }
+    return false;
+}
+
 static double weight_of(struct orl_focus *focus, const struct orl_hit *hit)
 {
     static const double parallel = 0.999;
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_of(focus->scene->geometry, hit->facet, &own);
     const struct orl_material *m = orl_scene_material(focus->scene, hit->facet);
-    const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+    const bool flat = is_flat(f);
     if (!orl_material_bends(m)) {
         const bool curved = !flat || m->texture;
         return !orl_material_is_mirror(m) || !curved ? 0 : is_convex(f, hit) ? convex_weight : 1;

@@ -8,6 +8,9 @@
 
 #include "light/scene.h"
 
+/* Returns true if a scene has any such surface. */
+bool orl_focus_exists(const struct orl_scene *scene);
+
 /* Rays from the outer side of a window or an opening, and what they have met that focuses. */
 struct orl_focus {
     const struct orl_scene *scene;

@@ -14,8 +14,8 @@
 enum { RAYS = 1024 };      /* of each side of an opening */
 enum { PROBES = 16 };      /* along each edge of an opening */
 enum { MOST_WINDOWS = 8 }; /* that rays from an opening meet, of which is asked where outside is */
+enum { OFTEN = 11 };       /* rays that meet a window, of those */
 enum { NAME = 128 };
-static const double often = 0.01; /* share of rays that meet a window */
 
 struct candidate {
     size_t number; /* in the order of orl_unglazed_find */
@@ -73,19 +73,23 @@ static struct orl_random random_of(const struct candidate *c)
     return orl_random_stream(2, ORL_PURPOSE_PILOT, c->number);
 }
 
+static bool leaves(const struct search *search, const struct candidate *c, bool front,
+                   struct orl_random *random)
+{
+    const struct ray ray = draw_ray(c, front, random);
+    return !orl_geometry_occluded(search->scene->geometry, ray.from, ray.direction, INFINITY) &&
+           !passes_pane(search, ray.from, ray.direction);
+}
+
 static void find_shares(const struct search *search, struct candidate *c)
 {
-    for (int side = 0; side < 2; side++) {
-        struct orl_random random = random_of(c);
-        size_t left = 0;
-        for (int i = 0; i < RAYS; i++) {
-            const struct ray ray = draw_ray(c, side == 0, &random);
-            left += !orl_geometry_occluded(search->scene->geometry, ray.from, ray.direction,
-                                           INFINITY) &&
-                    !passes_pane(search, ray.from, ray.direction);
-        }
-        c->shares[side] = (double)left / RAYS;
-    }
+    struct orl_random random[2] = {random_of(c), random_of(c)};
+    uint32_t left[2] = {0, 0}, sent = 0;
+    for (; sent < RAYS && !orl_escape_is_clear(left, sent); sent++)
+        for (int side = 0; side < 2; side++)
+            left[side] += leaves(search, c, side == 0, &random[side]);
+    for (int side = 0; side < 2; side++)
+        c->shares[side] = (double)left[side] / sent;
 }
 
 /* Returns true if nothing lies in the opening: round surfaces and instances are in none of the
@@ -115,8 +119,7 @@ static bool is_outer_side(const struct orl_geometry *g, const struct met *met)
     struct orl_random random =
         orl_random_stream(2, ORL_PURPOSE_PILOT, ((uint64_t)met->facet + 1) << 32);
     double shares[2];
-    for (int side = 0; side < 2; side++)
-        shares[side] = orl_escape_share(g, met->facet, side == 0, RAYS, &random);
+    orl_escape_shares(g, met->facet, RAYS, &random, shares);
     return orl_escape_tells(shares) && (shares[0] > shares[1]) == met->front;
 }
 
@@ -141,12 +144,9 @@ static bool is_before_windows(const struct orl_scene *scene, const struct candid
             at++;
         if (at == n && n < MOST_WINDOWS)
             met[n++] = (struct met){hit.facet, hit.front, 0};
-        if (at < n)
-            met[at].rays++;
-    }
-    for (size_t i = 0; i < n; i++)
-        if ((double)met[i].rays >= often * RAYS && is_outer_side(scene->geometry, &met[i]))
+        if (at < n && ++met[at].rays == OFTEN && is_outer_side(scene->geometry, &met[at]))
             return true;
+    }
     return false;
 }
 

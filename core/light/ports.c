@@ -24,6 +24,7 @@ struct search {
     const uint32_t *candidates;
     struct orl_port *found; /* one per candidate; area 0: not a port */
     uint32_t rays;
+    bool lenses; /* the scene has lenses or curved mirrors */
     const struct orl_port *ports;
     size_t n_ports;
     atomic_uint escapes;
@@ -92,9 +93,7 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
     struct orl_random random = orl_random_stream(0, ORL_PURPOSE_PILOT, facet);
     (void)member;
     double shares[2];
-    for (int side = 0; side < 2; side++)
-        shares[side] =
-            orl_escape_share(search->scene->geometry, facet, side == 0, search->rays, &random);
+    orl_escape_shares(search->scene->geometry, facet, search->rays, &random, shares);
     if (!orl_escape_tells(shares))
         return;
     const bool front = shares[0] > shares[1];
@@ -103,7 +102,7 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
                             .outward = front ? f->normal : orl_neg(f->normal),
                             .area = f->area};
     port.shared = is_shared(search->scene->geometry, port, &random);
-    if (!is_behind_lenses(search, &port, &random))
+    if (!search->lenses || !is_behind_lenses(search, &port, &random))
         search->found[index] = port;
 }
 
@@ -167,6 +166,7 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     if (!found || !scene->port_of_facet)
         goto done;
     search.candidates = candidates;
+    search.lenses = n > 0 && orl_focus_exists(scene);
     search.found = found;
     const size_t share = MOST_RAYS / (n + 1);
     search.rays = (uint32_t)(share > MOST_RAYS_A_FACE    ? MOST_RAYS_A_FACE
