@@ -35,7 +35,8 @@ static uint32_t of_mirrors(const struct orl_world *world, const struct orl_lit *
     return set_if(flat, ORL_PATHS_FLAT_MIRRORS) |
            set_if(lit->classes[ORL_LIT_CURVED].lit, ORL_PATHS_CURVED) |
            set_if(wide && lit->classes[ORL_LIT_CURVED].facets > 0, ORL_PATHS_SKY_CURVED) |
-           set_if(flat && world->images.n_left_out > 0, ORL_PATHS_MANY_SUN_MIRRORS) |
+           set_if(flat && world->n_suns > 0 && world->images.n_left_out > 0,
+                  ORL_PATHS_MANY_SUN_MIRRORS) |
            set_if(world->lamp_images.left_out > tolerable_left_out, ORL_PATHS_MANY_LAMP_MIRRORS) |
            set_if(orl_lamp_images_twice(&world->lamp_images), ORL_PATHS_TWO_LAMP_MIRRORS);
 }

@@ -231,7 +231,7 @@ static int warn_of_light(struct orl_run_state *state, const struct map_work *wor
             warn_of_photons(state, (enum orl_map_kind)k, work[k].target, work[k].info.stored,
                             work[k].info.emitted);
     }
-    if (any && left_out > 0)
+    if (any && left_out > 0 && state->world->n_suns > 0)
         orl_run_warn(state,
                      "flat mirrors and panes face more than %d ways: the sun's reflections in %zu "
                      "of them are not simulated outside",

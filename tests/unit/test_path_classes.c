@@ -159,6 +159,34 @@ static void test_classes_of_scenes(void **state)
         check_scene(i);
 }
 
+/* Adds mirrors that face 40 ways. */
+static void add_mirrors(char *text, size_t size)
+{
+    for (int i = 0; i < 40; i++) {
+        const double tilt = 0.002 * i * i, x = -2 + 0.1 * i;
+        const size_t length = strlen(text);
+        snprintf(text + length, size - length,
+                 "m polygon mirror%d 0 0 9 %.3f 2 0 %.3f 2 0 %.3f %.4f 1\n", i, x, x + 0.08, x,
+                 2 + tilt);
+    }
+}
+
+/* Suns may have no images in so many mirrors; a scene without a sun does not have that class. */
+static void test_many_mirrors(void **state)
+{
+    static const struct orl_sensor sensor = {{0, 0, 1}, {0, 0, 1}};
+    static const char *const lights[] = {SOUTH_SUN, LAMP};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        char text[8192];
+        snprintf(text, sizeof text, "%s" WALL "void mirror m 0 0 3 .9 .9 .9\n", lights[i]);
+        add_mirrors(text, sizeof text);
+        const struct plan_query query = {.text = text, .view = true, .sensor = &sensor};
+        const struct orl_plan plan = plan_of(&query, NULL);
+        assert_int_equal((plan.paths & SET(MANY_SUN_MIRRORS)) != 0, i == 0);
+    }
+}
+
 /* A job without mirrors has no light by way of them. */
 static void test_left_out_on_demand(void **state)
 {
@@ -175,7 +203,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_table_is_complete),      cmocka_unit_test(test_names),
         cmocka_unit_test(test_readme_shows_the_table), cmocka_unit_test(test_classes_of_scenes),
-        cmocka_unit_test(test_left_out_on_demand),
+        cmocka_unit_test(test_left_out_on_demand),     cmocka_unit_test(test_many_mirrors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
