@@ -114,10 +114,11 @@ def stopping(daemon, busy):
         daemon.ask("GET", "/healthz", connection=connection)
     spare = daemon.connect()
     daemon.ask("GET", "/healthz", connection=spare)
+    work = busy(daemon)
+    # Begun last, so that the daemon does not give them up for being slow before it is stopped.
     begun = [socket.create_connection(("127.0.0.1", daemon.port), timeout=60) for _ in range(2)]
     for one in begun:
         one.sendall(b"POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\n\r\n<x")
-    work = busy(daemon)
     daemon.process.send_signal(signal.SIGTERM)
     until = time.monotonic() + daemon.patience_s
     while daemon.ask("GET", "/healthz", connection=spare).status != 503:
@@ -129,7 +130,8 @@ def stopping(daemon, busy):
     for (method, template), connection in asks:
         daemon.send(method, url_of(template), connection=connection)
     for one in begun:
-        assert one.recv(12) == b"HTTP/1.1 503"
+        answer = one.recv(12, socket.MSG_WAITALL)
+        assert answer == b"HTTP/1.1 503", answer
         one.close()
     for (method, template), connection in asks:
         daemon.receive(method, url_of(template), 503, connection)
