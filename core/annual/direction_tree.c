@@ -53,7 +53,7 @@ static int compare_z(const void *a, const void *b)
     return compare(a, b, 2);
 }
 
-/* The depth is the logarithm of count, as each half has half the entries. */
+/* Sorts a range and splits it at its median, so the depth is the logarithm of count. */
 static void split(struct orl_direction_tree *tree, size_t low, size_t high)
 {
     static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
@@ -92,7 +92,9 @@ void orl_direction_tree_done(struct orl_direction_tree *tree)
 
 /* ---- Searching ------------------------------------------------------------------------------- */
 
-/* Directions within an angle of the axis lie in a ball about it: its radius is their chord's. */
+/*
+ * Directions within an angle of the axis lie in a sphere around its tip, with the chord as radius.
+ */
 size_t orl_direction_tree_find(const struct orl_direction_tree *tree, const struct orl_cone *cone,
                                void (*visit)(void *ctx, uint32_t index), void *ctx)
 {

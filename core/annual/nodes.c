@@ -6,12 +6,12 @@
 
 #include <oriel/error.h>
 
-/* The sun as the sky's equator has it. */
+/* The sun in equatorial coordinates. */
 struct place {
-    double declination, hour_angle; /* radians, west positive */
+    double declination, hour_angle; /* radians, hour angle positive towards west */
 };
 
-/* Duffett-Smith 1988, section 25: horizon coordinates to equatorial ones. */
+/* Converts horizon coordinates to equatorial ones (Duffett-Smith 1988, section 25). */
 static struct place place_of(double latitude, struct orl_vec3 sun)
 {
     const double s = sin(latitude), c = cos(latitude);
@@ -28,7 +28,7 @@ static struct orl_vec3 sun_at(double latitude, struct place place)
         orl_v3(-d * sin(place.hour_angle), c * up - s * d * w, s * up + c * d * w));
 }
 
-/* The hour angle at which the sun sets: 0 where it never rises, pi where it never sets. */
+/* Hour angle of sunset, rad: 0 if the sun never rises, pi if it never sets. */
 static double setting(double latitude, double declination)
 {
     const double x = -tan(latitude) * tan(declination);
@@ -61,7 +61,7 @@ static void span(struct orl_sun_nodes *nodes, const struct orl_vec3 *suns, size_
 int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
                        const struct orl_vec3 *suns, size_t count, struct orl_sun_spacing steps)
 {
-    /* At a pole itself, hour angles have no beginning. */
+    /* At a pole hour angles are undefined, so the latitude is clamped. */
     const double most_rad = 89.999 * ORL_DEG_TO_RAD;
     *nodes = (struct orl_sun_nodes){
         .latitude_rad = fmin(fmax(latitude_deg * ORL_DEG_TO_RAD, -most_rad), most_rad)};
@@ -95,13 +95,16 @@ void orl_sun_nodes_done(struct orl_sun_nodes *nodes)
 
 enum { TAPS = 4 };
 
-/* Of n points evenly on [0, 1] those about a share: which, and their weights. */
+/*
+ * The TAPS points nearest to a position among n points spaced evenly on [0, 1], and their weights.
+ */
 struct taps {
     uint32_t at[TAPS];
     double cubic[TAPS], plain[TAPS], wide[TAPS];
 };
 
-/* Adds a point's weight, of one that may lie beyond the ends: there a parabola goes on. */
+/* Adds a point's weight. The weight of a point beyond an end goes to the three points inside it, by
+ * extrapolating a parabola. */
 static void add_tap(struct taps *taps, uint32_t first, uint32_t n, int tap, double weight)
 {
     const int64_t at = (int64_t)first + tap - 1;
@@ -144,8 +147,8 @@ static struct taps taps_at(double share, uint32_t n)
     return taps;
 }
 
-/* Where on one circle of those about the sun sets and on another never does, places of nodes have a
- * kink: no cubic goes through them. */
+/* Returns true if the sun sets on some of the circles and never on others. Node positions then have
+ * a kink that a cubic cannot follow. */
 static bool is_kinked(const struct orl_sun_nodes *nodes, const struct taps *up)
 {
     bool sets = false, never = false;

@@ -4,10 +4,10 @@
 
 enum { MOST_DEPTH = 64 };
 
-/* Each node of the sun stands for about 0.01 sr: a pane that fills less of the view than this
- * holds a few of them. */
+/* Solid angle below which one child is drawn. A node of the sun stands for about 0.01 sr, so a pane
+ * of this size covers a few of them. */
 static const double smallest_split_sr = 0.06;
-/* The least chance of a pane, or of several, that fills less of the view than that. */
+/* Least survival probability of smaller panes, or groups of panes, in Russian roulette. */
 static const double least_chance = 0.25;
 
 static double along(struct orl_vec3 v, int axis)
@@ -87,7 +87,8 @@ static struct orl_pane_node node_about(const struct item *items, size_t n)
     return node;
 }
 
-/* Halves of equal number, along the longest side of the box: the depth is a logarithm. */
+/* Builds a subtree. Items are split into equal halves along the longest side of the box, so the
+ * depth is logarithmic. */
 static void build(struct orl_pane_tree *tree, struct item *items, size_t n)
 {
     static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
@@ -132,12 +133,11 @@ void orl_pane_tree_done(struct orl_pane_tree *tree)
 /* ---- Rays ------------------------------------------------------------------------------------ */
 
 struct ray {
-    struct orl_vec3 origin, direction,
-        inverse; /* inverse: one over each coordinate that is not 0 */
+    struct orl_vec3 origin, direction, inverse; /* inverse: the reciprocal of each coordinate */
 };
 
-/* The box test of Williams et al. 2005; a ray within a slab's plane counts as inside it. Boxes are
- * wider than their panes by more than the rounding of products with the inverse. */
+/* Box test of Williams et al. 2005; a ray within a slab's plane counts as inside it. The margin of
+ * the boxes exceeds the rounding of products with the inverse. */
 static inline bool ray_meets(const struct orl_pane_node *node, const struct ray *ray, double before)
 {
     double near = 0, far = before;
@@ -207,7 +207,7 @@ bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_win
     return false;
 }
 
-/* ---- By lot ---------------------------------------------------------------------------------- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 /* Returns true if the whole node lies behind the plane of a surface point. */
 static bool is_behind(const struct orl_pane_node *node, struct orl_vec3 point,
@@ -219,7 +219,7 @@ static bool is_behind(const struct orl_pane_node *node, struct orl_vec3 point,
     return orl_dot(orl_sub(ahead, point), normal) <= 0;
 }
 
-/* How far x is from an interval. */
+/* Distance of x from an interval. */
 static double beside(double x, double low, double high)
 {
     return x < low ? low - x : x > high ? x - high : 0;
@@ -233,7 +233,7 @@ static double squared_distance(const struct orl_pane_node *node, struct orl_vec3
     return orl_dot(off, off);
 }
 
-/* An estimate of its share of the view; 0: it is behind. */
+/* Estimates the node's share of the view; 0 if it lies behind the surface. */
 static double weight_of(const struct orl_pane_node *node, struct orl_vec3 point,
                         struct orl_vec3 normal)
 {
@@ -250,7 +250,8 @@ size_t orl_pane_tree_draw(const struct orl_pane_tree *tree, struct orl_vec3 poin
     struct branch {
         uint32_t at;
         double probability;
-        bool drawn; /* the roulette has been survived */
+        bool drawn; /* true once the roulette has been survived: below this node one child is drawn
+                     */
     } stack[MOST_DEPTH] = {{0, 1, false}};
     size_t looked = 0;
     for (int depth = tree->count > 0; depth > 0;) {

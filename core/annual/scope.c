@@ -5,7 +5,7 @@
 #include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 
-/* Of what mirrors more than panes do, a second reflection counts. */
+/* Reflectance above which a mirror, stronger than panes, would need second reflections. */
 static const double strong = 0.25;
 
 static int refuse(const struct orl_world *world, uint32_t facet, struct orl_error *err,
@@ -61,7 +61,7 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
         class = here;
         mirror = i;
     }
-    /* What a mirror throws onto a panel is not followed. */
+    /* Sunlight from a mirror onto a BSDF pane is not followed. */
     if (panels && mirror != UINT32_MAX)
         return refuse(world, mirror, err, "sunlight off mirrors where windows are BSDFs");
     return 0;
@@ -98,7 +98,7 @@ static bool is_gray_panel(const struct orl_material *m)
     return !info.colored && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
 }
 
-/* Whether a material sends light on, but diffusely, without colour. */
+/* Returns true if light that the material sends on, other than diffusely, keeps its colour. */
 static bool is_colourless(const struct orl_material *m)
 {
     switch (m->kind) {
@@ -119,7 +119,7 @@ static bool is_colourless(const struct orl_material *m)
     case ORL_MATERIAL_MIRROR:
         return (is_gray(m->color) && !(m->pattern && m->pattern->coloured)) ||
                orl_material_is_matt(m);
-    default: /* plastic's gloss is white */
+    default: /* plastic's specular reflection is white */
         return true;
     }
 }

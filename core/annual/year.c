@@ -58,8 +58,8 @@ void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *sinc
     *since = t;
 }
 
-/* Seconds in all: of the sensors to be computed the share w took from blocks_s to now, and the rest
- * takes as long, by sensor. NaN: not known yet. */
+/* Estimated seconds of the whole run. The share w of the sensors to compute took the time from
+ * blocks_s to now; the rest is assumed to take as long per sensor. NaN if unknown. */
 static double all_s(const struct orl_year *y, double sensors)
 {
     const double now = orl_year_now(y), before = y->blocks_s - y->started_s;
@@ -71,7 +71,7 @@ static double all_s(const struct orl_year *y, double sensors)
 void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors)
 {
     if (!y->env->run->progress)
-        return; /* and the clock is not looked at */
+        return; /* returns without reading the clock */
     const double elapsed = orl_year_now(y) - y->started_s;
     const double left = stage == ORL_STAGE_RENDER ? all_s(y, sensors) - elapsed : (double)NAN;
     if (elapsed + left > 0)
@@ -99,7 +99,8 @@ int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err)
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* Light measured while the sun is down is in no hour. A shift of times explains it. */
+/* Warns of light measured while the sun is down, which no hour receives, and of a shift of times
+ * that may explain it. */
 static void warn_of_times(struct orl_year *y, const struct orl_weather *weather)
 {
     const struct orl_time_shift shift = orl_time_shift_find(weather);
@@ -151,7 +152,7 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
-/* Steps are each result's own. */
+/* Copies the steps, because each result owns its own. */
 int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struct orl_error *err)
 {
     const struct orl_annual_result *r = from->result;
