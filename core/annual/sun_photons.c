@@ -6,12 +6,13 @@
 #include "light/path.h"
 
 enum { MOST_BOUNCES = 64 };
-static const double dimmest = 0.05; /* of a photon's first flux: dimmer ones live by lot */
+static const double dimmest =
+    0.05; /* share of a photon's first flux below which Russian roulette applies */
 
-/* Where a beam's photons are aimed. */
+/* Distribution of a beam's photons over its ports. */
 struct aim {
-    double *shares; /* by port: of its light in all, summed up */
-    double flux;    /* of all ports */
+    double *shares; /* by port: cumulative flux */
+    double flux;    /* flux of all ports */
 };
 
 static void deposit(struct orl_sun_shot *s, const struct orl_hit *hit, uint32_t lot,
@@ -38,7 +39,8 @@ static void deposit(struct orl_sun_shot *s, const struct orl_hit *hit, uint32_t 
                                  .flux = {(float)flux.r, (float)flux.g, (float)flux.b}};
 }
 
-/* From inside a port to where nothing that it is to go by sends it on. */
+/* Traces a photon from the inner side of a port until it is absorbed, leaves, or no permitted lobe
+ * scatters it. */
 static void fly(struct orl_sun_shot *s, struct orl_path path, uint32_t lot,
                 struct orl_random *random)
 {
@@ -83,7 +85,7 @@ static size_t port_at(const struct orl_world *world, const struct aim *aim, doub
     return low;
 }
 
-/* One photon from the sun's disc onto a port, and through it. */
+/* Traces one photon from the sun's disc to a port and through it. */
 static void shoot_one(struct orl_sun_shot *s, const struct aim *aim, uint32_t index, uint32_t lot)
 {
     const struct orl_world *world = s->beams->world;
@@ -119,7 +121,7 @@ static void shoot_one(struct orl_sun_shot *s, const struct aim *aim, uint32_t in
     fly(s, path, lot, &random);
 }
 
-/* The flux that comes to ports is what they would have with nothing before them. */
+/* Photons are distributed by the flux of unobstructed ports; obstacles attenuate each photon. */
 void orl_sun_shoot(struct orl_sun_shot *s)
 {
     const struct orl_world *world = s->beams->world;
