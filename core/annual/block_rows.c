@@ -5,7 +5,7 @@
 
 /* ---- Coefficients ---------------------------------------------------------------------------- */
 
-/* Sums of a sensor's batches for a part; returns false if there are none. */
+/* Collects the sums of a sensor's batches for a part; returns false if there are none. */
 static bool coefficients_of(const struct orl_year *y, size_t sensor, uint32_t part,
                             struct orl_annual_coefficients *ret)
 {
@@ -23,7 +23,7 @@ static bool coefficients_of(const struct orl_year *y, size_t sensor, uint32_t pa
     return any;
 }
 
-/* Marks the parts whose beams come to a sensor. */
+/* Marks the parts of beams that reach a sensor. */
 static void mark_beams(const struct orl_year *y, size_t sensor, bool *lit)
 {
     for (uint32_t b = 0; b < ORL_ANNUAL_BATCHES; b++) {
@@ -34,7 +34,7 @@ static void mark_beams(const struct orl_year *y, size_t sensor, bool *lit)
     }
 }
 
-/* Beams of the parts that are lit. */
+/* Fills the sensor's beams of lit parts. */
 static void fill_beams(struct orl_year *y, size_t sensor, const bool *lit)
 {
     const size_t n = y->n_beams;
@@ -81,7 +81,7 @@ static void fill_factors(void *arg, size_t sensor, uint32_t member)
     fill_beams(y, sensor, lit);
 }
 
-/* The light of a part at a sensor; returns false if there is none. */
+/* Collects the light of a part at a sensor; returns false if there is none. */
 static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
                      struct orl_annual_share *ret)
 {
@@ -156,8 +156,8 @@ int orl_block_rows_make(struct orl_year *y)
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
 
-/* Lists the suns that each part needs, so that BSDF panes need not be sampled for the others. If
- * sunlight is kept for later jobs, all suns are needed. */
+/* Lists the suns that each part needs, so that BSDF panes are sampled for these only. If sunlight
+ * is stored for later jobs, all suns are needed. */
 static int want_suns(struct orl_year *y)
 {
     const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;

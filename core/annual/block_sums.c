@@ -69,14 +69,15 @@ struct orl_sun_rows orl_block_suns_of(const struct orl_block_sums *s, size_t sen
 
 /* ---- Packing --------------------------------------------------------------------------------- */
 
-/* Which of the lights are lit, padded; their values, in order; and what is there for all. */
+/* Layout of packed data: flags of the lit lights, padded; the values of lit lights, in order; and
+ * arrays stored as a whole. */
 enum { MOST_ARRAYS = 2 };
 struct layout {
     unsigned char *lit;
     size_t n_lights;
     struct array {
         void *at;
-        size_t bytes; /* of each lit light; of the whole */
+        size_t bytes; /* per light in of_lit, in total in whole */
     } of_lit[MOST_ARRAYS], whole[MOST_ARRAYS];
 };
 
@@ -113,7 +114,7 @@ static size_t size_of(const struct layout *l, const unsigned char *lit)
     return size;
 }
 
-/* To or from the data, which begins with the flags. */
+/* Copies values to (out) or from data, behind the flags at its start. */
 static void copy_values(const struct layout *l, char *data, bool out)
 {
     char *at = data + flag_bytes(l);

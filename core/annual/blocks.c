@@ -1,4 +1,4 @@
-/* Rows of a block of sensors: paths, the sun straight to them, and both times all hours. */
+/* Rows of a block of sensors: paths, direct sunlight, and their products with all hours. */
 #include "annual/blocks.h"
 
 #include <stdlib.h>
@@ -11,11 +11,11 @@
 #include "annual/trace.h"
 #include "scene/geometry/stand.h"
 
-#define TRACING 0.85 /* of a block's time, more or less */
+#define TRACING 0.85 /* approximate share of a block's time */
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
-/* Returns true if the year passes direct sunlight on by part and makes no rows. */
+/* Returns true if the year reports direct sunlight by part and makes no rows. */
 static bool tells_sunlight(const struct orl_year *y)
 {
     return orl_year_is_sun_only(y) && y->variant->parts;
@@ -35,7 +35,7 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
     orl_annual_trace(&y->scene, &y->places[sensor], &batch, &sums, &y->healths[member]);
     const double whole = (double)(y->count * ORL_ANNUAL_BATCHES);
     const double done = (double)(atomic_fetch_add(&y->traced, 1) + 1);
-    if (member == 0) /* the lead */
+    if (member == 0) /* the lead thread */
         orl_year_tell(y, ORL_STAGE_RENDER,
                       (double)y->first + TRACING * (double)y->count * done / whole);
 }
@@ -89,9 +89,9 @@ static int hand_over(struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
-/* ---- Sums and rows, kept or made ------------------------------------------------------------- */
+/* ---- Sums and rows, stored or computed ------------------------------------------------------- */
 
-/* Keeps what was packed, unless there was no memory for it. */
+/* Stores packed data, unless packing ran out of memory (code < 0), and frees it. */
 static void keep_packed(struct orl_year *y, struct orl_keeping *it, int code, void *data,
                         size_t size)
 {
@@ -108,7 +108,9 @@ static uint64_t count_rays(const struct orl_year *y)
     return rays;
 }
 
-/* Outdoors light comes by no window. */
+/*
+ * Refuses sensors outdoors if light is split by part, because their light enters through no window.
+ */
 static int check_places(const struct orl_year *y, struct orl_error *err)
 {
     if (!y->variant || !y->variant->parts)
@@ -201,7 +203,7 @@ static void tell_sunlight(const struct orl_year *y)
             }
 }
 
-/* Direct sunlight is all there is. */
+/* Computes direct sunlight alone, and reports it by part or as rows. */
 static int run_sun_only(struct orl_year *y, struct orl_error *err)
 {
     int code = orl_year_need_panels(y, err);
@@ -224,7 +226,7 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
     return hand_over(y, err);
 }
 
-/* Paths and suns times all hours. */
+/* Computes the rows from paths and suns. */
 static int make_rows(struct orl_year *y, struct orl_error *err)
 {
     double since = orl_year_now(y);
@@ -246,7 +248,8 @@ struct array {
     size_t bytes;
 };
 
-/* Rows, the overcast sky's light with its error, and coherence. */
+/* Lists the arrays stored for a block: rows, the light of the overcast sky with its error, and
+ * coherence. */
 static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARRAYS])
 {
     const struct orl_annual_result *r = y->result;
@@ -279,7 +282,7 @@ static void keep_rows(struct orl_year *y, struct orl_keeping *it)
     keep_packed(y, it, data ? 0 : ORL_ERR_NOMEM, data, size);
 }
 
-/* Made, or by who shares the year. */
+/* Computes the rows; if runs share the year, takes them from the store where possible. */
 static int find_rows(struct orl_year *y, struct orl_error *err)
 {
     struct orl_keeping it = {.what = ORL_YEARS_ROWS,
@@ -337,9 +340,9 @@ static int make_room(struct orl_year *y)
     return r->total && r->direct && r->se ? 0 : ORL_ERR_NOMEM;
 }
 
-/* ---- Blocks that are kept -------------------------------------------------------------------- */
+/* ---- Stored blocks --------------------------------------------------------------------------- */
 
-/* Where arrays are kept, the block's part of them. */
+/* Returns the current block as a part of the result's arrays, which must exist. */
 static struct orl_annual_block block_of(const struct orl_year *y)
 {
     const struct orl_annual_result *r = y->result;
@@ -359,7 +362,7 @@ static struct orl_annual_block block_of(const struct orl_year *y)
 static bool is_kept(struct orl_year *y)
 {
     if (tells_sunlight(y) || y->env->row || !y->env->kept || y->result->coefficients)
-        return false; /* coefficients are in no block */
+        return false; /* coefficients are stored in no block */
     struct orl_annual_block block = block_of(y);
     return y->env->kept(y->env->ctx, &block);
 }
@@ -372,7 +375,7 @@ static void tell_done(const struct orl_year *y)
     y->env->done(y->env->ctx, &block);
 }
 
-/* What of a block others can make. */
+/* Computes what other runs can reuse of a block. */
 static int make_block(struct orl_year *y, struct orl_error *err)
 {
     if (y->shares_rows)
@@ -381,9 +384,9 @@ static int make_block(struct orl_year *y, struct orl_error *err)
     return code == 0 ? find_suns(y, err) : code;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- All blocks ------------------------------------------------------------------------------ */
 
-/* Sensors at a time: as many lights, of a part at a sensor each, as a tile takes. */
+/* Number of sensors per block, such that a tile has at most LIGHTS pairs of a part and a sensor. */
 static size_t most_at_a_time(const struct orl_year *y)
 {
     enum { LIGHTS = 256, LEAST = 8 };
@@ -400,7 +403,7 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
     if (code == 0 && y->env->begins)
         code = y->env->begins(y->env->ctx, y->result, err);
     y->blocks_s = orl_year_now(y);
-    /* Coefficients are in no row: then blocks are shared by their paths. */
+    /* Rows have no coefficients; with coefficients, runs share the paths of blocks instead. */
     y->shares_rows = shared && !y->result->coefficients;
     if (code == 0 && shared)
         code = orl_year_share_blocks(y, make_block, err);

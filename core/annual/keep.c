@@ -9,7 +9,7 @@
 #include "annual/year.h"
 #include "run/kept_file.h"
 
-/* Raised when anything changes that what is kept is made by, or how it lies in its arrays. */
+/* Version of the computation and of the array layout; raise it when either changes. */
 static const char recipe[] = "oriel annual 11";
 static const char kind[] = "annual";
 
@@ -61,7 +61,7 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
     year->result->reuse.asked = keep->store != NULL;
 }
 
-/* In which columns light of which part is added up. */
+/* Adds the columns that want light, by part, to the digest. */
 static void add_wanted(struct orl_sha256 *hash, const struct orl_year *year)
 {
     const struct orl_year_parts *parts = year->variant ? year->variant->parts : NULL;
@@ -98,7 +98,7 @@ static void name(const struct orl_keep *keep, struct orl_keeping *it)
     finish(&hash, it->key);
 }
 
-/* ---- Taking ---------------------------------------------------------------------------------- */
+/* ---- Look-up --------------------------------------------------------------------------------- */
 
 static void forget(struct orl_keep *keep, const struct orl_error *why)
 {
@@ -111,7 +111,7 @@ static struct orl_annual_reused *told(struct orl_keep *keep, const struct orl_ke
     return it->what < ORL_YEARS_KINDS ? &keep->year->result->reuse.of[it->what] : &keep->rows;
 }
 
-/* The one that was asked for. */
+/* Reads an entry that the store has; abandons it if it is damaged. */
 static void take(struct orl_keep *keep, struct orl_keeping *it)
 {
     struct orl_kept_about about;
@@ -127,7 +127,8 @@ static void take(struct orl_keep *keep, struct orl_keeping *it)
     keep->store->abandon(keep->store->ctx, kind, it->key);
 }
 
-/* Fewer samples of the same; one that cannot be read is left to who asks for it. */
+/* Looks for paths with fewer samples. A damaged entry is left for a run that requests exactly that
+ * entry. */
 static void take_smaller(struct orl_keep *keep, struct orl_keeping *it)
 {
     const struct orl_map_store *store = keep->store;
@@ -167,7 +168,7 @@ bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it)
     return hit;
 }
 
-/* Of a run that is shared: what all blocks need others may make. */
+/* Distributed runs: asks other processes to compute what all blocks need. */
 static int share(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
 {
     const struct orl_pieces *pieces = keep->year->env->run->pieces;
@@ -212,7 +213,7 @@ int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error
     return 0;
 }
 
-/* ---- Putting --------------------------------------------------------------------------------- */
+/* ---- Storing --------------------------------------------------------------------------------- */
 
 void orl_keep_put(struct orl_keep *keep, struct orl_keeping *it, const void *data, size_t size)
 {

@@ -1,4 +1,6 @@
-/* A year from its request to its rows: load -> skies -> paths, sun and hours, block by block. */
+/*
+ * Runs a year from its request to its rows: load, skies, then paths, sun and hours block by block.
+ */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +26,7 @@ static int admit_sources(const struct orl_description *description, struct orl_e
     return ORL_ERR_INVALID;
 }
 
-/* By what it is read from, and what of it is swapped. */
+/* Digests the scene: its files, and the material overrides. */
 static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
     const struct orl_description *const description = &scene->description;
@@ -65,7 +67,7 @@ static void check_planes(struct orl_year *y, const struct orl_scene *scene,
         orl_year_warn(y, "more grids have sensors in planes of surfaces: they are not listed");
 }
 
-/* Grid by grid, where there are any. */
+/* Checks sensors grid by grid; without grids, all at once. */
 static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
 {
     const struct orl_annual_request *r = y->request;
@@ -92,7 +94,7 @@ static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
     return code;
 }
 
-/* Warns, once for a job, of sensors in planes of surfaces, and of those apart from their grid. */
+/* Warns, once per job, of sensors in planes of surfaces, and of sensors apart from their grid. */
 static int check_sensors(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
     if (y->variant && y->variant->sensors_checked)
@@ -104,7 +106,7 @@ static int check_sensors(struct orl_year *y, const struct orl_scene *scene, stru
     return code;
 }
 
-/* The scene and the lamps in it, as a job of no sky loads them. */
+/* Loads the scene and its lamps, like a job without a sky. */
 static int load_scene(struct orl_year *y, struct orl_error *err)
 {
     struct orl_job job;
@@ -141,7 +143,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
 
 /* ---- Skies ----------------------------------------------------------------------------------- */
 
-/* For all suns, whatever the weather makes of them. */
+/* Places the nodes for all suns of the file, also where none was measured. */
 static int place_nodes(struct orl_year *y)
 {
     const struct orl_year_suns *suns = &y->hours.suns;

@@ -92,7 +92,7 @@ void orl_shade_count_done(struct orl_shade_count *count)
     *count = (struct orl_shade_count){.lit = NULL};
 }
 
-/* Notes what the grid decides, and goes on to the next. */
+/* Records the decision of the current grid, and advances to the next one. */
 static void end_grid(struct orl_shade_count *count, const struct orl_annual_request *request,
                      const struct orl_shade_control *control)
 {

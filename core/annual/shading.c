@@ -5,7 +5,7 @@
 
 #include "annual/variant.h"
 
-enum { ROUNDS = 4096 }; /* runs of one round of refinement, at the most */
+enum { ROUNDS = 4096 }; /* most runs per round of refinement */
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
@@ -38,7 +38,7 @@ int orl_shading_begin(struct orl_shading *s)
 
 /* ---- A run ----------------------------------------------------------------------------------- */
 
-/* What it warns of that was not said before goes into the result. */
+/* Moves the run's warnings that are new into the result, and issues them. */
 static int take_warnings(struct orl_shading *s, struct orl_annual_result *run)
 {
     struct orl_annual_result *all = s->result;
@@ -101,7 +101,7 @@ int orl_shading_run(struct orl_shading *s, const struct orl_sub_run *sub,
                                          .parts = sub->parts,
                                          .sun_only = sub->sun_only,
                                          .sensors_checked = s->sensors_checked};
-    /* Light that is added up is of paths of its own: errors are independent. */
+    /* Runs whose light is added up use different seeds, so that their errors are independent. */
     if (parted)
         variant.request.seed += (uint64_t)sub->index << 32;
     if (code == 0)

@@ -19,7 +19,7 @@ static size_t count_files(const struct orl_annual_request *request)
     return n;
 }
 
-/* Names of all states' files, sorted. */
+/* Returns the names of all states' files, sorted. */
 static char **list_files(const struct orl_annual_request *request, size_t n)
 {
     char **names = malloc((n + 1) * sizeof *names);
@@ -36,7 +36,9 @@ static char **list_files(const struct orl_annual_request *request, size_t n)
     return names;
 }
 
-/* The scene's own, but for those that states name; then those of the states that are. */
+/*
+ * Chooses the scene's files except those that any state names, then the files of the given states.
+ */
 static int choose_files(struct orl_annual_variant *v, const struct orl_annual_request *request,
                         const unsigned char *states)
 {

@@ -75,7 +75,8 @@ struct orl_year {
     bool has_panels; /* true once the panels are made */
     struct orl_keep keep;
     unsigned char digest[ORL_SHA256_BYTES]; /* of the scene's files */
-    bool hushed; /* true if warnings are suppressed, because an earlier run issued them */
+    bool hushed; /* true while warnings are suppressed: those stored with the suns have been issued
+                  */
     uint32_t batch_samples;
     double started_s, blocks_s; /* by the run's clock: start of the run, and of its blocks */
     double told;                /* progress reported so far, 0..1; never decreases */
