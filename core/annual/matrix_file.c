@@ -13,7 +13,7 @@ enum format { FORMAT_NONE, FORMAT_ASCII, FORMAT_FLOAT, FORMAT_DOUBLE };
 
 struct reader {
     struct orl_scanner scanner;
-    size_t rows, columns, parts; /* parts: of a value */
+    size_t rows, columns, parts; /* parts: components per value */
     enum format format;
     bool swapped;
     double exposure[3];
@@ -52,8 +52,8 @@ static int fail(const struct reader *r, int code, const char *what)
     return code;
 }
 
-/* A number behind a key, of as many as there are wanted, NAN for what is none; false: another key.
- */
+/* Reads the n numbers behind a key; NAN replaces invalid ones. Returns false if the line has
+ * another key. */
 static inline bool read_key(const struct reader *r, struct orl_slice line, const char *key,
                             double *ret_values, size_t n)
 {
@@ -87,7 +87,7 @@ static int read_line(struct reader *r, struct orl_slice line)
 {
     static const char format[] = "FORMAT=";
     double value[3] = {0};
-    if (orl_slice_begins(line, format)) { /* gendaymtx has room for its length behind it */
+    if (orl_slice_begins(line, format)) { /* in gendaymtx's output padding may follow the format */
         line.text += sizeof format - 1;
         line.length -= sizeof format - 1;
         return read_format(r, orl_slice_trim(line));
@@ -139,7 +139,7 @@ static int read_header(struct reader *r)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* As many rows as there are, where the header does not say. */
+/* Determines the number of rows if the header does not give it; otherwise checks it. */
 static int find_rows(struct reader *r)
 {
     const size_t bytes = r->format == FORMAT_DOUBLE ? sizeof(double) : sizeof(float);
@@ -233,7 +233,7 @@ int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
 struct product {
     const struct orl_rgb_matrix *a, *b;
     struct orl_rgb_matrix *product;
-    double *sums; /* a row of each member */
+    double *sums; /* one row per crew member */
 };
 
 static void multiply_row(void *arg, size_t row, uint32_t member)

@@ -8,10 +8,10 @@
 
 #include "scene/geometry/stand.h"
 
-/* Of a cell: draws of its transmission, and rays outdoors; squares of these. */
+/* Per cell: DRAWS_SIDE^2 samples of transmission, and RAYS_SIDE^2 rays outdoors. */
 enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES, DRAWS_SIDE = 64, RAYS_SIDE = 32 };
 
-/* ---- Which there are ------------------------------------------------------------------------- */
+/* ---- Grouping -------------------------------------------------------------------------------- */
 
 static const struct orl_material *material_of(const struct orl_world *world, uint32_t port)
 {
@@ -20,7 +20,7 @@ static const struct orl_material *material_of(const struct orl_world *world, uin
     return &world->materials[facet->material];
 }
 
-/* As a BSDF has it; of others, up is the scene's. */
+/* Returns the frame of a BSDF; for other materials, up is the scene's. */
 static struct orl_frame frame_of(const struct orl_material *material, struct orl_vec3 inward)
 {
     static const double upright = 0.999;
@@ -104,7 +104,7 @@ struct looking {
     struct orl_year *year;
     struct orl_annual_phases *result;
     struct orl_health *healths;
-    bool exact[ORL_PHASES_MOST_WINDOWS]; /* transmissions that are there */
+    bool exact[ORL_PHASES_MOST_WINDOWS]; /* windows whose transmission is the BSDF's own matrix */
     atomic_bool failed;
 };
 
@@ -114,7 +114,7 @@ static struct orl_random random_of(const struct looking *l, size_t cell, uint64_
                              ~(uint64_t)0 - 4 * cell - kind);
 }
 
-/* One of side x side parts of a square, by lot. */
+/* Returns a jittered point in one of side x side parts of the unit square. */
 static void part_of(uint32_t i, uint32_t side, struct orl_random *random, double u[2])
 {
     const uint32_t column = i % side, row = i / side;
@@ -122,7 +122,8 @@ static void part_of(uint32_t i, uint32_t side, struct orl_random *random, double
     u[1] = (row + orl_random_uniform(random)) / side;
 }
 
-/* Means over the cells, by what the material does with rays from inside. */
+/* Estimates a row of the transmission as means over cells, by sampling the material with rays from
+ * inside. */
 static void draw_row(const struct looking *l, size_t window, size_t cell, float *row)
 {
     const struct orl_world *world = l->year->world;
@@ -150,7 +151,7 @@ static void draw_row(const struct looking *l, size_t window, size_t cell, float 
     }
 }
 
-/* The BSDF's own matrix, if it has one in that basis and its front is inside. */
+/* Copies the BSDF's own matrix, and returns true, if it has this basis and its front is inside. */
 static bool take_matrix(const struct looking *l, size_t window)
 {
     const struct orl_world *world = l->year->world;
@@ -182,7 +183,7 @@ static void draw_cell(void *arg, size_t index, uint32_t member)
 
 /* ---- The sky --------------------------------------------------------------------------------- */
 
-/* A port of the window, each by its area. */
+/* Returns a port of the window, sampled by area. */
 static uint32_t port_by_area(const struct looking *l, uint32_t window, double u)
 {
     const struct orl_world *world = l->year->world;

@@ -22,15 +22,15 @@ void orl_seat_places_done(struct orl_seat_places *places)
 
 /* ---- Finding --------------------------------------------------------------------------------- */
 
-/* The axis that a direction is nearest to, and its sign: 0 to 5. */
+/* Returns the axis nearest to a direction, with its sign: 0 to 5. */
 static uint64_t side_of(struct orl_vec3 d)
 {
     const double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
     return x >= y && x >= z ? d.x < 0 : y >= z ? 2 + (d.y < 0) : 4 + (d.z < 0);
 }
 
-/* While there is room, each side of each surface has a name of its own in a cell; surfaces met
- * later share one by the axis that they face. */
+/* Returns the key of a hit's place: surface, side and cell. Shared places replace the surface by
+ * the axis that it faces. */
 static uint64_t name_of(const struct orl_seat_places *places, const struct orl_hit *hit,
                         bool shared)
 {
@@ -70,7 +70,7 @@ static int grow(struct orl_seat_places *places)
     return 0;
 }
 
-/* One of those seen stands for all, each with a chance by what it is worth. */
+/* Each place keeps one of its hits, sampled in proportion to worth (a reservoir of one). */
 int orl_seat_places_add(struct orl_seat_places *places, const struct orl_hit *hit, double worth,
                         struct orl_random *random, uint32_t *ret_found)
 {
@@ -114,7 +114,8 @@ static int by_worth(const void *a, const void *b)
     return p->found < q->found ? -1 : p->found > q->found;
 }
 
-/* How unlike the light on two places may be: the angle between them, and how they face. */
+/* Dissimilarity of two places: the angle between them as seen from the eye, plus a term for their
+ * orientation. */
 static double unlikeness(const struct orl_seat_places *places, const struct orl_seat_found *a,
                          const struct orl_seat_found *b)
 {

@@ -5,14 +5,14 @@
 #include "light/path.h"
 
 enum { MOST_WAYS = 3, MANY_STEPS = 500 };
-/* Shares of the ray's light: paths below the first end by roulette; so do mirrored ways below the
- * second one, a share of the light that meets the surface. */
+/* Thresholds of Russian roulette: for paths, as a share of the ray's light; for mirrored rays, as a
+ * share of the light that reaches the surface. */
 static const double dim_path = 0.002, dim_mirror = 0.02;
-static const double survival = 0.999; /* of a step beyond MANY_STEPS */
+static const double survival = 0.999; /* survival probability of each step beyond MANY_STEPS */
 
 struct branch {
     struct orl_path path;
-    uint32_t paths; /* into how many it may split, itself included */
+    uint32_t paths; /* most paths into which it may split, including itself */
     uint32_t steps;
     bool outside, scattered;
 };
@@ -65,7 +65,7 @@ static int add_diffuse(struct orl_seat_rays *r, const struct branch *b, const st
     return add_spot(r, &spot);
 }
 
-/* On both sides of a surface that transmits. */
+/* Adds spots on the visible side of a surface, and if it transmits, on the far side. */
 static int add_lobe_spots(struct orl_seat_rays *r, const struct branch *b,
                           const struct orl_hit *hit, const struct orl_material *m)
 {
@@ -89,9 +89,9 @@ static int add_lobe_spots(struct orl_seat_rays *r, const struct branch *b,
     return code;
 }
 
-/* ---- Ways on --------------------------------------------------------------------------------- */
+/* ---- Continuations --------------------------------------------------------------------------- */
 
-/* A mirrored way that carries little stands for more of them, or is not taken. */
+/* Computes the mirrored continuation. If it carries little, Russian roulette applies. */
 static bool is_mirrored(struct orl_seat_rays *r, const struct branch *b, const struct orl_hit *hit,
                         const struct orl_material *m, struct orl_scatter *ret_way)
 {
@@ -111,7 +111,7 @@ static bool is_mirrored(struct orl_seat_rays *r, const struct branch *b, const s
     return true;
 }
 
-/* Specular light goes straight on or is mirrored; of lobes one direction is drawn. */
+/* Lists the continuations at a surface: straight, mirrored, and one sampled from the lobes. */
 static uint32_t find_ways(struct orl_seat_rays *r, const struct branch *b,
                           const struct orl_hit *hit, const struct orl_material *m,
                           struct orl_scatter ret_ways[MOST_WAYS])
@@ -136,7 +136,7 @@ static uint32_t find_ways(struct orl_seat_rays *r, const struct branch *b,
     return n;
 }
 
-/* One of several, by what they carry; its weight then stands for all. */
+/* Samples one continuation in proportion to its weight, and rescales it to represent all. */
 static struct orl_scatter choose_way(struct orl_random *random, const struct orl_scatter *ways,
                                      uint32_t n)
 {
@@ -152,7 +152,7 @@ static struct orl_scatter choose_way(struct orl_random *random, const struct orl
     return chosen;
 }
 
-/* Goes on from the hit; false: the path has ended. */
+/* Continues the path from the hit; returns false if it has ended. */
 static bool go_on(struct orl_seat_rays *r, struct branch *b, const struct orl_hit *hit,
                   const struct orl_scatter *way)
 {
@@ -171,13 +171,14 @@ static bool go_on(struct orl_seat_rays *r, struct branch *b, const struct orl_hi
 
 /* ---- Splitting ------------------------------------------------------------------------------- */
 
-/* Branches of a ray that are still to be followed, the next one last. */
+/* Stack of a ray's branches that are still to be traced. */
 struct branches {
     struct branch at[ORL_SEAT_RAY_PATHS];
     uint32_t count;
 };
 
-/* Replaces a branch by its ways on. Paths are shared out by what the ways carry, one at least. */
+/* Pushes the continuations of a branch. Its paths are divided in proportion to their weights; each
+ * gets at least one. */
 static void branch_on(struct orl_seat_rays *r, struct branches *all, const struct branch *from,
                       const struct orl_hit *hit, const struct orl_scatter *ways, uint32_t n)
 {
@@ -193,7 +194,7 @@ static void branch_on(struct orl_seat_rays *r, struct branches *all, const struc
     }
 }
 
-/* Follows a branch to the next surface, or out of the scene. */
+/* Traces a branch to the next surface, or out of the scene. */
 static int step(struct orl_seat_rays *r, struct branches *all)
 {
     const struct branch b = all->at[--all->count];

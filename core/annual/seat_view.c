@@ -5,7 +5,7 @@
 #include "annual/seat_rays.h"
 #include "scene/geometry/stand.h"
 
-/* Rays of a pixel: two by two, evenly; where lobes scatter them, more. */
+/* Rays of a pixel along an edge; more if lobes scatter them. */
 enum { SIDE = 2, LOBE_SIDE = 6 };
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
@@ -30,7 +30,8 @@ static int trace_pixel(struct orl_seat_rays *rays, uint32_t side)
     return code;
 }
 
-/* Leaves at most that many of the spots behind the first ones, with the weights of all. */
+/* Keeps at most ORL_SEAT_PIXEL_SPOTS of the spots from first on; their weights represent all of
+ * them. */
 static int thin_spots(struct orl_seat_rays *rays, size_t first)
 {
     struct orl_seat_view *view = rays->view;
@@ -55,7 +56,7 @@ static int thin_spots(struct orl_seat_rays *rays, size_t first)
     return code;
 }
 
-/* Appends the pixel's terms to the view's. */
+/* Appends the pixel's terms to those of the view. */
 static int keep_terms(struct orl_seat_rays *rays, size_t *terms_room)
 {
     struct orl_seat_view *view = rays->view;
@@ -107,7 +108,7 @@ static int fill_pixels(struct orl_seat_rays *rays, uint64_t seed, const struct o
     return code;
 }
 
-/* Names the places of terms by those that are kept. */
+/* Replaces indices of found places by indices of kept places. */
 static void rename_terms(struct orl_seat_view *view)
 {
     for (size_t i = 0; i < view->first[ORL_SEAT_PIXELS]; i++) {
@@ -148,7 +149,7 @@ static int start(struct orl_seat_view *view, const struct orl_world *world,
     return code < 0 ? orl_error_set(err, code, "out of memory for what a seat sees") : 0;
 }
 
-/* Gives back the room that growing arrays have left over. */
+/* Frees the unused capacity of the arrays. */
 static void trim(struct orl_seat_view *view)
 {
     const size_t n_terms = view->first[ORL_SEAT_PIXELS];
