@@ -15,7 +15,7 @@ const char *orl_fit_term_name(enum orl_fit_term term)
     return names[term];
 }
 
-/* What the term's coefficient is multiplied by. */
+/* Returns the factor of the term's coefficient in the model. */
 static double factor(enum orl_fit_term term, const struct orl_study_setting *setting)
 {
     const double n = (double)setting->photons, s = setting->samples;
@@ -41,12 +41,12 @@ double orl_study_fit_predict(const struct orl_study_fit *fit,
     return isfinite(sum) ? sqrt(sum) : NAN;
 }
 
-/* The points of one technique, as a problem of least squares. */
+/* Least-squares problem for the points of one technique. */
 struct problem {
     size_t rows, columns;
-    enum orl_fit_term terms[ORL_FIT_TERMS]; /* the columns */
-    struct orl_study_setting *settings;     /* owned, as are the rest */
-    double *y, *s;                          /* rms^2, its relative uncertainty */
+    enum orl_fit_term terms[ORL_FIT_TERMS]; /* by column */
+    struct orl_study_setting *settings;     /* owned, like y, whose block holds the arrays below */
+    double *y, *s;                          /* rms^2, and its relative uncertainty */
     double *a, *b;                          /* scratch: the weighted problem */
     double *model;
 };
@@ -57,7 +57,7 @@ static void problem_done(struct problem *p)
     free(p->y);
 }
 
-/* How many different values there are; more than 3 count as 3. */
+/* Counts distinct values; more than 3 count as 3. */
 static size_t count_distinct(const struct problem *p, bool of_samples)
 {
     double seen[3] = {0};
@@ -119,7 +119,7 @@ static void evaluate(struct problem *p, const double *x)
     }
 }
 
-/* Coefficients for the data y, which need not be the problem's own. */
+/* Fits coefficients to the data y, which need not be the problem's own. */
 static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
 {
     double largest[ORL_FIT_TERMS];
@@ -135,7 +135,7 @@ static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
                 largest[c] = fmax(largest[c], p->a[i * p->columns + c]);
             }
         }
-        /* Columns differ by many powers of ten: bring them to one size. */
+        /* Columns differ by many powers of ten, so they are scaled to equal size. */
         for (size_t i = 0; i < p->rows * p->columns; i++)
             p->a[i] /= largest[i % p->columns];
         orl_nnls(p->a, p->b, p->rows, p->columns, x);
@@ -145,14 +145,14 @@ static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
     }
 }
 
-/* Standard normal, by Box and Muller. */
+/* Returns a standard normal variate, by Box and Muller. */
 static double draw_normal(struct orl_random *random)
 {
     const double u = 1 - orl_random_uniform(random), v = orl_random_uniform(random);
     return sqrt(-2 * log(u)) * cos(2 * ORL_PI * v);
 }
 
-/* The spread of coefficients when the data are drawn anew about the model. */
+/* Computes the spread of coefficients over refits to data redrawn around the model. */
 static void redraw(struct problem *p, const double *x, double widened,
                    double ret_errors[ORL_FIT_TERMS], double *scratch)
 {
@@ -164,7 +164,7 @@ static void redraw(struct problem *p, const double *x, double widened,
     memset(ret_errors, 0, ORL_FIT_TERMS * sizeof(double));
     for (int refit = 0; refit < REFITS; refit++) {
         for (size_t i = 0; i < p->rows; i++) {
-            /* Log-normal: a square cannot be negative. */
+            /* log-normal, because a square cannot be negative */
             const double s = widened * p->s[i];
             y[i] = mean[i] * exp(s * draw_normal(&random) - 0.5 * s * s);
         }
@@ -229,7 +229,7 @@ void orl_study_mark_front(struct orl_study_point *points, size_t n_points)
         bool beaten = !isfinite(p->rms) || !isfinite(p->total_s);
         for (size_t k = 0; k < n_points && !beaten; k++) {
             const struct orl_study_point *q = &points[k];
-            /* Of equals the first stays. */
+            /* of equal points the first one counts */
             const bool better = q->total_s < p->total_s || q->rms < p->rms || k < i;
             beaten = k != i && q->total_s <= p->total_s && q->rms <= p->rms && better;
         }

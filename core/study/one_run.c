@@ -17,10 +17,10 @@ void orl_one_run_done(struct orl_one_run *run)
     memset(run, 0, sizeof *run);
 }
 
-/* A run, and where its values go. */
+/* Context of a run, with an array for its values. */
 struct making {
     struct orl_runs_env *env;
-    double *values; /* owned until they are taken */
+    double *values; /* owned until taken */
     size_t count, capacity;
     bool out_of_memory;
 };
@@ -31,7 +31,8 @@ static double now_s(void *ctx)
     return env->now_s(env->ctx);
 }
 
-/* Runs to come take as long as those before, by their costs; the first of all is one of them. */
+/* Reports progress. Future runs are assumed to take as long as past ones, in proportion to their
+ * cost; the first run of all is included. */
 static void progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
                      double left_s)
 {
@@ -88,19 +89,19 @@ static void take_sensors(struct making *making, const struct orl_result *result)
     making->count += result->n_sensors;
 }
 
-/* Images, maps: whatever a run has left. */
+/* Deletes all files that a run has left: images and maps. */
 static void clear_folder(const char *folder)
 {
     DIR *dir = opendir(folder);
     const struct dirent *entry;
     while (dir && (entry = readdir(dir)))
-        unlinkat(dirfd(dir), entry->d_name, 0); /* refuses "." and ".." */
+        unlinkat(dirfd(dir), entry->d_name, 0); /* fails for "." and ".." */
     if (dir)
         closedir(dir);
 }
 
-/* The template's job with the setting's numbers. Borrows from the template: not for
- * orl_job_done. */
+/* Returns the template's job with the setting's numbers. It borrows from the template, so
+ * orl_job_done must not be called. */
 static struct orl_job make_job(const struct orl_study_request *request,
                                const struct orl_study_setting *setting, uint64_t seed)
 {
@@ -148,7 +149,7 @@ static int compute(struct making *making, const struct orl_job *job, struct orl_
     return code;
 }
 
-/* Takes what the run's result owns and the study wants. */
+/* Moves the data that the study needs out of the run's result. */
 static void take_result(struct making *making, struct orl_result *result, struct orl_one_run *run)
 {
     *run = (struct orl_one_run){.values = making->values,

@@ -1,4 +1,4 @@
-/* Requests of studies: defaults, checks, clean-up. */
+/* Requests of studies: defaults, validation and freeing. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,7 +44,9 @@ bool orl_study_heeds_photons(enum orl_technique technique)
 
 bool orl_study_heeds_samples(enum orl_technique technique, bool of_views)
 {
-    /* Views by photon maps choose their own rays; sensors read maps directly but for a gather. */
+    /*
+     * Views by photon maps choose their own rays. Sensors read maps directly, except with a gather.
+     */
     return technique == ORL_TECHNIQUE_BACKWARD || (technique == ORL_TECHNIQUE_GATHER && !of_views);
 }
 
@@ -58,7 +60,7 @@ bool orl_study_of_views(const struct orl_study_request *request)
     return request->job.n_views > 0;
 }
 
-/* How many settings of a technique there are; 0 where one of its lists is empty. */
+/* Counts the settings of a technique; 0 if one of its lists is empty. */
 static size_t count_settings(const struct orl_study_request *request, enum orl_technique technique)
 {
     const bool of_views = orl_study_of_views(request);
@@ -74,7 +76,7 @@ size_t orl_study_count_settings(const struct orl_study_request *request)
     return count;
 }
 
-/* Says what is wrong with that member of the document. */
+/* Sets an error about that member of the document, and returns its code. */
 __attribute__((format(printf, 4, 5))) static int fail(struct orl_error *err, int code,
                                                       const char *member, const char *format, ...)
 {

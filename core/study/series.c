@@ -17,7 +17,7 @@ void orl_series_done(struct orl_series *series)
     memset(series, 0, sizeof *series);
 }
 
-/* Each warning once, however many runs had it. */
+/* Adds each new warning of a run to the study once. */
 static void take_warnings(struct orl_runs_env *env, const struct orl_one_run *run)
 {
     for (size_t i = 0; i < run->n_warnings; i++) {

@@ -10,11 +10,11 @@
 #include "study/request.h"
 #include "study/speed.h"
 
-/* Raised when what a piece holds changes, or how it lies in its file. */
+/* Version of a piece's contents and file layout; raise it when either changes. */
 static const char recipe[] = "oriel study runs 1";
-/* Of a study that is shared: what others make, of the whole; the rest is put together from it. */
+/* Share of a distributed study's work that makes its runs; the rest assembles the results. */
 static const double made_elsewhere = 0.98;
-/* Of one core: loading the scene, and its rays. */
+/* Time to load the scene and trace its rays, in seconds of one core. */
 static const double speed_s = 1;
 
 bool orl_study_is_shared(const struct orl_study_env *env)
@@ -22,9 +22,10 @@ bool orl_study_is_shared(const struct orl_study_env *env)
     return env->pieces && env->store;
 }
 
-/* ---- A run in its file ----------------------------------------------------------------------- */
+/* ---- Stored runs ----------------------------------------------------------------------------- */
 
-/* This, its values, their errors where they are known, and its warnings, each with its end. */
+/* Header of a stored run. Then follow its values, their errors if known, and its warnings, each
+ * with a terminating zero. */
 struct head {
     uint64_t count, has_errors, warning_bytes, map_bytes, threads;
     double stages_s[ORL_STAGE_COUNT], total_s;
@@ -74,7 +75,7 @@ static int pack(const struct orl_one_run *run, void **ret_data, size_t *ret_size
     return 0;
 }
 
-/* A copy of that many of them; NULL: no memory. */
+/* Returns a copy of count values; NULL: out of memory. */
 static double *copy(const char *from, size_t count)
 {
     double *to = malloc((count + 1) * sizeof *to);
@@ -95,7 +96,7 @@ static bool unpack_warnings(const char *from, size_t bytes, struct orl_one_run *
     return run->warnings != NULL;
 }
 
-/* Of data that has its size. The caller ends the run, after an error, too. */
+/* Unpacks data of the correct size. The caller frees the run, also after an error. */
 static int unpack(const struct head *head, const char *from, struct orl_one_run *run,
                   struct orl_error *err)
 {
@@ -126,13 +127,13 @@ struct wanted {
     uint64_t seed;
 };
 
-/* Runs on their way. */
+/* Context of runs in progress. */
 struct sharing {
     struct orl_runs_env *env;
-    const struct wanted *runs; /* of pieces; the last piece of all is the speed's */
+    const struct wanted *runs; /* by piece; one more piece, the last, is the speed */
     size_t n_runs;
     double *rays_per_s;
-    struct orl_one_run *into; /* NULL: they are made and looked at, and not yet wanted */
+    struct orl_one_run *into; /* NULL: runs are stored, and not returned yet */
 };
 
 static int make_speed(const struct sharing *sharing, void **ret_data, size_t *ret_size,
@@ -167,7 +168,7 @@ static int make(void *ctx, size_t index, void **ret_data, size_t *ret_size, stru
     return code;
 }
 
-/* What others spent on it. */
+/* Reports the cost of a run that another process made. */
 static void tell_spent(const struct orl_study_env *env, const struct head *head)
 {
     struct orl_result spent = {
@@ -233,7 +234,7 @@ static void name_run(const struct orl_runs_env *env, const struct wanted *run,
 
 /* ---- All of them ----------------------------------------------------------------------------- */
 
-/* Until all is made, and put together: by the time that it has taken so far. */
+/* Reports progress; the remaining time is estimated from the time so far. */
 static void tell_share(void *ctx, double share)
 {
     struct orl_runs_env *env = ((const struct sharing *)ctx)->env;
@@ -247,7 +248,7 @@ static void tell_share(void *ctx, double share)
         study->progress(study->ctx, &env->step);
 }
 
-/* The reference's, then those of the settings, in their order. */
+/* Lists the reference's runs, then those of the settings, in order. */
 static size_t list_runs(const struct orl_study_request *request,
                         const struct orl_study_setting *settings, size_t n_settings,
                         struct wanted *ret_runs)
