@@ -1,4 +1,4 @@
-/* Glare over a year: what is told of seats by the hours that they are in use. */
+/* Annual glare metrics: rates seats by their hours in use. */
 #include "report/making.h"
 
 #include <oriel/annual_report.h>
@@ -17,13 +17,13 @@ const char *orl_glare_protection_name(enum orl_glare_protection level)
     return names[level];
 }
 
-/* A seat while it is rated; dark hours dazzle nobody. */
+/* Context of rating a seat; dark hours count as without glare. */
 struct telling {
     const struct orl_annual_report *report;
     const struct orl_annual_result *result;
     const struct orl_seat_hours *hours;
-    size_t n_used; /* steps in use, dark ones too */
-    float *sorted; /* room for them */
+    size_t n_used; /* steps in use, including dark ones */
+    float *sorted; /* scratch, one value per column */
 };
 
 static bool is_wanted(const struct telling *t, size_t column)
@@ -47,7 +47,7 @@ static int descending(const void *a, const void *b)
     return (p < q) - (p > q);
 }
 
-/* No more than that share of the steps is above it. */
+/* Returns the DGP that most_percent of the steps in use exceed at most. */
 static double exceeded(const struct telling *t, const float *dgp)
 {
     const size_t which = (size_t)floor(most_percent / 100 * (double)t->n_used);
@@ -61,7 +61,7 @@ static double exceeded(const struct telling *t, const float *dgp)
     return (double)t->sorted[which];
 }
 
-/* By shares above each bound, the last the loosest. */
+/* Returns the level from the percentages of time above each bound. */
 static enum orl_glare_protection level_of(double above_35, double above_40, double above_45)
 {
     static const double slack = 1e-9;
@@ -71,7 +71,7 @@ static enum orl_glare_protection level_of(double above_35, double above_40, doub
                                               : ORL_PROTECTED_LESS;
 }
 
-/* ---- Hours worth a picture ------------------------------------------------------------------- */
+/* ---- Worst hours ----------------------------------------------------------------------------- */
 
 static bool is_same_day(const struct orl_annual_result *result, size_t a, size_t b)
 {
@@ -79,7 +79,7 @@ static bool is_same_day(const struct orl_annual_result *result, size_t a, size_t
            result->steps[a].day == result->steps[b].day;
 }
 
-/* DGP is clamped to 1, for instance if the sun's disc is in view: then the illuminance at the eye
+/* DGP is clamped to 1, for instance if the sun's disc is in view; then the illuminance at the eye
  * decides. */
 static bool is_worse(const struct orl_seat_hour *a, const struct orl_seat_hour *b)
 {
@@ -88,7 +88,7 @@ static bool is_worse(const struct orl_seat_hour *a, const struct orl_seat_hour *
     return a->eye_lx > b->eye_lx;
 }
 
-/* Keeps the worst of a day, and so many days. */
+/* Enters an hour into the list of worst hours: one per day, ORL_GLARE_WORST days. */
 static void offer(const struct telling *t, size_t column, struct orl_seat_glare *glare)
 {
     const struct orl_seat_hours *h = t->hours;
@@ -138,7 +138,7 @@ static void tell_seat(const struct telling *t, struct orl_seat_glare *ret)
             offer(t, c, ret);
 }
 
-/* Seats that are above 0.40 in no more than 5 % of their use. */
+/* Returns the percentage of seats whose DGP exceeds 0.40 in at most 5 % of their use. */
 static struct orl_annual_value autonomy_of(const struct orl_seat_glare *seats, size_t n)
 {
     struct orl_annual_value sum = {0, 0, 0};

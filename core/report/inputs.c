@@ -1,4 +1,4 @@
-/* What a year is made from: sensors of grids, and a note of every file. */
+/* Inputs of a year: sensors of grids, and a record of every file that was read. */
 #include <oriel/annual_report.h>
 
 #include <sodium.h>
@@ -17,7 +17,7 @@
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 
-/* Sensors of all grids, one after the other. */
+/* Sensors of all grids, grid by grid. */
 struct sensor_list {
     struct orl_sensor *items;
     size_t count, room;
@@ -68,9 +68,9 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
     return 0;
 }
 
-/* ---- What the files say, before anything is run ---------------------------------------------- */
+/* ---- Checks before any run ------------------------------------------------------------------- */
 
-/* The rows' times alone, as a year's steps. */
+/* Converts the times of the rows to a year's steps. */
 static int steps_of(const struct orl_weather *weather, struct orl_annual_steps *ret_steps,
                     struct orl_error *err)
 {
@@ -130,9 +130,9 @@ int orl_occupancy_check(const char *name, const char *text, size_t size,
     return code;
 }
 
-/* ---- Notes ----------------------------------------------------------------------------------- */
+/* ---- Record of files ------------------------------------------------------------------------- */
 
-/* Where a name is, or belongs. */
+/* Returns the index of a name in the sorted list, or where to insert it. */
 static size_t place_of(const struct orl_annual_inputs *inputs, const char *name)
 {
     size_t low = 0, high = inputs->count;

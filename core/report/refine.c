@@ -1,4 +1,4 @@
-/* More paths for those sensors that leave a verdict open. */
+/* Refines sensors that leave a verdict undecided, by tracing more paths. */
 #include <oriel/annual_report.h>
 
 #include <math.h>
@@ -7,10 +7,10 @@
 
 #include <oriel/crew.h>
 
-enum { MORE = 4 }; /* times the paths of the round before */
+enum { MORE = 4 }; /* factor from one round's paths to the next */
 
-/* Squares of errors times paths stay as they are where paths alone make them; where all of them lie
- * between nodes, they grow by more than three from round to round. */
+/* Ratio from round to round of squared errors times paths, above which interpolation dominates. It
+ * is 1 if paths alone cause the errors, and more than three if interpolation between nodes does. */
 static const double mostly_of_nodes = 2;
 static const double near_share = 0.5, near_part = 0.005, far_off = 3;
 
@@ -20,11 +20,11 @@ struct refining {
     const struct orl_annual_env *env;
     struct orl_annual_result *result;
     struct orl_annual_refinement *state;
-    uint64_t *samples; /* of each sensor so far */
+    uint64_t *samples; /* paths of each sensor so far */
     size_t *open;      /* sensors of the next round */
     size_t n_open;
     uint32_t sun_halvings; /* of the next round */
-    bool uncertain;        /* too many hours have large errors, and more paths help */
+    bool uncertain;        /* true if too many hours have large errors, and more paths help */
     struct orl_error *err;
 };
 
@@ -34,9 +34,10 @@ static int no_memory(const struct refining *r)
     return ORL_ERR_NOMEM;
 }
 
-/* ---- What is open ---------------------------------------------------------------------------- */
+/* ---- Undecided sensors ----------------------------------------------------------------------- */
 
-/* Lists the sensors of the target's grid, or of all grids, whose side of the bound is open. */
+/* Lists the sensors of the target's grid, or of all grids, that may lie on either side of the
+ * bound. */
 static int list_open_sensors(struct refining *r, const struct orl_annual_report *report,
                              size_t grid)
 {
@@ -71,8 +72,8 @@ static int list_open_sensors(struct refining *r, const struct orl_annual_report 
     return code;
 }
 
-/* Judges the target, and lists the sensors that leave it open. If few paths are the reason why
- * hours are uncertain, all sensors are open. */
+/* Judges the target, and lists the sensors that leave it undecided. If too few paths make hours
+ * uncertain, all sensors are listed. */
 static int judge_target(struct refining *r)
 {
     struct orl_annual_wishes wishes = *r->wishes;
@@ -110,13 +111,15 @@ static float weigh(double a, double wa, double b, double wb)
     return (float)((wa * a + wb * b) / (wa + wb));
 }
 
-/* Those of paths are independent; those between nodes are the same in both. */
+/* Combines errors of two runs. Errors of paths are independent; errors of interpolation (rough) are
+ * the same in both. */
 static float weigh_errors(bool rough, double a, double wa, double b, double wb)
 {
     return rough ? weigh(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
 }
 
-/* The error of the sum over hours with sun, by the sum of their errors, of a mean of two years. */
+/* Coherence of the mean of two years. It is the error of the sum over hours with sun, divided by
+ * the sum of their errors. */
 static float weigh_coherence(bool rough, double sum_a, double a, double wa, double sum_b, double b,
                              double wb)
 {
@@ -125,7 +128,9 @@ static float weigh_coherence(bool rough, double sum_a, double a, double wa, doub
                      : 0;
 }
 
-/* Relative errors, or their squares, of hours with sun: the sky has no nodes. */
+/*
+ * Sums relative errors, or their squares, over hours with sun, because the sky is not interpolated.
+ */
 static double sum_errors(const struct orl_annual_result *result, size_t sensor, bool squares)
 {
     const float *total = orl_annual_row(result, result->total, sensor);
@@ -139,7 +144,8 @@ static double sum_errors(const struct orl_annual_result *result, size_t sensor, 
     return sum;
 }
 
-/* Whether more paths gain little; of the rows so far beside those of one run more. */
+/* Returns true if more paths would gain little. Compares the rows so far with those of one more
+ * run. */
 static bool is_rough(const struct refining *r, const struct orl_annual_result *more,
                      uint32_t samples)
 {
@@ -151,7 +157,7 @@ static bool is_rough(const struct refining *r, const struct orl_annual_result *m
     return after > mostly_of_nodes * before;
 }
 
-/* Both are means over their paths. */
+/* Merges another run's rows into the result, weighted by their numbers of paths. */
 static void merge(struct refining *r, const struct orl_annual_result *more, uint32_t samples,
                   bool rough)
 {
@@ -178,7 +184,8 @@ static void merge(struct refining *r, const struct orl_annual_result *more, uint
     }
 }
 
-/* A round's share of the whole, for progress: half of what is left, if there may be others. */
+/* Returns a run environment whose progress covers one round: half of the remaining part, if more
+ * rounds may follow. */
 static struct orl_run_env share_of(const struct refining *r, uint32_t round)
 {
     struct orl_run_env run = *r->env->run;
@@ -193,8 +200,8 @@ static struct orl_run_env share_of(const struct refining *r, uint32_t round)
     return run;
 }
 
-/* In later rounds shades are as the first one found them: controls want all sensors. groups: room
- * for as many as there are; series are the result's. */
+/* Fixes the shades of later rounds to the states that the first round found, because controls need
+ * all sensors. groups: room for all groups; their series belong to the result. */
 static void fix_shades(const struct refining *r, struct orl_window_group *groups)
 {
     const size_t steps = r->result->n_steps;

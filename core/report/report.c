@@ -1,4 +1,4 @@
-/* Metrics and figures of a year, and all of its report. */
+/* Computes metrics and figures of a year, and assembles its report. */
 #include "report/making.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static int no_memory(const struct orl_report_making *m)
     return ORL_ERR_NOMEM;
 }
 
-/* One of all sensors where the request has none. */
+/* Copies the request's grids; without any, makes one of all sensors. */
 static int make_grids(const struct orl_report_making *m)
 {
     struct orl_annual_report *report = m->report;
@@ -44,7 +44,8 @@ static int make_grids(const struct orl_report_making *m)
     return 0;
 }
 
-/* The day since 1 January that the weather file begins with; 0 for files of one calendar year. */
+/* Returns the day, counted from 1 January, on which the weather file begins; 0 for files of one
+ * calendar year. */
 static uint32_t begin_of_year(const struct orl_report_making *m)
 {
     const struct orl_annual_year *year = &m->report->year;
@@ -76,7 +77,7 @@ static int mark_occupied(const struct orl_report_making *m)
     return code;
 }
 
-/* Marks of a period: only what was measured counts. */
+/* Adds a period from its marks, and clears marks of steps that were not measured. */
 static int add_period(const struct orl_report_making *m, unsigned char *marks,
                       enum orl_annual_when when)
 {
@@ -91,7 +92,8 @@ static int add_period(const struct orl_report_making *m, unsigned char *marks,
                                   &m->report->periods[when], m->err);
 }
 
-/* Of the steps that are marked; marks lose those that were not measured. */
+/* Finds the median diffuse illuminance of the marked and measured steps, unless the request gives
+ * it. */
 static int find_median(const struct orl_report_making *m, const unsigned char *marks)
 {
     struct orl_annual_report *report = m->report;
@@ -113,7 +115,7 @@ static int find_median(const struct orl_report_making *m, const unsigned char *m
     return 0;
 }
 
-/* marks: room for all steps. */
+/* Makes all periods. marks: scratch for all steps. */
 static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
 {
     struct orl_annual_report *report = m->report;
@@ -126,7 +128,7 @@ static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
             orl_annual_daylight_mark(year->global_lx, year->measured, &year->steps, marks, m->err);
     if (code == 0)
         code = add_period(m, marks, ORL_WHEN_DAYLIGHT);
-    /* A file with a part of a year gives the lighter half of that part. */
+    /* A file with part of a year only provides the lighter half of that part. */
     const uint32_t half_of_year = year->steps.count / 2;
     report->hours_wanted[ORL_WHEN_DAYLIGHT] = (double)half_of_year / year->steps.per_hour;
     if (code == 0)
@@ -168,7 +170,7 @@ static const float *at(const float *values, size_t i)
 
 struct evaluation {
     const struct orl_report_making *m;
-    float *factors; /* of each member of the crew: room for a row */
+    float *factors; /* scratch for a row, per crew member */
     atomic_size_t n_unlit;
     atomic_bool cancelled;
 };
@@ -234,7 +236,7 @@ static int make_values(const struct orl_report_making *m)
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 
-/* Averages are of values that are there already. */
+/* Computes a figure of a grid. Averages use values that are already computed. */
 static int make_figure(const struct orl_report_making *m, size_t f, size_t grid,
                        struct orl_annual_area *ret_area)
 {
@@ -274,7 +276,7 @@ static int make_figures(const struct orl_report_making *m)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-/* What needs no light. */
+/* Prepares the parts of a report that need no light: year, grids and periods. */
 static int prepare(const struct orl_report_making *m)
 {
     int code = orl_annual_year_make(m->result, &m->report->year, m->err);
@@ -358,7 +360,7 @@ int orl_annual_report_expose(const struct orl_annual_request *request,
     return orl_exposure_find(&wishes->exposure, &site, request, env, report->exposures, err);
 }
 
-/* Shares of a grid's area by level, of the views of its sensors. */
+/* Computes the percentages of a grid's area by view level of its sensors. */
 static struct orl_view_shares share_views(const struct orl_annual_report *report, size_t grid,
                                           const struct orl_view_out *views)
 {

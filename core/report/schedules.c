@@ -1,4 +1,4 @@
-/* States of window groups by the hour, from tables. */
+/* Reads the states of window groups by hour from tables. */
 #include <oriel/annual_report.h>
 
 #include <stdio.h>
@@ -16,12 +16,12 @@ struct table {
     struct orl_scanner scanner;
     const struct orl_window_group *group;
     char separator;
-    size_t column;    /* the group's */
-    size_t n_columns; /* of the first line */
+    size_t column;    /* the group's column */
+    size_t n_columns; /* columns of the first line */
     struct orl_error *err;
 };
 
-/* The next line that is neither empty nor a remark; false: there is none. */
+/* Reads the next line that is neither empty nor a comment; returns false at the end. */
 static bool next_line(struct table *t, struct orl_slice *ret_line)
 {
     while (orl_scanner_line(&t->scanner, ret_line)) {
@@ -42,7 +42,7 @@ static int fail(const struct table *t, int code, const char *what, struct orl_sl
     return code;
 }
 
-/* A state by its name, or by its number from 0. */
+/* Finds a state by its name, or by its number from 0. */
 static bool find_state(const struct orl_window_group *group, struct orl_slice field,
                        unsigned char *ret_state)
 {
@@ -72,8 +72,8 @@ static int fail_no_column(const struct table *t)
                 (struct orl_slice){t->group->name, strlen(t->group->name)});
 }
 
-/* The group's column, by a first line that names it. The heading of a single column may be any word
- * but a number. */
+/* Finds the group's column by a first line that names it. The heading of a single column may be any
+ * word that is no number. */
 static int find_column(struct table *t, bool *ret_is_head)
 {
     struct table ahead = *t;
@@ -105,7 +105,7 @@ static int find_column(struct table *t, bool *ret_is_head)
     return named || t->n_columns == 1 ? 0 : fail_no_column(&ahead);
 }
 
-/* A decimal comma would make two fields of one. */
+/* Refuses a line with too many fields, which a decimal comma may cause. */
 static int refuse_fields(const struct table *t, struct orl_slice line)
 {
     fail(t, ORL_ERR_SYNTAX, "the line has more fields than the first:", line);

@@ -1,4 +1,6 @@
-/* View out: what is seen from places by openings, how wide and how far, by rays. */
+/*
+ * View out: what is visible from places through openings, how wide and how far. Computed with rays.
+ */
 #include <oriel/view_out.h>
 
 #include <math.h>
@@ -14,8 +16,9 @@
 
 enum { COLUMNS = 1440, ROWS = 180, MOST_PANES = 64 };
 #define COLUMN_DEG (360.0 / COLUMNS)
-static const double own = 1;              /* m from the pane: what is the window's own */
-static const double least_slanting = 0.1; /* of the pane's normal, that is not level */
+static const double own = 1; /* m from the pane: nearer surfaces belong to the window itself */
+static const double least_slanting =
+    0.1; /* least horizontal component of the pane's normal; else the pane is a roof light */
 
 void orl_view_out_wish_init(struct orl_view_out_wish *wish)
 {
@@ -77,10 +80,11 @@ enum orl_view_level orl_view_out_level(const struct orl_view_out *view)
 struct seen {
     unsigned char layer; /* 0: no view */
     uint32_t opening;
-    float distance_m; /* level; INFINITY: of sky and ground */
+    float distance_m; /* horizontal distance; INFINITY for sky and ground */
 };
 
-/* Level, along the normal of the pane; of roof lights as the crow flies. */
+/* Returns the horizontal distance along the pane's normal; for roof lights the horizontal distance
+ * in any direction. */
 static double level_distance(struct orl_vec3 way, struct orl_vec3 outward)
 {
     const double slant = hypot(outward.x, outward.y);
@@ -88,11 +92,12 @@ static double level_distance(struct orl_vec3 way, struct orl_vec3 outward)
                                   : (way.x * outward.x + way.y * outward.y) / slant;
 }
 
-/* A ray on its way; outside, once it has passed an opening. */
+/* State of a ray. */
 struct look {
     struct seen seen;
     bool outside;
-    struct orl_vec3 pane, outward; /* where it did */
+    struct orl_vec3 pane,
+        outward; /* where it passed the opening, and the opening's outward normal */
 };
 
 static void pass_opening(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
@@ -104,7 +109,7 @@ static void pass_opening(struct look *look, const struct orl_openings *o, const 
     look->seen.opening = o->of_port[port];
 }
 
-/* What is met outside, and does not let through. */
+/* Records an opaque surface that the ray hits outside. */
 static void meet(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
 {
     const struct orl_vec3 way = orl_sub(hit->point, look->pane);
@@ -115,7 +120,7 @@ static void meet(struct look *look, const struct orl_openings *o, const struct o
     look->seen.distance_m = ground ? INFINITY : (float)fmax(0, level_distance(way, look->outward));
 }
 
-/* False: it ends here. */
+/* Handles a surface on the ray; returns false if the ray ends there. */
 static bool pass(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
 {
     const bool clear = !orl_facet_is_placed(o->scene->geometry, hit->facet) && o->clear[hit->facet];
@@ -150,9 +155,9 @@ static struct seen look_along(const struct orl_openings *o, struct orl_vec3 orig
     return look.seen;
 }
 
-/* ---- Where openings are ---------------------------------------------------------------------- */
+/* ---- Extent of openings ---------------------------------------------------------------------- */
 
-/* Rows of each column that an opening may be in: none where first > last. */
+/* Rows of each column that may contain an opening; first > last: none. */
 struct extent {
     short first[COLUMNS], last[COLUMNS];
 };
@@ -193,7 +198,8 @@ static void mark_columns(struct extent *extent, double from, double to, int firs
     }
 }
 
-/* Corners from the eye. A triangle seen from beside spans less than half of the round. */
+/* Marks the columns and rows of a triangle; corners are relative to the eye. A triangle that is not
+ * overhead spans less than half of the horizon. */
 static void mark_triangle(struct extent *extent, const struct orl_vec3 c[3])
 {
     const double nearest = fmin(distance_to_edge(c[0], c[1]),
@@ -244,14 +250,14 @@ struct finder {
     const struct orl_view_out_wish *wish;
     const struct orl_sensor *sensors;
     struct orl_openings openings;
-    struct scratch *scratch; /* of each member of the crew */
+    struct scratch *scratch; /* by crew member */
     struct orl_view_out *views;
 };
 
 struct scratch {
     struct seen seen[COLUMNS][ROWS];
     struct extent extent;
-    unsigned char *layers; /* of each opening; owned */
+    unsigned char *layers; /* by opening; owned */
     double distances[COLUMNS];
 };
 
@@ -269,7 +275,7 @@ static void look_around(const struct orl_openings *o, struct orl_vec3 eye, struc
     }
 }
 
-/* The horizon is where sky stands on ground. */
+/* Finds the layers of each opening. Where sky adjoins ground, the horizon counts as landscape. */
 static void gather_layers(const struct orl_openings *o, struct scratch *s)
 {
     memset(s->layers, 0, o->count);
@@ -285,7 +291,8 @@ static void gather_layers(const struct orl_openings *o, struct scratch *s)
         }
 }
 
-/* The ray of a column nearest to the horizontal, of those above it the lower one first. */
+/* Returns the ray of a column that is nearest to the horizontal and has a view. Of two equally near
+ * rays the upper one comes first. */
 static const struct seen *find_level(const struct scratch *s, int c)
 {
     for (int k = 0; k < ROWS; k++) {

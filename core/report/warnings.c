@@ -1,4 +1,4 @@
-/* What a report shows that whoever asked for it ought to know. */
+/* Warnings about a report that its user should know. */
 #include "report/making.h"
 
 #include <math.h>
@@ -45,10 +45,10 @@ static bool sees_out(const struct orl_annual_report *report)
 /* ---- Errors of hours ------------------------------------------------------------------------- */
 
 struct uncertain_hours {
-    unsigned char *columns; /* 1: some sensor's hour counts */
+    unsigned char *columns; /* 1: the hour is uncertain at some sensor */
     size_t n_columns, n_sunlit, n_sensors;
-    size_t sensor, column; /* of the largest error relative to its illuminance */
-    double worst;          /* that error */
+    size_t sensor, column; /* position of the largest error relative to its illuminance */
+    double worst;          /* that relative error */
 };
 
 static void find_of_sensor(const struct orl_annual_result *result, size_t sensor,
@@ -84,7 +84,8 @@ static void find_uncertain_hours(const struct orl_annual_result *result,
     }
 }
 
-/* The sky has no nodes: the errors of hours without sun are all of paths. */
+/* Describes how to reduce the errors. The sky is not interpolated between nodes, so errors of hours
+ * without sun come from paths alone. */
 static void name_remedy(const struct orl_annual_request *request,
                         const struct uncertain_hours *hours, char *ret_text, size_t size)
 {

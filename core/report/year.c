@@ -1,4 +1,4 @@
-/* The rows of a weather file as the steps of a year. */
+/* Maps the rows of a weather file to the steps of a year. */
 #include <oriel/annual_report.h>
 
 #include <math.h>
@@ -9,11 +9,12 @@
 #include "scene/generate/sun.h"
 
 static const double doubtful_deg = 3;
-static const double rounding_h = 0.001; /* of times, which files print with three digits or more */
+static const double rounding_h =
+    0.001; /* rounding of times in hours; files print them with at least three decimals */
 enum { MONTHS = 12 };
 static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
 
-/* How many steps an hour has: by the two rows of a day that lie closest. */
+/* Returns the number of steps per hour, from the shortest gap between two rows of a day. */
 static uint32_t find_per_hour(const struct orl_annual_result *result)
 {
     double gap = 1;
@@ -25,8 +26,8 @@ static uint32_t find_per_hour(const struct orl_annual_result *result)
     return (uint32_t)lrint(fmin(60, 1 / gap));
 }
 
-/* Returns true if there is a row at midnight: rows are at 0, 1/4 h ... as Honeybee writes them for
- * steps below an hour, and not at the middles or the ends of their steps. */
+/* Returns true if there is a row at midnight. Rows then are at 0, 1/4 h ..., as Honeybee writes
+ * them for steps below an hour, instead of at the middles or ends of their steps. */
 static bool begin_steps(const struct orl_annual_result *result)
 {
     for (size_t i = 0; i < result->n_steps; i++)
@@ -55,7 +56,7 @@ uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl
     return day * 24 * steps->per_hour + (uint32_t)fmin(last, fmax(0, within));
 }
 
-/* One row's step; `next` is the first one that is still free. */
+/* Enters a row at its step; *next is the first free step. */
 static int enter(const struct orl_annual_result *result, size_t i, struct orl_annual_year *year,
                  uint32_t *next, struct orl_error *err)
 {
@@ -99,8 +100,8 @@ static bool is_night(const struct orl_annual_result *result, const struct orl_an
     return orl_sun_accurate(&site, &moment).altitude_rad < set_rad;
 }
 
-/* Marks steps of the night without a row as measured, since they are dark: on days that have other
- * rows, and on days without a sunrise. */
+/* Marks night steps without a row as measured, because they are dark. This applies on days that
+ * have other rows, and on days without a sunrise. */
 static void fill_nights(const struct orl_annual_result *result, struct orl_annual_year *year)
 {
     const uint32_t a_day = 24 * year->steps.per_hour;
