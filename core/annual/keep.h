@@ -41,8 +41,8 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
 struct orl_keeping {
     unsigned what; /* an orl_annual_kept, or ORL_YEARS_ROWS */
     size_t first, count;
-    uint32_t samples; /* of paths and rows */
-    double core_s;    /* of suns and map: estimated time of one core (oriel/pieces.h) */
+    uint32_t samples; /* for paths and rows */
+    double core_s;    /* for suns and map: estimated time of one core (oriel/pieces.h) */
     char key[ORL_DIGEST_HEX + 1], family[ORL_DIGEST_HEX + 1], path[4096];
     bool owed; /* true if the entry must be stored or abandoned */
     double began_s,

@@ -151,7 +151,7 @@ static bool may_be_faced(const struct orl_mirrors *mirrors, const struct orl_mir
 }
 
 /* Sampling weight of a pane. Mirrors beyond a port weigh less, because the port hides most of them.
- * Those that light reaches only by a third window weigh least. */
+ * Mirrors that light reaches only by a third window weigh least. */
 static double strength_of(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
                           const struct orl_window *pane, bool beyond)
 {

@@ -160,7 +160,7 @@ static inline bool ray_meets(const struct orl_pane_node *node, const struct ray 
 /* A cone of rays from a point; its half angle is at most a right angle. */
 struct beam {
     struct orl_vec3 origin, axis;
-    double cosine, sine; /* of the half angle */
+    double cosine, sine; /* cosine and sine of the half angle */
 };
 
 /* Returns true if the beam may overlap a cone from the same origin, of at most a right angle. */

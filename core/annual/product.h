@@ -69,7 +69,7 @@ struct orl_annual_row {
 struct orl_annual_share {
     uint32_t part;
     const struct orl_annual_factors *factors; /* NULL: none */
-    const struct orl_annual_beams *beams;     /* of all parts */
+    const struct orl_annual_beams *beams;     /* beams of all parts */
     /* By sun (sun_rows.h); NULL: no direct sunlight. */
     const float *by_sun, *mirrored, *squares;
     const unsigned char

@@ -29,7 +29,7 @@ struct orl_seat_rays {
     uint32_t most_paths;         /* most paths of a ray */
     bool spots;                  /* true if the next ray adds spots */
     bool lobes;                  /* true once a ray has hit lobes */
-    struct orl_seat_terms terms; /* of the pixel */
+    struct orl_seat_terms terms; /* terms of the current pixel */
     size_t spots_room;           /* capacity of view->spots */
     uint64_t steps;              /* traced segments */
 };

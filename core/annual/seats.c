@@ -19,7 +19,7 @@
 /* State of all seats while a year of their sensors runs. */
 struct seating {
     const struct orl_seats_wish *wish;
-    const struct orl_annual_result *result; /* of the year to which the seats belong */
+    const struct orl_annual_result *result; /* result of the year to which the seats belong */
     unsigned char *wanted; /* by column: columns still to be rated, and columns of this run */
     unsigned char *now;
     struct orl_annual_request request; /* with the seats' sensors, which are owned */

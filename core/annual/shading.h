@@ -8,9 +8,10 @@
 struct orl_shading {
     const struct orl_annual_request *request;
     const struct orl_annual_env *env;
-    struct orl_annual_result *result; /* of the run with all groups open, then of the whole year */
-    struct orl_year *reader;          /* a year used only for its hours */
-    unsigned char *states;            /* [group * n_steps + step] */
+    struct orl_annual_result
+        *result;             /* result of the run with all groups open, then of the whole year */
+    struct orl_year *reader; /* a year used only for its hours */
+    unsigned char *states;   /* [group * n_steps + step] */
     unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first one: all open */
     size_t n_combinations;
     unsigned char *which; /* by column: index of the combination; MOST: there was no room for it */
@@ -34,7 +35,7 @@ struct orl_sub_run {
     uint32_t index;                     /* unique among all possible runs */
     const struct orl_year_parts *parts; /* NULL: light is not split by part */
     bool sun_only;                      /* true: direct sunlight alone, by parts */
-    double share;                       /* of the total work */
+    double share;                       /* share of the total work, for progress */
 };
 
 /* Runs the year in given states. Adds the run's statistics and warnings to the result. Errors are

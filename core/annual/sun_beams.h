@@ -25,7 +25,7 @@ struct orl_sun_beams {
     uint8_t *kind_of_port;
     struct orl_sun_kind {
         const struct orl_material *material;
-        struct orl_vec3 outward; /* of its first port */
+        struct orl_vec3 outward; /* outward direction of its first port */
         uint16_t part;           /* part that its ports belong to */
     } kinds[ORL_SUN_MOST_KINDS];
     uint32_t n_kinds;

@@ -74,7 +74,7 @@ struct orl_year {
     struct orl_panels panels;
     bool has_panels; /* true once the panels are made */
     struct orl_keep keep;
-    unsigned char digest[ORL_SHA256_BYTES]; /* of the scene's files */
+    unsigned char digest[ORL_SHA256_BYTES]; /* digest of the scene's files and overrides */
     bool hushed; /* true while warnings are suppressed: those stored with the suns have been issued
                   */
     uint32_t batch_samples;

@@ -23,7 +23,7 @@ struct refining {
     uint64_t *samples; /* paths of each sensor so far */
     size_t *open;      /* sensors of the next round */
     size_t n_open;
-    uint32_t sun_halvings; /* of the next round */
+    uint32_t sun_halvings; /* halvings in the next round */
     bool uncertain;        /* true if too many hours have large errors, and more paths help */
     struct orl_error *err;
 };

@@ -13,8 +13,8 @@ struct orl_series {
     double **values;      /* owned: n_runs arrays of count values, lux or cd/m2 */
     double *errors;       /* owned: standard errors of the last run; NULL: unknown */
     double (*stages_s)[ORL_STAGE_COUNT], *total_s; /* owned, by run */
-    uint64_t map_bytes;                            /* of the first run */
-    uint32_t threads;                              /* of the first run */
+    uint64_t map_bytes;                            /* from the first run */
+    uint32_t threads;                              /* from the first run */
 };
 void orl_series_done(struct orl_series *series);
 
