@@ -103,7 +103,7 @@ static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-static void multiply(void *arg, size_t tile, uint32_t member)
+static void multiply_tile(void *arg, size_t tile, uint32_t member)
 {
     const struct orl_year *y = arg;
     (void)member;
@@ -150,7 +150,7 @@ int orl_block_rows_make(struct orl_year *y)
     memset(y->between, 0, y->count * y->hours.n_columns * sizeof *y->between);
     int code = orl_crew_try(crew, y->count, fill_factors, y);
     if (code == 0)
-        code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
+        code = orl_crew_try(crew, y->hours.n_tiles, multiply_tile, y);
     return code == 0 ? orl_crew_try(crew, y->count, find_coherence, y) : code;
 }
 
@@ -158,7 +158,7 @@ int orl_block_rows_make(struct orl_year *y)
 
 /* Lists the suns that each part needs, so that BSDF panes are sampled for these only. If sunlight
  * is stored for later jobs, all suns are needed. */
-static int want_suns(struct orl_year *y)
+static int list_wanted_suns(struct orl_year *y)
 {
     const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;
     const size_t suns = y->hours.suns.count;
@@ -197,7 +197,7 @@ static int make_sums(struct orl_year *y)
                                       .n_nodes = sun_only ? 0 : y->nodes.count,
                                       .n_beams = y->n_beams,
                                       .n_suns = y->hours.suns.count};
-    if (orl_block_sums_init(&y->sums) < 0 || want_suns(y) < 0 || find_parts_of_beams(y) < 0)
+    if (orl_block_sums_init(&y->sums) < 0 || list_wanted_suns(y) < 0 || find_parts_of_beams(y) < 0)
         return ORL_ERR_NOMEM;
     y->lit = calloc(lights + 1, sizeof *y->lit);
     y->factors = malloc((lights + 1) * sizeof *y->factors);

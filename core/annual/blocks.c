@@ -16,7 +16,7 @@
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
 /* Returns true if the year reports direct sunlight by part and makes no rows. */
-static bool tells_sunlight(const struct orl_year *y)
+static bool reports_sunlight(const struct orl_year *y)
 {
     return orl_year_is_sun_only(y) && y->variant->parts;
 }
@@ -68,7 +68,7 @@ static void place_sensors(struct orl_year *y)
     }
 }
 
-static int hand_over(struct orl_year *y, struct orl_error *err)
+static int deliver_rows(struct orl_year *y, struct orl_error *err)
 {
     const size_t columns = y->hours.n_columns, bytes = columns * sizeof(float);
     for (size_t i = 0; i < y->count; i++) {
@@ -92,8 +92,8 @@ static int hand_over(struct orl_year *y, struct orl_error *err)
 /* ---- Sums and rows, stored or computed ------------------------------------------------------- */
 
 /* Stores packed data, unless packing ran out of memory (code < 0), and frees it. */
-static void keep_packed(struct orl_year *y, struct orl_keeping *it, int code, void *data,
-                        size_t size)
+static void store_packed(struct orl_year *y, struct orl_keeping *it, int code, void *data,
+                         size_t size)
 {
     if (code == 0)
         orl_keep_put(&y->keep, it, data, size);
@@ -124,7 +124,7 @@ static int check_places(const struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
-static int trace(struct orl_year *y, struct orl_keeping *it, struct orl_error *err)
+static int trace_paths(struct orl_year *y, struct orl_keeping *it, struct orl_error *err)
 {
     const uint64_t before = count_rays(y);
     int code = orl_year_need_scene(y, err);
@@ -155,10 +155,10 @@ static int find_paths(struct orl_year *y, struct orl_error *err)
     if (!orl_block_sums_unpack_paths(&y->sums, y->count, it.data, it.size))
         it.had = 0;
     if (it.had < it.samples)
-        code = trace(y, &it, err);
+        code = trace_paths(y, &it, err);
     if (code == 0 && it.owed) {
         const int packed = orl_block_sums_pack_paths(&y->sums, y->count, &data, &size);
-        keep_packed(y, &it, packed, data, size);
+        store_packed(y, &it, packed, data, size);
     }
     orl_keep_done(&y->keep, &it);
     return code;
@@ -186,13 +186,13 @@ static int find_suns(struct orl_year *y, struct orl_error *err)
         code = make_suns(y, err);
     if (code == 0 && it.owed) {
         const int packed = orl_block_sums_pack_suns(&y->sums, y->count, &data, &size);
-        keep_packed(y, &it, packed, data, size);
+        store_packed(y, &it, packed, data, size);
     }
     orl_keep_done(&y->keep, &it);
     return code;
 }
 
-static void tell_sunlight(const struct orl_year *y)
+static void report_sunlight(const struct orl_year *y)
 {
     const struct orl_year_parts *parts = y->variant->parts;
     for (size_t i = 0; i < y->count; i++)
@@ -216,14 +216,14 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
     if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_sun, y) < 0)
         code = orl_year_cancelled(err);
     orl_year_book(y, ORL_ANNUAL_SUN, &since);
-    if (code == 0 && tells_sunlight(y))
-        tell_sunlight(y);
-    if (code < 0 || tells_sunlight(y))
+    if (code == 0 && reports_sunlight(y))
+        report_sunlight(y);
+    if (code < 0 || reports_sunlight(y))
         return code;
     memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
     for (size_t i = 0; i < y->count; i++)
         orl_block_direct(y, i, 0, orl_year_row_of(y, i, ORL_YEAR_DIRECT));
-    return hand_over(y, err);
+    return deliver_rows(y, err);
 }
 
 /* Computes the rows from paths and suns. */
@@ -261,7 +261,7 @@ static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARR
     return ret[0].bytes + ret[1].bytes + ret[2].bytes + ret[3].bytes;
 }
 
-static bool take_rows(const struct orl_year *y, const struct orl_keeping *it)
+static bool load_rows(const struct orl_year *y, const struct orl_keeping *it)
 {
     struct array arrays[ROW_ARRAYS];
     const char *from = it->data;
@@ -272,14 +272,14 @@ static bool take_rows(const struct orl_year *y, const struct orl_keeping *it)
     return true;
 }
 
-static void keep_rows(struct orl_year *y, struct orl_keeping *it)
+static void store_rows(struct orl_year *y, struct orl_keeping *it)
 {
     struct array arrays[ROW_ARRAYS];
     const size_t size = list_row_arrays(y, arrays);
     char *data = malloc(size + 1), *to = data;
     for (int i = 0; data && i < ROW_ARRAYS; to += arrays[i++].bytes)
         memcpy(to, arrays[i].at, arrays[i].bytes);
-    keep_packed(y, it, data ? 0 : ORL_ERR_NOMEM, data, size);
+    store_packed(y, it, data ? 0 : ORL_ERR_NOMEM, data, size);
 }
 
 /* Computes the rows; if runs share the year, takes them from the store where possible. */
@@ -294,10 +294,10 @@ static int find_rows(struct orl_year *y, struct orl_error *err)
     int code = orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
         return code;
-    if (!take_rows(y, &it))
+    if (!load_rows(y, &it))
         code = make_rows(y, err);
     if (code == 0 && it.owed)
-        keep_rows(y, &it);
+        store_rows(y, &it);
     orl_keep_done(&y->keep, &it);
     return code;
 }
@@ -309,7 +309,7 @@ static int run_block(struct orl_year *y, struct orl_error *err)
     int code = find_rows(y, err);
     double since = orl_year_now(y);
     if (code == 0)
-        code = hand_over(y, err);
+        code = deliver_rows(y, err);
     orl_year_book(y, ORL_ANNUAL_HOURS, &since);
     return code;
 }
@@ -332,7 +332,7 @@ static int make_room(struct orl_year *y)
         if (!r->coefficients)
             return ORL_ERR_NOMEM;
     }
-    if (y->env->row || tells_sunlight(y))
+    if (y->env->row || reports_sunlight(y))
         return 0;
     r->total = malloc((n * columns + 1) * sizeof *r->total);
     r->direct = malloc((n * columns + 1) * sizeof *r->direct);
@@ -361,15 +361,15 @@ static struct orl_annual_block block_of(const struct orl_year *y)
 
 static bool is_kept(struct orl_year *y)
 {
-    if (tells_sunlight(y) || y->env->row || !y->env->kept || y->result->coefficients)
+    if (reports_sunlight(y) || y->env->row || !y->env->kept || y->result->coefficients)
         return false; /* coefficients are stored in no block */
     struct orl_annual_block block = block_of(y);
     return y->env->kept(y->env->ctx, &block);
 }
 
-static void tell_done(const struct orl_year *y)
+static void report_block_done(const struct orl_year *y)
 {
-    if (tells_sunlight(y) || y->env->row || !y->env->done)
+    if (reports_sunlight(y) || y->env->row || !y->env->done)
         return;
     const struct orl_annual_block block = block_of(y);
     y->env->done(y->env->ctx, &block);
@@ -415,7 +415,7 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
         }
         code = run_block(y, err);
         if (code == 0)
-            tell_done(y);
+            report_block_done(y);
         orl_year_tell(y, ORL_STAGE_RENDER, (double)(y->first + y->count));
     }
     for (uint32_t i = 0; y->healths && i < orl_crew_size(y->env->run->crew); i++)

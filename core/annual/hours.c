@@ -146,8 +146,8 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
                        hours->coarse + index * ORL_BINS_COARSE * ORL_HOURS_TILE);
 }
 
-static int paint(struct orl_hours *hours, const struct orl_bins *bins, const struct reader *r,
-                 struct orl_crew *crew)
+static int paint_skies(struct orl_hours *hours, const struct orl_bins *bins, const struct reader *r,
+                       struct orl_crew *crew)
 {
     struct orl_sky_rows rows;
     const struct painter painter = {hours, &rows, r};
@@ -186,7 +186,7 @@ static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct
     if (orl_direction_tree_init(&hours->suns.tree, direction_of_sun, hours->suns.at, NULL,
                                 hours->suns.count) < 0)
         return ORL_ERR_NOMEM;
-    return paint(hours, bins, r, crew);
+    return paint_skies(hours, bins, r, crew);
 }
 
 int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,

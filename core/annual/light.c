@@ -204,7 +204,7 @@ static const void *get_bytes(void *to, const void *from, size_t bytes)
 }
 
 /* first_warning: index in the result of the first warning about the light. */
-static void keep_suns(struct orl_year *y, struct orl_keeping *it, size_t first_warning)
+static void store_suns(struct orl_year *y, struct orl_keeping *it, size_t first_warning)
 {
     const struct orl_annual_result *r = y->result;
     const struct orl_sun_terms *terms = &y->terms;
@@ -230,7 +230,7 @@ static void keep_suns(struct orl_year *y, struct orl_keeping *it, size_t first_w
 }
 
 /* Reads stored suns. The file's checksum has been verified, so the data is as written. */
-static int take_suns(struct orl_year *y, const void *data)
+static int load_suns(struct orl_year *y, const void *data)
 {
     struct orl_sun_terms *terms = &y->terms;
     struct kept_suns k;
@@ -274,7 +274,7 @@ static int make_suns(struct orl_year *y, struct orl_keeping *it, struct orl_erro
                           ? "; \"sun_halvings\" follows more"
                           : "");
     if (it->owed)
-        keep_suns(y, it, first_warning);
+        store_suns(y, it, first_warning);
     return 0;
 }
 
@@ -290,7 +290,7 @@ int orl_year_find_suns(struct orl_year *y, struct orl_error *err)
         return 0;
     int code = orl_keep_ask(&y->keep, &it, err);
     if (code == 0 && it.data)
-        code = take_suns(y, it.data) < 0 ? orl_year_no_memory(err) : 0;
+        code = load_suns(y, it.data) < 0 ? orl_year_no_memory(err) : 0;
     else if (code == 0)
         code = make_suns(y, &it, err);
     orl_keep_done(&y->keep, &it);

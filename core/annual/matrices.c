@@ -139,8 +139,8 @@ int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
     return code;
 }
 
-static int misfit(const struct summing *s, const char *name, const char *what, size_t has,
-                  size_t wanted, const char *of)
+static int fail_size(const struct summing *s, const char *name, const char *what, size_t has,
+                     size_t wanted, const char *of)
 {
     orl_error_set(s->err, ORL_ERR_RANGE, "it has %zu %s, where %zu are wanted, as %.100s has", has,
                   what, wanted, of);
@@ -161,7 +161,7 @@ static int need_sky(struct summing *s, const char *name)
     s->name = name;
     if (s->sky.columns == s->result->n_steps)
         return 0;
-    misfit(s, name, "columns", s->sky.columns, s->result->n_steps, "the weather file in rows");
+    fail_size(s, name, "columns", s->sky.columns, s->result->n_steps, "the weather file in rows");
     orl_error_hint(s->err, "gendaymtx leaves dark hours out with -u, and makes other hours with "
                            "other options: it is wanted of all rows");
     return ORL_ERR_RANGE;
@@ -176,7 +176,7 @@ static int multiply_by(const struct summing *s, const char *before, const char *
     struct orl_rgb_matrix by = {.rows = 0}, product = {.rows = 0};
     int code = read_matrix(s, name, transmission, &by);
     if (code == 0 && by.rows != matrix->columns)
-        code = misfit(s, name, "rows", by.rows, matrix->columns, before);
+        code = fail_size(s, name, "rows", by.rows, matrix->columns, before);
     if (code == 0)
         code = orl_rgb_matrix_multiply(matrix, &by, s->run->crew, &product, s->err);
     orl_rgb_matrix_done(&by);
@@ -237,9 +237,9 @@ static int add_term(struct summing *s, const struct orl_matrix_term *term)
     if (code == 0)
         code = make_coefficients(s, term, &coefficients);
     if (code == 0 && coefficients.rows != grid->count)
-        code = misfit(s, first, "rows", coefficients.rows, grid->count, "its grid in sensors");
+        code = fail_size(s, first, "rows", coefficients.rows, grid->count, "its grid in sensors");
     if (code == 0 && coefficients.columns != s->sky.rows)
-        code = misfit(s, last, "columns", coefficients.columns, s->sky.rows, term->sky);
+        code = fail_size(s, last, "columns", coefficients.columns, s->sky.rows, term->sky);
     const struct adding adding = {s, &coefficients, grid->first, term->subtract ? -1 : 1};
     if (code == 0 &&
         orl_crew_try(s->run->crew, grid->count, add_sensor, (void *)(uintptr_t)&adding) < 0)

@@ -80,7 +80,8 @@ static size_t list_candidates(const struct orl_world *world, struct candidate *c
 }
 
 /* Assigns the candidates to planes, and stores the panes of each plane contiguously. */
-static void sort_out(struct orl_mirrors *mirrors, const struct candidate *candidates, size_t n)
+static void group_by_plane(struct orl_mirrors *mirrors, const struct candidate *candidates,
+                           size_t n)
 {
     const struct orl_geometry *g = mirrors->world->geometry;
     uint32_t first = 0;
@@ -228,7 +229,7 @@ int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_world *world,
     mirrors->panes = malloc((n + 1) * sizeof *mirrors->panes);
     const bool room = candidates && mirrors->plane_of && mirrors->planes && mirrors->panes;
     if (room)
-        sort_out(mirrors, candidates, n);
+        group_by_plane(mirrors, candidates, n);
     free(candidates);
     int code = room ? make_set(&mirrors->everywhere, mirrors, false) : ORL_ERR_NOMEM;
     if (code == 0)
@@ -274,9 +275,9 @@ static bool is_passed(const struct orl_mirrors *mirrors, const struct orl_mirror
 
 /* Returns sunlight reflected in one plane, or in one facet of it. beyond: the mirror is seen
  * through a port from inside. port: as in orl_mirrors_light_of. */
-static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane, uint32_t facet,
-                               struct orl_path path, struct orl_vec3 towards, bool beyond,
-                               int32_t *port)
+static struct orl_rgb light_by_plane(const struct orl_mirrors *mirrors, uint32_t plane,
+                                     uint32_t facet, struct orl_path path, struct orl_vec3 towards,
+                                     bool beyond, int32_t *port)
 {
     const struct orl_world *world = mirrors->world;
     bool out = !beyond;
@@ -329,9 +330,10 @@ struct orl_rgb orl_mirrors_light(const struct orl_mirrors *mirrors, const struct
         const struct orl_rgb seen = answer(ctx, image);
         int32_t port = ORL_NO_PORT;
         if (orl_rgb_max(seen) > 0)
-            sum = orl_rgb_add(sum, orl_rgb_mul(seen, by_plane(mirrors, i, UINT32_MAX,
-                                                              orl_path_from(place->point, image),
-                                                              towards, beyond, &port)));
+            sum = orl_rgb_add(sum,
+                              orl_rgb_mul(seen, light_by_plane(mirrors, i, UINT32_MAX,
+                                                               orl_path_from(place->point, image),
+                                                               towards, beyond, &port)));
     }
     return sum;
 }
@@ -372,6 +374,7 @@ struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
     const struct orl_rgb seen = answer(ctx, image);
     if (!(orl_rgb_max(seen) > 0))
         return seen;
-    return orl_rgb_mul(seen, by_plane(mirrors, p, pane->facet, orl_path_from(place->point, image),
+    return orl_rgb_mul(seen,
+                       light_by_plane(mirrors, p, pane->facet, orl_path_from(place->point, image),
                                       towards, beyond, port));
 }

@@ -47,7 +47,7 @@ static struct item item_of(const struct orl_window *w, size_t index, double stre
     return item;
 }
 
-static int compare(const struct item *x, const struct item *y, int axis)
+static int compare_centers(const struct item *x, const struct item *y, int axis)
 {
     const double a = along(x->low, axis) + along(x->high, axis);
     const double b = along(y->low, axis) + along(y->high, axis);
@@ -56,17 +56,17 @@ static int compare(const struct item *x, const struct item *y, int axis)
 
 static int compare_x(const void *a, const void *b)
 {
-    return compare(a, b, 0);
+    return compare_centers(a, b, 0);
 }
 
 static int compare_y(const void *a, const void *b)
 {
-    return compare(a, b, 1);
+    return compare_centers(a, b, 1);
 }
 
 static int compare_z(const void *a, const void *b)
 {
-    return compare(a, b, 2);
+    return compare_centers(a, b, 2);
 }
 
 static struct orl_pane_node node_about(const struct item *items, size_t n)
@@ -89,7 +89,7 @@ static struct orl_pane_node node_about(const struct item *items, size_t n)
 
 /* Builds a subtree. Items are split into equal halves along the longest side of the box, so the
  * depth is logarithmic. */
-static void build(struct orl_pane_tree *tree, struct item *items, size_t n)
+static void build_subtree(struct orl_pane_tree *tree, struct item *items, size_t n)
 {
     static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
     const size_t at = tree->count++;
@@ -104,9 +104,9 @@ static void build(struct orl_pane_tree *tree, struct item *items, size_t n)
     for (int i = 1; i < 3; i++)
         axis = along(size, i) > along(size, axis) ? i : axis;
     qsort(items, n, sizeof *items, by_axis[axis]);
-    build(tree, items, n / 2);
+    build_subtree(tree, items, n / 2);
     node.other = (uint32_t)tree->count;
-    build(tree, items + n / 2, n - n / 2);
+    build_subtree(tree, items + n / 2, n - n / 2);
     tree->nodes[at] = node;
 }
 
@@ -119,7 +119,7 @@ int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *pane
     for (size_t i = 0; room && i < n; i++)
         items[i] = item_of(&panes[i], i, strengths ? strengths[i] : 1);
     if (room && n > 0)
-        build(tree, items, n);
+        build_subtree(tree, items, n);
     free(items);
     return room ? 0 : ORL_ERR_NOMEM;
 }
@@ -220,16 +220,16 @@ static bool is_behind(const struct orl_pane_node *node, struct orl_vec3 point,
 }
 
 /* Distance of x from an interval. */
-static double beside(double x, double low, double high)
+static double distance_outside(double x, double low, double high)
 {
     return x < low ? low - x : x > high ? x - high : 0;
 }
 
 static double squared_distance(const struct orl_pane_node *node, struct orl_vec3 p)
 {
-    const struct orl_vec3 off =
-        orl_v3(beside(p.x, node->low.x, node->high.x), beside(p.y, node->low.y, node->high.y),
-               beside(p.z, node->low.z, node->high.z));
+    const struct orl_vec3 off = orl_v3(distance_outside(p.x, node->low.x, node->high.x),
+                                       distance_outside(p.y, node->low.y, node->high.y),
+                                       distance_outside(p.z, node->low.z, node->high.z));
     return orl_dot(off, off);
 }
 

@@ -150,7 +150,7 @@ static void find_suns(void *arg, size_t sensor, uint32_t member)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static int check(const struct phases *p, struct orl_error *err)
+static int check_sensors_inside(const struct phases *p, struct orl_error *err)
 {
     const struct orl_world *world = p->year->world;
     if (world->open || world->n_ports == 0)
@@ -211,7 +211,7 @@ static int find_all(void *ctx, struct orl_year *y, struct orl_error *err)
     p->year = y;
     int code = orl_year_need_scene(y, err);
     if (code == 0)
-        code = check(p, err);
+        code = check_sensors_inside(p, err);
     if (code == 0)
         code = orl_phase_windows_init(&p->windows, y->world, p->result, err);
     if (code < 0)

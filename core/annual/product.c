@@ -282,7 +282,7 @@ static void add_straight(const struct tile *tile, const struct orl_annual_share 
     }
 }
 
-static void put_direct(const struct tile *tile, const struct orl_annual_share *light,
+static void add_direct(const struct tile *tile, const struct orl_annual_share *light,
                        const struct orl_annual_row *row)
 {
     for (uint32_t j = 0; j < tile->n && light->by_sun; j++) {
@@ -313,8 +313,8 @@ static void add_errors(const struct tile *tile, const struct tile_sums *sums, ui
     row->between[column] = (float)(sqrt(sums->between[j]) / whole);
 }
 
-static void put_columns(const struct tile *tile, const struct tile_sums *sums,
-                        const struct orl_annual_row *row)
+static void write_columns(const struct tile *tile, const struct tile_sums *sums,
+                          const struct orl_annual_row *row)
 {
     for (uint32_t j = 0; j < tile->n; j++) {
         const size_t column = tile->index * TILE + j;
@@ -354,11 +354,11 @@ void orl_annual_multiply(const struct orl_annual_row *row, const struct orl_annu
     memset(&sums, 0, sizeof sums);
     for (size_t i = 0; i < count; i++) {
         const uint32_t lanes = lanes_of(&here, &lights[i]);
-        put_direct(&here, &lights[i], row);
+        add_direct(&here, &lights[i], row);
         if (lanes != 0 && lights[i].factors)
             add_indirect(&here, &lights[i], lanes, &sums);
         if (lanes != 0)
             add_straight(&here, &lights[i], &sums);
     }
-    put_columns(&here, &sums, row);
+    write_columns(&here, &sums, row);
 }

@@ -45,7 +45,7 @@ static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct 
     return 0;
 }
 
-static void warn(void *ctx, const char *text)
+static void warn_of_sensors(void *ctx, const char *text)
 {
     orl_year_warn(ctx, "%s", text);
 }
@@ -87,7 +87,7 @@ static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
                                      .ranges = ranges,
                                      .n_ranges = n,
                                      .crew = y->env->run->crew,
-                                     .warn = warn,
+                                     .warn = warn_of_sensors,
                                      .ctx = y};
     const int code = orl_run_check_sensor_spaces(&check);
     free(ranges);
@@ -162,7 +162,7 @@ static int place_nodes(struct orl_year *y)
     return 0;
 }
 
-static int prepare(struct orl_year *y, struct orl_error *err)
+static int prepare_year(struct orl_year *y, struct orl_error *err)
 {
     double since = orl_year_now(y);
     int code = load_scene(y, err);
@@ -193,7 +193,7 @@ static int prepare(struct orl_year *y, struct orl_error *err)
 
 static int run_year(struct orl_year *y, struct orl_error *err)
 {
-    int code = prepare(y, err);
+    int code = prepare_year(y, err);
     if (code == 0 && y->variant && y->variant->prepared)
         code = y->variant->prepared(y->variant->ctx, y, err);
     if (code == 0)
@@ -203,7 +203,7 @@ static int run_year(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
-static void let_go(struct orl_year *y)
+static void free_year(struct orl_year *y)
 {
     orl_year_light_done(y);
     orl_lights_release(y->lights);
@@ -244,7 +244,7 @@ int orl_year_run(const struct orl_annual_request *request, const struct orl_annu
     const int code = run_year(y, err);
     orl_crew_heed(env->run->crew, NULL);
     result.total_s = orl_year_now(y) - y->started_s;
-    let_go(y);
+    free_year(y);
     if (code < 0) {
         orl_annual_done(&result);
         return code;

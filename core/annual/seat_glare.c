@@ -33,7 +33,7 @@ static void add_light(float *pixel, const float *light, float weight, uint32_t n
         pixel[j] += weight * light[j];
 }
 
-static void paint(const struct rating *r, size_t strip, uint32_t n, float (*pixels)[STRIP])
+static void paint_strip(const struct rating *r, size_t strip, uint32_t n, float (*pixels)[STRIP])
 {
     const struct orl_hours *hours = &r->light->year->hours;
     const size_t tile = strip / STRIPS;
@@ -77,7 +77,7 @@ static struct orl_rgb answer_of(const struct orl_seat_spot *spot, struct orl_vec
 }
 
 /* Adds direct sunlight on visible surfaces to the pictures. */
-static void shine(const struct rating *r, size_t column, uint32_t j, float (*pixels)[STRIP])
+static void add_sunlight(const struct rating *r, size_t column, uint32_t j, float (*pixels)[STRIP])
 {
     static const double faintest_cd_m2 = 1;
     enum { SPOTS_A_POLL = 256 };
@@ -175,8 +175,8 @@ static double dgp_of(double eye_lx, const struct orl_glare_source *sources, size
 
 /* Sets DGP and its interval, from the error of the light at the eye alone. DGP may fall as this
  * light grows, because contrast falls. */
-static void put(const struct rating *r, size_t column, const struct orl_glare_source *sources,
-                size_t n)
+static void set_hour(const struct rating *r, size_t column, const struct orl_glare_source *sources,
+                     size_t n)
 {
     static const double z = 1.96;
     const double eye_lx = (double)r->light->eye[column];
@@ -200,7 +200,7 @@ static int rate_hour(const struct rating *r, size_t column, const float *picture
     struct orl_glare_source *grown = realloc(sources, (n + 1 + MOST_IMAGES) * sizeof *grown);
     if (grown) {
         n += find_suns(r, column, grown + n);
-        put(r, column, grown, n);
+        set_hour(r, column, grown, n);
     }
     free(grown ? grown : sources);
     return grown ? 0 : ORL_ERR_NOMEM;
@@ -218,11 +218,11 @@ static void rate_strip(void *arg, size_t strip, uint32_t member)
         wanted += r->light->wanted[first + n];
     if (wanted == 0 || atomic_load(&r->failed))
         return;
-    paint(r, strip, n, pixels);
+    paint_strip(r, strip, n, pixels);
     for (uint32_t j = 0; j < n && !orl_crew_cancelled(r->crew); j++) {
         if (!r->light->wanted[first + j])
             continue;
-        shine(r, first + j, j, pixels);
+        add_sunlight(r, first + j, j, pixels);
         for (uint32_t i = 0; i < ORL_SEAT_PIXELS; i++)
             picture[i] = pixels[i][j];
         if (rate_hour(r, first + j, picture) < 0)

@@ -51,7 +51,7 @@ static size_t slot_of(const struct orl_seat_places *places, uint64_t name)
     return slot;
 }
 
-static int grow(struct orl_seat_places *places)
+static int grow_table(struct orl_seat_places *places)
 {
     const size_t n = 2 * places->n_slots;
     uint32_t *slots = calloc(n, sizeof *slots);
@@ -82,7 +82,7 @@ int orl_seat_places_add(struct orl_seat_places *places, const struct orl_hit *hi
     }
     if (places->slots[slot] == 0) {
         if (2 * (places->n_found + 1) > places->n_slots) {
-            if (grow(places) < 0)
+            if (grow_table(places) < 0)
                 return ORL_ERR_NOMEM;
             slot = slot_of(places, name);
         }

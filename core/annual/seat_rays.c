@@ -92,8 +92,9 @@ static int add_lobe_spots(struct orl_seat_rays *r, const struct branch *b,
 /* ---- Continuations --------------------------------------------------------------------------- */
 
 /* Computes the mirrored continuation. If it carries little, Russian roulette applies. */
-static bool is_mirrored(struct orl_seat_rays *r, const struct branch *b, const struct orl_hit *hit,
-                        const struct orl_material *m, struct orl_scatter *ret_way)
+static bool sample_mirrored(struct orl_seat_rays *r, const struct branch *b,
+                            const struct orl_hit *hit, const struct orl_material *m,
+                            struct orl_scatter *ret_way)
 {
     struct orl_rgb share = orl_material_mirrored(m, hit, orl_path_back(&b->path));
     const struct orl_vec3 d = b->path.direction, n = orl_hit_facing(hit);
@@ -124,7 +125,7 @@ static uint32_t find_ways(struct orl_seat_rays *r, const struct branch *b,
                                              .transmitted = true,
                                              .direction = b->path.direction,
                                              .weight = straight};
-    n += is_mirrored(r, b, hit, m, &ret_ways[n]);
+    n += sample_mirrored(r, b, hit, m, &ret_ways[n]);
     if (!orl_material_has_lobes(m))
         return n;
     const struct orl_scatter drawn =
@@ -153,8 +154,8 @@ static struct orl_scatter choose_way(struct orl_random *random, const struct orl
 }
 
 /* Continues the path from the hit; returns false if it has ended. */
-static bool go_on(struct orl_seat_rays *r, struct branch *b, const struct orl_hit *hit,
-                  const struct orl_scatter *way)
+static bool continue_path(struct orl_seat_rays *r, struct branch *b, const struct orl_hit *hit,
+                          const struct orl_scatter *way)
 {
     b->path.weight = orl_rgb_mul(b->path.weight, way->weight);
     const double most = orl_rgb_max(b->path.weight);
@@ -189,13 +190,13 @@ static void branch_on(struct orl_seat_rays *r, struct branches *all, const struc
         struct branch b = *from;
         const double share = orl_rgb_max(ways[i].weight) / sum;
         b.paths = n > 1 ? 1 + (uint32_t)(share * (from->paths - n)) : from->paths;
-        if (go_on(r, &b, hit, &ways[i]))
+        if (continue_path(r, &b, hit, &ways[i]))
             all->at[all->count++] = b;
     }
 }
 
 /* Traces a branch to the next surface, or out of the scene. */
-static int step(struct orl_seat_rays *r, struct branches *all)
+static int trace_branch(struct orl_seat_rays *r, struct branches *all)
 {
     const struct branch b = all->at[--all->count];
     const struct orl_world *world = r->scene->world;
@@ -233,6 +234,6 @@ int orl_seat_rays_follow(struct orl_seat_rays *rays, struct orl_vec3 direction)
                                 .paths = rays->most_paths,
                                 .outside = rays->view->eye.outside};
     while (all.count > 0 && code == 0)
-        code = step(rays, &all);
+        code = trace_branch(rays, &all);
     return code;
 }

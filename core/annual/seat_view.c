@@ -57,7 +57,7 @@ static int thin_spots(struct orl_seat_rays *rays, size_t first)
 }
 
 /* Appends the pixel's terms to those of the view. */
-static int keep_terms(struct orl_seat_rays *rays, size_t *terms_room)
+static int append_terms(struct orl_seat_rays *rays, size_t *terms_room)
 {
     struct orl_seat_view *view = rays->view;
     const size_t first = view->first[rays->pixel];
@@ -103,7 +103,7 @@ static int fill_pixels(struct orl_seat_rays *rays, uint64_t seed, const struct o
         rays->random = orl_random_stream(seed, ORL_PURPOSE_ANNUAL, ~(uint64_t)i);
         code = fill_pixel(rays);
         if (code == 0)
-            code = keep_terms(rays, &terms_room);
+            code = append_terms(rays, &terms_room);
     }
     return code;
 }
@@ -122,8 +122,8 @@ static void rename_terms(struct orl_seat_view *view)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static int start(struct orl_seat_view *view, const struct orl_world *world,
-                 const struct orl_seat *seat, struct orl_error *err)
+static int init_view(struct orl_seat_view *view, const struct orl_world *world,
+                     const struct orl_seat *seat, struct orl_error *err)
 {
     const struct orl_vec3 towards = orl_normalize(seat->towards);
     const struct orl_vec3 at = orl_sub(seat->at, world->geometry->center);
@@ -150,7 +150,7 @@ static int start(struct orl_seat_view *view, const struct orl_world *world,
 }
 
 /* Frees the unused capacity of the arrays. */
-static void trim(struct orl_seat_view *view)
+static void trim_arrays(struct orl_seat_view *view)
 {
     const size_t n_terms = view->first[ORL_SEAT_PIXELS];
     struct orl_seat_term *terms = realloc(view->terms, (n_terms + 1) * sizeof *terms);
@@ -165,7 +165,7 @@ int orl_seat_view_init(struct orl_seat_view *view, const struct orl_annual_scene
 {
     *view = (struct orl_seat_view){.n_spots = 0};
     struct orl_seat_rays rays = {.view = view, .scene = scene};
-    int code = start(view, scene->world, seat, err);
+    int code = init_view(view, scene->world, seat, err);
     if (code < 0)
         return code;
     code = fill_pixels(&rays, name, crew);
@@ -176,7 +176,7 @@ int orl_seat_view_init(struct orl_seat_view *view, const struct orl_annual_scene
     if (code == 0) {
         rename_terms(view);
         orl_seat_places_trim(&view->places);
-        trim(view);
+        trim_arrays(view);
     }
     return code == ORL_ERR_CANCELLED ? orl_error_set(err, code, "cancelled")
            : code < 0                ? orl_error_set(err, code, "out of memory for a seat's view")

@@ -43,7 +43,7 @@ static void view_seat(void *arg, size_t index, uint32_t member)
                        s->request.seed + seat, s->year->env->run->crew, &s->errors[index]);
 }
 
-static void leave_group(struct seating *s)
+static void free_group(struct seating *s)
 {
     for (size_t i = 0; i < s->n_group; i++) {
         orl_seat_view_done(&s->views[i]);
@@ -57,7 +57,7 @@ static int view_group(struct seating *s, size_t first, struct orl_error *err)
 {
     const size_t left = s->wish->n_seats - first;
     struct orl_crew *crew = s->year->env->run->crew;
-    leave_group(s);
+    free_group(s);
     memset(s->errors, 0, ORL_GLARE_SEATS_AT_ONCE * sizeof *s->errors);
     s->group = first;
     s->n_group = left < ORL_GLARE_SEATS_AT_ONCE ? left : ORL_GLARE_SEATS_AT_ONCE;
@@ -128,7 +128,7 @@ static int make_rows(struct seating *s)
 }
 
 /* Sets the sensors of a prepared year: those of all seats. */
-static int seat_all(void *ctx, struct orl_year *y, struct orl_error *err)
+static int place_seats(void *ctx, struct orl_year *y, struct orl_error *err)
 {
     struct seating *s = ctx;
     s->year = y;
@@ -149,7 +149,7 @@ static int seat_all(void *ctx, struct orl_year *y, struct orl_error *err)
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-static int rate(struct seating *s, struct orl_error *err)
+static int rate_seat(struct seating *s, struct orl_error *err)
 {
     const size_t in_group = s->seat % ORL_GLARE_SEATS_AT_ONCE;
     int code = s->group + in_group == s->seat ? 0 : view_group(s, s->seat, err);
@@ -168,8 +168,8 @@ static int rate(struct seating *s, struct orl_error *err)
 }
 
 /* Stores the row of an eye or a place. After the last place of a seat, rates the seat. */
-static int take_row(void *ctx, size_t sensor, const float *total, const float *direct,
-                    const float *se, struct orl_error *err)
+static int store_row(void *ctx, size_t sensor, const float *total, const float *direct,
+                     const float *se, struct orl_error *err)
 {
     struct seating *s = ctx;
     const size_t n = s->result->n_columns;
@@ -185,7 +185,7 @@ static int take_row(void *ctx, size_t sensor, const float *total, const float *d
             all[c] = total[c];
         }
     }
-    return s->place++ == s->n_places[s->seat] ? rate(s, err) : 0;
+    return s->place++ == s->n_places[s->seat] ? rate_seat(s, err) : 0;
 }
 
 /* ---- Runs ------------------------------------------------------------------------------------ */
@@ -202,7 +202,7 @@ static void states_at(const struct seating *s, size_t column,
 
 /* Moves the first wanted column, and all with the same states, from wanted to now; returns their
  * number. */
-static size_t take_alike(struct seating *s, unsigned char ret_states[ORL_SHADES_MOST_GROUPS])
+static size_t select_alike(struct seating *s, unsigned char ret_states[ORL_SHADES_MOST_GROUPS])
 {
     unsigned char states[ORL_SHADES_MOST_GROUPS];
     size_t n = 0;
@@ -224,11 +224,11 @@ static int run_states(struct seating *s, const struct orl_annual_request *reques
                       struct orl_error *err)
 {
     struct orl_annual_variant variant;
-    const struct orl_annual_env env = {.run = run, .row = take_row, .ctx = s};
+    const struct orl_annual_env env = {.run = run, .row = store_row, .ctx = s};
     struct orl_annual_result result = {.n_steps = 0};
     int code = orl_annual_variant_init(&variant, request, states, false, err);
     const struct orl_year_variant how = {
-        .swaps = request->n_groups > 0 ? &variant.swaps : NULL, .prepared = seat_all, .ctx = s};
+        .swaps = request->n_groups > 0 ? &variant.swaps : NULL, .prepared = place_seats, .ctx = s};
     s->request = variant.request;
     s->request.sensors = NULL;
     s->request.n_sensors = 0;
@@ -238,7 +238,7 @@ static int run_states(struct seating *s, const struct orl_annual_request *reques
     s->seat = 0;
     if (code == 0)
         code = orl_year_run(&s->request, &env, &how, &result, err);
-    leave_group(s);
+    free_group(s);
     free(s->request.sensors);
     orl_annual_done(&result);
     orl_annual_variant_done(&variant);
@@ -257,7 +257,7 @@ static int run_all(struct seating *s, const struct orl_annual_request *request,
     for (size_t c = 0; c < s->result->n_columns; c++)
         all += s->wanted[c];
     run.warned = NULL; /* the year's own runs have issued the warnings */
-    while (code == 0 && (n = take_alike(s, states)) > 0) {
+    while (code == 0 && (n = select_alike(s, states)) > 0) {
         if (runs++ == ORL_SHADES_MOST_COMBINATIONS)
             return orl_error_set(err, ORL_ERR_LIMIT,
                                  "shades are in more than %d combinations of states while seats "

@@ -33,9 +33,9 @@ static size_t count_groups_with_files(const struct orl_annual_request *request)
     return groups;
 }
 
-static int measure(const struct orl_annual_variant *variant, size_t n_files,
-                   const struct orl_files *files, const struct orl_swaps *swaps,
-                   struct orl_scene_size *ret_size, struct orl_error *err)
+static int measure_files(const struct orl_annual_variant *variant, size_t n_files,
+                         const struct orl_files *files, const struct orl_swaps *swaps,
+                         struct orl_scene_size *ret_size, struct orl_error *err)
 {
     struct orl_scene_summary summary;
     const int code = orl_run_measure_swapped((const char *const *)variant->files, n_files, files,
@@ -58,13 +58,13 @@ static int measure_round(const struct orl_annual_request *request, const struct 
     }
     int code = orl_annual_variant_init(&variant, request, states, true, err);
     if (code == 0)
-        code =
-            measure(&variant, variant.request.n_scene_files, files, &variant.swaps, ret_size, err);
+        code = measure_files(&variant, variant.request.n_scene_files, files, &variant.swaps,
+                             ret_size, err);
     const size_t n_own = code == 0 ? variant.items[0].first_file : 0;
     /* The size of these files is subtracted from a bound, so files that cannot stand alone count as
      * empty. */
     if (code == 0 && ret_own && n_own > 0 &&
-        measure(&variant, n_own, files, NULL, ret_own, NULL) < 0)
+        measure_files(&variant, n_own, files, NULL, ret_own, NULL) < 0)
         *ret_own = (struct orl_scene_size){0};
     orl_annual_variant_done(&variant);
     return code;
@@ -75,7 +75,7 @@ static uint64_t larger(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-static uint64_t beyond(uint64_t all, uint64_t own)
+static uint64_t excess_over(uint64_t all, uint64_t own)
 {
     return all > own ? all - own : 0;
 }
@@ -94,8 +94,8 @@ int orl_shades_measure(const struct orl_annual_request *request, const struct or
             measure_round(request, files, i, &size, several && i == 0 ? &own : NULL, err);
         if (code < 0)
             return code;
-        sum.surfaces += beyond(size.surfaces, own.surfaces);
-        sum.triangles += beyond(size.triangles, own.triangles);
+        sum.surfaces += excess_over(size.surfaces, own.surfaces);
+        sum.triangles += excess_over(size.triangles, own.triangles);
         most.surfaces = larger(most.surfaces, size.surfaces);
         most.triangles = larger(most.triangles, size.triangles);
     }

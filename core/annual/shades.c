@@ -15,7 +15,7 @@
 
 enum { MOST = ORL_SHADES_MOST_COMBINATIONS };
 
-static int poll(const struct orl_shading *s)
+static int check_cancelled(const struct orl_shading *s)
 {
     return orl_is_cancelled(s->env->run->cancel) ? orl_year_cancelled(s->err) : 0;
 }
@@ -75,7 +75,7 @@ static int run_combination(struct orl_shading *s, size_t index, double share)
             all->total[i * columns + c] = run.total[i * columns + c];
             all->se[i * columns + c] = run.se[i * columns + c];
         }
-        code = poll(s);
+        code = check_cancelled(s);
     }
     if (code == 0)
         raise_coherence(all, &run);
@@ -136,7 +136,7 @@ static int count_direct(struct orl_shading *s, double share)
     code = begin_count(s, 0);
     for (size_t i = 0; i < s->result->n_sensors && code == 0; i++) {
         count_sunlit(s, i, 0, orl_annual_row(s->result, s->result->direct, i));
-        code = poll(s);
+        code = check_cancelled(s);
     }
     return code;
 }
@@ -173,7 +173,7 @@ static int find_light(struct orl_shading *s, size_t g, bool *closed)
         int code = begin_count(s, g);
         for (size_t i = 0; i < r->n_sensors && code == 0; i++) {
             orl_shade_count_add(count, s->request, control, i, orl_annual_row(r, r->total, i));
-            code = poll(s);
+            code = check_cancelled(s);
         }
         if (code < 0)
             return code;
@@ -197,7 +197,7 @@ static int control_group(struct orl_shading *s, size_t g, bool *closed)
     return 0;
 }
 
-static int control(struct orl_shading *s, double share)
+static int control_groups(struct orl_shading *s, double share)
 {
     bool *closed = malloc(s->result->n_columns + 1);
     int code = closed ? count_direct(s, share) : orl_year_no_memory(s->err);
@@ -303,7 +303,7 @@ static int add_run(struct orl_shading *s, struct orl_annual_result *run, bool fi
             all->total[at] += run->total[at];
             all->se[at] = hypotf(all->se[at], run->se[at]);
         }
-        code = poll(s);
+        code = check_cancelled(s);
     }
     if (all->coherence)
         raise_coherence(all, run);
@@ -440,7 +440,7 @@ static int run_all(struct orl_shading *s)
     const double all = 1 + direct + others;
     int code = needs_open_first(s) ? run_open(s, 1 / all) : 0;
     if (code == 0)
-        code = control(s, direct / all);
+        code = control_groups(s, direct / all);
     if (code < 0)
         return code;
     find_combinations(s);
@@ -455,7 +455,7 @@ static int run_all(struct orl_shading *s)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static int hand_over(struct orl_shading *s)
+static int deliver_rows(struct orl_shading *s)
 {
     struct orl_annual_result *r = s->result;
     int code = 0;
@@ -471,7 +471,7 @@ static int hand_over(struct orl_shading *s)
     return code;
 }
 
-static int shade(struct orl_shading *s)
+static int run_shading(struct orl_shading *s)
 {
     int code = orl_shading_begin(s);
     if (code == 0 && s->env->begins)
@@ -485,7 +485,7 @@ static int shade(struct orl_shading *s)
     s->result->n_groups = s->request->n_groups;
     s->result->summed = s->summed;
     s->result->total_s = orl_year_now(s->reader) - s->reader->started_s;
-    return hand_over(s);
+    return deliver_rows(s);
 }
 
 static int run_shaded(const struct orl_annual_request *request, const struct orl_annual_env *env,
@@ -494,7 +494,7 @@ static int run_shaded(const struct orl_annual_request *request, const struct orl
     struct orl_annual_result result = {.seed = request->seed, .n_sensors = request->n_sensors};
     struct orl_shading s = {.request = request, .env = env, .result = &result, .err = err};
     s.reader = calloc(1, sizeof *s.reader);
-    const int code = s.reader ? shade(&s) : orl_year_no_memory(s.err);
+    const int code = s.reader ? run_shading(&s) : orl_year_no_memory(s.err);
     orl_shading_done(&s);
     if (code < 0)
         orl_annual_done(&result);

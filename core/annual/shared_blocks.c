@@ -72,7 +72,7 @@ struct wanting {
     bool *here;
 };
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     struct orl_year *y = ctx;
     orl_year_tell(y, ORL_STAGE_RENDER, share * (double)y->request->n_sensors);
@@ -83,7 +83,7 @@ static int share_wanting(struct orl_year *y, size_t n, const struct wanting *w,
                          orl_year_make_block *make, struct orl_error *err)
 {
     const struct orl_pieces *shared = y->env->run->pieces;
-    const struct orl_pieces_watch watch = {tell_share, y};
+    const struct orl_pieces_watch watch = {report_share, y};
     size_t wanting = list_wanting(y, n, w->pieces, w->places), before = n + 1;
     int code = 0;
     while (code == 0 && wanting > 0 && wanting < before) {

@@ -83,7 +83,7 @@ struct patterns {
     float gradation[2][TILE], indicatrix[3][TILE], sun[3][TILE];
 };
 
-static void take_patterns(struct patterns *p, const struct orl_daylight *const *skies, uint32_t n)
+static void load_patterns(struct patterns *p, const struct orl_daylight *const *skies, uint32_t n)
 {
     memset(p, 0, sizeof *p);
     for (uint32_t j = 0; j < n; j++) {
@@ -134,8 +134,8 @@ static ORL_FOR_WIDE_VECTORS void paint_bin(struct orl_vec3 towards, const struct
                               p->indicatrix[2][j] * cosines[j] * cosines[j]);
 }
 
-static ORL_FOR_WIDE_VECTORS void settle_bin(float ground_share, const float sky[TILE],
-                                            const float ground[TILE], float ret[TILE])
+static ORL_FOR_WIDE_VECTORS void blend_bin(float ground_share, const float sky[TILE],
+                                           const float ground[TILE], float ret[TILE])
 {
     for (int j = 0; j < TILE; j++) {
         const float value = ret[j] * sky[j] + ground_share * ground[j];
@@ -171,7 +171,7 @@ void orl_sky_tile_paint(const struct orl_sky_rows *rows, const struct orl_daylig
     struct patterns patterns;
     float graded[TILE], sky[TILE] = {0}, ground[TILE] = {0};
     double per_sky[TILE] = {0};
-    take_patterns(&patterns, skies, n);
+    load_patterns(&patterns, skies, n);
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         const int row = bins->row_of[bin];
         float *to = ret_fine + (size_t)bin * TILE;
@@ -188,6 +188,6 @@ void orl_sky_tile_paint(const struct orl_sky_rows *rows, const struct orl_daylig
         ground[j] = (float)balance.ground;
     }
     for (uint32_t bin = 0; bin < ORL_BINS; bin++)
-        settle_bin(rows->ground[bins->row_of[bin]], sky, ground, ret_fine + (size_t)bin * TILE);
+        blend_bin(rows->ground[bins->row_of[bin]], sky, ground, ret_fine + (size_t)bin * TILE);
     make_coarse(bins, ret_fine, ret_coarse);
 }

@@ -118,7 +118,7 @@ static int need_square(struct orl_sun_map *map, const struct orl_hit *hit, uint3
 
 /* ---- Photons --------------------------------------------------------------------------------- */
 
-static void shoot(void *arg, size_t index, uint32_t member)
+static void trace_shot(void *arg, size_t index, uint32_t member)
 {
     struct orl_sun_shot *shots = arg;
     (void)member;
@@ -150,7 +150,7 @@ static int need_entry(struct orl_sun_map *map, uint32_t row, uint32_t beam,
     return 0;
 }
 
-static int take(struct orl_sun_map *map, const struct orl_sun_shot *s)
+static int add_deposits(struct orl_sun_map *map, const struct orl_sun_shot *s)
 {
     int code = s->code;
     for (size_t i = 0; i < s->n_deposits && code == 0; i++) {
@@ -210,18 +210,18 @@ static size_t list_shots(const struct orl_sun_map *map, const struct orl_sun_map
     return n;
 }
 
-static int shoot_all(struct orl_sun_map *map, const struct orl_sun_map_request *request,
-                     struct orl_crew *crew)
+static int trace_photons(struct orl_sun_map *map, const struct orl_sun_map_request *request,
+                         struct orl_crew *crew)
 {
     struct orl_sun_shot shots[MOST_AT_ONCE];
     struct cursor next = {.beam = 0};
     int code = rehash(map, 4096);
     while (next.beam < map->beams.count && code == 0) {
         const size_t n = list_shots(map, request, &next, shots);
-        code = orl_crew_try(crew, n, shoot, shots);
+        code = orl_crew_try(crew, n, trace_shot, shots);
         for (size_t i = 0; i < n; i++) {
             if (code == 0)
-                code = take(map, &shots[i]);
+                code = add_deposits(map, &shots[i]);
             orl_sun_shot_done(&shots[i]);
         }
     }
@@ -289,7 +289,7 @@ const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map)
 }
 
 /* Creates a map that has everything except photons. */
-static int start(const struct orl_sun_map_request *request, struct orl_sun_map **ret_map)
+static int init_map(const struct orl_sun_map_request *request, struct orl_sun_map **ret_map)
 {
     const struct orl_world *world = request->world;
     double area = 0;
@@ -307,7 +307,7 @@ static int start(const struct orl_sun_map_request *request, struct orl_sun_map *
                                          request->part_of_port);
 }
 
-static int finish(int code, struct orl_sun_map *map, struct orl_sun_map **ret_map)
+static int return_map(int code, struct orl_sun_map *map, struct orl_sun_map **ret_map)
 {
     if (code < 0)
         orl_sun_map_free(map);
@@ -323,12 +323,12 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
     *ret_map = NULL;
     if (world->open || world->n_ports == 0 || request->n_nodes == 0)
         return 0; /* there are no beams */
-    int code = start(request, &map);
+    int code = init_map(request, &map);
     if (code == 0)
-        code = shoot_all(map, request, crew);
+        code = trace_photons(map, request, crew);
     if (code == 0)
         code = make_rows(map);
-    return finish(code, map, ret_map);
+    return return_map(code, map, ret_map);
 }
 
 /* ---- Storage --------------------------------------------------------------------------------- */
@@ -378,7 +378,7 @@ int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data
     struct array arrays[ARRAYS];
     struct orl_sun_map *map = NULL;
     const char *at = data;
-    int code = start(request, &map);
+    int code = init_map(request, &map);
     memcpy(numbers, at, sizeof numbers);
     at += sizeof numbers;
     if (code == 0) {
@@ -393,7 +393,7 @@ int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data
         else
             code = ORL_ERR_NOMEM;
     }
-    return finish(code, map, ret_map);
+    return return_map(code, map, ret_map);
 }
 
 void orl_sun_map_free(struct orl_sun_map *map)

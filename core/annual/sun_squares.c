@@ -180,7 +180,7 @@ struct outline {
 
 /* Clips the outline at a line across one axis, and keeps the side given by sign (Sutherland and
  * Hodgman 1974). */
-static void cut(struct outline *o, int axis, double line, double sign)
+static void clip_outline(struct outline *o, int axis, double line, double sign)
 {
     struct outline left = {.n = 0};
     for (int i = 0; i < o->n; i++) {
@@ -237,8 +237,8 @@ static double polygon_area(const struct orl_geometry *g, const struct orl_facet 
         place_on(layout, t.c, o.at[2]);
         for (int axis = 0; axis < 2; axis++) {
             const double low = (double)sheet->low[axis], step = (double)sheet->step[axis];
-            cut(&o, axis, low + (double)cell[axis] * step, 1);
-            cut(&o, axis, low + (double)(cell[axis] + 1) * step, -1);
+            clip_outline(&o, axis, low + (double)cell[axis] * step, 1);
+            clip_outline(&o, axis, low + (double)(cell[axis] + 1) * step, -1);
         }
         sum += area_of(&o);
     }

@@ -122,7 +122,7 @@ static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, 
             (float)((double)by[i] * ratio), (float)((double)rough[i] * alike * let_in / of_rough)};
 }
 
-static void weigh(void *arg, size_t which, uint32_t member)
+static void weigh_sun(void *arg, size_t which, uint32_t member)
 {
     const struct maker *m = arg;
     const struct orl_hour_sun *sun = &m->suns->at[which];
@@ -263,7 +263,7 @@ int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *
     if (code == 0)
         code = measure_nodes(&m);
     if (code == 0)
-        code = orl_crew_try(crew, suns->count, weigh, &m);
+        code = orl_crew_try(crew, suns->count, weigh_sun, &m);
     if (code == 0)
         code = list_all(&m);
     if (code == 0)

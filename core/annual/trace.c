@@ -49,7 +49,7 @@ static struct walk *walk_of(struct orl_eye_path *p)
 
 /* ---- A path ---------------------------------------------------------------------------------- */
 
-static void take_sky(struct orl_eye_path *p)
+static void add_sky(struct orl_eye_path *p)
 {
     const struct walk *w = walk_of(p);
     const struct orl_annual_scene *scene = w->tracer->scene;
@@ -132,7 +132,7 @@ static bool survives(struct walk *w)
 
 /* Records a path that ends at a window and returns true. Returns false if paths pass windows or the
  * surface is no window. */
-static bool take_exit(const struct walk *w)
+static bool record_exit(const struct walk *w)
 {
     const struct orl_eye_path *p = &w->eye;
     struct orl_annual_exits *exits = w->tracer->sums->exits;
@@ -153,12 +153,12 @@ static bool take_exit(const struct walk *w)
     return true;
 }
 
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+static enum orl_lobes handle_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct walk *w = walk_of(p);
     const struct orl_rgb albedo = orl_material_diffuse(m, &p->hit);
     w->tracer->health->rays++;
-    if (take_exit(w))
+    if (record_exit(w))
         return ORL_LOBE_NONE;
     if (orl_rgb_max(albedo) > 0 && !w->straight_only)
         add_diffuse(w, albedo);
@@ -170,7 +170,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
                        : ORL_LOBE_NONE;
 }
 
-static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
+static bool handle_scattered(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     const bool inside = !p->outside;
     orl_eye_path_cross(p, s);
@@ -181,14 +181,15 @@ static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return !(walk_of(p)->bent && walk_of(p)->straight_only);
 }
 
-static const struct orl_eye_sink sink = {.escaped = take_sky, .met = meet, .sent_on = go_on};
+static const struct orl_eye_sink sink = {
+    .escaped = add_sky, .met = handle_hit, .sent_on = handle_scattered};
 
 /* ---- The light of a place -------------------------------------------------------------------- */
 
 /* Traces one ray sampled by a strategy. u: three numbers for the ray, and three for the surface it
  * hits. */
-static void look(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
-                 enum orl_way way, const double u[6], bool evenly)
+static void trace_ray(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
+                      enum orl_way way, const double u[6], bool evenly)
 {
     struct orl_aimed aimed;
     t->health->paths++;
@@ -209,8 +210,8 @@ static void look(struct tracer *t, const struct stop *stop, const struct orl_eff
     orl_eye_path_follow(&w.eye, &sink, t->health);
 }
 
-static void look_by(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
-                    enum orl_way way)
+static void trace_strategy(struct tracer *t, const struct stop *stop,
+                           const struct orl_effort *effort, enum orl_way way)
 {
     const double wanted = effort->rays[way];
     const bool evenly = stop->depth == 0;
@@ -223,7 +224,7 @@ static void look_by(struct tracer *t, const struct stop *stop, const struct orl_
     for (int i = 0; i < 3 && !evenly; i++)
         u[i] = stop->evenly && way == ORL_WAY_COSINE ? stop->evenly[i]
                                                      : orl_random_uniform(&t->random);
-    look(t, stop, effort, way, u, evenly);
+    trace_ray(t, stop, effort, way, u, evenly);
 }
 
 static void light_at(struct tracer *t, const struct stop *stop)
@@ -239,9 +240,9 @@ static void light_at(struct tracer *t, const struct stop *stop)
                                                .mapped = stop->mapped};
         orl_sunlit_add(t->scene, &query, &t->random, t->sums);
     }
-    look_by(t, stop, &effort, ORL_WAY_COSINE);
-    look_by(t, stop, &effort, ORL_WAY_PORT);
-    look_by(t, stop, &effort, ORL_WAY_TARGET);
+    trace_strategy(t, stop, &effort, ORL_WAY_COSINE);
+    trace_strategy(t, stop, &effort, ORL_WAY_PORT);
+    trace_strategy(t, stop, &effort, ORL_WAY_TARGET);
 }
 
 void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_place *place,

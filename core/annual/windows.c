@@ -1,6 +1,6 @@
 #include "annual/windows.h"
 
-static void widen(struct orl_window *w, struct orl_vec3 corner)
+static void widen_to_corner(struct orl_window *w, struct orl_vec3 corner)
 {
     const struct orl_vec3 from = orl_sub(corner, w->corner);
     for (int i = 0; i < 2; i++) {
@@ -30,9 +30,9 @@ static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet
     w.along[1] = orl_cross(w.normal, w.along[0]);
     for (uint32_t i = 0; i < f->n_triangles; i++) {
         const struct orl_triangle part = orl_triangle_of(g, orl_facet_triangle(f, i));
-        widen(&w, part.a);
-        widen(&w, part.b);
-        widen(&w, part.c);
+        widen_to_corner(&w, part.a);
+        widen_to_corner(&w, part.b);
+        widen_to_corner(&w, part.c);
     }
     return w;
 }
@@ -65,7 +65,7 @@ struct orl_window orl_window_of(const struct orl_geometry *g, uint32_t facet)
 void orl_window_widen(struct orl_window *window, const struct orl_window *other)
 {
     for (int i = 0; i < 4; i++)
-        widen(window, orl_window_corner(other, i));
+        widen_to_corner(window, orl_window_corner(other, i));
 }
 
 bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,

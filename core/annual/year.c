@@ -60,7 +60,7 @@ void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *sinc
 
 /* Estimated seconds of the whole run. The share w of the sensors to compute took the time from
  * blocks_s to now; the rest is assumed to take as long per sensor. NaN if unknown. */
-static double all_s(const struct orl_year *y, double sensors)
+static double total_time_s(const struct orl_year *y, double sensors)
 {
     const double now = orl_year_now(y), before = y->blocks_s - y->started_s;
     const double n = (double)(y->request->n_sensors - y->kept);
@@ -73,7 +73,8 @@ void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors)
     if (!y->env->run->progress)
         return; /* returns without reading the clock */
     const double elapsed = orl_year_now(y) - y->started_s;
-    const double left = stage == ORL_STAGE_RENDER ? all_s(y, sensors) - elapsed : (double)NAN;
+    const double left =
+        stage == ORL_STAGE_RENDER ? total_time_s(y, sensors) - elapsed : (double)NAN;
     if (elapsed + left > 0)
         y->told = fmax(y->told, fmin(elapsed / (elapsed + left), 1));
     orl_run_report(y->env->run, stage, sensors / (double)y->request->n_sensors,

@@ -48,7 +48,7 @@ static int descending(const void *a, const void *b)
 }
 
 /* Returns the DGP that most_percent of the steps in use exceed at most. */
-static double exceeded(const struct telling *t, const float *dgp)
+static double exceeded_dgp(const struct telling *t, const float *dgp)
 {
     const size_t which = (size_t)floor(most_percent / 100 * (double)t->n_used);
     size_t n = 0;
@@ -89,7 +89,7 @@ static bool is_worse(const struct orl_seat_hour *a, const struct orl_seat_hour *
 }
 
 /* Enters an hour into the list of worst hours: one per day, ORL_GLARE_WORST days. */
-static void offer(const struct telling *t, size_t column, struct orl_seat_glare *glare)
+static void enter_worst_hour(const struct telling *t, size_t column, struct orl_seat_glare *glare)
 {
     const struct orl_seat_hours *h = t->hours;
     const struct orl_seat_hour hour = {
@@ -119,7 +119,7 @@ static void offer(const struct telling *t, size_t column, struct orl_seat_glare 
 
 /* ---- Seats ----------------------------------------------------------------------------------- */
 
-static void tell_seat(const struct telling *t, struct orl_seat_glare *ret)
+static void rate_seat(const struct telling *t, struct orl_seat_glare *ret)
 {
     const struct orl_seat_hours *h = t->hours;
     *ret = (struct orl_seat_glare){.n_worst = 0};
@@ -127,15 +127,15 @@ static void tell_seat(const struct telling *t, struct orl_seat_glare *ret)
         ret->above[i] = (struct orl_annual_value){share_above(t, h->dgp, orl_glare_bounds[i]),
                                                   share_above(t, h->low, orl_glare_bounds[i]),
                                                   share_above(t, h->high, orl_glare_bounds[i])};
-    ret->exceeded =
-        (struct orl_annual_value){exceeded(t, h->dgp), exceeded(t, h->low), exceeded(t, h->high)};
+    ret->exceeded = (struct orl_annual_value){exceeded_dgp(t, h->dgp), exceeded_dgp(t, h->low),
+                                              exceeded_dgp(t, h->high)};
     const struct orl_annual_value *a = ret->above;
     ret->level = level_of(a[0].value, a[1].value, a[2].value);
     ret->lowest = level_of(a[0].high, a[1].high, a[2].high);
     ret->highest = level_of(a[0].low, a[1].low, a[2].low);
     for (size_t c = 0; c < t->result->n_columns; c++)
         if (is_wanted(t, c))
-            offer(t, c, ret);
+            enter_worst_hour(t, c, ret);
 }
 
 /* Returns the percentage of seats whose DGP exceeds 0.40 in at most 5 % of their use. */
@@ -163,7 +163,7 @@ int orl_report_seats(const struct orl_annual_result *result, struct orl_annual_r
     const bool room = t.sorted && report->seats;
     for (size_t i = 0; room && i < report->n_seats; i++) {
         t.hours = &report->seat_hours[i];
-        tell_seat(&t, &report->seats[i]);
+        rate_seat(&t, &report->seats[i]);
         if (!orl_report_has_hours(report, ORL_WHEN_OCCUPIED)) { /* any level is possible */
             report->seats[i].lowest = ORL_PROTECTED_LESS;
             report->seats[i].highest = ORL_PROTECTED_HIGH;

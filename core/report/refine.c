@@ -106,25 +106,25 @@ static int judge_target(struct refining *r)
 
 /* ---- Another round --------------------------------------------------------------------------- */
 
-static float weigh(double a, double wa, double b, double wb)
+static float weighted_mean(double a, double wa, double b, double wb)
 {
     return (float)((wa * a + wb * b) / (wa + wb));
 }
 
 /* Combines errors of two runs. Errors of paths are independent; errors of interpolation (rough) are
  * the same in both. */
-static float weigh_errors(bool rough, double a, double wa, double b, double wb)
+static float combine_errors(bool rough, double a, double wa, double b, double wb)
 {
-    return rough ? weigh(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
+    return rough ? weighted_mean(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
 }
 
 /* Coherence of the mean of two years. It is the error of the sum over hours with sun, divided by
  * the sum of their errors. */
-static float weigh_coherence(bool rough, double sum_a, double a, double wa, double sum_b, double b,
-                             double wb)
+static float combine_coherence(bool rough, double sum_a, double a, double wa, double sum_b,
+                               double b, double wb)
 {
-    const double whole = (double)weigh_errors(rough, sum_a, wa, sum_b, wb);
-    return whole > 0 ? (float)((double)weigh_errors(rough, sum_a * a, wa, sum_b * b, wb) / whole)
+    const double whole = (double)combine_errors(rough, sum_a, wa, sum_b, wb);
+    return whole > 0 ? (float)((double)combine_errors(rough, sum_a * a, wa, sum_b * b, wb) / whole)
                      : 0;
 }
 
@@ -158,27 +158,27 @@ static bool is_rough(const struct refining *r, const struct orl_annual_result *m
 }
 
 /* Merges another run's rows into the result, weighted by their numbers of paths. */
-static void merge(struct refining *r, const struct orl_annual_result *more, uint32_t samples,
-                  bool rough)
+static void merge_runs(struct refining *r, const struct orl_annual_result *more, uint32_t samples,
+                       bool rough)
 {
     const size_t n = r->result->n_columns;
     for (size_t i = 0; i < r->n_open; i++) {
         const size_t sensor = r->open[i], to = sensor * n, from = i * n;
         const double old = (double)r->samples[sensor], add = samples;
         r->result->overcast[sensor] =
-            weigh(r->result->overcast[sensor], old, more->overcast[i], add);
+            weighted_mean(r->result->overcast[sensor], old, more->overcast[i], add);
         r->result->overcast_se[sensor] =
-            weigh_errors(false, r->result->overcast_se[sensor], old, more->overcast_se[i], add);
-        r->result->coherence[sensor] = weigh_coherence(
+            combine_errors(false, r->result->overcast_se[sensor], old, more->overcast_se[i], add);
+        r->result->coherence[sensor] = combine_coherence(
             rough, sum_errors(r->result, sensor, false), (double)r->result->coherence[sensor], old,
             sum_errors(more, i, false), (double)more->coherence[i], add);
         for (size_t k = 0; k < n; k++) {
             r->result->total[to + k] =
-                weigh(r->result->total[to + k], old, more->total[from + k], add);
+                weighted_mean(r->result->total[to + k], old, more->total[from + k], add);
             r->result->direct[to + k] =
-                weigh(r->result->direct[to + k], old, more->direct[from + k], add);
+                weighted_mean(r->result->direct[to + k], old, more->direct[from + k], add);
             r->result->se[to + k] =
-                weigh_errors(rough, r->result->se[to + k], old, more->se[from + k], add);
+                combine_errors(rough, r->result->se[to + k], old, more->se[from + k], add);
         }
         r->samples[r->open[i]] += samples;
     }
@@ -245,7 +245,7 @@ static int run_again(struct refining *r, uint32_t samples)
         const bool rough = is_rough(r, &more, samples);
         if (rough && r->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
             r->sun_halvings++;
-        merge(r, &more, samples, rough);
+        merge_runs(r, &more, samples, rough);
         r->result->total_s += more.total_s;
         for (int s = 0; s < ORL_ANNUAL_STAGES; s++)
             r->result->timings_s[s] += more.timings_s[s];
@@ -257,7 +257,7 @@ static int run_again(struct refining *r, uint32_t samples)
     return code;
 }
 
-static void count(struct refining *r)
+static void count_refined(struct refining *r)
 {
     r->state->refined = 0;
     r->state->most_samples = 0;
@@ -268,8 +268,9 @@ static void count(struct refining *r)
     }
 }
 
-static int refine(struct refining *r,
-                  void (*told)(void *ctx, const struct orl_annual_refinement *so_far), void *ctx)
+static int refine_until_decided(struct refining *r,
+                                void (*told)(void *ctx, const struct orl_annual_refinement *so_far),
+                                void *ctx)
 {
     uint64_t samples = r->result->samples;
     int code = 0;
@@ -277,7 +278,7 @@ static int refine(struct refining *r,
         r->samples[i] = samples;
     for (;;) {
         r->state->rounds++;
-        count(r);
+        count_refined(r);
         code = judge_target(r);
         if (code < 0)
             return code;
@@ -315,7 +316,7 @@ int orl_annual_run_until(const struct orl_annual_request *request,
     if (code == 0 && wishes->until) {
         r.samples = calloc(request->n_sensors + 1, sizeof *r.samples);
         r.open = calloc(request->n_sensors + 1, sizeof *r.open);
-        code = r.samples && r.open ? refine(&r, told, ctx) : no_memory(&r);
+        code = r.samples && r.open ? refine_until_decided(&r, told, ctx) : no_memory(&r);
     }
     free(r.samples);
     free(r.open);

@@ -277,7 +277,7 @@ static int make_figures(const struct orl_report_making *m)
 /* ---- All of it ------------------------------------------------------------------------------- */
 
 /* Prepares the parts of a report that need no light: year, grids and periods. */
-static int prepare(const struct orl_report_making *m)
+static int prepare_report(const struct orl_report_making *m)
 {
     int code = orl_annual_year_make(m->result, &m->report->year, m->err);
     if (code == 0)
@@ -314,7 +314,7 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
 {
     struct orl_annual_report report = {.n_grids = 0};
     const struct orl_report_making m = {request, result, wishes, files, NULL, NULL, &report, err};
-    const int code = prepare(&m);
+    const int code = prepare_report(&m);
     orl_annual_report_done(&report);
     return code;
 }
@@ -328,7 +328,7 @@ int orl_annual_report_make(const struct orl_annual_request *request,
     struct orl_annual_report report = {.n_grids = 0};
     const struct orl_report_making m = {request, result, wishes, files, cancel, crew, &report, err};
     int code = result->total && result->direct
-                   ? prepare(&m)
+                   ? prepare_report(&m)
                    : orl_error_set(err, ORL_ERR_INVALID, "the year's series were not kept");
     if (code == 0)
         code = make_values(&m);

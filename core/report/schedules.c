@@ -34,7 +34,7 @@ static bool next_line(struct table *t, struct orl_slice *ret_line)
 
 /* ---- States ---------------------------------------------------------------------------------- */
 
-static int fail(const struct table *t, int code, const char *what, struct orl_slice field)
+static int fail_in_table(const struct table *t, int code, const char *what, struct orl_slice field)
 {
     const int length = field.length < NAME_SIZE ? (int)field.length : NAME_SIZE;
     orl_error_set(t->err, code, "%s '%.*s'", what, length, field.text ? field.text : "");
@@ -68,8 +68,8 @@ static int fail_no_line(const struct table *t)
 
 static int fail_no_column(const struct table *t)
 {
-    return fail(t, ORL_ERR_SYNTAX, "no column of the table is named",
-                (struct orl_slice){t->group->name, strlen(t->group->name)});
+    return fail_in_table(t, ORL_ERR_SYNTAX, "no column of the table is named",
+                         (struct orl_slice){t->group->name, strlen(t->group->name)});
 }
 
 /* Finds the group's column by a first line that names it. The heading of a single column may be any
@@ -108,7 +108,7 @@ static int find_column(struct table *t, bool *ret_is_head)
 /* Refuses a line with too many fields, which a decimal comma may cause. */
 static int refuse_fields(const struct table *t, struct orl_slice line)
 {
-    fail(t, ORL_ERR_SYNTAX, "the line has more fields than the first:", line);
+    fail_in_table(t, ORL_ERR_SYNTAX, "the line has more fields than the first:", line);
     orl_error_hint(t->err, orl_slice_is_decimal_comma(line)
                                ? "this is a decimal comma, and states are names or whole numbers"
                                : "put texts that have a comma between double quotes");
@@ -126,11 +126,11 @@ static int read_row(const struct table *t, struct orl_slice line, unsigned char 
             return refuse_fields(t, line);
     }
     if (n <= t->column)
-        return fail(t, ORL_ERR_SYNTAX, "the line is too short: no state of",
-                    (struct orl_slice){t->group->name, strlen(t->group->name)});
+        return fail_in_table(t, ORL_ERR_SYNTAX, "the line is too short: no state of",
+                             (struct orl_slice){t->group->name, strlen(t->group->name)});
     if (find_state(t->group, state, ret_state))
         return 0;
-    fail(t, ORL_ERR_RANGE, "the group has no state", state);
+    fail_in_table(t, ORL_ERR_RANGE, "the group has no state", state);
     if (state.length == 0)
         orl_error_hint(t->err, "this is an empty cell: write a state's name or number");
     else if (orl_slice_is_decimal_comma(state))
@@ -147,7 +147,7 @@ static int read_rows(struct table *t, unsigned char *states, size_t *ret_count)
         next_line(t, &line);
     while (code == 0 && next_line(t, &line)) {
         if (*ret_count == MOST_ROWS)
-            return fail(t, ORL_ERR_LIMIT, "a year has no more than 52704 rows, not", line);
+            return fail_in_table(t, ORL_ERR_LIMIT, "a year has no more than 52704 rows, not", line);
         code = read_row(t, line, &states[(*ret_count)++]);
     }
     return code;

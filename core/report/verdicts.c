@@ -201,8 +201,8 @@ static void note_blinds(const struct judging *judging, struct orl_annual_verdict
 
 /* ---- Verdicts -------------------------------------------------------------------------------- */
 
-static int judge(const struct judging *judging, const struct orl_annual_rule *rule,
-                 const struct orl_annual_target *target, size_t grid)
+static int judge_grid(const struct judging *judging, const struct orl_annual_rule *rule,
+                      const struct orl_annual_target *target, size_t grid)
 {
     const struct orl_report_making *m = judging->m;
     struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
@@ -252,10 +252,10 @@ static int judge_everywhere(const struct judging *judging, const struct orl_annu
 {
     const struct orl_annual_report *report = judging->m->report;
     if (target->grid[0])
-        return judge(judging, rule, target, find_grid(report, target->grid));
-    int code = judge(judging, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
+        return judge_grid(judging, rule, target, find_grid(report, target->grid));
+    int code = judge_grid(judging, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
     for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
-        code = judge(judging, rule, target, g);
+        code = judge_grid(judging, rule, target, g);
     return code;
 }
 

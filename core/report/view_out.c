@@ -110,7 +110,8 @@ static void pass_opening(struct look *look, const struct orl_openings *o, const 
 }
 
 /* Records an opaque surface that the ray hits outside. */
-static void meet(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+static void record_surface(struct look *look, const struct orl_openings *o,
+                           const struct orl_hit *hit)
 {
     const struct orl_vec3 way = orl_sub(hit->point, look->pane);
     if (orl_length(way) < own)
@@ -121,7 +122,7 @@ static void meet(struct look *look, const struct orl_openings *o, const struct o
 }
 
 /* Handles a surface on the ray; returns false if the ray ends there. */
-static bool pass(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+static bool pass_surface(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
 {
     const bool clear = !orl_facet_is_placed(o->scene->geometry, hit->facet) && o->clear[hit->facet];
     const enum orl_crossing crossing =
@@ -132,7 +133,7 @@ static bool pass(struct look *look, const struct orl_openings *o, const struct o
         return true;
     }
     if (look->outside)
-        meet(look, o, hit);
+        record_surface(look, o, hit);
     return false;
 }
 
@@ -148,7 +149,7 @@ static struct seen look_along(const struct orl_openings *o, struct orl_vec3 orig
                 look.seen.layer = direction.z > 0 ? ORL_VIEW_SKY : ORL_VIEW_GROUND;
             return look.seen;
         }
-        if (!pass(&look, o, &hit))
+        if (!pass_surface(&look, o, &hit))
             return look.seen;
         origin = orl_hit_leave(geometry, &hit, direction);
     }
@@ -170,14 +171,15 @@ static double distance_to_edge(struct orl_vec3 a, struct orl_vec3 b)
     return hypot(a.x + t * x, a.y + t * y);
 }
 
-static double turn(struct orl_vec3 a, struct orl_vec3 b)
+static double cross_product_z(struct orl_vec3 a, struct orl_vec3 b)
 {
     return a.x * b.y - a.y * b.x;
 }
 
 static bool is_overhead(const struct orl_vec3 c[3])
 {
-    const double t[3] = {turn(c[0], c[1]), turn(c[1], c[2]), turn(c[2], c[0])};
+    const double t[3] = {cross_product_z(c[0], c[1]), cross_product_z(c[1], c[2]),
+                         cross_product_z(c[2], c[0])};
     return (t[0] >= 0 && t[1] >= 0 && t[2] >= 0) || (t[0] <= 0 && t[1] <= 0 && t[2] <= 0);
 }
 
@@ -305,7 +307,7 @@ static const struct seen *find_level(const struct scratch *s, int c)
     return NULL;
 }
 
-static struct orl_view_out measure(const struct orl_openings *o, struct scratch *s)
+static struct orl_view_out measure_view(const struct orl_openings *o, struct scratch *s)
 {
     struct orl_view_out view = {0};
     size_t n = 0;
@@ -336,7 +338,7 @@ static void view_from(void *arg, size_t index, uint32_t member)
     }
     look_around(&f->openings, orl_sub(at, f->openings.scene->geometry->center), s);
     gather_layers(&f->openings, s);
-    f->views[index] = measure(&f->openings, s);
+    f->views[index] = measure_view(&f->openings, s);
 }
 
 /* ---- All of them ----------------------------------------------------------------------------- */

@@ -28,7 +28,7 @@ static uint32_t find_per_hour(const struct orl_annual_result *result)
 
 /* Returns true if there is a row at midnight. Rows then are at 0, 1/4 h ..., as Honeybee writes
  * them for steps below an hour, instead of at the middles or ends of their steps. */
-static bool begin_steps(const struct orl_annual_result *result)
+static bool has_midnight_row(const struct orl_annual_result *result)
 {
     for (size_t i = 0; i < result->n_steps; i++)
         if (result->steps[i].hour < rounding_h)
@@ -57,8 +57,8 @@ uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl
 }
 
 /* Enters a row at its step; *next is the first free step. */
-static int enter(const struct orl_annual_result *result, size_t i, struct orl_annual_year *year,
-                 uint32_t *next, struct orl_error *err)
+static int enter_row(const struct orl_annual_result *result, size_t i, struct orl_annual_year *year,
+                     uint32_t *next, struct orl_error *err)
 {
     const struct orl_annual_step *row = &result->steps[i];
     const uint32_t step = orl_annual_step_of(year, row);
@@ -125,7 +125,7 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
     const uint32_t per_hour = find_per_hour(result);
     const uint32_t count = (has_leap_day(result) ? 8784 : 8760) * per_hour;
     struct orl_annual_year year = {.steps = {count, per_hour},
-                                   .times_begin_steps = begin_steps(result),
+                                   .times_begin_steps = has_midnight_row(result),
                                    .measured = calloc(count, 1),
                                    .global_lx = calloc(count, sizeof *year.global_lx),
                                    .diffuse_lx = calloc(count, sizeof *year.diffuse_lx),
@@ -142,7 +142,7 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     for (size_t i = 0; i < result->n_steps && code == 0; i++)
-        code = enter(result, i, &year, &next, err);
+        code = enter_row(result, i, &year, &next, err);
     if (code == 0 && year.n_missing > 0)
         fill_nights(result, &year);
     if (code < 0)

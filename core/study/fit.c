@@ -16,7 +16,7 @@ const char *orl_fit_term_name(enum orl_fit_term term)
 }
 
 /* Returns the factor of the term's coefficient in the model. */
-static double factor(enum orl_fit_term term, const struct orl_study_setting *setting)
+static double factor_of(enum orl_fit_term term, const struct orl_study_setting *setting)
 {
     const double n = (double)setting->photons, s = setting->samples;
     switch (term) {
@@ -37,7 +37,7 @@ double orl_study_fit_predict(const struct orl_study_fit *fit,
     double sum = 0;
     for (int t = 0; t < ORL_FIT_TERMS; t++)
         if (!isnan(fit->terms[t]))
-            sum += fit->terms[t] * factor((enum orl_fit_term)t, setting);
+            sum += fit->terms[t] * factor_of((enum orl_fit_term)t, setting);
     return isfinite(sum) ? sqrt(sum) : NAN;
 }
 
@@ -110,17 +110,17 @@ static int problem_init(struct problem *p, const struct orl_study_point *points,
     return 0;
 }
 
-static void evaluate(struct problem *p, const double *x)
+static void evaluate_model(struct problem *p, const double *x)
 {
     for (size_t i = 0; i < p->rows; i++) {
         p->model[i] = 0;
         for (size_t c = 0; c < p->columns; c++)
-            p->model[i] += x[c] * factor(p->terms[c], &p->settings[i]);
+            p->model[i] += x[c] * factor_of(p->terms[c], &p->settings[i]);
     }
 }
 
 /* Fits coefficients to the data y, which need not be the problem's own. */
-static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
+static void fit_coefficients(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
 {
     double largest[ORL_FIT_TERMS];
     memcpy(p->model, y, p->rows * sizeof(double));
@@ -131,7 +131,7 @@ static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
             const double w = 1 / (p->s[i] * p->model[i]);
             p->b[i] = w * y[i];
             for (size_t c = 0; c < p->columns; c++) {
-                p->a[i * p->columns + c] = w * factor(p->terms[c], &p->settings[i]);
+                p->a[i * p->columns + c] = w * factor_of(p->terms[c], &p->settings[i]);
                 largest[c] = fmax(largest[c], p->a[i * p->columns + c]);
             }
         }
@@ -141,7 +141,7 @@ static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
         orl_nnls(p->a, p->b, p->rows, p->columns, x);
         for (size_t c = 0; c < p->columns; c++)
             x[c] /= largest[c];
-        evaluate(p, x);
+        evaluate_model(p, x);
     }
 }
 
@@ -153,13 +153,13 @@ static double draw_normal(struct orl_random *random)
 }
 
 /* Computes the spread of coefficients over refits to data redrawn around the model. */
-static void redraw(struct problem *p, const double *x, double widened,
-                   double ret_errors[ORL_FIT_TERMS], double *scratch)
+static void bootstrap_errors(struct problem *p, const double *x, double widened,
+                             double ret_errors[ORL_FIT_TERMS], double *scratch)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_REFIT, p->rows);
     double *const mean = scratch, *const y = scratch + p->rows;
     double again[ORL_FIT_TERMS];
-    evaluate(p, x);
+    evaluate_model(p, x);
     memcpy(mean, p->model, p->rows * sizeof(double));
     memset(ret_errors, 0, ORL_FIT_TERMS * sizeof(double));
     for (int refit = 0; refit < REFITS; refit++) {
@@ -168,7 +168,7 @@ static void redraw(struct problem *p, const double *x, double widened,
             const double s = widened * p->s[i];
             y[i] = mean[i] * exp(s * draw_normal(&random) - 0.5 * s * s);
         }
-        solve(p, y, again);
+        fit_coefficients(p, y, again);
         for (size_t c = 0; c < p->columns; c++)
             ret_errors[c] += (again[c] - x[c]) * (again[c] - x[c]) / REFITS;
     }
@@ -179,7 +179,7 @@ static void redraw(struct problem *p, const double *x, double widened,
 static void judge_fit(struct problem *p, const double *x, struct orl_study_fit *fit)
 {
     double chi2 = 0, logs = 0;
-    evaluate(p, x);
+    evaluate_model(p, x);
     for (size_t i = 0; i < p->rows; i++) {
         const double d = (p->y[i] / p->model[i] - 1) / p->s[i];
         chi2 += d * d;
@@ -204,9 +204,9 @@ int orl_study_fit_make(const struct orl_study_point *points, size_t n_points,
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a fit");
         goto done;
     }
-    solve(&p, p.y, x);
+    fit_coefficients(&p, p.y, x);
     judge_fit(&p, x, &fit);
-    redraw(&p, x, fit.chi2 > 1 ? sqrt(fit.chi2) : 1, errors, scratch);
+    bootstrap_errors(&p, x, fit.chi2 > 1 ? sqrt(fit.chi2) : 1, errors, scratch);
     fit.points = p.rows;
     for (int t = 0; t < ORL_FIT_TERMS; t++)
         fit.terms[t] = fit.errors[t] = NAN;

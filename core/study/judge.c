@@ -29,7 +29,8 @@ static double mean_of(const double *values, size_t count)
 }
 
 /* Computes mean and standard error of value k over the runs. */
-static void combine(struct orl_reference *reference, size_t k, double *const *runs, size_t n_runs)
+static void combine_runs(struct orl_reference *reference, size_t k, double *const *runs,
+                         size_t n_runs)
 {
     const double n = (double)n_runs;
     double sum = 0, squares = 0;
@@ -66,7 +67,7 @@ int orl_reference_make(struct orl_reference *ret_reference, double *const *runs,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a reference");
     }
     for (size_t k = 0; k < count; k++) {
-        combine(&reference, k, runs, n_runs);
+        combine_runs(&reference, k, runs, n_runs);
         if (errors)
             reference.error[k] = errors[k];
     }

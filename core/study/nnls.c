@@ -17,7 +17,8 @@ struct nnls {
     bool free[ORL_NNLS_COLUMNS];                     /* true if the column is not held at zero */
 };
 
-static void prepare(struct nnls *s, const double *a, const double *b, size_t rows, size_t columns)
+static void form_normal_equations(struct nnls *s, const double *a, const double *b, size_t rows,
+                                  size_t columns)
 {
     memset(s, 0, sizeof *s);
     s->n = columns;
@@ -88,7 +89,7 @@ static bool set_free(struct nnls *s, const double *x)
 
 /* Moves x towards z until the first free column reaches zero, and holds that column. Returns true
  * if none did. */
-static bool advance(struct nnls *s, double *x, const double *z)
+static bool advance_to_bound(struct nnls *s, double *x, const double *z)
 {
     double step = 1;
     size_t first = s->n;
@@ -114,7 +115,7 @@ void orl_nnls(const double *a, const double *b, size_t rows, size_t columns, dou
 {
     struct nnls s;
     double z[ORL_NNLS_COLUMNS];
-    prepare(&s, a, b, rows, columns);
+    form_normal_equations(&s, a, b, rows, columns);
     for (size_t j = 0; j < columns; j++)
         ret_x[j] = 0;
     /* Every pass ends with a different set of columns. Rounding may repeat one, so the number of
@@ -122,6 +123,6 @@ void orl_nnls(const double *a, const double *b, size_t rows, size_t columns, dou
     for (size_t pass = 0; pass < 4 * columns && set_free(&s, ret_x); pass++) {
         do
             solve_free(&s, z);
-        while (!advance(&s, ret_x, z));
+        while (!advance_to_bound(&s, ret_x, z));
     }
 }

@@ -33,8 +33,8 @@ static double now_s(void *ctx)
 
 /* Reports progress. Future runs are assumed to take as long as past ones, in proportion to their
  * cost; the first run of all is included. */
-static void progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
-                     double left_s)
+static void report_progress(void *ctx, enum orl_stage stage, double stage_fraction,
+                            double job_fraction, double left_s)
 {
     struct orl_runs_env *env = ((const struct making *)ctx)->env;
     const double elapsed = now_s(ctx) - env->started_s, done = env->before + env->share;
@@ -46,14 +46,14 @@ static void progress(void *ctx, enum orl_stage stage, double stage_fraction, dou
         env->env->progress(env->env->ctx, &env->step);
 }
 
-static void spent(void *ctx, const struct orl_result *result)
+static void report_spent(void *ctx, const struct orl_result *result)
 {
     const struct orl_runs_env *env = ((const struct making *)ctx)->env;
     if (env->env->spent && !env->untold)
         env->env->spent(env->env->ctx, result);
 }
 
-static bool reserve(struct making *making, size_t count)
+static bool reserve_values(struct making *making, size_t count)
 {
     if (making->count + count <= making->capacity)
         return true;
@@ -72,7 +72,7 @@ static void take_view(void *ctx, size_t index, float (*const pixels)[3], const f
 {
     struct making *making = ctx;
     (void)index, (void)errors;
-    if (!reserve(making, count))
+    if (!reserve_values(making, count))
         return;
     for (size_t i = 0; i < count; i++) {
         const struct orl_rgb color = {pixels[i][0], pixels[i][1], pixels[i][2]};
@@ -82,7 +82,7 @@ static void take_view(void *ctx, size_t index, float (*const pixels)[3], const f
 
 static void take_sensors(struct making *making, const struct orl_result *result)
 {
-    if (result->n_sensors == 0 || !reserve(making, result->n_sensors))
+    if (result->n_sensors == 0 || !reserve_values(making, result->n_sensors))
         return;
     memcpy(making->values + making->count, result->illuminance_lx,
            result->n_sensors * sizeof(double));
@@ -120,8 +120,8 @@ static struct orl_job make_job(const struct orl_study_request *request,
     return job;
 }
 
-static int compute(struct making *making, const struct orl_job *job, struct orl_result *ret_result,
-                   struct orl_error *err)
+static int compute_run(struct making *making, const struct orl_job *job,
+                       struct orl_result *ret_result, struct orl_error *err)
 {
     const struct orl_runs_env *env = making->env;
     const struct orl_study_env *study = env->env;
@@ -135,9 +135,9 @@ static int compute(struct making *making, const struct orl_job *job, struct orl_
                                         .output_folder = env->folder,
                                         .cancel = study->cancel,
                                         .now_s = now_s,
-                                        .progress = progress,
+                                        .progress = report_progress,
                                         .view_ready = take_view,
-                                        .spent = spent,
+                                        .spent = report_spent,
                                         .ctx = making};
     int code = orl_run(job, &run_env, ret_result, err);
     if (code == 0) {
@@ -175,7 +175,7 @@ int orl_one_run_make(struct orl_runs_env *env, const struct orl_study_setting *s
     const struct orl_job job = make_job(env->request, setting, seed);
     struct making making = {.env = env};
     struct orl_result result = {0};
-    const int code = compute(&making, &job, &result, err);
+    const int code = compute_run(&making, &job, &result, err);
     if (code == 0)
         take_result(&making, &result, ret_run);
     free(making.values);

@@ -58,7 +58,7 @@ static size_t make_rays(const struct orl_geometry *g, struct ray *rays, size_t m
     return n;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_rates(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -81,7 +81,7 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
         rates[run] = (double)n / (now_s(ctx) - started);
     }
     free(rays);
-    qsort(rates, (size_t)runs, sizeof *rates, compare);
+    qsort(rates, (size_t)runs, sizeof *rates, compare_rates);
     return hits > 0 ? rates[runs / 2] : NAN;
 }
 

@@ -165,7 +165,7 @@ static int make_folder(struct work *work, struct orl_error *err)
                          work->env->work_folder, strerror(errno));
 }
 
-static int prepare(struct work *work, struct orl_error *err)
+static int prepare_study(struct work *work, struct orl_error *err)
 {
     struct orl_study *study = work->study;
     int code = copy_given(work, err);
@@ -193,7 +193,7 @@ static int measure_speed(struct work *work, struct orl_error *err)
 }
 
 /* Measures the speed, and scales times that were measured on other machines. */
-static int know_speed(struct work *work, struct orl_error *err)
+static int find_speed(struct work *work, struct orl_error *err)
 {
     struct orl_study *study = work->study;
     const int code = measure_speed(work, err);
@@ -231,9 +231,9 @@ int orl_study_run(const struct orl_study_request *request, const struct orl_stud
                                      .n_warnings = &study.n_warnings}};
     int code = orl_study_request_validate(request, err);
     if (code == 0)
-        code = prepare(&work, err);
+        code = prepare_study(&work, err);
     if (code == 0)
-        code = know_speed(&work, err);
+        code = find_speed(&work, err);
     if (code == 0)
         code = run_reference(&work, err);
     for (size_t i = 0; i < work.n_settings && code == 0; i++)
