@@ -375,7 +375,7 @@ static void report_block_done(const struct orl_year *y)
     y->env->done(y->env->ctx, &block);
 }
 
-/* Computes what other runs can reuse of a block. */
+/* Computes the part of a block that distributed runs share: its rows, or its paths and sunlight. */
 static int make_block(struct orl_year *y, struct orl_error *err)
 {
     if (y->shares_rows)

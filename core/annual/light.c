@@ -229,7 +229,7 @@ static void store_suns(struct orl_year *y, struct orl_keeping *it, size_t first_
     free(data);
 }
 
-/* Reads stored suns. The file's checksum has been verified, so the data is as written. */
+/* Reads stored suns. The file has passed its checks, so the data is as written. */
 static int load_suns(struct orl_year *y, const void *data)
 {
     struct orl_sun_terms *terms = &y->terms;

@@ -25,9 +25,9 @@ int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
                         struct orl_rgb_matrix *ret_matrix, struct orl_error *err);
 void orl_rgb_matrix_done(struct orl_rgb_matrix *matrix); /* zeros are allowed */
 
+struct orl_crew;
 /* Computes a times b, by channel, on the crew. Sizes must match. Returns 0, ORL_ERR_NOMEM or
  * _CANCELLED. */
-struct orl_crew;
 int orl_rgb_matrix_multiply(const struct orl_rgb_matrix *a, const struct orl_rgb_matrix *b,
                             struct orl_crew *crew, struct orl_rgb_matrix *ret_product,
                             struct orl_error *err);

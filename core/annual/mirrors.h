@@ -50,7 +50,7 @@ int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_world *world,
                      const struct orl_windows *ports);
 void orl_mirrors_done(struct orl_mirrors *mirrors);
 
-/* Response of a surface point, or towards a viewer, to light from a direction. */
+/* Returns the response of a place, or of the surface there, to light from a direction. */
 typedef struct orl_rgb (*orl_mirrors_answer)(const void *ctx, struct orl_vec3 light);
 
 /*

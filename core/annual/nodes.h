@@ -33,8 +33,7 @@ struct orl_sun_between {
     float weights[ORL_SUN_CORNERS], plain[ORL_SUN_CORNERS], wide[ORL_SUN_CORNERS];
 };
 
-/* Builds the nodes for the given suns; count may be 0. steps: the approximate distance between
- * nodes. Returns 0 or ORL_ERR_NOMEM; the caller calls orl_sun_nodes_done in either case. */
+/* Approximate distance between nodes. */
 struct orl_sun_spacing {
     double declination_deg, hour_angle_deg;
 };
@@ -47,6 +46,8 @@ static inline struct orl_sun_spacing orl_sun_spacing_at(double latitude_deg,
         steps.declination_deg = fmin(steps.declination_deg, 1.5);
     return steps;
 }
+/* Builds the nodes for the given suns; count may be 0. Returns 0 or ORL_ERR_NOMEM; the caller calls
+ * orl_sun_nodes_done in either case. */
 int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
                        const struct orl_vec3 *suns, size_t count, struct orl_sun_spacing steps);
 void orl_sun_nodes_done(struct orl_sun_nodes *nodes);

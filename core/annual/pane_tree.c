@@ -23,12 +23,12 @@ struct item {
     uint32_t index;
 };
 
-static struct orl_vec3 lower(struct orl_vec3 a, struct orl_vec3 b)
+static struct orl_vec3 min_corner(struct orl_vec3 a, struct orl_vec3 b)
 {
     return orl_v3(fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z));
 }
 
-static struct orl_vec3 higher(struct orl_vec3 a, struct orl_vec3 b)
+static struct orl_vec3 max_corner(struct orl_vec3 a, struct orl_vec3 b)
 {
     return orl_v3(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
 }
@@ -41,8 +41,8 @@ static struct item item_of(const struct orl_window *w, size_t index, double stre
                         .index = (uint32_t)index};
     for (int i = 0; i < 4; i++) {
         const struct orl_vec3 corner = orl_window_corner(w, i);
-        item.low = lower(item.low, corner);
-        item.high = higher(item.high, corner);
+        item.low = min_corner(item.low, corner);
+        item.high = max_corner(item.high, corner);
     }
     return item;
 }
@@ -73,8 +73,8 @@ static struct orl_pane_node node_about(const struct item *items, size_t n)
 {
     struct orl_pane_node node = {.low = items[0].low, .high = items[0].high, .item = UINT32_MAX};
     for (size_t i = 0; i < n; i++) {
-        node.low = lower(node.low, items[i].low);
-        node.high = higher(node.high, items[i].high);
+        node.low = min_corner(node.low, items[i].low);
+        node.high = max_corner(node.high, items[i].high);
         node.area += items[i].area;
     }
     const struct orl_vec3 size = orl_sub(node.high, node.low);

@@ -2,8 +2,8 @@
  * Places of surfaces that a seat sees, used as sensors of a year. Hits in one cell of directions
  * from the eye, on one side of one surface, form one place. To bound memory, beyond
  * ORL_SEAT_MOST_FOUND places surfaces with a similar orientation share a place per cell. At most
- * ORL_SEAT_MOST_PLACES places are kept. The least visible others take the light of the most similar
- * one kept: near it as seen from the eye, and facing alike.
+ * ORL_SEAT_MOST_PLACES places are kept. The others, which are seen least, take the light of the
+ * most similar place kept: near it as seen from the eye, and facing alike.
  */
 #ifndef ORL_ANNUAL_SEAT_PLACES_H
 #define ORL_ANNUAL_SEAT_PLACES_H

@@ -40,8 +40,8 @@ struct orl_seat_view {
     struct orl_field field;
     struct orl_place eye;
     uint32_t *first; /* by pixel, and one more: index into terms */
-    /* Term `which` is a bin from 0 to ORL_BINS - 1. Then follow two for each place: its light
-     * without direct sunlight, and all of its light. */
+    /* `which` of a term: first the bins, 0 to ORL_BINS - 1; then two per place, its light without
+     * direct sunlight, and all of its light. */
     struct orl_seat_term *terms;
     struct orl_seat_spot *spots;
     size_t n_spots;

@@ -70,7 +70,7 @@ static int measure_round(const struct orl_annual_request *request, const struct 
     return code;
 }
 
-static uint64_t larger(uint64_t a, uint64_t b)
+static uint64_t max_of(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
 }
@@ -96,8 +96,8 @@ int orl_shades_measure(const struct orl_annual_request *request, const struct or
             return code;
         sum.surfaces += excess_over(size.surfaces, own.surfaces);
         sum.triangles += excess_over(size.triangles, own.triangles);
-        most.surfaces = larger(most.surfaces, size.surfaces);
-        most.triangles = larger(most.triangles, size.triangles);
+        most.surfaces = max_of(most.surfaces, size.surfaces);
+        most.triangles = max_of(most.triangles, size.triangles);
     }
     *ret_largest = several ? (struct orl_scene_size){own.surfaces + sum.surfaces,
                                                      own.triangles + sum.triangles}

@@ -398,8 +398,8 @@ static double most_combinations(struct orl_shading *s)
     return has_more_than_room(s) ? INFINITY : most;
 }
 
-/* Returns the largest number of combinations that get a run each. If there are more, light is added
- * up by parts. */
+/* Returns the number of states in use, plus one for windows in no group. If there are more
+ * combinations than that, light is added up by parts. */
 static size_t count_parts(const struct orl_shading *s)
 {
     size_t n = 1; /* windows in no group */

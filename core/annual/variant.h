@@ -10,7 +10,7 @@
 
 struct orl_annual_variant {
     struct orl_annual_request
-        request;            /* the year's request with other scene_files; the rest is borrowed */
+        request; /* the year's request with other scene_files and no groups; the rest is borrowed */
     char **files;           /* owned array; names are borrowed */
     struct orl_swap *items; /* one per group */
     struct orl_swaps swaps;

@@ -73,8 +73,8 @@ bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
 {
     const struct orl_vec3 from = orl_sub(origin, w->corner);
     const double height = orl_dot(from, w->normal), fall = -orl_dot(direction, w->normal);
-    if (!(height * fall > 0)) /* The ray points away from the plane, or runs along it; slack does
-                                 not apply to the latter. */
+    /* The ray points away from the plane, or runs along it, even within the slack. */
+    if (!(height * fall > 0))
         return false;
     const double distance = height / fall, room = slack * distance / fmax(fabs(fall), 1e-3);
     for (int i = 0; i < 2; i++) {

@@ -1,7 +1,7 @@
 /*
  * State of an annual run that its stages share, and helpers that all of them need.
  *
- * Threads: the lead thread's, except where blocks.c describes work of a crew's members.
+ * Threads: the lead thread. blocks.c describes the work of crew members.
  */
 #ifndef ORL_ANNUAL_YEAR_H
 #define ORL_ANNUAL_YEAR_H
@@ -29,9 +29,9 @@ struct orl_year;
  * pointers are borrowed. */
 struct orl_year_parts {
     size_t n_groups;
-    const bool *used; /* by group: the scene must have windows of it, and sensors near them */
+    const bool *used; /* by group; a used group needs windows, and its other surfaces near them */
     const unsigned char *wanted; /* [part][column]: the part's light is added up there; NULL: all */
-    bool direct_as_wanted;       /* direct sunlight, too, is needed only where wanted says so */
+    bool direct_as_wanted;       /* true if direct sunlight is needed only where wanted is set */
     /*
      * Receives the direct sunlight of a part at a sensor, by column, if nothing else is requested.
      */
@@ -49,7 +49,7 @@ struct orl_year_variant {
      * their sunlit and writes nothing into the result. */
     bool sun_only;
     bool sensors_checked; /* an earlier run of the job has warned of misplaced sensors */
-    /* Called once the year is prepared, before sensors are checked. It may replace the year's
+    /* Called once the year is prepared, before any block is computed. It may replace the year's
      * request by one that differs in its sensors alone. May be NULL. A negative orl_err ends the
      * run. */
     int (*prepared)(void *ctx, struct orl_year *year, struct orl_error *err);
@@ -94,8 +94,8 @@ struct orl_year {
     struct orl_place places[ORL_YEAR_BLOCK];
     struct orl_block_sums sums;
     float *rows;    /* [sensor][total, direct, se][column] */
-    float *between; /* [sensor][column]: covariances of coherence.h, like the next two fields */
-    struct orl_error_sums *error_sums; /* [tile][sensor][band] */
+    float *between; /* [sensor][column]: relative error of interpolation (coherence.h) */
+    struct orl_error_sums *error_sums; /* [tile][sensor][band] (coherence.h) */
     struct orl_sun_cells cells;
     bool *lit;                          /* by sensor and part: true if it has factors */
     struct orl_annual_factors *factors; /* by sensor and part */
@@ -118,8 +118,8 @@ static inline bool orl_year_is_sun_only(const struct orl_year *y)
 }
 
 /* Fill the year's hours: read them from its weather file, or borrow those of another year.
- * tell_hours hands their steps to the result. After read or borrow, even if they fail,
- * orl_hours_done is called on hours. */
+ * orl_year_tell_hours hands the steps to the result. Hours that were read need orl_hours_done, also
+ * after an error. Borrowed hours share all but steps and step_of_column, which are copies. */
 int orl_year_read_hours(struct orl_year *y, struct orl_error *err);
 int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struct orl_error *err);
 void orl_year_tell_hours(struct orl_year *y);

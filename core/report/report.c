@@ -163,7 +163,7 @@ static bool is_unlit(const float *total, size_t n)
     return i == n;
 }
 
-static const float *at(const float *values, size_t i)
+static const float *optional_at(const float *values, size_t i)
 {
     return values ? values + i : NULL;
 }
@@ -187,9 +187,9 @@ static void evaluate_sensor(void *arg, size_t i, uint32_t member)
                                            .direct_lx = orl_annual_row(result, result->direct, i),
                                            .total_error_lx = se,
                                            .direct_error_lx = se,
-                                           .overcast_lx = at(result->overcast, i),
-                                           .overcast_error_lx = at(result->overcast_se, i),
-                                           .coherence = at(result->coherence, i),
+                                           .overcast_lx = optional_at(result->overcast, i),
+                                           .overcast_error_lx = optional_at(result->overcast_se, i),
+                                           .coherence = optional_at(result->coherence, i),
                                            .sunny = report->year.sunny,
                                            .total_factor = se ? factors : NULL};
     if (atomic_load(&e->cancelled))

@@ -178,7 +178,7 @@ static int find_need_of_blinds(struct judging *judging)
 }
 
 /* LM-83 closes blinds by grid: all grids together need blinds if one of them does. */
-static bool needs_blinds(const struct judging *judging, size_t grid)
+static bool grid_needs_blinds(const struct judging *judging, size_t grid)
 {
     if (grid != ORL_ALL_GRIDS)
         return judging->needs_blinds[grid];
@@ -191,7 +191,7 @@ static bool needs_blinds(const struct judging *judging, size_t grid)
 static void note_blinds(const struct judging *judging, struct orl_annual_verdict *verdict)
 {
     if (!judging->needs_blinds || !verdict->rule || !verdict->rule->needs_blinds ||
-        verdict->verdict != ORL_VERDICT_PASS || !needs_blinds(judging, verdict->grid))
+        verdict->verdict != ORL_VERDICT_PASS || !grid_needs_blinds(judging, verdict->grid))
         return;
     verdict->verdict = ORL_VERDICT_UNDECIDED;
     snprintf(verdict->note, sizeof verdict->note, "not according to LM-83: %s",
