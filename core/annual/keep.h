@@ -45,8 +45,8 @@ struct orl_keeping {
     double core_s;    /* for suns and map: estimated time of one core (oriel/pieces.h) */
     char key[ORL_DIGEST_HEX + 1], family[ORL_DIGEST_HEX + 1], path[4096];
     bool owed; /* true if the entry must be stored or abandoned */
-    double began_s,
-        earlier_s; /* start by the run's clock; time that the samples found in the store took */
+    /* Start by the run's clock; time that the samples found in the store took. */
+    double began_s, earlier_s;
     uint64_t rays; /* rays that it took, including those of samples found in the store */
     uint32_t had;  /* samples of paths that data contains */
     void *data;    /* owned; NULL: the entry must be computed */

@@ -39,8 +39,8 @@ struct orl_mirrors {
     struct orl_mirror_plane *planes;
     size_t n_planes;
     struct orl_window *panes;
-    struct orl_mirror_set everywhere,
-        beyond;         /* all panes; the panes that may be visible through ports from inside */
+    /* All panes; the panes that may be visible through ports from inside. */
+    struct orl_mirror_set everywhere, beyond;
     uint32_t *plane_of; /* by facet; UINT32_MAX: in no plane. NULL if there are no mirrors */
     size_t n_left_out;  /* facets without a plane, including flat ones without a class */
 };

@@ -22,8 +22,8 @@ struct orl_pane_node {
     struct orl_vec3 low, high;
     struct orl_vec3 center; /* centre of the bounding sphere */
     double radius, area;    /* radius of the sphere; area times strength */
-    uint32_t
-        item; /* a leaf's item, else UINT32_MAX; the first child is stored next to its parent */
+    /* A leaf's item, else UINT32_MAX; the first child is stored next to its parent. */
+    uint32_t item;
     uint32_t other; /* the second child */
 };
 

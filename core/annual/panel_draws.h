@@ -17,8 +17,8 @@ struct orl_panel_kind {
     const struct orl_material *material;
     struct orl_vec3 normal, inward;
     struct orl_frame frame; /* local frame of the BSDF */
-    bool
-        data_alone; /* true if the material is its BSDF data alone, with nothing added or removed */
+    /* True if the material is its BSDF data alone, with nothing added or removed. */
+    bool data_alone;
 };
 
 /* A direction in which a kind of pane sends an hour's sun into the room. */
@@ -33,10 +33,10 @@ struct orl_panel_draws {
     float towards[3][ORL_PANEL_DRAWS];
     struct orl_panel_draw at[ORL_PANEL_DRAWS];
     bool spans_cells; /* true if the disc spans cells of the BSDF with different transmittances */
-    bool
-        in_one_cell; /* true if the whole disc lies in one cell of the BSDF, which `middle` holds */
-    struct orl_bsdf_incidence
-        middle; /* incidence from the centre of the disc; valid if the kind has data alone */
+    /* True if the whole disc lies in one cell of the BSDF, which `middle` holds. */
+    bool in_one_cell;
+    /* Incidence from the centre of the disc; valid if the kind has data alone. */
+    struct orl_bsdf_incidence middle;
 };
 
 static inline struct orl_sun orl_panel_disc(const struct orl_hour_sun *sun)

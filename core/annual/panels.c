@@ -199,8 +199,8 @@ void orl_panels_done(struct orl_panels *panels)
 struct seen {
     struct orl_vec3 point;
     struct orl_vec3 towards; /* from the pane to the sensor */
-    double
-        worth; /* luma of the transmittance in between, times both cosines over squared distance */
+    /* Luma of the transmittance in between, times both cosines over squared distance. */
+    double worth;
     double density;                /* pdf of a uniform point of the pane, per steradian */
     struct orl_bsdf_direction out; /* BSDF direction of `towards`, if the kind has data alone */
 };

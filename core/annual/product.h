@@ -22,9 +22,9 @@ struct orl_annual_coefficients {
 struct orl_annual_beam_coefficients {
     uint32_t samples;
     const double *beams[ORL_ANNUAL_BATCHES];
-    const float
-        *lots[ORL_ANNUAL_BATCHES]; /* [n_beams][ORL_SUN_MAP_LOTS]: estimate by each lot alone */
-    const uint32_t *which;         /* beams to convert */
+    /* [n_beams][ORL_SUN_MAP_LOTS]: estimate by each lot alone. */
+    const float *lots[ORL_ANNUAL_BATCHES];
+    const uint32_t *which; /* beams to convert */
     size_t n_which, n_beams;
 };
 
@@ -35,10 +35,10 @@ struct orl_annual_factors {
     uint16_t which[ORL_BINS];
     float bins[ORL_BINS]; /* by listed bin: mean of all batches */
     uint16_t which_coarse[ORL_BINS_COARSE];
-    float coarse[ORL_BINS_COARSE]
-                [ORL_ANNUAL_BATCHES]; /* by listed coarse bin: each batch less the mean */
-    double *nodes;                    /* [node][batch]; borrowed */
-    double *node_means;               /* [node]; borrowed */
+    /* By listed coarse bin: each batch less the mean. */
+    float coarse[ORL_BINS_COARSE][ORL_ANNUAL_BATCHES];
+    double *nodes;      /* [node][batch]; borrowed */
+    double *node_means; /* [node]; borrowed */
 };
 /* Fills the factors. nodes has room for the n_nodes of all batches, followed by their means. */
 void orl_annual_factors_fill(struct orl_annual_factors *factors, const struct orl_bins *bins,
@@ -72,8 +72,8 @@ struct orl_annual_share {
     const struct orl_annual_beams *beams;     /* beams of all parts */
     /* By sun (sun_rows.h); NULL: no direct sunlight. */
     const float *by_sun, *mirrored, *squares;
-    const unsigned char
-        *wanted; /* by column: nonzero if the part's light is added there; NULL: in all columns */
+    /* By column: nonzero if the part's light is added there; NULL: in all columns. */
+    const unsigned char *wanted;
 };
 
 /* Fills one tile of a sensor's columns. For cache efficiency, process all sensors of a tile in

@@ -13,8 +13,8 @@ struct orl_seat_light {
     const struct orl_year *year;
     const unsigned char *wanted;               /* by column */
     const float *eye, *eye_direct, *eye_error; /* lx, by column */
-    const float
-        *places; /* [place of the view][two][column], lx: without direct sunlight, and all */
+    /* [place of the view][two][column], lx: without direct sunlight, and all. */
+    const float *places;
 };
 
 /* Rates all wanted columns. ret has room for the year's columns. Returns 0, ORL_ERR_NOMEM or

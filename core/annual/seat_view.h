@@ -31,8 +31,8 @@ struct orl_seat_spot {
     struct orl_hit hit;
     struct orl_vec3 eye;                 /* direction from the spot to the eye */
     const struct orl_material *material; /* material whose lobes send the light on; NULL: diffuse */
-    struct orl_rgb
-        weight; /* factor of the light sent to the eye; includes 1/pi for diffuse surfaces */
+    /* Factor of the light sent to the eye; includes 1/pi for diffuse surfaces. */
+    struct orl_rgb weight;
     uint32_t pixel;
 };
 

@@ -29,8 +29,8 @@ struct seating {
     size_t *n_places;                  /* by seat */
     struct orl_seat_hours *hours;      /* by seat */
     struct orl_year *year;
-    size_t seat,
-        place; /* indices of the next row; place 0 is the seat's eye, then follow its places */
+    /* Indices of the next row; place 0 is the seat's eye, then follow its places. */
+    size_t seat, place;
     float *eye, *eye_direct, *eye_error, *places; /* rows of one seat */
 };
 

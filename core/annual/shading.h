@@ -8,10 +8,10 @@
 struct orl_shading {
     const struct orl_annual_request *request;
     const struct orl_annual_env *env;
-    struct orl_annual_result
-        *result;             /* result of the run with all groups open, then of the whole year */
-    struct orl_year *reader; /* a year used only for its hours */
-    unsigned char *states;   /* [group * n_steps + step] */
+    /* Result of the run with all groups open, then of the whole year. */
+    struct orl_annual_result *result;
+    struct orl_year *reader;                               /* a year used only for its hours */
+    unsigned char *states;                                 /* [group * n_steps + step] */
     unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first one: all open */
     size_t n_combinations;
     unsigned char *which; /* by column: index of the combination; MOST: there was no room for it */

@@ -35,8 +35,8 @@ enum { ORL_SUN_MAP_MOST_SQUARES = 1 << 22, ORL_SUN_MAP_MOST_ENTRIES = ORL_ANNUAL
 struct orl_sun_map_request {
     const struct orl_world *world; /* borrowed, also by the map */
     const struct orl_sobol *sobol;
-    const struct orl_frame
-        *nodes; /* frames in scene axes, n towards the sun; used during the call only */
+    /* Frames in scene axes, n towards the sun; used during the call only. */
+    const struct orl_frame *nodes;
     size_t n_nodes;
     uint64_t seed;
     uint32_t photons;             /* photons per node, over all its beams and lots */

@@ -6,8 +6,8 @@
 #include "light/path.h"
 
 enum { MOST_BOUNCES = 64 };
-static const double dimmest =
-    0.05; /* share of a photon's first flux below which Russian roulette applies */
+/* Share of a photon's first flux below which Russian roulette applies. */
+static const double dimmest = 0.05;
 
 /* Distribution of a beam's photons over its ports. */
 struct aim {

@@ -17,8 +17,8 @@
 struct orl_sunlit_query {
     struct orl_place place;
     struct orl_rgb weight;
-    int32_t
-        port; /* first port by which the path to the place left the building; ORL_NO_PORT: none */
+    /* First port by which the path to the place left the building; ORL_NO_PORT: none. */
+    int32_t port;
     bool all; /* true if all nodes are tried, not a random subset; for surfaces that a sensor sees
                  directly */
     bool mapped; /* true if the map of sunlight supplies the rest: only mirrors seen through ports

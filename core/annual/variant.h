@@ -9,8 +9,8 @@
 #include "scene/swap.h"
 
 struct orl_annual_variant {
-    struct orl_annual_request
-        request; /* the year's request with other scene_files and no groups; the rest is borrowed */
+    /* The year's request with other scene_files and no groups; the rest is borrowed. */
+    struct orl_annual_request request;
     char **files;           /* owned array; names are borrowed */
     struct orl_swap *items; /* one per group */
     struct orl_swaps swaps;

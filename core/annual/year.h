@@ -41,9 +41,9 @@ struct orl_year_parts {
 
 /* Differences of a run from its request. All pointers are borrowed. */
 struct orl_year_variant {
-    const struct orl_year
-        *hours_of;                 /* the year whose hours are used; NULL: the run reads its own */
-    const struct orl_swaps *swaps; /* overrides of the scene's materials; may be NULL */
+    /* The year whose hours are used; NULL: the run reads its own. */
+    const struct orl_year *hours_of;
+    const struct orl_swaps *swaps;      /* overrides of the scene's materials; may be NULL */
     const struct orl_year_parts *parts; /* NULL: light is not separated by part */
     /* true if the run computes direct sunlight alone; other light stays 0. With parts, it calls
      * their sunlit and writes nothing into the result. */

@@ -182,8 +182,8 @@ static int number_openings(struct orl_openings *o, struct orl_error *err)
         if (root_of(o->of_port, i) == i)
             number[i] = (uint32_t)o->count++;
     for (uint32_t i = 0; i < o->scene->n_ports; i++)
-        o->of_port[i] = root_of(
-            o->of_port, i); /* all roots are resolved before any is replaced by its number */
+        /* All roots are resolved before any is replaced by its number. */
+        o->of_port[i] = root_of(o->of_port, i);
     for (uint32_t i = 0; i < o->scene->n_ports; i++)
         o->of_port[i] = number[o->of_port[i]];
     free(number);

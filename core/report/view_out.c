@@ -17,8 +17,8 @@
 enum { COLUMNS = 1440, ROWS = 180, MOST_PANES = 64 };
 #define COLUMN_DEG (360.0 / COLUMNS)
 static const double own = 1; /* m from the pane: nearer surfaces belong to the window itself */
-static const double least_slanting =
-    0.1; /* least horizontal component of the pane's normal; else the pane is a roof light */
+/* Least horizontal component of the pane's normal; else the pane is a roof light. */
+static const double least_slanting = 0.1;
 
 void orl_view_out_wish_init(struct orl_view_out_wish *wish)
 {
@@ -96,8 +96,8 @@ static double level_distance(struct orl_vec3 way, struct orl_vec3 outward)
 struct look {
     struct seen seen;
     bool outside;
-    struct orl_vec3 pane,
-        outward; /* where it passed the opening, and the opening's outward normal */
+    /* Where it passed the opening, and the opening's outward normal. */
+    struct orl_vec3 pane, outward;
 };
 
 static void pass_opening(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)

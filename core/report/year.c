@@ -9,8 +9,8 @@
 #include "scene/generate/sun.h"
 
 static const double doubtful_deg = 3;
-static const double rounding_h =
-    0.001; /* rounding of times in hours; files print them with at least three decimals */
+/* Rounding of times in hours; files print them with at least three decimals. */
+static const double rounding_h = 0.001;
 enum { MONTHS = 12 };
 static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
 

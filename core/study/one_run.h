@@ -29,8 +29,8 @@ struct orl_runs_env {
     const struct orl_study_env *env;
     char folder[4096]; /* for maps and images */
     double sensors;    /* number of sensors */
-    double before, share,
-        all;     /* estimated cost: of runs that ended, of this run, of the whole study */
+    /* Estimated cost: of runs that ended, of this run, of the whole study. */
+    double before, share, all;
     double from; /* share of the whole that other processes computed beforehand; for progress */
     double started_s; /* start of the study's first run */
     bool untold;      /* true if `spent` is not called yet: runs report their cost when they are
