@@ -38,8 +38,8 @@ struct orl_bins {
     struct orl_bin_row rows[ORL_BINS_ROWS];
     struct orl_vec3 at[ORL_BINS]; /* unit vector to the middle of each bin */
     double solid_sr[ORL_BINS];
-    double level_sr[ORL_BINS]; /* solid angle times sine of altitude: irradiance of a horizontal
-                                  plane per radiance */
+    /* Solid angle times sine of altitude: irradiance of a horizontal plane per radiance. */
+    double level_sr[ORL_BINS];
     uint16_t row_of[ORL_BINS], coarse_of[ORL_BINS];
 };
 

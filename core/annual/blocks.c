@@ -108,9 +108,8 @@ static uint64_t count_rays(const struct orl_year *y)
     return rays;
 }
 
-/*
- * Refuses sensors outdoors if light is split by part, because their light enters through no window.
- */
+/* Refuses sensors outdoors if light is split by part, because their light enters through no
+ * window. */
 static int check_places(const struct orl_year *y, struct orl_error *err)
 {
     if (!y->variant || !y->variant->parts)

@@ -92,9 +92,8 @@ void orl_direction_tree_done(struct orl_direction_tree *tree)
 
 /* ---- Searching ------------------------------------------------------------------------------- */
 
-/*
- * Directions within an angle of the axis lie in a sphere around its tip, with the chord as radius.
- */
+/* Directions within an angle of the axis lie in a sphere around its tip, with the chord as
+ * radius. */
 size_t orl_direction_tree_find(const struct orl_direction_tree *tree, const struct orl_cone *cone,
                                void (*visit)(void *ctx, uint32_t index), void *ctx)
 {

@@ -34,8 +34,8 @@ struct orl_mirror_set {
 struct orl_mirrors {
     const struct orl_world *world;   /* borrowed */
     const struct orl_windows *ports; /* ports through which light enters the building; borrowed */
-    bool one_facade; /* true if all ports face one way: then their panes mirror no sun to places
-                        inside */
+    /* True if all ports face one way: then their panes mirror no sun to places inside. */
+    bool one_facade;
     struct orl_mirror_plane *planes;
     size_t n_planes;
     struct orl_window *panes;

@@ -96,9 +96,8 @@ void orl_sun_nodes_done(struct orl_sun_nodes *nodes)
 
 enum { TAPS = 4 };
 
-/*
- * The TAPS points nearest to a position among n points spaced evenly on [0, 1], and their weights.
- */
+/* The TAPS points nearest to a position among n points spaced evenly on [0, 1], and their
+ * weights. */
 struct taps {
     uint32_t at[TAPS];
     double cubic[TAPS], plain[TAPS], wide[TAPS];

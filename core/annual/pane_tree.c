@@ -250,8 +250,8 @@ size_t orl_pane_tree_draw(const struct orl_pane_tree *tree, struct orl_vec3 poin
     struct branch {
         uint32_t at;
         double probability;
-        bool drawn; /* true once the roulette has been survived: below this node one child is drawn
-                     */
+        /* True once the roulette has been survived: below this node one child is drawn. */
+        bool drawn;
     } stack[MOST_DEPTH] = {{0, 1, false}};
     size_t looked = 0;
     for (int depth = tree->count > 0; depth > 0;) {

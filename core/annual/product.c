@@ -333,9 +333,8 @@ static void write_columns(const struct tile *tile, const struct tile_sums *sums,
     }
 }
 
-/*
- * Returns a bit for each group of LANES columns; it is set if the light is wanted in one of them.
- */
+/* Returns a bit for each group of LANES columns; it is set if the light is wanted in one of
+ * them. */
 static uint32_t lanes_of(const struct tile *tile, const struct orl_annual_share *light)
 {
     uint32_t lanes = 0;

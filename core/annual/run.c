@@ -1,6 +1,5 @@
-/*
- * Runs a year from its request to its rows: load, skies, then paths, sun and hours block by block.
- */
+/* Runs a year from its request to its rows: load, skies, then paths, sun and hours block by
+ * block. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -14,9 +14,7 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err);
  * one. */
 size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_first);
 
-/*
- * Returns true if materials colour light by diffuse scattering only.
- */
+/* Returns true if materials colour light by diffuse scattering only. */
 bool orl_annual_is_colourless(const struct orl_world *world);
 
 #endif

@@ -253,9 +253,8 @@ struct pass {
     bool any;              /* true if light of some part is wanted in some column */
 };
 
-/*
- * Returns true if light of a part in that state counts in a column. A dark group lets no light in.
- */
+/* Returns true if light of a part in that state counts in a column. A dark group lets no
+ * light in. */
 static bool is_wanted(const struct orl_shading *s, size_t part, size_t state, size_t column)
 {
     const struct orl_annual_result *r = s->result;

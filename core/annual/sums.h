@@ -18,16 +18,18 @@ struct orl_annual_exits {
     const uint32_t *window_of_port;
     const struct orl_frame *frames; /* by window: n points inwards */
     const struct orl_basis *basis;
-    float *all, *straight; /* [window][cell]: irradiance for a radiance of 1, of all paths, and of
-                              paths without reflections */
+    /* [window][cell]: irradiance for a radiance of 1, of all paths, and of paths without
+     * reflections. */
+    float *all, *straight;
 };
 
 /* Without nodes sunlight is not computed. */
 struct orl_annual_sums {
-    unsigned char *lit; /* by part: 1 if its bins and nodes are set; those of other parts are
-                           undefined. NULL: there is one part, which is set */
-    float *bins;        /* [part][ORL_BINS]: irradiance for a radiance of 1 in the bin */
-    double *nodes;      /* [part][n_nodes]: irradiance for a sun with a normal irradiance of 1 */
+    /* By part: 1 if its bins and nodes are set; those of other parts are undefined. NULL: there
+     * is one part, which is set. */
+    unsigned char *lit;
+    float *bins;   /* [part][ORL_BINS]: irradiance for a radiance of 1 in the bin */
+    double *nodes; /* [part][n_nodes]: irradiance for a sun with a normal irradiance of 1 */
     size_t n_nodes;
     double *beams; /* by beam of the map: irradiance, of light through its ports alone */
     float *lots;   /* [beam][ORL_SUN_MAP_LOTS]: irradiance estimated by each lot of photons */

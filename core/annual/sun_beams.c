@@ -50,8 +50,8 @@ static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port
  * overlap two cells of a BSDF. Other panes transmit all of it alike, and the centre suffices.
  */
 enum { DISC_POINTS = 7 };
-static const double mean_of_ring = 0.73578; /* mean distance from the centre, in disc radii, of the
-                                               outer six sevenths of the area */
+/* Mean distance from the centre, in disc radii, of the outer six sevenths of the area. */
+static const double mean_of_ring = 0.73578;
 static double let_in_of_disc(const struct orl_sun_beams *beams, const struct orl_port *port,
                              struct orl_vec3 towards)
 {

@@ -39,11 +39,11 @@ struct orl_sun_map_request {
     const struct orl_frame *nodes;
     size_t n_nodes;
     uint64_t seed;
-    uint32_t photons;             /* photons per node, over all its beams and lots */
-    uint32_t of_beam;             /* least photons per beam */
-    const uint16_t *part_of_port; /* by port of the world (parts.h), used during the call only;
-                                     NULL: one part */
-    bool whole;                   /* true if light between diffuse surfaces is included */
+    uint32_t photons; /* photons per node, over all its beams and lots */
+    uint32_t of_beam; /* least photons per beam */
+    /* By port of the world (parts.h), used during the call only; NULL: one part. */
+    const uint16_t *part_of_port;
+    bool whole; /* true if light between diffuse surfaces is included */
 };
 
 /* Builds a map. *ret_map is NULL if there is nothing to map: an open scene, no ports or no nodes.

@@ -19,10 +19,12 @@ struct orl_sunlit_query {
     struct orl_rgb weight;
     /* First port by which the path to the place left the building; ORL_NO_PORT: none. */
     int32_t port;
-    bool all; /* true if all nodes are tried, not a random subset; for surfaces that a sensor sees
-                 directly */
-    bool mapped; /* true if the map of sunlight supplies the rest: only mirrors seen through ports
-                    are searched */
+    /* True if all nodes are tried, not a random subset; for surfaces that a sensor sees
+     * directly. */
+    bool all;
+    /* True if the map of sunlight supplies the rest: only mirrors seen through ports are
+     * searched. */
+    bool mapped;
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;

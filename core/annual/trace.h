@@ -28,8 +28,8 @@
 struct orl_annual_batch {
     uint64_t seed, sensor;
     uint32_t batch, first, samples; /* samples of the batch, and the first one to trace */
-    const struct orl_crew *crew;    /* checked for cancellation before each sample, and the rest is
-                                       then left out; may be NULL */
+    /* Checked for cancellation before each sample, and the rest is then left out; may be NULL. */
+    const struct orl_crew *crew;
 };
 
 /* Traces samples of a batch in order and adds them to sums. place: the sensor, moved clear of

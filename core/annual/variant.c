@@ -36,9 +36,8 @@ static char **list_files(const struct orl_annual_request *request, size_t n)
     return names;
 }
 
-/*
- * Chooses the scene's files except those that any state names, then the files of the given states.
- */
+/* Chooses the scene's files except those that any state names, then the files of the given
+ * states. */
 static int choose_files(struct orl_annual_variant *v, const struct orl_annual_request *request,
                         const unsigned char *states)
 {

@@ -1,6 +1,5 @@
-/*
- * The scene of a year with its window groups in given states: its files, and material overrides.
- */
+/* The scene of a year with its window groups in given states: its files, and material
+ * overrides. */
 #ifndef ORL_ANNUAL_VARIANT_H
 #define ORL_ANNUAL_VARIANT_H
 

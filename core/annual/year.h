@@ -32,9 +32,8 @@ struct orl_year_parts {
     const bool *used; /* by group; a used group needs windows, and its other surfaces near them */
     const unsigned char *wanted; /* [part][column]: the part's light is added up there; NULL: all */
     bool direct_as_wanted;       /* true if direct sunlight is needed only where wanted is set */
-    /*
-     * Receives the direct sunlight of a part at a sensor, by column, if nothing else is requested.
-     */
+    /* Receives the direct sunlight of a part at a sensor, by column, if nothing else is
+     * requested. */
     void (*sunlit)(void *ctx, size_t sensor, uint32_t part, const float *lx);
     void *ctx; /* for sunlit */
 };
@@ -75,8 +74,8 @@ struct orl_year {
     bool has_panels; /* true once the panels are made */
     struct orl_keep keep;
     unsigned char digest[ORL_SHA256_BYTES]; /* digest of the scene's files and overrides */
-    bool hushed; /* true while warnings are suppressed: those stored with the suns have been issued
-                  */
+    /* True while warnings are suppressed: those stored with the suns have been issued. */
+    bool hushed;
     uint32_t batch_samples;
     double started_s, blocks_s; /* by the run's clock: start of the run, and of its blocks */
     double told;                /* progress reported so far, 0..1; never decreases */
@@ -85,9 +84,9 @@ struct orl_year {
     unsigned char *wanted_suns; /* [part][sun]: true if some column needs it; NULL: all suns */
     uint16_t *part_of_beam;
     /* State of the current block of sensors. */
-    bool shares_rows; /* true if runs share blocks: the one that computes a block also computes its
-                         hours */
-    size_t block;     /* sensors of each block, except the last one */
+    /* True if runs share blocks: the one that computes a block also computes its hours. */
+    bool shares_rows;
+    size_t block; /* sensors of each block, except the last one */
     size_t first, count;
     atomic_size_t traced;   /* batches traced so far */
     uint32_t traced_before; /* samples of each batch that the store already had */

@@ -34,9 +34,8 @@ int orl_report_figure_of(const struct orl_report_making *making,
                          const struct orl_annual_figure *figure, size_t grid,
                          struct orl_annual_area *ret_area);
 
-/*
- * Returns true if the weather file has at least the share ORL_HOURS_LEAST of that period's hours.
- */
+/* Returns true if the weather file has at least the share ORL_HOURS_LEAST of that period's
+ * hours. */
 static inline bool orl_report_has_hours(const struct orl_annual_report *report,
                                         enum orl_annual_when when)
 {

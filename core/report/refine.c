@@ -128,9 +128,8 @@ static float combine_coherence(bool rough, double sum_a, double a, double wa, do
                      : 0;
 }
 
-/*
- * Sums relative errors, or their squares, over hours with sun, because the sky is not interpolated.
- */
+/* Sums relative errors, or their squares, over hours with sun, because the sky is not
+ * interpolated. */
 static double sum_errors(const struct orl_annual_result *result, size_t sensor, bool squares)
 {
     const float *total = orl_annual_row(result, result->total, sensor);

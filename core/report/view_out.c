@@ -1,6 +1,5 @@
-/*
- * View out: what is visible from places through openings, how wide and how far. Computed with rays.
- */
+/* View out: what is visible from places through openings, how wide and how far. Computed
+ * with rays. */
 #include <oriel/view_out.h>
 
 #include <math.h>

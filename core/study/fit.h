@@ -32,9 +32,8 @@
 
 #include <oriel/study.h>
 
-/*
- * Non-negative least squares: minimises |A x - b| with x >= 0. A is rows x columns, stored by rows.
- */
+/* Non-negative least squares: minimises |A x - b| with x >= 0. A is rows x columns, stored
+ * by rows. */
 enum { ORL_NNLS_COLUMNS = 8 };
 void orl_nnls(const double *a, const double *b, size_t rows, size_t columns, double *ret_x);
 

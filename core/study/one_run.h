@@ -33,8 +33,8 @@ struct orl_runs_env {
     double before, share, all;
     double from; /* share of the whole that other processes computed beforehand; for progress */
     double started_s; /* start of the study's first run */
-    bool untold;      /* true if `spent` is not called yet: runs report their cost when they are
-                         assembled */
+    /* True if `spent` is not called yet: runs report their cost when they are assembled. */
+    bool untold;
     struct orl_study_step step; /* for progress */
     char ***warnings;           /* warnings of the study; new ones are appended */
     size_t *n_warnings;

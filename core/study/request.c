@@ -44,9 +44,8 @@ bool orl_study_heeds_photons(enum orl_technique technique)
 
 bool orl_study_heeds_samples(enum orl_technique technique, bool of_views)
 {
-    /*
-     * Views by photon maps choose their own rays. Sensors read maps directly, except with a gather.
-     */
+    /* Views by photon maps choose their own rays. Sensors read maps directly, except with a
+     * gather. */
     return technique == ORL_TECHNIQUE_BACKWARD || (technique == ORL_TECHNIQUE_GATHER && !of_views);
 }
 

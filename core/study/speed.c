@@ -14,9 +14,8 @@ struct ray {
     struct orl_vec3 origin, direction;
 };
 
-/*
- * Adds the rays of a path of a few bounces from the scene's centre; returns the new number of rays.
- */
+/* Adds the rays of a path of a few bounces from the scene's centre; returns the new number
+ * of rays. */
 static size_t add_path(const struct orl_geometry *g, struct orl_random *random, struct ray *rays,
                        size_t n, size_t most)
 {
