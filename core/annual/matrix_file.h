@@ -1,6 +1,6 @@
 /*
  * Radiance's matrix files, as rfluxmtx, rcontrib, gendaymtx, dctimestep and rmtxop write them. A
- * file starts with "#?RADIANCE" and a header with NROWS, NCOLS, NCOMP (3, or 1 for grey),
+ * file starts with "#?RADIANCE". Its header has NROWS, NCOLS, NCOMP (3, or 1 for grey),
  * FORMAT=ascii, float or double, BigEndian and EXPOSURE. After an empty line follow the values row
  * by row. NROWS may be missing; it then follows from the size. Picture formats are not supported.
  */

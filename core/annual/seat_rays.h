@@ -1,6 +1,6 @@
 /*
- * Rays of a seat's pixels. They add terms for the sky and the diffuse surfaces that a ray reaches
- * through panes, mirrors and lobes, and spots on visible surfaces where the sun may fall.
+ * Rays of a seat's pixels. They add terms for the sky and for diffuse surfaces, reached through
+ * panes, mirrors and lobes. They also add spots on visible surfaces where the sun may fall.
  *
  * At a surface a path may continue in three ways: straight through, mirrored, and in one direction
  * sampled from its lobes. It splits into all of them while the ray may have more paths. Afterwards

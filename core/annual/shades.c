@@ -1,7 +1,7 @@
 /*
  * A year with shades: the states of each hour, and the runs that give its light. Each combination
  * of states gets a run. If fewer runs suffice, one run has all groups in their first state, one in
- * their second, and so on, and light is added up by group.
+ * their second, and so on. Light is then added up by group.
  */
 #include <math.h>
 #include <stdlib.h>

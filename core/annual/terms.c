@@ -96,9 +96,9 @@ static struct stand_in find_stand_in(const struct maker *m, uint32_t kind, struc
 }
 
 /* Computes weights of a kind. If a sun sends more than twice as much through the ports as the
- * corners, or less than half, the corners do not represent where it falls indoors. The wide
- * interpolation then gets less than its full weight, which increases the difference of both and
- * hence the error. */
+ * corners, or less than half, its light falls elsewhere indoors. The wide interpolation then gets
+ * less than its full weight. This increases the difference of both interpolations, and hence the
+ * error. */
 static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, uint32_t kind,
                        size_t which, struct weight *weights)
 {

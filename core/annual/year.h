@@ -83,7 +83,8 @@ struct orl_year {
     uint32_t n_parts;           /* parts of the windows */
     unsigned char *wanted_suns; /* [part][sun]: true if some column needs it; NULL: all suns */
     uint16_t *part_of_beam;
-    /* State of the current block of sensors. */
+    /* The fields below describe the current block of sensors. */
+
     /* True if runs share blocks: the one that computes a block also computes its hours. */
     bool shares_rows;
     size_t block; /* sensors of each block, except the last one */

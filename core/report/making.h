@@ -18,9 +18,10 @@ struct orl_report_making {
 };
 
 /*
- * An hour of a sensor is uncertain if its standard error exceeds this share of the illuminance, and
- * the illuminance may reach the least value below. That value is the lower bound of useful
- * daylight. Less light hardly matters to any metric, and hours at dusk would outnumber the others.
+ * Limits of uncertain hours. An hour of a sensor is uncertain if its standard error exceeds this
+ * share of the illuminance. The illuminance must also be able to reach the least value below, the
+ * lower bound of useful daylight. Less light hardly matters to any metric, and hours at dusk would
+ * outnumber the others.
  */
 #define ORL_UNCERTAIN_SHARE 0.25
 #define ORL_UNCERTAIN_LEAST_LX 100.0

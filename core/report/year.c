@@ -26,8 +26,8 @@ static uint32_t find_per_hour(const struct orl_annual_result *result)
     return (uint32_t)lrint(fmin(60, 1 / gap));
 }
 
-/* Returns true if there is a row at midnight. Rows then are at 0, 1/4 h ..., as Honeybee writes
- * them for steps below an hour, instead of at the middles or ends of their steps. */
+/* Returns true if there is a row at midnight. Rows then are at 0, 1/4 h ..., not at the middles or
+ * ends of their steps. Honeybee writes them so for steps below an hour. */
 static bool has_midnight_row(const struct orl_annual_result *result)
 {
     for (size_t i = 0; i < result->n_steps; i++)

@@ -12,17 +12,17 @@
  * those areas r is fixed:
  *     a / (N r^2)  becomes a' / N                                               "spread"
  * The model has these four terms, none of them negative. "kernel" also contains all errors that
- * neither photons nor samples reduce. For the backward technique, whose S alone varies, it contains
- * everything except "samples". Terms that a study cannot separate are absent, and the others
- * include their share. With one N these are spread and bias, with two N bias, and with one S
+ * neither photons nor samples reduce. For the backward technique only S varies, and "kernel"
+ * contains everything except "samples". Terms that a study cannot separate are absent, and the
+ * others include their share. With one N these are spread and bias, with two N bias, and with one S
  * samples.
  *
  * A technique that widens its kernel by the optimum r^2 ~ N^(-1/3) has rms^2 ~ N^(-2/3) throughout.
  * The terms then approximate that over the measured range, and the residual shows how well.
  *
- * The fit is by least squares of (y - m) / (m s), with y the measured rms^2, m the model's, and s
- * the relative uncertainty of y. Division by y instead of m would favour points that are low by
- * chance. m starts as y and is updated over a few passes. Each pass is a problem of non-negative
+ * The fit minimises the squares of (y - m) / (m s). Here y is the measured rms^2, m the model's,
+ * and s the relative uncertainty of y. Division by y instead of m would favour points that are low
+ * by chance. m starts as y and is updated over a few passes. Each pass is a problem of non-negative
  * least squares (Lawson and Hanson 1974, chapter 23). Uncertainties are the spread of terms over
  * refits to data redrawn around the model (parametric bootstrap, fixed seed). Unlike a covariance
  * matrix, they respect the bound at zero.
