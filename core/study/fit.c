@@ -229,7 +229,7 @@ void orl_study_mark_front(struct orl_study_point *points, size_t n_points)
         bool beaten = !isfinite(p->rms) || !isfinite(p->total_s);
         for (size_t k = 0; k < n_points && !beaten; k++) {
             const struct orl_study_point *q = &points[k];
-            /* Of equal points the first one counts. */
+            /* The first of several equal points stays. */
             const bool better = q->total_s < p->total_s || q->rms < p->rms || k < i;
             beaten = k != i && q->total_s <= p->total_s && q->rms <= p->rms && better;
         }
