@@ -6,7 +6,7 @@
 static const uint32_t tregenza[8] = {30, 30, 24, 24, 18, 12, 6, 1};
 static const uint32_t tregenza_first[8] = {0, 30, 60, 84, 108, 126, 138, 144};
 
-/* Altitude between rows, from the horizon up. */
+/* Altitude of the lower edge of a row, rad; rows count from the horizon up. */
 static double edge(int row)
 {
     return 0.5 * ORL_PI * row / (7 * ORL_BINS_FINE + 0.5);
@@ -43,7 +43,7 @@ static uint16_t coarse_of(int row, uint32_t column)
     return (uint16_t)(tregenza_first[patch_row] + column / ORL_BINS_FINE);
 }
 
-/* The middle is the direction of the mean over the row's height. */
+/* The middle of a bin is the direction with the row's mean sine of altitude. */
 void orl_bins_init(struct orl_bins *bins)
 {
     init_rows(bins);
@@ -70,7 +70,7 @@ static int row_of(const struct orl_bins *bins, double sine)
     const int from = sine < 0 ? ORL_BINS_ABOVE_ROWS : 0;
     const int to = sine < 0 ? ORL_BINS_ROWS - 1 : ORL_BINS_ABOVE_ROWS - 1;
     const double down = sine < 0 ? -1 : 1, height = fabs(sine);
-    int low = from, high = to; /* the last row that begins at or below that height */
+    int low = from, high = to; /* bisection: the last row that begins at or below that height */
     while (low < high) {
         const int middle = (low + high + 1) / 2;
         const struct orl_bin_row *row = &bins->rows[middle];

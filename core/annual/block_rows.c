@@ -5,7 +5,7 @@
 
 /* ---- Coefficients ---------------------------------------------------------------------------- */
 
-/* Sums of a sensor's batches for a part; returns false if there are none. */
+/* Collects the sums of a sensor's batches for a part; returns false if there are none. */
 static bool coefficients_of(const struct orl_year *y, size_t sensor, uint32_t part,
                             struct orl_annual_coefficients *ret)
 {
@@ -23,7 +23,7 @@ static bool coefficients_of(const struct orl_year *y, size_t sensor, uint32_t pa
     return any;
 }
 
-/* Marks the parts whose beams come to a sensor. */
+/* Marks the parts of beams that reach a sensor. */
 static void mark_beams(const struct orl_year *y, size_t sensor, bool *lit)
 {
     for (uint32_t b = 0; b < ORL_ANNUAL_BATCHES; b++) {
@@ -34,7 +34,7 @@ static void mark_beams(const struct orl_year *y, size_t sensor, bool *lit)
     }
 }
 
-/* Beams of the parts that are lit. */
+/* Fills the sensor's beams of lit parts. */
 static void fill_beams(struct orl_year *y, size_t sensor, const bool *lit)
 {
     const size_t n = y->n_beams;
@@ -81,7 +81,7 @@ static void fill_factors(void *arg, size_t sensor, uint32_t member)
     fill_beams(y, sensor, lit);
 }
 
-/* The light of a part at a sensor; returns false if there is none. */
+/* Collects the light of a part at a sensor; returns false if there is none. */
 static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
                      struct orl_annual_share *ret)
 {
@@ -103,7 +103,7 @@ static bool light_of(const struct orl_year *y, size_t sensor, uint32_t part,
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-static void multiply(void *arg, size_t tile, uint32_t member)
+static void multiply_tile(void *arg, size_t tile, uint32_t member)
 {
     const struct orl_year *y = arg;
     (void)member;
@@ -150,15 +150,15 @@ int orl_block_rows_make(struct orl_year *y)
     memset(y->between, 0, y->count * y->hours.n_columns * sizeof *y->between);
     int code = orl_crew_try(crew, y->count, fill_factors, y);
     if (code == 0)
-        code = orl_crew_try(crew, y->hours.n_tiles, multiply, y);
+        code = orl_crew_try(crew, y->hours.n_tiles, multiply_tile, y);
     return code == 0 ? orl_crew_try(crew, y->count, find_coherence, y) : code;
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
 
-/* Lists the suns that each part needs, so that BSDF panes need not be sampled for the others. If
- * sunlight is kept for later jobs, all suns are needed. */
-static int want_suns(struct orl_year *y)
+/* Lists the suns that each part needs, so that BSDF panes are sampled for these only. If sunlight
+ * is stored for later jobs, all suns are needed. */
+static int list_wanted_suns(struct orl_year *y)
 {
     const struct orl_year_parts *parts = y->variant ? y->variant->parts : NULL;
     const size_t suns = y->hours.suns.count;
@@ -197,7 +197,7 @@ static int make_sums(struct orl_year *y)
                                       .n_nodes = sun_only ? 0 : y->nodes.count,
                                       .n_beams = y->n_beams,
                                       .n_suns = y->hours.suns.count};
-    if (orl_block_sums_init(&y->sums) < 0 || want_suns(y) < 0 || find_parts_of_beams(y) < 0)
+    if (orl_block_sums_init(&y->sums) < 0 || list_wanted_suns(y) < 0 || find_parts_of_beams(y) < 0)
         return ORL_ERR_NOMEM;
     y->lit = calloc(lights + 1, sizeof *y->lit);
     y->factors = malloc((lights + 1) * sizeof *y->factors);

@@ -69,14 +69,15 @@ struct orl_sun_rows orl_block_suns_of(const struct orl_block_sums *s, size_t sen
 
 /* ---- Packing --------------------------------------------------------------------------------- */
 
-/* Which of the lights are lit, padded; their values, in order; and what is there for all. */
+/* Layout of packed data: flags of the lit lights, padded; the values of lit lights, in order; and
+ * arrays stored as a whole. */
 enum { MOST_ARRAYS = 2 };
 struct layout {
     unsigned char *lit;
     size_t n_lights;
     struct array {
         void *at;
-        size_t bytes; /* of each lit light; of the whole */
+        size_t bytes; /* per light in of_lit, in total in whole */
     } of_lit[MOST_ARRAYS], whole[MOST_ARRAYS];
 };
 
@@ -113,7 +114,7 @@ static size_t size_of(const struct layout *l, const unsigned char *lit)
     return size;
 }
 
-/* To or from the data, which begins with the flags. */
+/* Copies values to (out) or from data, behind the flags at its start. */
 static void copy_values(const struct layout *l, char *data, bool out)
 {
     char *at = data + flag_bytes(l);
@@ -135,7 +136,7 @@ static void copy_values(const struct layout *l, char *data, bool out)
     }
 }
 
-static int pack(const struct layout *l, void **ret_data, size_t *ret_size)
+static int pack_layout(const struct layout *l, void **ret_data, size_t *ret_size)
 {
     const size_t size = size_of(l, l->lit);
     char *data = *ret_data = calloc(1, size + 1);
@@ -147,7 +148,7 @@ static int pack(const struct layout *l, void **ret_data, size_t *ret_size)
     return 0;
 }
 
-static bool unpack(const struct layout *l, const void *data, size_t size)
+static bool unpack_layout(const struct layout *l, const void *data, size_t size)
 {
     if (!data || size < flag_bytes(l) || size != size_of(l, data))
         return false;
@@ -160,21 +161,21 @@ int orl_block_sums_pack_paths(const struct orl_block_sums *sums, size_t count, v
                               size_t *ret_size)
 {
     const struct layout l = paths_of(sums, count);
-    return pack(&l, ret_data, ret_size);
+    return pack_layout(&l, ret_data, ret_size);
 }
 
 int orl_block_sums_pack_suns(const struct orl_block_sums *sums, size_t count, void **ret_data,
                              size_t *ret_size)
 {
     const struct layout l = suns_of(sums, count);
-    return pack(&l, ret_data, ret_size);
+    return pack_layout(&l, ret_data, ret_size);
 }
 
 bool orl_block_sums_unpack_paths(struct orl_block_sums *sums, size_t count, const void *data,
                                  size_t size)
 {
     const struct layout l = paths_of(sums, count);
-    if (unpack(&l, data, size))
+    if (unpack_layout(&l, data, size))
         return true;
     orl_block_sums_clear_paths(sums, count);
     return false;
@@ -184,7 +185,7 @@ bool orl_block_sums_unpack_suns(struct orl_block_sums *sums, size_t count, const
                                 size_t size)
 {
     const struct layout l = suns_of(sums, count);
-    if (unpack(&l, data, size))
+    if (unpack_layout(&l, data, size))
         return true;
     orl_block_sums_clear_suns(sums, count);
     return false;

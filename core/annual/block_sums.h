@@ -1,8 +1,8 @@
 /*
- * Sums of a block of sensors: what their paths come to, batch by batch (sums.h), and direct
- * sunlight (sun_rows.h). Both can be packed into bytes, of parts that are lit alone, and unpacked.
+ * Sums of a block of sensors: those of their paths by batch (sums.h), and direct sunlight
+ * (sun_rows.h). Both can be packed into bytes and unpacked; only lit parts are packed.
  *
- * Threads: different batches, or sensors, by different ones.
+ * Threads may write to different batches, or sensors, at the same time.
  */
 #ifndef ORL_ANNUAL_BLOCK_SUMS_H
 #define ORL_ANNUAL_BLOCK_SUMS_H
@@ -21,30 +21,31 @@ struct orl_block_sums {
     double *beams;          /* [sensor][batch][beam] */
     float *lots;            /* [sensor][batch][lot][beam] */
     unsigned char *sun_lit; /* [sensor][part] */
-    float *suns;            /* [sensor][part][of each][sun] */
+    float *suns;            /* [sensor][part][ORL_SUN_ROWS][sun] */
 };
 
-/* Allocates the arrays of sums whose numbers are set. Returns 0 or ORL_ERR_NOMEM;
+/* Allocates the arrays; the caller has set the counts. Returns 0 or ORL_ERR_NOMEM; the caller calls
  * orl_block_sums_done in either case. */
 int orl_block_sums_init(struct orl_block_sums *sums);
 void orl_block_sums_done(struct orl_block_sums *sums);
 
-/* Remove the sums, or the sunlight, of the first count sensors. */
+/* Clear the path sums, or the sunlight, of the first count sensors. */
 void orl_block_sums_clear_paths(struct orl_block_sums *sums, size_t count);
 void orl_block_sums_clear_suns(struct orl_block_sums *sums, size_t count);
 
 struct orl_annual_sums orl_block_sums_of(const struct orl_block_sums *sums, size_t sensor,
                                          uint32_t batch);
-/* wanted, direct_only: to be set by the caller. */
+/* The caller sets wanted, direct_only and disc_points of the returned rows. */
 struct orl_sun_rows orl_block_suns_of(const struct orl_block_sums *sums, size_t sensor);
 
-/* Paths or sunlight of the first count sensors. ret_data is owned; size: a multiple of 4 bytes.
- * Returns 0 or ORL_ERR_NOMEM. */
+/* Pack paths or sunlight of the first count sensors. ret_data is owned by the caller; size is a
+ * multiple of 4 bytes. Return 0 or ORL_ERR_NOMEM. */
 int orl_block_sums_pack_paths(const struct orl_block_sums *sums, size_t count, void **ret_data,
                               size_t *ret_size);
 int orl_block_sums_pack_suns(const struct orl_block_sums *sums, size_t count, void **ret_data,
                              size_t *ret_size);
-/* Returns true if the data has the size that it says it has; else all is cleared. */
+/* Unpack paths or sunlight. Return true if the data has the size that its flags require; otherwise
+ * they clear the sums and return false. */
 bool orl_block_sums_unpack_paths(struct orl_block_sums *sums, size_t count, const void *data,
                                  size_t size);
 bool orl_block_sums_unpack_suns(struct orl_block_sums *sums, size_t count, const void *data,

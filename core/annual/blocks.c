@@ -1,4 +1,4 @@
-/* Rows of a block of sensors: paths, the sun straight to them, and both times all hours. */
+/* Rows of a block of sensors: paths, direct sunlight, and their products with all hours. */
 #include "annual/blocks.h"
 
 #include <stdlib.h>
@@ -11,12 +11,12 @@
 #include "annual/trace.h"
 #include "scene/geometry/stand.h"
 
-#define TRACING 0.85 /* of a block's time, more or less */
+#define TRACING 0.85 /* approximate share of a block's time */
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
-/* Returns true if the year passes direct sunlight on by part and makes no rows. */
-static bool tells_sunlight(const struct orl_year *y)
+/* Returns true if the year reports direct sunlight by part and makes no rows. */
+static bool reports_sunlight(const struct orl_year *y)
 {
     return orl_year_is_sun_only(y) && y->variant->parts;
 }
@@ -35,7 +35,7 @@ static void trace_batch(void *arg, size_t index, uint32_t member)
     orl_annual_trace(&y->scene, &y->places[sensor], &batch, &sums, &y->healths[member]);
     const double whole = (double)(y->count * ORL_ANNUAL_BATCHES);
     const double done = (double)(atomic_fetch_add(&y->traced, 1) + 1);
-    if (member == 0) /* the lead */
+    if (member == 0) /* the lead thread */
         orl_year_tell(y, ORL_STAGE_RENDER,
                       (double)y->first + TRACING * (double)y->count * done / whole);
 }
@@ -68,7 +68,7 @@ static void place_sensors(struct orl_year *y)
     }
 }
 
-static int hand_over(struct orl_year *y, struct orl_error *err)
+static int deliver_rows(struct orl_year *y, struct orl_error *err)
 {
     const size_t columns = y->hours.n_columns, bytes = columns * sizeof(float);
     for (size_t i = 0; i < y->count; i++) {
@@ -89,11 +89,11 @@ static int hand_over(struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
-/* ---- Sums and rows, kept or made ------------------------------------------------------------- */
+/* ---- Sums and rows, stored or computed ------------------------------------------------------- */
 
-/* Keeps what was packed, unless there was no memory for it. */
-static void keep_packed(struct orl_year *y, struct orl_keeping *it, int code, void *data,
-                        size_t size)
+/* Stores packed data, unless packing ran out of memory (code < 0), and frees it. */
+static void store_packed(struct orl_year *y, struct orl_keeping *it, int code, void *data,
+                         size_t size)
 {
     if (code == 0)
         orl_keep_put(&y->keep, it, data, size);
@@ -108,7 +108,8 @@ static uint64_t count_rays(const struct orl_year *y)
     return rays;
 }
 
-/* Outdoors light comes by no window. */
+/* Refuses sensors outdoors if light is split by part, because their light enters through no
+ * window. */
 static int check_places(const struct orl_year *y, struct orl_error *err)
 {
     if (!y->variant || !y->variant->parts)
@@ -122,7 +123,7 @@ static int check_places(const struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
-static int trace(struct orl_year *y, struct orl_keeping *it, struct orl_error *err)
+static int trace_paths(struct orl_year *y, struct orl_keeping *it, struct orl_error *err)
 {
     const uint64_t before = count_rays(y);
     int code = orl_year_need_scene(y, err);
@@ -153,10 +154,10 @@ static int find_paths(struct orl_year *y, struct orl_error *err)
     if (!orl_block_sums_unpack_paths(&y->sums, y->count, it.data, it.size))
         it.had = 0;
     if (it.had < it.samples)
-        code = trace(y, &it, err);
+        code = trace_paths(y, &it, err);
     if (code == 0 && it.owed) {
         const int packed = orl_block_sums_pack_paths(&y->sums, y->count, &data, &size);
-        keep_packed(y, &it, packed, data, size);
+        store_packed(y, &it, packed, data, size);
     }
     orl_keep_done(&y->keep, &it);
     return code;
@@ -184,13 +185,13 @@ static int find_suns(struct orl_year *y, struct orl_error *err)
         code = make_suns(y, err);
     if (code == 0 && it.owed) {
         const int packed = orl_block_sums_pack_suns(&y->sums, y->count, &data, &size);
-        keep_packed(y, &it, packed, data, size);
+        store_packed(y, &it, packed, data, size);
     }
     orl_keep_done(&y->keep, &it);
     return code;
 }
 
-static void tell_sunlight(const struct orl_year *y)
+static void report_sunlight(const struct orl_year *y)
 {
     const struct orl_year_parts *parts = y->variant->parts;
     for (size_t i = 0; i < y->count; i++)
@@ -201,7 +202,7 @@ static void tell_sunlight(const struct orl_year *y)
             }
 }
 
-/* Direct sunlight is all there is. */
+/* Computes direct sunlight alone, and reports it by part or as rows. */
 static int run_sun_only(struct orl_year *y, struct orl_error *err)
 {
     int code = orl_year_need_panels(y, err);
@@ -214,17 +215,17 @@ static int run_sun_only(struct orl_year *y, struct orl_error *err)
     if (code == 0 && orl_crew_try(y->env->run->crew, y->count, find_sun, y) < 0)
         code = orl_year_cancelled(err);
     orl_year_book(y, ORL_ANNUAL_SUN, &since);
-    if (code == 0 && tells_sunlight(y))
-        tell_sunlight(y);
-    if (code < 0 || tells_sunlight(y))
+    if (code == 0 && reports_sunlight(y))
+        report_sunlight(y);
+    if (code < 0 || reports_sunlight(y))
         return code;
     memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
     for (size_t i = 0; i < y->count; i++)
         orl_block_direct(y, i, 0, orl_year_row_of(y, i, ORL_YEAR_DIRECT));
-    return hand_over(y, err);
+    return deliver_rows(y, err);
 }
 
-/* Paths and suns times all hours. */
+/* Computes the rows from paths and suns. */
 static int make_rows(struct orl_year *y, struct orl_error *err)
 {
     double since = orl_year_now(y);
@@ -246,7 +247,8 @@ struct array {
     size_t bytes;
 };
 
-/* Rows, the overcast sky's light with its error, and coherence. */
+/* Lists the arrays stored for a block: rows, the light of the overcast sky with its error, and
+ * coherence. */
 static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARRAYS])
 {
     const struct orl_annual_result *r = y->result;
@@ -258,7 +260,7 @@ static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARR
     return ret[0].bytes + ret[1].bytes + ret[2].bytes + ret[3].bytes;
 }
 
-static bool take_rows(const struct orl_year *y, const struct orl_keeping *it)
+static bool load_rows(const struct orl_year *y, const struct orl_keeping *it)
 {
     struct array arrays[ROW_ARRAYS];
     const char *from = it->data;
@@ -269,17 +271,17 @@ static bool take_rows(const struct orl_year *y, const struct orl_keeping *it)
     return true;
 }
 
-static void keep_rows(struct orl_year *y, struct orl_keeping *it)
+static void store_rows(struct orl_year *y, struct orl_keeping *it)
 {
     struct array arrays[ROW_ARRAYS];
     const size_t size = list_row_arrays(y, arrays);
     char *data = malloc(size + 1), *to = data;
     for (int i = 0; data && i < ROW_ARRAYS; to += arrays[i++].bytes)
         memcpy(to, arrays[i].at, arrays[i].bytes);
-    keep_packed(y, it, data ? 0 : ORL_ERR_NOMEM, data, size);
+    store_packed(y, it, data ? 0 : ORL_ERR_NOMEM, data, size);
 }
 
-/* Made, or by who shares the year. */
+/* Computes the rows; if runs share the year, takes them from the store where possible. */
 static int find_rows(struct orl_year *y, struct orl_error *err)
 {
     struct orl_keeping it = {.what = ORL_YEARS_ROWS,
@@ -291,10 +293,10 @@ static int find_rows(struct orl_year *y, struct orl_error *err)
     int code = orl_keep_ask(&y->keep, &it, err);
     if (code < 0)
         return code;
-    if (!take_rows(y, &it))
+    if (!load_rows(y, &it))
         code = make_rows(y, err);
     if (code == 0 && it.owed)
-        keep_rows(y, &it);
+        store_rows(y, &it);
     orl_keep_done(&y->keep, &it);
     return code;
 }
@@ -306,7 +308,7 @@ static int run_block(struct orl_year *y, struct orl_error *err)
     int code = find_rows(y, err);
     double since = orl_year_now(y);
     if (code == 0)
-        code = hand_over(y, err);
+        code = deliver_rows(y, err);
     orl_year_book(y, ORL_ANNUAL_HOURS, &since);
     return code;
 }
@@ -329,7 +331,7 @@ static int make_room(struct orl_year *y)
         if (!r->coefficients)
             return ORL_ERR_NOMEM;
     }
-    if (y->env->row || tells_sunlight(y))
+    if (y->env->row || reports_sunlight(y))
         return 0;
     r->total = malloc((n * columns + 1) * sizeof *r->total);
     r->direct = malloc((n * columns + 1) * sizeof *r->direct);
@@ -337,9 +339,9 @@ static int make_room(struct orl_year *y)
     return r->total && r->direct && r->se ? 0 : ORL_ERR_NOMEM;
 }
 
-/* ---- Blocks that are kept -------------------------------------------------------------------- */
+/* ---- Stored blocks --------------------------------------------------------------------------- */
 
-/* Where arrays are kept, the block's part of them. */
+/* Returns the current block as a part of the result's arrays, which must exist. */
 static struct orl_annual_block block_of(const struct orl_year *y)
 {
     const struct orl_annual_result *r = y->result;
@@ -358,21 +360,21 @@ static struct orl_annual_block block_of(const struct orl_year *y)
 
 static bool is_kept(struct orl_year *y)
 {
-    if (tells_sunlight(y) || y->env->row || !y->env->kept || y->result->coefficients)
-        return false; /* coefficients are in no block */
+    if (reports_sunlight(y) || y->env->row || !y->env->kept || y->result->coefficients)
+        return false; /* coefficients are stored in no block */
     struct orl_annual_block block = block_of(y);
     return y->env->kept(y->env->ctx, &block);
 }
 
-static void tell_done(const struct orl_year *y)
+static void report_block_done(const struct orl_year *y)
 {
-    if (tells_sunlight(y) || y->env->row || !y->env->done)
+    if (reports_sunlight(y) || y->env->row || !y->env->done)
         return;
     const struct orl_annual_block block = block_of(y);
     y->env->done(y->env->ctx, &block);
 }
 
-/* What of a block others can make. */
+/* Computes the part of a block that distributed runs share: its rows, or its paths and sunlight. */
 static int make_block(struct orl_year *y, struct orl_error *err)
 {
     if (y->shares_rows)
@@ -381,9 +383,9 @@ static int make_block(struct orl_year *y, struct orl_error *err)
     return code == 0 ? find_suns(y, err) : code;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- All blocks ------------------------------------------------------------------------------ */
 
-/* Sensors at a time: as many lights, of a part at a sensor each, as a tile takes. */
+/* Number of sensors per block, such that a tile has at most LIGHTS pairs of a part and a sensor. */
 static size_t most_at_a_time(const struct orl_year *y)
 {
     enum { LIGHTS = 256, LEAST = 8 };
@@ -400,7 +402,7 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
     if (code == 0 && y->env->begins)
         code = y->env->begins(y->env->ctx, y->result, err);
     y->blocks_s = orl_year_now(y);
-    /* Coefficients are in no row: then blocks are shared by their paths. */
+    /* Rows have no coefficients; with coefficients, runs share the paths of blocks instead. */
     y->shares_rows = shared && !y->result->coefficients;
     if (code == 0 && shared)
         code = orl_year_share_blocks(y, make_block, err);
@@ -412,7 +414,7 @@ int orl_year_run_blocks(struct orl_year *y, struct orl_error *err)
         }
         code = run_block(y, err);
         if (code == 0)
-            tell_done(y);
+            report_block_done(y);
         orl_year_tell(y, ORL_STAGE_RENDER, (double)(y->first + y->count));
     }
     for (uint32_t i = 0; y->healths && i < orl_crew_size(y->env->run->crew); i++)

@@ -1,5 +1,5 @@
 /*
- * A year's sensors, block by block: paths from them, the sun straight to them, and both times the
+ * Processes a year's sensors block by block: paths, direct sunlight, and their products with the
  * skies and suns of all hours.
  */
 #ifndef ORL_ANNUAL_BLOCKS_H
@@ -7,10 +7,10 @@
 
 #include "annual/year.h"
 
-/* Of a year that is prepared: all its sensors, into the result or to whoever asked for rows.
- * Returns 0, ORL_ERR_NOMEM, _CANCELLED, or what that one returned. */
+/* Computes all sensors of a prepared year. Rows go into the result or to env->row. Returns 0,
+ * ORL_ERR_NOMEM, _CANCELLED, or the error of a callback. */
 int orl_year_run_blocks(struct orl_year *y, struct orl_error *err);
-/* NULL and half-filled are fine. */
+/* NULL and partly initialised years are allowed. */
 void orl_year_blocks_done(struct orl_year *y);
 
 #endif

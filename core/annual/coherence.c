@@ -14,7 +14,7 @@ static int by_cell(const void *a, const void *b)
     return (x->column > y->column) - (x->column < y->column);
 }
 
-/* Lists columns with sun, and the first node of each; returns how many there are. */
+/* Lists columns with sun and the first node of each; returns their number. */
 static size_t list_columns(const struct orl_hours *hours, const struct orl_sun_terms *terms,
                            struct cell_of *ret)
 {
@@ -58,7 +58,7 @@ void orl_sun_cells_done(struct orl_sun_cells *cells)
     *cells = (struct orl_sun_cells){.columns = NULL};
 }
 
-/* Square of the standard error of a mean of n deviations. */
+/* Squared standard error of a mean, from n deviations. */
 static double square_of(const float *deviations, int n)
 {
     double sum = 0;
@@ -67,7 +67,8 @@ static double square_of(const float *deviations, int n)
     return sum / (n * (n - 1.0));
 }
 
-/* Adds squares of errors of interpolation to each band: hours between the same nodes are summed. */
+/* Adds squared errors of interpolation to each band. Errors of hours between the same nodes are
+ * summed before squaring. */
 static void add_between(const float *total, const float *between, const struct orl_sun_cells *cells,
                         double squares[ORL_ERROR_BANDS])
 {

@@ -31,8 +31,8 @@ static int widest_axis(const struct orl_direction_entry *entries, size_t count)
     return widest;
 }
 
-static int compare(const struct orl_direction_entry *x, const struct orl_direction_entry *y,
-                   int axis)
+static int compare_along(const struct orl_direction_entry *x, const struct orl_direction_entry *y,
+                         int axis)
 {
     const double a = along(x->towards, axis), b = along(y->towards, axis);
     return a != b ? (a < b ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
@@ -40,21 +40,21 @@ static int compare(const struct orl_direction_entry *x, const struct orl_directi
 
 static int compare_x(const void *a, const void *b)
 {
-    return compare(a, b, 0);
+    return compare_along(a, b, 0);
 }
 
 static int compare_y(const void *a, const void *b)
 {
-    return compare(a, b, 1);
+    return compare_along(a, b, 1);
 }
 
 static int compare_z(const void *a, const void *b)
 {
-    return compare(a, b, 2);
+    return compare_along(a, b, 2);
 }
 
-/* The depth is the logarithm of count, as each half has half the entries. */
-static void split(struct orl_direction_tree *tree, size_t low, size_t high)
+/* Sorts a range and splits it at its median, so the depth is the logarithm of count. */
+static void split_range(struct orl_direction_tree *tree, size_t low, size_t high)
 {
     static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
     if (high <= low)
@@ -63,8 +63,8 @@ static void split(struct orl_direction_tree *tree, size_t low, size_t high)
     const int axis = widest_axis(tree->entries + low, high - low);
     qsort(tree->entries + low, high - low, sizeof *tree->entries, by_axis[axis]);
     tree->axes[middle] = (unsigned char)axis;
-    split(tree, low, middle);
-    split(tree, middle + 1, high);
+    split_range(tree, low, middle);
+    split_range(tree, middle + 1, high);
 }
 
 int orl_direction_tree_init(struct orl_direction_tree *tree, orl_direction_of direction,
@@ -79,7 +79,7 @@ int orl_direction_tree_init(struct orl_direction_tree *tree, orl_direction_of di
         const uint32_t index = indices ? indices[i] : (uint32_t)i;
         tree->entries[i] = (struct orl_direction_entry){direction(owner, index), index};
     }
-    split(tree, 0, count);
+    split_range(tree, 0, count);
     return 0;
 }
 
@@ -92,7 +92,8 @@ void orl_direction_tree_done(struct orl_direction_tree *tree)
 
 /* ---- Searching ------------------------------------------------------------------------------- */
 
-/* Directions within an angle of the axis lie in a ball about it: its radius is their chord's. */
+/* Directions within an angle of the axis lie in a sphere around its tip, with the chord as
+ * radius. */
 size_t orl_direction_tree_find(const struct orl_direction_tree *tree, const struct orl_cone *cone,
                                void (*visit)(void *ctx, uint32_t index), void *ctx)
 {

@@ -17,20 +17,20 @@ struct orl_direction_entry {
     uint32_t index;
 };
 
-/* The middle entry of a range splits it, along the axis axes[middle]. */
+/* Each range is split at its middle entry along the axis axes[middle]. */
 struct orl_direction_tree {
     struct orl_direction_entry *entries;
     unsigned char *axes;
     size_t count;
 };
 
-/* All directions whose cosine with the axis, which is unit, is not less: -1 is every direction. */
+/* The directions whose cosine with the unit axis is at least `cosine`; -1: every direction. */
 struct orl_cone {
     struct orl_vec3 axis;
     double cosine;
 };
 
-/* Wider by an angle, given by its sine. */
+/* Returns the cone widened by an angle, given as its sine. */
 static inline struct orl_cone orl_cone_widened(struct orl_cone cone, double sine)
 {
     const double cosine = sqrt(1 - sine * sine);
@@ -39,7 +39,7 @@ static inline struct orl_cone orl_cone_widened(struct orl_cone cone, double sine
     return cone;
 }
 
-/* Directions by index, as their owner keeps them. */
+/* Returns the direction with the given index from the owner's storage. */
 typedef struct orl_vec3 (*orl_direction_of)(const void *owner, uint32_t index);
 
 /* Builds a tree of the directions with the given indices, or of all (indices NULL). Returns 0 or

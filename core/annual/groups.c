@@ -1,4 +1,4 @@
-/* Window groups as they are asked for: checks, and who frees what. */
+/* Window groups of a request: validation and freeing. */
 #include <oriel/annual.h>
 #include <oriel/annual_glare.h>
 

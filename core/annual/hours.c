@@ -6,7 +6,7 @@
 #include "annual/sky_tile.h"
 #include "light/daylight.h"
 
-/* What the weather file's rows are turned into. */
+/* State of reading the weather file's rows. */
 struct reader {
     const struct orl_weather *weather;
     const char *name;
@@ -14,13 +14,14 @@ struct reader {
     struct orl_daylight *daylights;
     double *diffuse_w;
     struct orl_daylight_sun *suns; /* by row */
-    struct orl_error *errors;      /* by row: code 0 where all is well */
+    struct orl_error *errors;      /* by row: code 0 if the row is valid */
 };
 
-/* Where no sun was measured it is asked for, unless it is far below the horizon. */
+/* Returns the sun of a row. If no sunlight was measured, the position is computed, unless the sun
+ * is far below the horizon. */
 static struct orl_daylight_sun sun_of(const struct reader *r, size_t index)
 {
-    static const double well_set = -0.02; /* a sine: far more than half of the disc */
+    static const double well_set = -0.02; /* sine of altitude, well below that of half the disc */
     const struct orl_weather_row *row = &r->weather->rows[index];
     const struct orl_daylight *d = &r->daylights[index];
     if (!row->missing && !d->black && d->sun_radiance > 0)
@@ -70,7 +71,7 @@ static bool is_lit(const struct orl_annual_step *step)
     return step->diffuse_lx > 0 || step->direct_normal_lx > 0;
 }
 
-/* Steps and columns. */
+/* Fills the steps, and numbers the lit ones as columns. */
 static int make_steps(struct orl_hours *hours, const struct reader *r, struct orl_error *err)
 {
     for (size_t i = 0; i < hours->n_steps; i++) {
@@ -91,7 +92,7 @@ static int make_steps(struct orl_hours *hours, const struct reader *r, struct or
     return 0;
 }
 
-/* Of all rows, whatever was measured there. */
+/* Lists the suns of all rows, including rows without measured light. */
 static void place_suns(struct orl_hours *hours, const struct reader *r, double north_deg)
 {
     const struct orl_turn turn = orl_turn_by(north_deg);
@@ -145,8 +146,8 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
                        hours->coarse + index * ORL_BINS_COARSE * ORL_HOURS_TILE);
 }
 
-static int paint(struct orl_hours *hours, const struct orl_bins *bins, const struct reader *r,
-                 struct orl_crew *crew)
+static int paint_skies(struct orl_hours *hours, const struct orl_bins *bins, const struct reader *r,
+                       struct orl_crew *crew)
 {
     struct orl_sky_rows rows;
     const struct painter painter = {hours, &rows, r};
@@ -185,7 +186,7 @@ static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct
     if (orl_direction_tree_init(&hours->suns.tree, direction_of_sun, hours->suns.at, NULL,
                                 hours->suns.count) < 0)
         return ORL_ERR_NOMEM;
-    return paint(hours, bins, r, crew);
+    return paint_skies(hours, bins, r, crew);
 }
 
 int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,

@@ -1,13 +1,13 @@
 /*
- * The hours of a weather file: its rows as steps of the year; of those with light the sun, and the
- * sky's radiance in every bin.
+ * The hours of a weather file: its rows as steps of the year, and for rows with light the sun and
+ * the sky's radiance in every bin.
  *
- * A sky is the Perez pattern of its row, its mean over each bin's row in height and its value in
- * the middle of the bin in azimuth, balanced so that the bins together give a horizontal plane
- * exactly the diffuse flux of the row; the ground is lit by both (light/daylight.h).
+ * A sky is the Perez pattern of its row. A bin's value is the mean over the bin's row in height, at
+ * the middle of the bin in azimuth. The bins are scaled so that together they give a horizontal
+ * plane exactly the diffuse flux of the row. The ground is lit by sky and sun (light/daylight.h).
  *
- * Skies lie in tiles of ORL_HOURS_TILE columns, [bin][column]: whoever multiplies goes through
- * bins, and does the columns of a tile side by side. Immutable once made.
+ * Skies are stored in tiles of ORL_HOURS_TILE columns, [bin][column]. A matrix product loops over
+ * bins and handles the columns of a tile side by side. Immutable once made.
  */
 #ifndef ORL_ANNUAL_HOURS_H
 #define ORL_ANNUAL_HOURS_H
@@ -23,52 +23,53 @@
 
 enum { ORL_HOURS_TILE = 64, ORL_HOURS_MOST = ORL_LIMIT_YEAR_ROWS };
 
-/* A sun, as the scene has it (north turned). */
+/* A sun in scene axes (north turned). */
 struct orl_hour_sun {
     struct orl_vec3 towards; /* unit */
-    double angle_rad;        /* across */
-    bool wanted;             /* some column has it */
+    double angle_rad;        /* angular diameter */
+    bool wanted;             /* true if some column has sunlight from it */
 };
 
 /*
- * Where the sun stands at the rows of a file, whatever weather they have: another file of the same
- * site and times has the same. What it gives is said for a sun that gives 1 to what faces it.
+ * Positions of the sun at the rows of a file. They do not depend on the weather: another file of
+ * the same site and times has the same suns. Light found for a sun refers to a normal illuminance
+ * of 1.
  */
 struct orl_year_suns {
     struct orl_hour_sun *at;
     struct orl_vec3 *in_sky; /* the same directions before north is turned */
     size_t count;
-    struct orl_direction_tree tree; /* of towards */
+    struct orl_direction_tree tree; /* searches the directions `towards` */
 };
 
-/* Of a column: which of the suns, and what it gives a plane that faces it; 0 lx: none. */
+/* Sun of a column: its index, and the illuminance of a plane that faces it; 0 lx: no sun. */
 struct orl_column_sun {
     uint32_t sun;
     double normal_lx;
 };
 
 struct orl_hours {
-    struct orl_annual_step *steps; /* of all rows; owned until taken */
+    struct orl_annual_step *steps; /* all rows; owned until taken */
     size_t n_steps;
-    uint32_t *step_of_column; /* likewise */
+    uint32_t *step_of_column; /* owned until taken */
     size_t n_columns, n_tiles;
     struct orl_year_suns suns;
     struct orl_column_sun *sun_of_column;
-    float *fine, *coarse;       /* tiles of ORL_BINS, and of ORL_BINS_COARSE, rows: W/sr/m2 */
-    size_t n_missing, n_warned; /* rows */
-    char warning[640];          /* the first of those that models gave, or "" */
+    float *fine, *coarse;       /* tiles of ORL_BINS and of ORL_BINS_COARSE rows: W/sr/m2 */
+    size_t n_missing, n_warned; /* numbers of rows */
+    char warning[640];          /* first warning of the sky models, or "" */
 };
 
-/* Returns 0, ORL_ERR_LIMIT, _NOMEM, _CANCELLED or what is wrong with a row; orl_hours_done in
- * either case. */
+/* Returns 0, ORL_ERR_LIMIT, _NOMEM, _CANCELLED or the error of a faulty row. The caller calls
+ * orl_hours_done in either case. */
 int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
                    const struct orl_weather *weather, const char *weather_name, double north_deg,
                    double ground_reflectance, struct orl_crew *crew, struct orl_error *err);
 void orl_hours_done(struct orl_hours *hours);
-/* As if every sun had a column that it shines in. */
+/* Marks every sun as wanted, as if each had a column with sunlight. */
 void orl_hours_want_all(struct orl_hours *hours);
 
-/* A direction of the scene as the sky has it, north being turned; and back. */
+/* Rotation between scene and sky axes, which differ by the direction of true north. */
 struct orl_turn {
     double cosine, sine;
 };

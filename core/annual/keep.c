@@ -9,13 +9,13 @@
 #include "annual/year.h"
 #include "run/kept_file.h"
 
-/* Raised when anything changes that what is kept is made by, or how it lies in its arrays. */
+/* Version of the computation and of the array layout; raise it when either changes. */
 static const char recipe[] = "oriel annual 11";
 static const char kind[] = "annual";
 
 /* ---- Keys ------------------------------------------------------------------------------------ */
 
-static void finish(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1])
+static void finish_key(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1])
 {
     unsigned char digest[ORL_SHA256_BYTES];
     orl_sha256_finish(hash, digest);
@@ -57,11 +57,11 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
         add_vector(&hash, suns->at[i].towards);
         orl_sha256_add(&hash, &suns->at[i].angle_rad, sizeof suns->at[i].angle_rad);
     }
-    finish(&hash, keep->site);
+    finish_key(&hash, keep->site);
     year->result->reuse.asked = keep->store != NULL;
 }
 
-/* In which columns light of which part is added up. */
+/* Adds the columns that want light, by part, to the digest. */
 static void add_wanted(struct orl_sha256 *hash, const struct orl_year *year)
 {
     const struct orl_year_parts *parts = year->variant ? year->variant->parts : NULL;
@@ -69,7 +69,7 @@ static void add_wanted(struct orl_sha256 *hash, const struct orl_year *year)
         orl_sha256_add(hash, parts->wanted, year->n_parts * year->hours.n_columns);
 }
 
-static void name(const struct orl_keep *keep, struct orl_keeping *it)
+static void name_entry(const struct orl_keep *keep, struct orl_keeping *it)
 {
     const uint32_t samples = keep->year->request->samples;
     const uint64_t numbers[] = {(uint64_t)it->what, it->first, it->count,
@@ -84,7 +84,7 @@ static void name(const struct orl_keep *keep, struct orl_keeping *it)
         add_vector(&hash, keep->year->request->sensors[i].position);
         add_vector(&hash, keep->year->request->sensors[i].direction);
     }
-    finish(&hash, it->key);
+    finish_key(&hash, it->key);
     if (it->what != ORL_YEARS_PATHS && it->what != ORL_YEARS_ROWS)
         return;
     memcpy(it->family, it->key, sizeof it->family);
@@ -95,31 +95,31 @@ static void name(const struct orl_keep *keep, struct orl_keeping *it)
         orl_sha256_add(&hash, job, strlen(job));
         add_wanted(&hash, keep->year);
     }
-    finish(&hash, it->key);
+    finish_key(&hash, it->key);
 }
 
-/* ---- Taking ---------------------------------------------------------------------------------- */
+/* ---- Look-up --------------------------------------------------------------------------------- */
 
-static void forget(struct orl_keep *keep, const struct orl_error *why)
+static void disable_store(struct orl_keep *keep, const struct orl_error *why)
 {
     keep->off = true;
     keep->why = *why;
 }
 
-static struct orl_annual_reused *told(struct orl_keep *keep, const struct orl_keeping *it)
+static struct orl_annual_reused *counters_of(struct orl_keep *keep, const struct orl_keeping *it)
 {
     return it->what < ORL_YEARS_KINDS ? &keep->year->result->reuse.of[it->what] : &keep->rows;
 }
 
-/* The one that was asked for. */
-static void take(struct orl_keep *keep, struct orl_keeping *it)
+/* Reads an entry that the store has; abandons it if it is damaged. */
+static void read_entry(struct orl_keep *keep, struct orl_keeping *it)
 {
     struct orl_kept_about about;
     if (orl_kept_read(it->path, it->key, &about, &it->data, &it->size, NULL) == 0) {
         it->had = it->samples;
         it->rays = about.rays;
-        told(keep, it)->found++;
-        told(keep, it)->rays_saved += about.rays;
+        counters_of(keep, it)->found++;
+        counters_of(keep, it)->rays_saved += about.rays;
         keep->store->release(keep->store->ctx, kind, it->key);
         return;
     }
@@ -127,8 +127,9 @@ static void take(struct orl_keep *keep, struct orl_keeping *it)
     keep->store->abandon(keep->store->ctx, kind, it->key);
 }
 
-/* Fewer samples of the same; one that cannot be read is left to who asks for it. */
-static void take_smaller(struct orl_keep *keep, struct orl_keeping *it)
+/* Looks for paths with fewer samples. A damaged entry is left for a run that requests exactly that
+ * entry. */
+static void read_smaller(struct orl_keep *keep, struct orl_keeping *it)
 {
     const struct orl_map_store *store = keep->store;
     struct orl_map_info info;
@@ -144,8 +145,8 @@ static void take_smaller(struct orl_keep *keep, struct orl_keeping *it)
         it->had = (uint32_t)about.target;
         it->rays = about.rays;
         it->earlier_s = info.seconds;
-        told(keep, it)->topped_up++;
-        told(keep, it)->rays_saved += about.rays;
+        counters_of(keep, it)->topped_up++;
+        counters_of(keep, it)->rays_saved += about.rays;
     }
     store->release(store->ctx, kind, info.key);
 }
@@ -156,7 +157,7 @@ bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it)
     bool hit = false;
     if (keep->off)
         return false;
-    name(keep, it);
+    name_entry(keep, it);
     if (keep->store->acquire(keep->store->ctx, kind, it->key, keep->year->env->run->cancel,
                              it->path, &hit, &info, NULL) < 0)
         return false;
@@ -167,8 +168,8 @@ bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it)
     return hit;
 }
 
-/* Of a run that is shared: what all blocks need others may make. */
-static int share(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
+/* Distributed runs: asks other processes to compute what all blocks need. */
+static int share_entry(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
 {
     const struct orl_pieces *pieces = keep->year->env->run->pieces;
     struct orl_piece piece = {.work = 1, .core_s = it->core_s};
@@ -187,32 +188,32 @@ int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error
     struct orl_map_info info;
     struct orl_error why = {0};
     bool hit = true;
-    const int shared = share(keep, it, err);
+    const int shared = share_entry(keep, it, err);
     it->began_s = orl_year_now(keep->year);
     if (shared < 0)
         return shared;
     if (!keep->off)
-        name(keep, it);
+        name_entry(keep, it);
     for (int attempt = 0; attempt < 2 && !keep->off && hit && !it->data; attempt++) {
         const int code = keep->store->acquire(keep->store->ctx, kind, it->key, run->cancel,
                                               it->path, &hit, &info, &why);
         if (code == ORL_ERR_CANCELLED)
             return orl_error_set(err, code, "cancelled");
         if (code < 0)
-            forget(keep, &why);
+            disable_store(keep, &why);
         else if (hit)
-            take(keep, it);
+            read_entry(keep, it);
         else
             it->owed = true;
     }
     if (it->owed)
-        take_smaller(keep, it);
+        read_smaller(keep, it);
     if (keep->store && !it->data)
-        told(keep, it)->made++;
+        counters_of(keep, it)->made++;
     return 0;
 }
 
-/* ---- Putting --------------------------------------------------------------------------------- */
+/* ---- Storing --------------------------------------------------------------------------------- */
 
 void orl_keep_put(struct orl_keep *keep, struct orl_keeping *it, const void *data, size_t size)
 {
@@ -237,7 +238,7 @@ void orl_keep_put(struct orl_keep *keep, struct orl_keeping *it, const void *dat
     }
     if (code < 0) {
         orl_keep_done(keep, it);
-        forget(keep, &why);
+        disable_store(keep, &why);
         return;
     }
     keep->store->release(keep->store->ctx, kind, it->key);

@@ -1,5 +1,5 @@
-/* World, scene and panels of a year, and its suns among nodes and beams, each when it is asked for.
- */
+/* Builds world, scene and panels of a year, and the interpolation weights of its suns, when each is
+ * needed. */
 #include "annual/light.h"
 
 #include <stdlib.h>
@@ -41,7 +41,7 @@ static int check_part(const struct orl_year *y, const size_t *n_ports, size_t pa
                        : orl_part_admit(y->world, (uint32_t)part + 1, name_of_part(v, part), err);
 }
 
-/* Returns 0 if light can be told apart by the groups that are used. */
+/* Returns 0 if light can be separated by the groups that are used. */
 static int check_parts(const struct orl_year *y, struct orl_error *err)
 {
     const struct orl_year_parts *parts = y->variant->parts;
@@ -107,7 +107,7 @@ static int refuse_large_map(struct orl_error *err)
     return ORL_ERR_LIMIT;
 }
 
-/* From the store, or by photons, which go there. */
+/* Loads the map from the store, or traces photons and stores it. */
 static int make_map(struct orl_year *y, struct orl_error *err)
 {
     struct orl_keeping it = {.what = ORL_YEARS_MAP,
@@ -179,7 +179,8 @@ int orl_year_need_panels(struct orl_year *y, struct orl_error *err)
 
 /* ---- Suns ------------------------------------------------------------------------------------ */
 
-/* As they are kept: this, then the arrays of the terms, and warnings, each ended by a zero. */
+/* Header of stored suns. The arrays of the terms follow, then warnings, each with a terminating
+ * zero. */
 struct kept_suns {
     uint64_t n_beams, n_firsts, n_terms, n_warnings, text_bytes;
 };
@@ -202,8 +203,8 @@ static const void *get_bytes(void *to, const void *from, size_t bytes)
     return (const char *)from + bytes;
 }
 
-/* first_warning: of the result's, those that are of the light. */
-static void keep_suns(struct orl_year *y, struct orl_keeping *it, size_t first_warning)
+/* first_warning: index in the result of the first warning about the light. */
+static void store_suns(struct orl_year *y, struct orl_keeping *it, size_t first_warning)
 {
     const struct orl_annual_result *r = y->result;
     const struct orl_sun_terms *terms = &y->terms;
@@ -228,8 +229,8 @@ static void keep_suns(struct orl_year *y, struct orl_keeping *it, size_t first_w
     free(data);
 }
 
-/* What passes the file's checks is as it was written. */
-static int take_suns(struct orl_year *y, const void *data)
+/* Reads stored suns. The file has passed its checks, so the data is as written. */
+static int load_suns(struct orl_year *y, const void *data)
 {
     struct orl_sun_terms *terms = &y->terms;
     struct kept_suns k;
@@ -273,23 +274,23 @@ static int make_suns(struct orl_year *y, struct orl_keeping *it, struct orl_erro
                           ? "; \"sun_halvings\" follows more"
                           : "");
     if (it->owed)
-        keep_suns(y, it, first_warning);
+        store_suns(y, it, first_warning);
     return 0;
 }
 
-/* Of one core: a sun through a panel. */
+/* Time of a sun through a panel, in seconds of one core. */
 static const double sun_s = 1e-4;
 
 int orl_year_find_suns(struct orl_year *y, struct orl_error *err)
 {
-    struct orl_keeping it = {.what = ORL_YEARS_SUNS, /* they need the map */
+    struct orl_keeping it = {.what = ORL_YEARS_SUNS, /* their computation includes the map */
                              .core_s = orl_annual_scene_map_core_s(y->request, y->nodes.count) +
                                        sun_s * (double)y->hours.suns.count};
     if (orl_year_is_sun_only(y))
         return 0;
     int code = orl_keep_ask(&y->keep, &it, err);
     if (code == 0 && it.data)
-        code = take_suns(y, it.data) < 0 ? orl_year_no_memory(err) : 0;
+        code = load_suns(y, it.data) < 0 ? orl_year_no_memory(err) : 0;
     else if (code == 0)
         code = make_suns(y, &it, err);
     orl_keep_done(&y->keep, &it);

@@ -1,7 +1,7 @@
 /*
- * What a year's light is worked out with: world, ports, mirrors, sunlight on surfaces inside and
- * panels, each made when it is first asked for, and its suns as sums over nodes and beams. Where
- * all of these come from a store, no ray is cast.
+ * Inputs of a year's light: world, ports, mirrors, sunlight on surfaces inside, and panels, each
+ * made when first needed; and interpolation weights of the suns over nodes and beams. If all
+ * results come from a store, no ray is traced.
  *
  * Errors: ORL_ERR_UNSUPPORTED, naming a surface, _INVALID, _LIMIT, _NOMEM, _CANCELLED.
  */
@@ -10,11 +10,11 @@
 
 #include "annual/year.h"
 
-/* terms, n_beams and n_sun of a year whose nodes are placed. */
+/* Finds terms and n_beams of a year whose nodes are placed. */
 int orl_year_find_suns(struct orl_year *y, struct orl_error *err);
-/* world and scene: for paths. */
+/* Makes world and scene if necessary; paths need them. */
 int orl_year_need_scene(struct orl_year *y, struct orl_error *err);
-/* panels, too: for the sun at sensors. */
+/* Also makes the panels; sunlight at sensors needs them. */
 int orl_year_need_panels(struct orl_year *y, struct orl_error *err);
 void orl_year_light_done(struct orl_year *y);
 

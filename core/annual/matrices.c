@@ -19,7 +19,7 @@ struct summing {
     const struct orl_run_env *run;
     struct orl_annual_result *result;
     double *sums;     /* [sensor][column], lx */
-    const char *name; /* of the sky at hand, borrowed; NULL: none */
+    const char *name; /* name of the sky read last, borrowed; NULL: none */
     struct orl_rgb_matrix sky;
     struct orl_error *err;
 };
@@ -78,7 +78,7 @@ static int read_matrix(const struct summing *s, const char *name, bool transmiss
 
 /* ---- Sizes ----------------------------------------------------------------------------------- */
 
-/* Reads a file for its size alone; the size is 0 without a file. */
+/* Measures the size of a file's matrix by reading it; without a file the size is 0. */
 static int measure_file(const struct orl_run_env *run, const char *name, bool transmission,
                         struct orl_rgb_matrix *ret_size, struct orl_error *err)
 {
@@ -94,8 +94,8 @@ static uint64_t count_values(const struct orl_rgb_matrix *size)
     return (uint64_t)size->rows * size->columns;
 }
 
-/* Values of a term's files and of its products; sky: that of the term before, which is read once
- * for both. */
+/* Counts the values of a term's files and of its products. sky: the sky of the previous term, which
+ * is not read again if it is the same. */
 static int measure_term(const struct orl_run_env *run, const struct orl_matrix_term *term,
                         const char **sky_name, struct orl_rgb_matrix *sky, uint64_t *ret_values,
                         struct orl_error *err)
@@ -139,8 +139,8 @@ int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
     return code;
 }
 
-static int misfit(const struct summing *s, const char *name, const char *what, size_t has,
-                  size_t wanted, const char *of)
+static int fail_size(const struct summing *s, const char *name, const char *what, size_t has,
+                     size_t wanted, const char *of)
 {
     orl_error_set(s->err, ORL_ERR_RANGE, "it has %zu %s, where %zu are wanted, as %.100s has", has,
                   what, wanted, of);
@@ -148,7 +148,7 @@ static int misfit(const struct summing *s, const char *name, const char *what, s
     return ORL_ERR_RANGE;
 }
 
-/* Skies are large: of several terms with the same one it is read once. */
+/* Reads the sky, unless the previous term had the same one: skies are large. */
 static int need_sky(struct summing *s, const char *name)
 {
     if (s->name && strcmp(s->name, name) == 0)
@@ -161,7 +161,7 @@ static int need_sky(struct summing *s, const char *name)
     s->name = name;
     if (s->sky.columns == s->result->n_steps)
         return 0;
-    misfit(s, name, "columns", s->sky.columns, s->result->n_steps, "the weather file in rows");
+    fail_size(s, name, "columns", s->sky.columns, s->result->n_steps, "the weather file in rows");
     orl_error_hint(s->err, "gendaymtx leaves dark hours out with -u, and makes other hours with "
                            "other options: it is wanted of all rows");
     return ORL_ERR_RANGE;
@@ -169,14 +169,14 @@ static int need_sky(struct summing *s, const char *name)
 
 /* ---- Products -------------------------------------------------------------------------------- */
 
-/* *matrix times the file's. */
+/* Replaces *matrix by its product with the file's matrix. */
 static int multiply_by(const struct summing *s, const char *before, const char *name,
                        bool transmission, struct orl_rgb_matrix *matrix)
 {
     struct orl_rgb_matrix by = {.rows = 0}, product = {.rows = 0};
     int code = read_matrix(s, name, transmission, &by);
     if (code == 0 && by.rows != matrix->columns)
-        code = misfit(s, name, "rows", by.rows, matrix->columns, before);
+        code = fail_size(s, name, "rows", by.rows, matrix->columns, before);
     if (code == 0)
         code = orl_rgb_matrix_multiply(matrix, &by, s->run->crew, &product, s->err);
     orl_rgb_matrix_done(&by);
@@ -187,7 +187,7 @@ static int multiply_by(const struct summing *s, const char *before, const char *
     return 0;
 }
 
-/* From sensors to patches of sky. */
+/* Computes the matrix from sensors to patches of sky. */
 static int make_coefficients(const struct summing *s, const struct orl_matrix_term *term,
                              struct orl_rgb_matrix *ret_matrix)
 {
@@ -202,7 +202,7 @@ static int make_coefficients(const struct summing *s, const struct orl_matrix_te
 struct adding {
     const struct summing *s;
     const struct orl_rgb_matrix *coefficients;
-    size_t first; /* sensor */
+    size_t first; /* first sensor */
     double sign;
 };
 
@@ -237,9 +237,9 @@ static int add_term(struct summing *s, const struct orl_matrix_term *term)
     if (code == 0)
         code = make_coefficients(s, term, &coefficients);
     if (code == 0 && coefficients.rows != grid->count)
-        code = misfit(s, first, "rows", coefficients.rows, grid->count, "its grid in sensors");
+        code = fail_size(s, first, "rows", coefficients.rows, grid->count, "its grid in sensors");
     if (code == 0 && coefficients.columns != s->sky.rows)
-        code = misfit(s, last, "columns", coefficients.columns, s->sky.rows, term->sky);
+        code = fail_size(s, last, "columns", coefficients.columns, s->sky.rows, term->sky);
     const struct adding adding = {s, &coefficients, grid->first, term->subtract ? -1 : 1};
     if (code == 0 &&
         orl_crew_try(s->run->crew, grid->count, add_sensor, (void *)(uintptr_t)&adding) < 0)
@@ -275,7 +275,7 @@ int orl_annual_run_matrices(const struct orl_annual_request *request,
     struct orl_annual_result result = {.n_sensors = 0};
     if (env->row)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED, "rows by matrices are kept, not handed out");
-    own.kept = NULL; /* those are of light by paths */
+    own.kept = NULL; /* callbacks for rows by paths */
     own.done = NULL;
     int code = orl_year_run(request, &own, &direct, &result, err);
     struct summing s = {.request = request, .run = env->run, .result = &result, .err = err};

@@ -13,7 +13,7 @@ enum format { FORMAT_NONE, FORMAT_ASCII, FORMAT_FLOAT, FORMAT_DOUBLE };
 
 struct reader {
     struct orl_scanner scanner;
-    size_t rows, columns, parts; /* parts: of a value */
+    size_t rows, columns, parts; /* parts: components per value */
     enum format format;
     bool swapped;
     double exposure[3];
@@ -45,15 +45,15 @@ void orl_rgb_matrix_done(struct orl_rgb_matrix *matrix)
 
 /* ---- Header ---------------------------------------------------------------------------------- */
 
-static int fail(const struct reader *r, int code, const char *what)
+static int fail_in_matrix(const struct reader *r, int code, const char *what)
 {
     orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
     orl_error_at(r->err, NULL, 0, "matrix");
     return code;
 }
 
-/* A number behind a key, of as many as there are wanted, NAN for what is none; false: another key.
- */
+/* Reads the n numbers behind a key; NAN replaces invalid ones. Returns false if the line has
+ * another key. */
 static inline bool read_key(const struct reader *r, struct orl_slice line, const char *key,
                             double *ret_values, size_t n)
 {
@@ -75,7 +75,7 @@ static int read_format(struct reader *r, struct orl_slice word)
             r->format = (enum format)(i + 1);
             return 0;
         }
-    return fail(r, ORL_ERR_UNSUPPORTED, "a matrix has FORMAT=ascii, float or double");
+    return fail_in_matrix(r, ORL_ERR_UNSUPPORTED, "a matrix has FORMAT=ascii, float or double");
 }
 
 static bool is_count(double value)
@@ -87,7 +87,7 @@ static int read_line(struct reader *r, struct orl_slice line)
 {
     static const char format[] = "FORMAT=";
     double value[3] = {0};
-    if (orl_slice_begins(line, format)) { /* gendaymtx has room for its length behind it */
+    if (orl_slice_begins(line, format)) { /* in gendaymtx's output padding may follow the format */
         line.text += sizeof format - 1;
         line.length -= sizeof format - 1;
         return read_format(r, orl_slice_trim(line));
@@ -99,7 +99,7 @@ static int read_line(struct reader *r, struct orl_slice line)
         bool sound = true;
         for (int i = 0; i < 3; i++)
             sound = sound && r->exposure[i] > 0 && isfinite(r->exposure[i]);
-        return sound ? 0 : fail(r, ORL_ERR_RANGE, "an exposure is above 0, and finite");
+        return sound ? 0 : fail_in_matrix(r, ORL_ERR_RANGE, "an exposure is above 0, and finite");
     }
     if (read_key(r, line, "BigEndian=", value, 1)) {
         const bool big = value[0] > 0;
@@ -111,7 +111,8 @@ static int read_line(struct reader *r, struct orl_slice line)
     for (int i = 0; i < 3; i++)
         if (read_key(r, line, keys[i], value, 1)) {
             if (!is_count(value[0]))
-                return fail(r, ORL_ERR_SYNTAX, "NROWS, NCOLS and NCOMP are whole numbers, from 1");
+                return fail_in_matrix(r, ORL_ERR_SYNTAX,
+                                      "NROWS, NCOLS and NCOMP are whole numbers, from 1");
             *counts[i] = (size_t)value[0];
         }
     return 0;
@@ -122,24 +123,25 @@ static int read_header(struct reader *r)
     struct orl_slice line = {NULL, 0};
     int code = 0;
     if (!orl_scanner_line(&r->scanner, &line) || !orl_slice_begins(line, "#?"))
-        return fail(r, ORL_ERR_SYNTAX, "a matrix begins with \"#?RADIANCE\"");
+        return fail_in_matrix(r, ORL_ERR_SYNTAX, "a matrix begins with \"#?RADIANCE\"");
     while (code == 0 && line.length > 0)
         code = orl_scanner_line(&r->scanner, &line)
                    ? read_line(r, line)
-                   : fail(r, ORL_ERR_SYNTAX, "the matrix ends within its header");
+                   : fail_in_matrix(r, ORL_ERR_SYNTAX, "the matrix ends within its header");
     if (code < 0)
         return code;
     orl_scanner_next_line(&r->scanner); /* to the first value */
     if (r->format == FORMAT_NONE || r->columns == 0)
-        return fail(r, ORL_ERR_SYNTAX, "the header of a matrix says NCOLS and FORMAT");
+        return fail_in_matrix(r, ORL_ERR_SYNTAX, "the header of a matrix says NCOLS and FORMAT");
     return r->parts == 1 || r->parts == 3
                ? 0
-               : fail(r, ORL_ERR_UNSUPPORTED, "a matrix has values of 3 components, or of 1");
+               : fail_in_matrix(r, ORL_ERR_UNSUPPORTED,
+                                "a matrix has values of 3 components, or of 1");
 }
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* As many rows as there are, where the header does not say. */
+/* Determines the number of rows if the header does not give it; otherwise checks it. */
 static int find_rows(struct reader *r)
 {
     const size_t bytes = r->format == FORMAT_DOUBLE ? sizeof(double) : sizeof(float);
@@ -147,12 +149,13 @@ static int find_rows(struct reader *r)
     const size_t n =
         r->format == FORMAT_ASCII ? orl_scanner_count_words(&r->scanner) : left / bytes;
     if (r->rows == 0 && (n % row != 0 || (r->format != FORMAT_ASCII && left % bytes != 0)))
-        return fail(r, ORL_ERR_SYNTAX, "its size is not that of whole rows");
+        return fail_in_matrix(r, ORL_ERR_SYNTAX, "its size is not that of whole rows");
     if (r->rows == 0)
         r->rows = n / row;
     if (r->rows == 0 || r->rows > n / row)
-        return fail(r, ORL_ERR_SYNTAX, "it ends before its last row");
-    return r->rows < n / row ? fail(r, ORL_ERR_SYNTAX, "it goes on after its last row") : 0;
+        return fail_in_matrix(r, ORL_ERR_SYNTAX, "it ends before its last row");
+    return r->rows < n / row ? fail_in_matrix(r, ORL_ERR_SYNTAX, "it goes on after its last row")
+                             : 0;
 }
 
 static int read_binary(struct reader *r, double *ret_value)
@@ -170,14 +173,15 @@ static int read_binary(struct reader *r, double *ret_value)
         memcpy(&single, turned, sizeof single);
         *ret_value = (double)single;
     }
-    return isfinite(*ret_value) ? 0 : fail(r, ORL_ERR_RANGE, "a value is no finite number");
+    return isfinite(*ret_value) ? 0
+                                : fail_in_matrix(r, ORL_ERR_RANGE, "a value is no finite number");
 }
 
 static int read_text(struct reader *r, double *ret_value)
 {
     struct orl_slice word = {NULL, 0};
     if (!orl_scanner_word(&r->scanner, &word))
-        return fail(r, ORL_ERR_SYNTAX, "it ends before its last value");
+        return fail_in_matrix(r, ORL_ERR_SYNTAX, "it ends before its last value");
     const int code = orl_scanner_number(&r->scanner, word, NULL, ret_value, r->err);
     if (code < 0)
         orl_error_at(r->err, NULL, 0, "matrix");
@@ -197,7 +201,7 @@ static int read_values(struct reader *r, struct orl_rgb_matrix *matrix)
             float *at = &matrix->values[3 * i + k];
             *at = k < r->parts ? (float)(value / r->exposure[k]) : at[-1];
             if (!isfinite(*at))
-                return fail(r, ORL_ERR_RANGE, "a value is too large");
+                return fail_in_matrix(r, ORL_ERR_RANGE, "a value is too large");
         }
     return 0;
 }
@@ -233,7 +237,7 @@ int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
 struct product {
     const struct orl_rgb_matrix *a, *b;
     struct orl_rgb_matrix *product;
-    double *sums; /* a row of each member */
+    double *sums; /* one row per crew member */
 };
 
 static void multiply_row(void *arg, size_t row, uint32_t member)

@@ -1,4 +1,4 @@
-/* Terms of others' matrices: who frees them, checks. */
+/* Matrix terms of a request: freeing and validation. */
 #include "annual/matrix_terms.h"
 
 #include <stdlib.h>

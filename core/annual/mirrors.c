@@ -15,7 +15,7 @@ static int32_t port_of(const struct orl_world *world, uint32_t facet)
     return world->open ? ORL_NO_PORT : orl_world_port_of(world, facet);
 }
 
-/* Whether both are ports and have outdoors on the same side, or neither is. */
+/* Returns true if both are ports with outdoors on the same side, or neither is a port. */
 static bool are_alike(const struct orl_world *world, int32_t a, int32_t b)
 {
     if (a == ORL_NO_PORT || b == ORL_NO_PORT)
@@ -36,7 +36,7 @@ static bool is_in_plane(const struct orl_mirrors *mirrors, const struct orl_mirr
            are_alike(world, plane->port, port_of(world, pane->facet));
 }
 
-/* The plane of a pane, a new one if need be; UINT32_MAX: there are too many. */
+/* Returns the plane of a pane, and adds one if necessary; UINT32_MAX: there are too many. */
 static uint32_t find_plane(struct orl_mirrors *mirrors, const struct orl_window *pane)
 {
     const struct orl_world *world = mirrors->world;
@@ -79,8 +79,9 @@ static size_t list_candidates(const struct orl_world *world, struct candidate *c
     return n;
 }
 
-/* Each into its plane; then panes of a plane are one after the other. */
-static void sort_out(struct orl_mirrors *mirrors, const struct candidate *candidates, size_t n)
+/* Assigns the candidates to planes, and stores the panes of each plane contiguously. */
+static void group_by_plane(struct orl_mirrors *mirrors, const struct candidate *candidates,
+                           size_t n)
 {
     const struct orl_geometry *g = mirrors->world->geometry;
     uint32_t first = 0;
@@ -150,8 +151,8 @@ static bool may_be_faced(const struct orl_mirrors *mirrors, const struct orl_mir
     return false;
 }
 
-/* Mirrors beyond a port weigh less, as the port hides most of them, and least of all those that
- * light reaches by a third window only. */
+/* Sampling weight of a pane. Mirrors beyond a port weigh less, because the port hides most of them.
+ * Mirrors that light reaches only by a third window weigh least. */
 static double strength_of(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
                           const struct orl_window *pane, bool beyond)
 {
@@ -228,7 +229,7 @@ int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_world *world,
     mirrors->panes = malloc((n + 1) * sizeof *mirrors->panes);
     const bool room = candidates && mirrors->plane_of && mirrors->planes && mirrors->panes;
     if (room)
-        sort_out(mirrors, candidates, n);
+        group_by_plane(mirrors, candidates, n);
     free(candidates);
     int code = room ? make_set(&mirrors->everywhere, mirrors, false) : ORL_ERR_NOMEM;
     if (code == 0)
@@ -248,7 +249,8 @@ void orl_mirrors_done(struct orl_mirrors *mirrors)
 
 /* ---- Light ----------------------------------------------------------------------------------- */
 
-/* Whether light that a window of the building throws back from inside could have come in. */
+/* Returns false if the mirror is a window seen from inside and its light cannot have come in
+ * through another one. */
 static bool lit_from_within(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
                             struct orl_vec3 there, struct orl_vec3 image, struct orl_vec3 towards)
 {
@@ -258,7 +260,8 @@ static bool lit_from_within(const struct orl_mirrors *mirrors, const struct orl_
     return orl_windows_passed(mirrors->ports, there, towards, 0);
 }
 
-/* Whether a ray passes a pane of it, and where. */
+/* Returns true if a ray passes one of the plane's panes; *ret_distance is the distance of the
+ * plane. */
 static bool is_passed(const struct orl_mirrors *mirrors, const struct orl_mirror_plane *plane,
                       struct orl_vec3 origin, struct orl_vec3 direction, double *ret_distance)
 {
@@ -270,11 +273,11 @@ static bool is_passed(const struct orl_mirrors *mirrors, const struct orl_mirror
     return passed;
 }
 
-/* Sunlight reflected in one plane, or in one facet of it. beyond: the mirror is seen through a port
- * from inside. port: as of orl_mirrors_light_of. */
-static struct orl_rgb by_plane(const struct orl_mirrors *mirrors, uint32_t plane, uint32_t facet,
-                               struct orl_path path, struct orl_vec3 towards, bool beyond,
-                               int32_t *port)
+/* Returns sunlight reflected in one plane, or in one facet of it. beyond: the mirror is seen
+ * through a port from inside. port: as in orl_mirrors_light_of. */
+static struct orl_rgb light_by_plane(const struct orl_mirrors *mirrors, uint32_t plane,
+                                     uint32_t facet, struct orl_path path, struct orl_vec3 towards,
+                                     bool beyond, int32_t *port)
 {
     const struct orl_world *world = mirrors->world;
     bool out = !beyond;
@@ -327,9 +330,10 @@ struct orl_rgb orl_mirrors_light(const struct orl_mirrors *mirrors, const struct
         const struct orl_rgb seen = answer(ctx, image);
         int32_t port = ORL_NO_PORT;
         if (orl_rgb_max(seen) > 0)
-            sum = orl_rgb_add(sum, orl_rgb_mul(seen, by_plane(mirrors, i, UINT32_MAX,
-                                                              orl_path_from(place->point, image),
-                                                              towards, beyond, &port)));
+            sum = orl_rgb_add(sum,
+                              orl_rgb_mul(seen, light_by_plane(mirrors, i, UINT32_MAX,
+                                                               orl_path_from(place->point, image),
+                                                               towards, beyond, &port)));
     }
     return sum;
 }
@@ -370,6 +374,7 @@ struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
     const struct orl_rgb seen = answer(ctx, image);
     if (!(orl_rgb_max(seen) > 0))
         return seen;
-    return orl_rgb_mul(seen, by_plane(mirrors, p, pane->facet, orl_path_from(place->point, image),
+    return orl_rgb_mul(seen,
+                       light_by_plane(mirrors, p, pane->facet, orl_path_from(place->point, image),
                                       towards, beyond, port));
 }

@@ -9,8 +9,8 @@ static struct orl_vec3 direction_of_node(const void *nodes, uint32_t index)
     return ((const struct orl_frame *)nodes)[index].n;
 }
 
-/* Takes every stride-th node in order, from first on; if coarse, of every other node of a circle.
- */
+/* Builds the tree of every stride-th node, from first on; coarse: of every other node of a
+ * circle. */
 static int make_lot(const struct orl_node_lots *lots, bool coarse, uint32_t stride, uint32_t first,
                     struct orl_direction_tree *ret_tree)
 {

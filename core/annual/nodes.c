@@ -6,12 +6,12 @@
 
 #include <oriel/error.h>
 
-/* The sun as the sky's equator has it. */
+/* The sun in equatorial coordinates. */
 struct place {
-    double declination, hour_angle; /* radians, west positive */
+    double declination, hour_angle; /* radians, hour angle positive towards west */
 };
 
-/* Duffett-Smith 1988, section 25: horizon coordinates to equatorial ones. */
+/* Converts horizon coordinates to equatorial ones (Duffett-Smith 1988, section 25). */
 static struct place place_of(double latitude, struct orl_vec3 sun)
 {
     const double s = sin(latitude), c = cos(latitude);
@@ -28,8 +28,8 @@ static struct orl_vec3 sun_at(double latitude, struct place place)
         orl_v3(-d * sin(place.hour_angle), c * up - s * d * w, s * up + c * d * w));
 }
 
-/* The hour angle at which the sun sets: 0 where it never rises, pi where it never sets. */
-static double setting(double latitude, double declination)
+/* Hour angle of sunset, rad: 0 if the sun never rises, pi if it never sets. */
+static double sunset_angle(double latitude, double declination)
 {
     const double x = -tan(latitude) * tan(declination);
     return acos(fmin(fmax(x, -1), 1));
@@ -42,12 +42,13 @@ static double circle_rad(const struct orl_sun_nodes *nodes, uint32_t circle)
                                                      (nodes->circles - 1);
 }
 
-static uint32_t how_many(double span_deg, double step_deg)
+static uint32_t count_steps(double span_deg, double step_deg)
 {
     return (uint32_t)ceil(span_deg / step_deg - 1e-9) + 1;
 }
 
-static void span(struct orl_sun_nodes *nodes, const struct orl_vec3 *suns, size_t count)
+static void span_declinations(struct orl_sun_nodes *nodes, const struct orl_vec3 *suns,
+                              size_t count)
 {
     nodes->low_rad = INFINITY;
     nodes->high_rad = -INFINITY;
@@ -61,18 +62,18 @@ static void span(struct orl_sun_nodes *nodes, const struct orl_vec3 *suns, size_
 int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
                        const struct orl_vec3 *suns, size_t count, struct orl_sun_spacing steps)
 {
-    /* At a pole itself, hour angles have no beginning. */
+    /* At a pole hour angles are undefined, so the latitude is clamped. */
     const double most_rad = 89.999 * ORL_DEG_TO_RAD;
     *nodes = (struct orl_sun_nodes){
         .latitude_rad = fmin(fmax(latitude_deg * ORL_DEG_TO_RAD, -most_rad), most_rad)};
     if (count == 0)
         return 0;
-    span(nodes, suns, count);
-    const double longest = fmax(setting(nodes->latitude_rad, nodes->low_rad),
-                                setting(nodes->latitude_rad, nodes->high_rad));
+    span_declinations(nodes, suns, count);
+    const double longest = fmax(sunset_angle(nodes->latitude_rad, nodes->low_rad),
+                                sunset_angle(nodes->latitude_rad, nodes->high_rad));
     nodes->circles =
-        how_many((nodes->high_rad - nodes->low_rad) / ORL_DEG_TO_RAD, steps.declination_deg);
-    nodes->a_circle = how_many(2 * longest / ORL_DEG_TO_RAD, steps.hour_angle_deg) | 1;
+        count_steps((nodes->high_rad - nodes->low_rad) / ORL_DEG_TO_RAD, steps.declination_deg);
+    nodes->a_circle = count_steps(2 * longest / ORL_DEG_TO_RAD, steps.hour_angle_deg) | 1;
     nodes->count = (size_t)nodes->circles * nodes->a_circle;
     nodes->at = malloc(nodes->count * sizeof *nodes->at);
     if (!nodes->at)
@@ -81,7 +82,7 @@ int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
         const double d = circle_rad(nodes, (uint32_t)(i / nodes->a_circle));
         const double along =
             nodes->a_circle < 2 ? 0.5 : (double)(i % nodes->a_circle) / (nodes->a_circle - 1);
-        const double widest = setting(nodes->latitude_rad, d);
+        const double widest = sunset_angle(nodes->latitude_rad, d);
         nodes->at[i] = sun_at(nodes->latitude_rad, (struct place){d, widest * (2 * along - 1)});
     }
     return 0;
@@ -95,13 +96,15 @@ void orl_sun_nodes_done(struct orl_sun_nodes *nodes)
 
 enum { TAPS = 4 };
 
-/* Of n points evenly on [0, 1] those about a share: which, and their weights. */
+/* The TAPS points nearest to a position among n points spaced evenly on [0, 1], and their
+ * weights. */
 struct taps {
     uint32_t at[TAPS];
     double cubic[TAPS], plain[TAPS], wide[TAPS];
 };
 
-/* Adds a point's weight, of one that may lie beyond the ends: there a parabola goes on. */
+/* Adds a point's weight. The weight of a point beyond an end goes to the three points inside it, by
+ * extrapolating a parabola. */
 static void add_tap(struct taps *taps, uint32_t first, uint32_t n, int tap, double weight)
 {
     const int64_t at = (int64_t)first + tap - 1;
@@ -144,13 +147,13 @@ static struct taps taps_at(double share, uint32_t n)
     return taps;
 }
 
-/* Where on one circle of those about the sun sets and on another never does, places of nodes have a
- * kink: no cubic goes through them. */
+/* Returns true if the sun sets on some of the circles and never on others. Node positions then have
+ * a kink that a cubic cannot follow. */
 static bool is_kinked(const struct orl_sun_nodes *nodes, const struct taps *up)
 {
     bool sets = false, never = false;
     for (int i = 0; i < TAPS; i++) {
-        const double at = setting(nodes->latitude_rad, circle_rad(nodes, up->at[i]));
+        const double at = sunset_angle(nodes->latitude_rad, circle_rad(nodes, up->at[i]));
         never = never || at <= 0 || at >= ORL_PI;
         sets = sets || (at > 0 && at < ORL_PI);
     }
@@ -161,7 +164,7 @@ struct orl_sun_between orl_sun_nodes_between(const struct orl_sun_nodes *nodes, 
 {
     const struct place place = place_of(nodes->latitude_rad, sun);
     const double height = nodes->high_rad - nodes->low_rad;
-    const double widest = setting(nodes->latitude_rad, place.declination);
+    const double widest = sunset_angle(nodes->latitude_rad, place.declination);
     struct taps up =
         taps_at(height > 0 ? (place.declination - nodes->low_rad) / height : 0, nodes->circles);
     const struct taps along =

@@ -4,10 +4,10 @@
 
 enum { MOST_DEPTH = 64 };
 
-/* Each node of the sun stands for about 0.01 sr: a pane that fills less of the view than this
- * holds a few of them. */
+/* Solid angle below which one child is drawn. A node of the sun stands for about 0.01 sr, so a pane
+ * of this size covers a few of them. */
 static const double smallest_split_sr = 0.06;
-/* The least chance of a pane, or of several, that fills less of the view than that. */
+/* Least survival probability of smaller panes, or groups of panes, in Russian roulette. */
 static const double least_chance = 0.25;
 
 static double along(struct orl_vec3 v, int axis)
@@ -23,12 +23,12 @@ struct item {
     uint32_t index;
 };
 
-static struct orl_vec3 lower(struct orl_vec3 a, struct orl_vec3 b)
+static struct orl_vec3 min_corner(struct orl_vec3 a, struct orl_vec3 b)
 {
     return orl_v3(fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z));
 }
 
-static struct orl_vec3 higher(struct orl_vec3 a, struct orl_vec3 b)
+static struct orl_vec3 max_corner(struct orl_vec3 a, struct orl_vec3 b)
 {
     return orl_v3(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
 }
@@ -41,13 +41,13 @@ static struct item item_of(const struct orl_window *w, size_t index, double stre
                         .index = (uint32_t)index};
     for (int i = 0; i < 4; i++) {
         const struct orl_vec3 corner = orl_window_corner(w, i);
-        item.low = lower(item.low, corner);
-        item.high = higher(item.high, corner);
+        item.low = min_corner(item.low, corner);
+        item.high = max_corner(item.high, corner);
     }
     return item;
 }
 
-static int compare(const struct item *x, const struct item *y, int axis)
+static int compare_centers(const struct item *x, const struct item *y, int axis)
 {
     const double a = along(x->low, axis) + along(x->high, axis);
     const double b = along(y->low, axis) + along(y->high, axis);
@@ -56,25 +56,25 @@ static int compare(const struct item *x, const struct item *y, int axis)
 
 static int compare_x(const void *a, const void *b)
 {
-    return compare(a, b, 0);
+    return compare_centers(a, b, 0);
 }
 
 static int compare_y(const void *a, const void *b)
 {
-    return compare(a, b, 1);
+    return compare_centers(a, b, 1);
 }
 
 static int compare_z(const void *a, const void *b)
 {
-    return compare(a, b, 2);
+    return compare_centers(a, b, 2);
 }
 
 static struct orl_pane_node node_about(const struct item *items, size_t n)
 {
     struct orl_pane_node node = {.low = items[0].low, .high = items[0].high, .item = UINT32_MAX};
     for (size_t i = 0; i < n; i++) {
-        node.low = lower(node.low, items[i].low);
-        node.high = higher(node.high, items[i].high);
+        node.low = min_corner(node.low, items[i].low);
+        node.high = max_corner(node.high, items[i].high);
         node.area += items[i].area;
     }
     const struct orl_vec3 size = orl_sub(node.high, node.low);
@@ -87,8 +87,9 @@ static struct orl_pane_node node_about(const struct item *items, size_t n)
     return node;
 }
 
-/* Halves of equal number, along the longest side of the box: the depth is a logarithm. */
-static void build(struct orl_pane_tree *tree, struct item *items, size_t n)
+/* Builds a subtree. Items are split into equal halves along the longest side of the box, so the
+ * depth is logarithmic. */
+static void build_subtree(struct orl_pane_tree *tree, struct item *items, size_t n)
 {
     static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
     const size_t at = tree->count++;
@@ -103,9 +104,9 @@ static void build(struct orl_pane_tree *tree, struct item *items, size_t n)
     for (int i = 1; i < 3; i++)
         axis = along(size, i) > along(size, axis) ? i : axis;
     qsort(items, n, sizeof *items, by_axis[axis]);
-    build(tree, items, n / 2);
+    build_subtree(tree, items, n / 2);
     node.other = (uint32_t)tree->count;
-    build(tree, items + n / 2, n - n / 2);
+    build_subtree(tree, items + n / 2, n - n / 2);
     tree->nodes[at] = node;
 }
 
@@ -118,7 +119,7 @@ int orl_pane_tree_init(struct orl_pane_tree *tree, const struct orl_window *pane
     for (size_t i = 0; room && i < n; i++)
         items[i] = item_of(&panes[i], i, strengths ? strengths[i] : 1);
     if (room && n > 0)
-        build(tree, items, n);
+        build_subtree(tree, items, n);
     free(items);
     return room ? 0 : ORL_ERR_NOMEM;
 }
@@ -132,12 +133,11 @@ void orl_pane_tree_done(struct orl_pane_tree *tree)
 /* ---- Rays ------------------------------------------------------------------------------------ */
 
 struct ray {
-    struct orl_vec3 origin, direction,
-        inverse; /* inverse: one over each coordinate that is not 0 */
+    struct orl_vec3 origin, direction, inverse; /* inverse: the reciprocal of each coordinate */
 };
 
-/* The box test of Williams et al. 2005; a ray within a slab's plane counts as inside it. Boxes are
- * wider than their panes by more than the rounding of products with the inverse. */
+/* Box test of Williams et al. 2005; a ray within a slab's plane counts as inside it. The margin of
+ * the boxes exceeds the rounding of products with the inverse. */
 static inline bool ray_meets(const struct orl_pane_node *node, const struct ray *ray, double before)
 {
     double near = 0, far = before;
@@ -160,7 +160,7 @@ static inline bool ray_meets(const struct orl_pane_node *node, const struct ray 
 /* A cone of rays from a point; its half angle is at most a right angle. */
 struct beam {
     struct orl_vec3 origin, axis;
-    double cosine, sine; /* of the half angle */
+    double cosine, sine; /* cosine and sine of the half angle */
 };
 
 /* Returns true if the beam may overlap a cone from the same origin, of at most a right angle. */
@@ -207,7 +207,7 @@ bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_win
     return false;
 }
 
-/* ---- By lot ---------------------------------------------------------------------------------- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 /* Returns true if the whole node lies behind the plane of a surface point. */
 static bool is_behind(const struct orl_pane_node *node, struct orl_vec3 point,
@@ -219,21 +219,21 @@ static bool is_behind(const struct orl_pane_node *node, struct orl_vec3 point,
     return orl_dot(orl_sub(ahead, point), normal) <= 0;
 }
 
-/* How far x is from an interval. */
-static double beside(double x, double low, double high)
+/* Distance of x from an interval. */
+static double distance_outside(double x, double low, double high)
 {
     return x < low ? low - x : x > high ? x - high : 0;
 }
 
 static double squared_distance(const struct orl_pane_node *node, struct orl_vec3 p)
 {
-    const struct orl_vec3 off =
-        orl_v3(beside(p.x, node->low.x, node->high.x), beside(p.y, node->low.y, node->high.y),
-               beside(p.z, node->low.z, node->high.z));
+    const struct orl_vec3 off = orl_v3(distance_outside(p.x, node->low.x, node->high.x),
+                                       distance_outside(p.y, node->low.y, node->high.y),
+                                       distance_outside(p.z, node->low.z, node->high.z));
     return orl_dot(off, off);
 }
 
-/* An estimate of its share of the view; 0: it is behind. */
+/* Estimates the node's share of the view; 0 if it lies behind the surface. */
 static double weight_of(const struct orl_pane_node *node, struct orl_vec3 point,
                         struct orl_vec3 normal)
 {
@@ -250,7 +250,8 @@ size_t orl_pane_tree_draw(const struct orl_pane_tree *tree, struct orl_vec3 poin
     struct branch {
         uint32_t at;
         double probability;
-        bool drawn; /* the roulette has been survived */
+        /* True once the roulette has been survived: below this node one child is drawn. */
+        bool drawn;
     } stack[MOST_DEPTH] = {{0, 1, false}};
     size_t looked = 0;
     for (int depth = tree->count > 0; depth > 0;) {

@@ -1,14 +1,14 @@
 /*
- * Rectangles about panes (windows.h) in a tree of bounding boxes. It answers two questions at a
- * cost that grows with the logarithm of their number: does a ray pass any of them; and which of
- * them matter at a place, chosen by lot.
+ * Bounding-box tree of rectangles around panes (windows.h). It answers two questions in time that
+ * grows with the logarithm of their number. Does a ray pass any of them? Which of them, sampled at
+ * random, matter at a place?
  *
- * The lot: from the root down, both halves are followed as long as they may fill a share of the
- * view that is larger than a sun's neighbourhood; below that a roulette ends the search, or one of
- * the two is drawn by its area over the square of its distance (Conty Estevez and Kulla 2018,
- * adaptive tree splitting). Areas count by their strength, as what a faint mirror throws matters
- * less. Each rectangle that is reached has the product of the probabilities on its way: dividing
- * by it makes a sum without bias. A half is left out only where it lies behind the place.
+ * Sampling: from the root down, both children are followed while they may fill a share of the view
+ * larger than a sun's neighbourhood. Below that, Russian roulette may end the search. Otherwise one
+ * child is drawn by its area over its squared distance (Conty Estevez and Kulla 2018, adaptive tree
+ * splitting). Areas are weighted by strength, because light off a faint mirror matters less. A
+ * rectangle's probability is the product of the probabilities on its path; dividing by it makes a
+ * sum unbiased. A subtree is left out only if it lies behind the place.
  *
  * Immutable once built.
  */
@@ -20,10 +20,11 @@
 
 struct orl_pane_node {
     struct orl_vec3 low, high;
-    struct orl_vec3 center; /* of a ball about it */
-    double radius, area;    /* the latter times strength */
-    uint32_t item;          /* a leaf's, else UINT32_MAX; the first child follows its parent */
-    uint32_t other;         /* the second child */
+    struct orl_vec3 center; /* centre of the bounding sphere */
+    double radius, area;    /* radius of the sphere; area times strength */
+    /* A leaf's item, else UINT32_MAX; the first child is stored next to its parent. */
+    uint32_t item;
+    uint32_t other; /* the second child */
 };
 
 struct orl_pane_tree {
@@ -44,8 +45,8 @@ bool orl_pane_tree_passed(const struct orl_pane_tree *tree, const struct orl_win
 
 typedef void (*orl_pane_visit)(void *ctx, uint32_t item, double probability);
 
-/* Calls visit for panes drawn by lot at a place; its normal is unit. Returns how many nodes were
- * looked at. */
+/* Calls visit for panes sampled at a place, each with its probability; the normal is unit. Returns
+ * the number of nodes tested. */
 size_t orl_pane_tree_draw(const struct orl_pane_tree *tree, struct orl_vec3 point,
                           struct orl_vec3 normal, struct orl_random *random, orl_pane_visit visit,
                           void *ctx);

@@ -8,8 +8,8 @@
 /* Candidates for each draw, if the sun's disc spans several cells of the BSDF. */
 enum { DRAWS = ORL_PANEL_DRAWS, CANDIDATES = 8 };
 
-/* Returns true if the disc spans cells of the BSDF with different transmittances. A few points of
- * the disc may then send all of the light. */
+/* Returns true if the disc spans cells of the BSDF with different transmittances. Then a few points
+ * of the disc may send all of the light. */
 static bool spans_cells(const struct orl_panel_kind *k, const struct orl_hit *hit,
                         const struct orl_sun *disc)
 {
@@ -26,8 +26,8 @@ static bool spans_cells(const struct orl_panel_kind *k, const struct orl_hit *hi
     return most - least > alike * most;
 }
 
-/* Finds the cell of the disc's middle, and whether the whole disc lies in it: its edge does, by
- * points on a circle that is wider by more than the chords between them are narrower. */
+/* Finds the cell of the disc's centre, and tests whether the whole disc lies in it. The test points
+ * lie on a circle that is wider than the disc by more than the sagitta between them. */
 static void find_cell(const struct orl_panel_kind *k, const struct orl_hour_sun *sun,
                       struct orl_panel_draws *draws)
 {
@@ -45,7 +45,7 @@ static void find_cell(const struct orl_panel_kind *k, const struct orl_hour_sun 
     }
 }
 
-/* Samples the BSDF once by five uniform numbers. Returns false if the sample carries no light. */
+/* Samples the BSDF once with five uniform numbers. Returns false if the sample carries no light. */
 static bool sample_draw(const struct orl_panel_kind *k, const struct orl_hit *hit,
                         const struct orl_sun *disc, const double u[5], struct orl_vec3 *ret_towards,
                         struct orl_panel_draw *ret_draw)

@@ -16,7 +16,7 @@ enum { DISC_POINTS = 4 };
 
 /* ---- The panes ------------------------------------------------------------------------------- */
 
-/* Parts of the windows have copies of a material. */
+/* Returns true if two materials are copies of one. Parts of the windows have their own copies. */
 static bool are_copies(const struct orl_world *world, const struct orl_material *a,
                        const struct orl_material *b)
 {
@@ -70,7 +70,7 @@ static int find_panes(struct orl_panels *panels, const struct orl_annual_scene *
     return code;
 }
 
-/* ---- What is the same for all sensors -------------------------------------------------------- */
+/* ---- Data shared by all sensors -------------------------------------------------------------- */
 
 struct maker {
     struct orl_panels *panels;
@@ -90,7 +90,7 @@ static double share_there(const struct orl_panels *panels, const struct orl_pane
     return orl_luma(orl_transmittance(world, start, towards, INFINITY, true));
 }
 
-/* Points of a pane: one in each part, jittered. */
+/* Returns a jittered point in one part of a pane. */
 static struct orl_vec3 point_of_part(const struct orl_world *world, const struct orl_panel *panel,
                                      uint32_t part, struct orl_random *random)
 {
@@ -115,7 +115,7 @@ static float probe_pane(const struct orl_panels *panels, size_t pane, size_t whi
         orl_random_stream(panels->seed, ORL_PURPOSE_ANNUAL, ~(pane * ORL_HOURS_MOST + which));
     double first = 0;
     for (uint32_t i = 0; i < PARTS; i++) {
-        /* Parts far from each other come first: most shadows show soon. */
+        /* Parts far from each other come first, so that most shadows are found early. */
         const struct orl_vec3 point = point_of_part(panels->world, panel, i * 29 % PARTS, &random);
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         const double share = share_there(panels, panel, orl_sun_sample(&disc, u), point);
@@ -195,26 +195,27 @@ void orl_panels_done(struct orl_panels *panels)
 
 /* ---- A sensor -------------------------------------------------------------------------------- */
 
-/* A point of a pane as the sensor sees it. */
+/* A point of a pane as seen from the sensor. */
 struct seen {
     struct orl_vec3 point;
     struct orl_vec3 towards; /* from the pane to the sensor */
-    double worth;            /* luma of what is let by, times both cosines over distance squared */
-    double density;          /* of pane's points, one of them: per steradian */
-    struct orl_bsdf_direction out; /* towards, if the kind has data alone */
+    /* Luma of the transmittance in between, times both cosines over squared distance. */
+    double worth;
+    double density;                /* pdf of a uniform point of the pane, per steradian */
+    struct orl_bsdf_direction out; /* BSDF direction of `towards`, if the kind has data alone */
 };
 
-/* A pane before a sensor. */
+/* A pane as seen from a sensor. */
 struct before {
     const struct orl_panels *panels;
     const struct orl_panel *panel;
     const struct orl_place *place;
     size_t pane;
-    uint64_t name;               /* of the sensor */
-    float axis[3], least_cosine; /* of the cone of directions from the sensor to the pane */
+    uint64_t name;               /* number of the sensor */
+    float axis[3], least_cosine; /* cone of directions from the sensor to the pane */
     struct seen seen[PARTS];
     bool any;
-    double sight; /* transmittance to all points of the pane; -1: not to all the same */
+    double sight; /* transmittance to all points of the pane; -1: points differ */
 };
 
 static void look_at_points(struct before *b, uint64_t name)
@@ -235,7 +236,7 @@ static void look_at_points(struct before *b, uint64_t name)
         const double here = orl_dot(there, b->place->normal);
         const double leaving = -orl_dot(there, panel->inward);
         b->seen[i] = (struct seen){.point = point};
-        if (!(here > 0)) /* no draw comes from there */
+        if (!(here > 0)) /* no sample comes from there */
             continue;
         ahead++;
         if (!(leaving > 1e-6) || !(distance > 4 * offset)) {
@@ -258,7 +259,7 @@ static void look_at_points(struct before *b, uint64_t name)
     b->sight = ahead >= LEAST_AHEAD && most - least <= alike_share ? most : -1;
 }
 
-/* The sun's light at a point of the pane. */
+/* Returns the share of the sun's light that reaches a point of the pane. */
 static double sun_at(const struct before *b, size_t which, struct orl_vec3 from,
                      struct orl_vec3 point)
 {
@@ -269,8 +270,8 @@ static double sun_at(const struct before *b, size_t which, struct orl_vec3 from,
 
 /*
  * Returns a point of the sun's disc by its index in a low-discrepancy sequence (Roberts 2018,
- * powers of the plastic number) with a random shift. Some points of such a set fall into a sliver
- * of the disc that lies in another cell of the BSDF.
+ * powers of the plastic number) with a random shift. Such a set has points even in a sliver of the
+ * disc that lies in another cell of the BSDF.
  */
 static struct orl_vec3 point_of_disc(const struct orl_sun *disc, uint64_t shift, uint32_t index)
 {
@@ -294,8 +295,8 @@ static uint32_t part_of_group(uint32_t group, uint64_t bits)
 }
 _Static_assert((int)POINTS == (int)GROUPS, "each group has one point");
 
-/* Returns what the BSDF has for light from that point of the disc to the sensor; ret_pdf: of a
- * draw. */
+/* Returns the BSDF for light from that point of the disc to the sensor; ret_pdf: the pdf of that
+ * direction in BSDF sampling. */
 static double transmitted_to(const struct orl_panel_kind *k, const struct orl_panel_draws *draws,
                              const struct orl_hit *hit, const struct seen *s, struct orl_vec3 from,
                              double *ret_pdf)
@@ -317,7 +318,7 @@ static double transmitted_to(const struct orl_panel_kind *k, const struct orl_pa
 }
 
 /* Returns the unoccluded radiance that a point of the pane sends to the sensor for a point of the
- * disc of radiance 1, times the weight of the balance heuristic against the draws. */
+ * disc of radiance 1. It includes the weight of the balance heuristic against BSDF samples. */
 static double weighted_radiance(const struct before *b, const struct orl_panel_draws *draws,
                                 const struct orl_hit *hit, const struct seen *s,
                                 struct orl_vec3 from)
@@ -332,10 +333,10 @@ static double weighted_radiance(const struct before *b, const struct orl_panel_d
 }
 
 /*
- * Adds to the groups the light by points of the pane, for a sun that gives 1 to a plane that faces
- * it. Each point of the pane has points of the disc of its own, as each draw has: if the disc spans
- * two cells of a BSDF, its points send different light. A shadow ray is traced to one of them,
- * which is sampled by the light it sends.
+ * Adds light by points of the pane to the groups, for a sun with a normal illuminance of 1. Each
+ * point of the pane has its own points of the disc, as each BSDF sample has. If the disc spans two
+ * cells of a BSDF, its points send different light. A shadow ray is traced to one of them, sampled
+ * in proportion to the light it sends.
  */
 static void add_points(const struct before *b, size_t which, const struct orl_sun *disc,
                        uint64_t bits, double groups[GROUPS])
@@ -364,7 +365,8 @@ static void add_points(const struct before *b, size_t which, const struct orl_su
     }
 }
 
-/* What of a pane a ray from the sensor sees, through what stands before it: luma. */
+/* Returns the luma of the transmittance from the sensor to the pane along a ray; 0 if it is
+ * blocked. */
 static double sight_of(const struct before *b, struct orl_vec3 towards)
 {
     const struct orl_world *world = b->panels->world;
@@ -382,8 +384,8 @@ static double sight_of(const struct before *b, struct orl_vec3 towards)
     return 0;
 }
 
-/* Lists the draws in the cone about the pane. Most miss it by far: this test is cheaper than the
- * pane's own, and a little wider. The first loop is one that compilers vectorise. */
+/* Lists the BSDF samples in the cone around the pane. Most samples miss it by far. This test is
+ * cheaper than the pane's own, and slightly wider. Compilers vectorise the first loop. */
 static uint32_t list_in_cone(const struct before *b, const struct orl_panel_draws *draws,
                              unsigned char ret_which[DRAWS])
 {
@@ -409,7 +411,7 @@ static void find_cone(struct before *b)
     b->least_cosine = (float)cone.cosine - 1e-5F;
 }
 
-/* Directions drawn by the BSDF, of which the sensor sees those that come from the pane. */
+/* Adds light by BSDF samples: those whose direction leads from the pane to the sensor. */
 static void add_draws(const struct before *b, size_t which, const struct orl_sun *disc,
                       double groups[GROUPS])
 {
@@ -446,7 +448,7 @@ static void add_draws(const struct before *b, size_t which, const struct orl_sun
     }
 }
 
-/* The light of one sun by one pane: the mean of the groups, and their spread. */
+/* Adds the light of one sun through one pane: the mean of the groups, and its variance. */
 static void add_sun(const struct before *b, size_t sun, const struct orl_sun_rows *rows)
 {
     const struct orl_sun disc = orl_panel_disc(&b->panels->suns->at[sun]);

@@ -16,7 +16,7 @@ uint16_t orl_part_of_port(const struct orl_world *world, size_t port, size_t n_g
     return (uint16_t)(part == 0 || part == ORL_PART_OF_NONE ? n_groups : part - 1);
 }
 
-/* ---- What is by ports ------------------------------------------------------------------------ */
+/* ---- Surfaces near ports --------------------------------------------------------------------- */
 
 static bool is_by(const struct orl_window *w, struct orl_vec3 p, double slack)
 {
@@ -33,7 +33,7 @@ static bool is_by(const struct orl_window *w, struct orl_vec3 p, double slack)
     return true;
 }
 
-/* Polygons by their corners; round things by balls about their ends. */
+/* Polygons are tested by their corners, round surfaces by spheres around their ends. */
 static bool facet_is_by(const struct orl_geometry *g, const struct orl_facet *f,
                         const struct orl_window *w)
 {

@@ -8,10 +8,10 @@
 
 #include "scene/geometry/stand.h"
 
-/* Of a cell: draws of its transmission, and rays outdoors; squares of these. */
+/* Per cell: DRAWS_SIDE^2 samples of transmission, and RAYS_SIDE^2 rays outdoors. */
 enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES, DRAWS_SIDE = 64, RAYS_SIDE = 32 };
 
-/* ---- Which there are ------------------------------------------------------------------------- */
+/* ---- Grouping -------------------------------------------------------------------------------- */
 
 static const struct orl_material *material_of(const struct orl_world *world, uint32_t port)
 {
@@ -20,7 +20,7 @@ static const struct orl_material *material_of(const struct orl_world *world, uin
     return &world->materials[facet->material];
 }
 
-/* As a BSDF has it; of others, up is the scene's. */
+/* Returns the frame of a BSDF; for other materials, up is the scene's. */
 static struct orl_frame frame_of(const struct orl_material *material, struct orl_vec3 inward)
 {
     static const double upright = 0.999;
@@ -33,8 +33,8 @@ static struct orl_frame frame_of(const struct orl_material *material, struct orl
     return frame;
 }
 
-static bool is_of(const struct orl_phase_windows *w, const struct orl_world *world, uint32_t window,
-                  uint32_t port)
+static bool belongs_to(const struct orl_phase_windows *w, const struct orl_world *world,
+                       uint32_t window, uint32_t port)
 {
     static const double alike = 1 - 1e-6;
     return material_of(world, w->panes[window]) == material_of(world, port) &&
@@ -67,7 +67,7 @@ int orl_phase_windows_init(struct orl_phase_windows *w, const struct orl_world *
         return orl_year_no_memory(err);
     for (uint32_t port = 0; port < world->n_ports; port++) {
         uint32_t window = 0;
-        while (window < result->n_windows && !is_of(w, world, window, port))
+        while (window < result->n_windows && !belongs_to(w, world, window, port))
             window++;
         if (window == ORL_PHASES_MOST_WINDOWS)
             return orl_error_set(err, ORL_ERR_LIMIT,
@@ -104,7 +104,7 @@ struct looking {
     struct orl_year *year;
     struct orl_annual_phases *result;
     struct orl_health *healths;
-    bool exact[ORL_PHASES_MOST_WINDOWS]; /* transmissions that are there */
+    bool exact[ORL_PHASES_MOST_WINDOWS]; /* windows whose transmission is the BSDF's own matrix */
     atomic_bool failed;
 };
 
@@ -114,15 +114,16 @@ static struct orl_random random_of(const struct looking *l, size_t cell, uint64_
                              ~(uint64_t)0 - 4 * cell - kind);
 }
 
-/* One of side x side parts of a square, by lot. */
-static void part_of(uint32_t i, uint32_t side, struct orl_random *random, double u[2])
+/* Returns a jittered point in one of side x side parts of the unit square. */
+static void jitter_in_part(uint32_t i, uint32_t side, struct orl_random *random, double u[2])
 {
     const uint32_t column = i % side, row = i / side;
     u[0] = (column + orl_random_uniform(random)) / side;
     u[1] = (row + orl_random_uniform(random)) / side;
 }
 
-/* Means over the cells, by what the material does with rays from inside. */
+/* Estimates a row of the transmission as means over cells, by sampling the material with rays from
+ * inside. */
 static void draw_row(const struct looking *l, size_t window, size_t cell, float *row)
 {
     const struct orl_world *world = l->year->world;
@@ -136,7 +137,7 @@ static void draw_row(const struct looking *l, size_t window, size_t cell, float 
     const float share = 1.0F / (DRAWS_SIDE * DRAWS_SIDE);
     for (uint32_t i = 0; i < DRAWS_SIDE * DRAWS_SIDE; i++) {
         double u[2];
-        part_of(i, DRAWS_SIDE, &random, u);
+        jitter_in_part(i, DRAWS_SIDE, &random, u);
         const struct orl_vec3 eye =
             orl_to_world(frame, orl_basis_direction(basis, (int)cell, u[0], u[1]));
         const struct orl_scatter s = orl_scatter_sample(material, &hit, eye, ORL_TRANSPORT_EYE,
@@ -150,8 +151,8 @@ static void draw_row(const struct looking *l, size_t window, size_t cell, float 
     }
 }
 
-/* The BSDF's own matrix, if it has one in that basis and its front is inside. */
-static bool take_matrix(const struct looking *l, size_t window)
+/* Copies the BSDF's own matrix, and returns true, if it has this basis and its front is inside. */
+static bool copy_matrix(const struct looking *l, size_t window)
 {
     const struct orl_world *world = l->year->world;
     const struct orl_port *port = &world->ports[l->windows->panes[window]];
@@ -182,7 +183,7 @@ static void draw_cell(void *arg, size_t index, uint32_t member)
 
 /* ---- The sky --------------------------------------------------------------------------------- */
 
-/* A port of the window, each by its area. */
+/* Returns a port of the window, sampled by area. */
 static uint32_t port_by_area(const struct looking *l, uint32_t window, double u)
 {
     const struct orl_world *world = l->year->world;
@@ -201,7 +202,7 @@ static uint32_t port_by_area(const struct looking *l, uint32_t window, double u)
     return last;
 }
 
-static void tell_patches(const float *bins, float *ret_patches)
+static void fill_patches(const float *bins, float *ret_patches)
 {
     static const float share = 1.0F / (RAYS_SIDE * RAYS_SIDE);
     double ground = 0;
@@ -212,8 +213,8 @@ static void tell_patches(const float *bins, float *ret_patches)
         ret_patches[bin + 1] = bins[bin] * share;
 }
 
-static void look_out(struct looking *l, uint32_t window, size_t cell, bool straight, float *bins,
-                     struct orl_health *health)
+static void trace_rays_out(struct looking *l, uint32_t window, size_t cell, bool straight,
+                           float *bins, struct orl_health *health)
 {
     const struct orl_world *world = l->year->world;
     const struct orl_frame *frame = &l->windows->frames[window];
@@ -222,7 +223,7 @@ static void look_out(struct looking *l, uint32_t window, size_t cell, bool strai
     memset(bins, 0, ORL_BINS * sizeof *bins);
     for (uint32_t i = 0; i < RAYS_SIDE * RAYS_SIDE; i++) {
         double u[2], at[2];
-        part_of(i, RAYS_SIDE, &random, u);
+        jitter_in_part(i, RAYS_SIDE, &random, u);
         at[0] = orl_random_uniform(&random);
         at[1] = orl_random_uniform(&random);
         const uint32_t which = port_by_area(l, window, orl_random_uniform(&random));
@@ -239,7 +240,7 @@ static void look_out(struct looking *l, uint32_t window, size_t cell, bool strai
     }
 }
 
-static void look_from_cell(void *arg, size_t index, uint32_t member)
+static void trace_cell(void *arg, size_t index, uint32_t member)
 {
     struct looking *l = arg;
     const size_t window = index / CELLS, cell = index % CELLS;
@@ -249,10 +250,10 @@ static void look_from_cell(void *arg, size_t index, uint32_t member)
         atomic_store(&l->failed, true);
         return;
     }
-    look_out(l, (uint32_t)window, cell, false, bins, &l->healths[member]);
-    tell_patches(bins, of->daylight + cell * PATCHES);
-    look_out(l, (uint32_t)window, cell, true, bins, &l->healths[member]);
-    tell_patches(bins, of->straight_daylight + cell * PATCHES);
+    trace_rays_out(l, (uint32_t)window, cell, false, bins, &l->healths[member]);
+    fill_patches(bins, of->daylight + cell * PATCHES);
+    trace_rays_out(l, (uint32_t)window, cell, true, bins, &l->healths[member]);
+    fill_patches(bins, of->straight_daylight + cell * PATCHES);
     free(bins);
 }
 
@@ -261,9 +262,9 @@ int orl_phase_windows_look(const struct orl_phase_windows *windows, struct orl_y
 {
     struct looking l = {.windows = windows, .year = year, .result = result, .healths = healths};
     struct orl_crew *crew = year->env->run->crew;
-    int code = orl_crew_try(crew, result->n_windows * CELLS, look_from_cell, &l);
+    int code = orl_crew_try(crew, result->n_windows * CELLS, trace_cell, &l);
     for (size_t w = 0; w < result->n_windows; w++)
-        l.exact[w] = take_matrix(&l, w);
+        l.exact[w] = copy_matrix(&l, w);
     if (code == 0)
         code = orl_crew_try(crew, result->n_windows * CELLS, draw_cell, &l);
     return code == 0 && atomic_load(&l.failed) ? ORL_ERR_NOMEM : code;

@@ -1,4 +1,4 @@
-/* Matrices of the three- and five-phase methods, by a year's scene and paths. */
+/* Matrices of the three- and five-phase methods, computed by a year's scene and paths. */
 #include <oriel/annual_phases.h>
 
 #include <stdio.h>
@@ -13,9 +13,9 @@
 
 enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES };
 
-/* All of it, while its year runs. */
+/* State of the computation while its year runs. */
 struct phases {
-    struct orl_annual_request request; /* without sensors: those are */
+    struct orl_annual_request request; /* the request without its sensors, which are below */
     const struct orl_sensor *sensors;
     size_t n_sensors;
     struct orl_phase_windows windows;
@@ -24,7 +24,7 @@ struct phases {
     struct orl_year_suns suns;
     struct orl_panels panels;
     struct orl_health *healths; /* by member */
-    atomic_bool failed;         /* for want of memory */
+    atomic_bool failed;         /* true after an allocation failure */
 };
 
 void orl_annual_phases_done(struct orl_annual_phases *phases)
@@ -90,7 +90,8 @@ static void find_view(void *arg, size_t sensor, uint32_t member)
 
 /* ---- Suns ------------------------------------------------------------------------------------ */
 
-/* Reinhart's sky MF:6: rows of equal height, the zenith's patch half as high as they are. */
+/* Reinhart's sky MF:6: rows of equal height. The zenith patch extends half a row's height from the
+ * zenith. */
 static int place_suns(struct phases *p)
 {
     enum { FINE = 6, ROWS = 7 };
@@ -149,7 +150,7 @@ static void find_suns(void *arg, size_t sensor, uint32_t member)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static int check(const struct phases *p, struct orl_error *err)
+static int check_sensors_inside(const struct phases *p, struct orl_error *err)
 {
     const struct orl_world *world = p->year->world;
     if (world->open || world->n_ports == 0)
@@ -203,14 +204,14 @@ static int make_all(struct phases *p)
     return code == 0 && atomic_load(&p->failed) ? ORL_ERR_NOMEM : code;
 }
 
-/* Of a year that is prepared. */
+/* Computes all matrices; called when the year is prepared. */
 static int find_all(void *ctx, struct orl_year *y, struct orl_error *err)
 {
     struct phases *p = ctx;
     p->year = y;
     int code = orl_year_need_scene(y, err);
     if (code == 0)
-        code = check(p, err);
+        code = check_sensors_inside(p, err);
     if (code == 0)
         code = orl_phase_windows_init(&p->windows, y->world, p->result, err);
     if (code < 0)
@@ -242,7 +243,7 @@ int orl_annual_phases_find(const struct orl_annual_request *request,
                                          .sun_only = true,
                                          .prepared = find_all,
                                          .ctx = &p};
-    run.warned = NULL; /* the year has told */
+    run.warned = NULL; /* the year itself has issued the warnings */
     run.progress = NULL;
     p.request = open.request;
     p.request.sensors = NULL;

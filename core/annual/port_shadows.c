@@ -6,7 +6,7 @@
 #include "light/direct.h"
 
 enum { MOST_POINTS = 64, LEAST_POINTS = 8, DIMENSIONS = 5 };
-static const double most_rays = 4e6; /* for all suns and kinds: they take a thread some seconds */
+static const double most_rays = 4e6; /* for all suns and kinds: some seconds of one thread */
 
 static struct orl_port_point draw_point(const struct orl_world *world, uint32_t port,
                                         const double u[DIMENSIONS])
@@ -42,7 +42,7 @@ static void draw_points(struct orl_port_shadows *shadows, const struct orl_sobol
             points[n] = draw_point(world, i, u);
         }
     }
-    for (; n > 0 && n < shadows->n_points; n++) /* rounding may have left the last point out */
+    for (; n > 0 && n < shadows->n_points; n++) /* rounding may have left out the last point */
         points[n] = points[n - 1];
 }
 

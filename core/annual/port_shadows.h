@@ -14,24 +14,24 @@
 struct orl_port_point {
     uint32_t port;
     struct orl_hit hit;
-    double on_disc[2]; /* the point of the sun's disc that its ray is sent to */
+    double on_disc[2]; /* the point of the sun's disc to which its ray is sent */
 };
 
 struct orl_port_shadows {
     const struct orl_sun_beams *beams; /* borrowed */
     struct orl_port_point *points;     /* [kind][n_points] */
-    uint32_t n_points;                 /* of a kind */
-    bool *clear;                       /* by kind: nothing stands before its ports */
+    uint32_t n_points;                 /* points per kind */
+    bool *clear;                       /* by kind: true if nothing obstructs its ports */
 };
 
-/* n_suns: how many suns it will be asked about; the more there are, the fewer points it draws.
- * Returns 0 or ORL_ERR_NOMEM; the caller calls orl_port_shadows_done in either case. */
+/* n_suns: number of suns that will be queried; the more there are, the fewer points are drawn per
+ * kind. Returns 0 or ORL_ERR_NOMEM; the caller calls orl_port_shadows_done in either case. */
 int orl_port_shadows_init(struct orl_port_shadows *shadows, const struct orl_sun_beams *beams,
                           const struct orl_sobol *sobol, size_t n_suns);
 void orl_port_shadows_done(struct orl_port_shadows *shadows);
 
 /* Returns the share, 0 to 1, of a sun's light that reaches ports of that kind, straight or through
- * panes that are no ports; 0 if the sun is behind all of them. */
+ * panes that are not ports; 0 if the sun is behind all of them. */
 double orl_port_shadows_lit(const struct orl_port_shadows *shadows, uint32_t kind,
                             struct orl_vec3 towards);
 

@@ -14,7 +14,7 @@ static bool lets_rays_pass(const struct orl_material *m)
     return m->kind != ORL_MATERIAL_BSDF || m->peak;
 }
 
-static void add(struct orl_windows *windows, const struct orl_world *world, uint32_t facet)
+static void add_window(struct orl_windows *windows, const struct orl_world *world, uint32_t facet)
 {
     if (orl_facet_kind(world->geometry, facet) != ORL_SURFACE_POLYGON) {
         windows->all = true;
@@ -33,7 +33,7 @@ int orl_windows_of_ports(struct orl_windows *windows, const struct orl_world *wo
         return 0;
     const int code = make_room(windows, world->n_ports);
     for (size_t i = 0; i < world->n_ports && code == 0; i++)
-        add(windows, world, world->ports[i].facet);
+        add_window(windows, world, world->ports[i].facet);
     return code == 0 ? orl_pane_tree_init(&windows->tree, windows->clear, NULL, windows->n_clear)
                      : code;
 }

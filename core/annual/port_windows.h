@@ -1,6 +1,6 @@
 /*
- * The windows of a sealed building's ports: a ray from inside to the sun passes one of them, whose
- * pane lets light go straight through. BSDF panes without a peak do not.
+ * Bounding rectangles of a sealed building's ports. A ray from inside to the sun must pass one
+ * whose pane transmits light straight. BSDF panes without a peak do not.
  *
  * Immutable once made.
  */
@@ -12,10 +12,10 @@
 struct orl_windows {
     struct orl_window *at; /* by port */
     size_t count;
-    struct orl_window *clear; /* those that rays can pass */
+    struct orl_window *clear; /* the windows that rays pass straight through */
     size_t n_clear;
-    struct orl_pane_tree tree; /* of those */
-    bool all;                  /* every ray is to be traced: light has other ways */
+    struct orl_pane_tree tree; /* searches the clear windows */
+    bool all; /* true if light has other ways in, so that every ray must be traced */
 };
 
 /* Collects the windows of a sealed building. Returns 0 or ORL_ERR_NOMEM; orl_windows_done in either

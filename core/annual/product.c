@@ -8,7 +8,8 @@ enum { TILE = ORL_HOURS_TILE, BATCHES = ORL_ANNUAL_BATCHES, LOTS = ORL_SUN_MAP_L
 
 enum { TOGETHER = 4, LANES = 16 };
 
-/* Adds the bins in their order: the same bits whatever the vectors. tile: [ORL_BINS][TILE]. */
+/* Adds the bins in order, so that the result does not depend on the vector width. tile:
+ * [ORL_BINS][TILE]. */
 static ORL_FOR_WIDE_VECTORS void multiply_sky(const struct orl_annual_factors *f, const float *tile,
                                               float ret_sky[TILE])
 {
@@ -21,8 +22,8 @@ static ORL_FOR_WIDE_VECTORS void multiply_sky(const struct orl_annual_factors *f
     memcpy(ret_sky, sums, sizeof sums);
 }
 
-/* Multiplies the differences of TOGETHER batches by the coarse sky. lanes: a bit for each LANES
- * columns that are wanted; the others are not set. */
+/* Multiplies the differences of TOGETHER batches by the coarse sky. lanes has a bit for each group
+ * of LANES columns; columns whose bit is 0 are not set. */
 static ORL_FOR_WIDE_VECTORS void multiply_coarse(const struct orl_annual_factors *f, int batch,
                                                  const float *tile, uint32_t lanes,
                                                  float ret_off[TOGETHER][TILE])
@@ -42,8 +43,8 @@ static ORL_FOR_WIDE_VECTORS void multiply_coarse(const struct orl_annual_factors
     }
 }
 
-/* Adds a sun's terms in a range, of all batches. of_batches: [node or beam][batch]; means: of them,
- * 0 where all batches are. Returns how far two ways of interpolation lie apart. */
+/* Adds a sun's terms in a range to the sums of all batches. of_batches: [node or beam][batch].
+ * means: mean of the batches; 0 if all are 0. Returns the difference between two interpolations. */
 static ORL_FOR_WIDE_VECTORS double add_sun(const struct orl_sun_terms *terms,
                                            struct orl_sun_range range, const double *of_batches,
                                            const double *means, double sums[BATCHES])
@@ -62,8 +63,8 @@ static ORL_FOR_WIDE_VECTORS double add_sun(const struct orl_sun_terms *terms,
     return apart;
 }
 
-/* Deviations of the lots of photons of the sun's map from their mean. Returns the square of its
- * standard error. */
+/* Computes the deviations of photon lots of the sun map from their mean. Returns the squared
+ * standard error of the mean. */
 static ORL_FOR_WIDE_VECTORS double photon_squares(const struct orl_sun_terms *terms,
                                                   struct orl_sun_range range, const double *means,
                                                   const double *of_lots, double ret_off[LOTS])
@@ -87,7 +88,7 @@ static ORL_FOR_WIDE_VECTORS double photon_squares(const struct orl_sun_terms *te
 
 /* ---- Factors --------------------------------------------------------------------------------- */
 
-/* Fills a node or beam of all batches; returns their mean. */
+/* Fills a node or beam for all batches; returns their mean. */
 static double fill_sun(const double *const batches[BATCHES], size_t which, double share,
                        double ret[BATCHES])
 {
@@ -118,7 +119,7 @@ void orl_annual_beams_fill(struct orl_annual_beams *beams,
     }
 }
 
-/* The mean of all batches, of bins that have light. */
+/* Fills the mean of all batches, for bins that have light. */
 static void fill_bins(struct orl_annual_factors *f,
                       const struct orl_annual_coefficients *coefficients)
 {
@@ -136,7 +137,7 @@ static void fill_bins(struct orl_annual_factors *f,
     }
 }
 
-/* Fills the differences of the batches from their mean, for the coarse bins that have light. */
+/* Fills the differences of the batches from their mean, for coarse bins that have light. */
 static void fill_coarse(struct orl_annual_factors *f, const struct orl_bins *bins,
                         const struct orl_annual_coefficients *coefficients)
 {
@@ -174,7 +175,7 @@ void orl_annual_factors_fill(struct orl_annual_factors *f, const struct orl_bins
 
 _Static_assert(ORL_ANNUAL_PATCHES == ORL_BINS_ABOVE + 1, "the ground, and the sky's bins");
 
-/* What is below the horizon is one patch. */
+/* All bins below the horizon form one patch. */
 void orl_annual_factors_tell(const struct orl_annual_factors *f, float *ret_coefficients)
 {
     double ground = 0;
@@ -192,12 +193,12 @@ void orl_annual_factors_tell(const struct orl_annual_factors *f, float *ret_coef
 /* A sensor's light in each column of a tile, summed over the parts. */
 struct tile_sums {
     float sky[TILE];
-    float off[BATCHES][TILE];  /* of the sky, of each batch: less the mean */
+    float off[BATCHES][TILE];  /* sky of each batch, less the mean */
     double sun[TILE][BATCHES]; /* indirect, lx */
-    double straight[TILE];     /* by the sun, and by mirrors, lx */
-    double lots[TILE][LOTS];   /* of photons: less the mean, lx */
-    /* Parts of the squared standard error, lx2: the photons', the interpolation's, and that of
-     * sampling panes and the sun's disc. */
+    double straight[TILE];     /* sun, direct and by mirrors, lx */
+    double lots[TILE][LOTS];   /* each photon lot, less the mean, lx */
+    /* Parts of the squared standard error, lx2, by source: photons; interpolation; sampling of
+     * panes and of the sun's disc. */
     double photons[TILE], between[TILE], sampling[TILE];
 };
 
@@ -221,8 +222,8 @@ static const struct orl_column_sun *sun_of(const struct tile *tile, uint32_t j)
 static void add_indirect_sun(const struct tile *tile, const struct orl_annual_share *light,
                              uint32_t j, struct tile_sums *sums)
 {
-    /* The error of the better interpolation is this share of the distance between the two. It was
-     * measured in rooms with blinds. */
+    /* Estimated error of the better interpolation, as a share of the difference between the two.
+     * Measured in rooms with blinds. */
     static const double share = 0.35;
     const struct orl_column_sun *of = sun_of(tile, j);
     const struct orl_sun_terms *terms = tile->terms;
@@ -243,7 +244,7 @@ static void add_indirect_sun(const struct tile *tile, const struct orl_annual_sh
         sums->sun[j][b] += batches[b] * of->normal_lx;
 }
 
-/* lanes: of the light. */
+/* lanes: as in multiply_coarse, for this light. */
 static void add_indirect(const struct tile *tile, const struct orl_annual_share *light,
                          uint32_t lanes, struct tile_sums *sums)
 {
@@ -281,7 +282,7 @@ static void add_straight(const struct tile *tile, const struct orl_annual_share 
     }
 }
 
-static void put_direct(const struct tile *tile, const struct orl_annual_share *light,
+static void add_direct(const struct tile *tile, const struct orl_annual_share *light,
                        const struct orl_annual_row *row)
 {
     for (uint32_t j = 0; j < tile->n && light->by_sun; j++) {
@@ -292,8 +293,8 @@ static void put_direct(const struct tile *tile, const struct orl_annual_share *l
     }
 }
 
-/* Adds a column's errors, relative to its light, or to its error if that is more: values are not
- * shifted by more than their own size. off: of batches, lx. */
+/* Adds a column's errors relative to its light. If the error exceeds the light, they are relative
+ * to the error, so that no value shifts by more than its size. off: deviations of batches, lx. */
 static void add_errors(const struct tile *tile, const struct tile_sums *sums, uint32_t j,
                        const double off[BATCHES], const struct orl_annual_row *row)
 {
@@ -312,8 +313,8 @@ static void add_errors(const struct tile *tile, const struct tile_sums *sums, ui
     row->between[column] = (float)(sqrt(sums->between[j]) / whole);
 }
 
-static void put_columns(const struct tile *tile, const struct tile_sums *sums,
-                        const struct orl_annual_row *row)
+static void write_columns(const struct tile *tile, const struct tile_sums *sums,
+                          const struct orl_annual_row *row)
 {
     for (uint32_t j = 0; j < tile->n; j++) {
         const size_t column = tile->index * TILE + j;
@@ -332,7 +333,8 @@ static void put_columns(const struct tile *tile, const struct tile_sums *sums,
     }
 }
 
-/* Returns a bit for each LANES columns in some of which the light is wanted. */
+/* Returns a bit for each group of LANES columns; it is set if the light is wanted in one of
+ * them. */
 static uint32_t lanes_of(const struct tile *tile, const struct orl_annual_share *light)
 {
     uint32_t lanes = 0;
@@ -351,11 +353,11 @@ void orl_annual_multiply(const struct orl_annual_row *row, const struct orl_annu
     memset(&sums, 0, sizeof sums);
     for (size_t i = 0; i < count; i++) {
         const uint32_t lanes = lanes_of(&here, &lights[i]);
-        put_direct(&here, &lights[i], row);
+        add_direct(&here, &lights[i], row);
         if (lanes != 0 && lights[i].factors)
             add_indirect(&here, &lights[i], lanes, &sums);
         if (lanes != 0)
             add_straight(&here, &lights[i], &sums);
     }
-    put_columns(&here, &sums, row);
+    write_columns(&here, &sums, row);
 }

@@ -1,7 +1,7 @@
 /*
- * From a sensor's coefficients to its hours: sky by bins, the sun by nodes and beams, and what came
- * straight. Light of several parts of the windows (parts.h) is added up, of each part in the
- * columns in which it is wanted.
+ * Converts a sensor's coefficients to its hours: sky by bins, the sun by nodes and beams, and
+ * direct sunlight. Light of the parts of the windows (parts.h) is added up, for each part in the
+ * columns that want it.
  */
 #ifndef ORL_ANNUAL_PRODUCT_H
 #define ORL_ANNUAL_PRODUCT_H
@@ -10,35 +10,37 @@
 #include "annual/hours.h"
 #include "annual/terms.h"
 
-/* Sums over the samples of each of a sensor's batches (sums.h), of one part. NULL: all are 0. */
+/* Path sums of each of a sensor's batches (sums.h), for one part. NULL: all are 0. */
 struct orl_annual_coefficients {
-    uint32_t samples;                        /* of a batch */
+    uint32_t samples;                        /* per batch */
     const float *bins[ORL_ANNUAL_BATCHES];   /* [ORL_BINS] */
     const double *nodes[ORL_ANNUAL_BATCHES]; /* [n_nodes] */
     size_t n_nodes;
 };
 
-/* Sums of beams. A beam has one part. */
+/* Path sums of beams. A beam belongs to one part. */
 struct orl_annual_beam_coefficients {
     uint32_t samples;
     const double *beams[ORL_ANNUAL_BATCHES];
-    const float *lots[ORL_ANNUAL_BATCHES]; /* [n_beams][ORL_SUN_MAP_LOTS]: by each lot alone */
-    const uint32_t *which;                 /* those to be made ready */
+    /* [n_beams][ORL_SUN_MAP_LOTS]: estimate by each lot alone. */
+    const float *lots[ORL_ANNUAL_BATCHES];
+    const uint32_t *which; /* beams to convert */
     size_t n_which, n_beams;
 };
 
-/* Coefficients of a part, divided by samples. Most parts light a sensor from a few bins only, so
- * these are listed, in their order. Differences between batches are kept by coarse bins. */
+/* Coefficients of a part, divided by the number of samples. Most parts light a sensor from a few
+ * bins only, so these are listed in order. Differences between batches are kept by coarse bins. */
 struct orl_annual_factors {
     uint16_t n_bins, n_coarse;
     uint16_t which[ORL_BINS];
-    float bins[ORL_BINS]; /* of those listed: the mean of all batches */
+    float bins[ORL_BINS]; /* by listed bin: mean of all batches */
     uint16_t which_coarse[ORL_BINS_COARSE];
-    float coarse[ORL_BINS_COARSE][ORL_ANNUAL_BATCHES]; /* of those: of each batch, less the mean */
-    double *nodes;                                     /* [node][batch]; borrowed */
-    double *node_means;                                /* [node]; borrowed */
+    /* By listed coarse bin: each batch less the mean. */
+    float coarse[ORL_BINS_COARSE][ORL_ANNUAL_BATCHES];
+    double *nodes;      /* [node][batch]; borrowed */
+    double *node_means; /* [node]; borrowed */
 };
-/* nodes has room for n_nodes of all batches, and their means after them. */
+/* Fills the factors. nodes has room for the n_nodes of all batches, followed by their means. */
 void orl_annual_factors_fill(struct orl_annual_factors *factors, const struct orl_bins *bins,
                              const struct orl_annual_coefficients *coefficients, double *nodes);
 
@@ -47,34 +49,35 @@ struct orl_annual_beams {
     double *means; /* [beam]; borrowed */
     double *lots;  /* [beam][lot]; borrowed */
 };
-/* sums has room for all beams of all batches, and their means after them; what of it is of other
- * beams than those asked for is not set. */
+/* Fills the beams. sums has room for all beams of all batches, followed by their means. Entries of
+ * beams that coefficients does not list are left unset. */
 void orl_annual_beams_fill(struct orl_annual_beams *beams,
                            const struct orl_annual_beam_coefficients *coefficients, double *sums,
                            double *lots);
 
-/* Daylight coefficients (oriel/annual.h): [ORL_ANNUAL_PATCHES]. */
+/* Writes daylight coefficients (oriel/annual.h): [ORL_ANNUAL_PATCHES]. */
 void orl_annual_factors_tell(const struct orl_annual_factors *factors, float *ret_coefficients);
 
-/* A sensor's columns, all 0 before. Direct sunlight is that of all parts, wanted or not. */
+/* Output columns of a sensor, initially 0. Direct sunlight is that of all parts, wanted or not. */
 struct orl_annual_row {
     float *total, *direct, *se;
-    float *between;              /* of coherence.h, of columns with sun */
-    struct orl_error_sums *sums; /* [band]: of the tile; all 0 before */
+    float *between; /* relative error of interpolation, in columns with sun (coherence.h) */
+    struct orl_error_sums *sums; /* [band], for the tile; initially 0 */
 };
 
-/* Light of a part at a sensor. */
+/* Light of one part at a sensor. */
 struct orl_annual_share {
     uint32_t part;
     const struct orl_annual_factors *factors; /* NULL: none */
-    const struct orl_annual_beams *beams;     /* of all parts */
-    /* By sun (sun_rows.h); NULL: none. */
+    const struct orl_annual_beams *beams;     /* beams of all parts */
+    /* By sun (sun_rows.h); NULL: no direct sunlight. */
     const float *by_sun, *mirrored, *squares;
-    const unsigned char *wanted; /* by column; NULL: in all */
+    /* By column: nonzero if the part's light is added there; NULL: in all columns. */
+    const unsigned char *wanted;
 };
 
-/* Fills one tile of a sensor's columns. The tile's sky stays in the cache if all sensors of a tile
- * follow each other. terms: of the sun. */
+/* Fills one tile of a sensor's columns. For cache efficiency, process all sensors of a tile in
+ * sequence. terms: interpolation weights of the suns. */
 void orl_annual_multiply(const struct orl_annual_row *row, const struct orl_annual_share *lights,
                          size_t count, const struct orl_hours *hours,
                          const struct orl_sun_terms *terms, size_t tile);

@@ -1,4 +1,4 @@
-/* What is asked and what comes back: defaults, checks, names, and who frees what. */
+/* Request and result of a year: defaults, validation, names, and freeing. */
 #include <oriel/annual.h>
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* A year from its request to its rows: load -> skies -> paths, sun and hours, block by block. */
+/* Runs a year from its request to its rows: load, skies, then paths, sun and hours block by
+ * block. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +25,7 @@ static int admit_sources(const struct orl_description *description, struct orl_e
     return ORL_ERR_INVALID;
 }
 
-/* By what it is read from, and what of it is swapped. */
+/* Digests the scene: its files, and the material overrides. */
 static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
     const struct orl_description *const description = &scene->description;
@@ -43,7 +44,7 @@ static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct 
     return 0;
 }
 
-static void warn(void *ctx, const char *text)
+static void warn_of_sensors(void *ctx, const char *text)
 {
     orl_year_warn(ctx, "%s", text);
 }
@@ -65,7 +66,7 @@ static void check_planes(struct orl_year *y, const struct orl_scene *scene,
         orl_year_warn(y, "more grids have sensors in planes of surfaces: they are not listed");
 }
 
-/* Grid by grid, where there are any. */
+/* Checks sensors grid by grid; without grids, all at once. */
 static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
 {
     const struct orl_annual_request *r = y->request;
@@ -85,14 +86,14 @@ static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
                                      .ranges = ranges,
                                      .n_ranges = n,
                                      .crew = y->env->run->crew,
-                                     .warn = warn,
+                                     .warn = warn_of_sensors,
                                      .ctx = y};
     const int code = orl_run_check_sensor_spaces(&check);
     free(ranges);
     return code;
 }
 
-/* Warns, once for a job, of sensors in planes of surfaces, and of those apart from their grid. */
+/* Warns, once per job, of sensors in planes of surfaces, and of sensors apart from their grid. */
 static int check_sensors(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
     if (y->variant && y->variant->sensors_checked)
@@ -104,7 +105,7 @@ static int check_sensors(struct orl_year *y, const struct orl_scene *scene, stru
     return code;
 }
 
-/* The scene and the lamps in it, as a job of no sky loads them. */
+/* Loads the scene and its lamps, like a job without a sky. */
 static int load_scene(struct orl_year *y, struct orl_error *err)
 {
     struct orl_job job;
@@ -141,7 +142,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
 
 /* ---- Skies ----------------------------------------------------------------------------------- */
 
-/* For all suns, whatever the weather makes of them. */
+/* Places the nodes for all suns of the file, also where none was measured. */
 static int place_nodes(struct orl_year *y)
 {
     const struct orl_year_suns *suns = &y->hours.suns;
@@ -160,7 +161,7 @@ static int place_nodes(struct orl_year *y)
     return 0;
 }
 
-static int prepare(struct orl_year *y, struct orl_error *err)
+static int prepare_year(struct orl_year *y, struct orl_error *err)
 {
     double since = orl_year_now(y);
     int code = load_scene(y, err);
@@ -191,7 +192,7 @@ static int prepare(struct orl_year *y, struct orl_error *err)
 
 static int run_year(struct orl_year *y, struct orl_error *err)
 {
-    int code = prepare(y, err);
+    int code = prepare_year(y, err);
     if (code == 0 && y->variant && y->variant->prepared)
         code = y->variant->prepared(y->variant->ctx, y, err);
     if (code == 0)
@@ -201,7 +202,7 @@ static int run_year(struct orl_year *y, struct orl_error *err)
     return code;
 }
 
-static void let_go(struct orl_year *y)
+static void free_year(struct orl_year *y)
 {
     orl_year_light_done(y);
     orl_lights_release(y->lights);
@@ -242,7 +243,7 @@ int orl_year_run(const struct orl_annual_request *request, const struct orl_annu
     const int code = run_year(y, err);
     orl_crew_heed(env->run->crew, NULL);
     result.total_s = orl_year_now(y) - y->started_s;
-    let_go(y);
+    free_year(y);
     if (code < 0) {
         orl_annual_done(&result);
         return code;

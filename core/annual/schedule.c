@@ -6,7 +6,7 @@
 
 /* ---- By the clock ---------------------------------------------------------------------------- */
 
-static bool within(double x, double from, double to, bool to_counts)
+static bool is_within(double x, double from, double to, bool to_counts)
 {
     const bool before = to_counts ? x <= to : x < to;
     return from <= to ? x >= from && before : x >= from || before;
@@ -17,8 +17,8 @@ static unsigned char state_by_spans(const struct orl_window_group *group,
 {
     for (size_t i = 0; i < group->n_spans; i++) {
         const struct orl_shade_span *s = &group->spans[i];
-        if (within(step->month, s->from_month, s->to_month, true) &&
-            within(step->hour, s->from_h, s->to_h, false))
+        if (is_within(step->month, s->from_month, s->to_month, true) &&
+            is_within(step->hour, s->from_h, s->to_h, false))
             return (unsigned char)s->state;
     }
     return 0;
@@ -65,12 +65,12 @@ static struct orl_annual_grid grid_of(const struct orl_annual_request *request, 
     return request->n_grids > 0 ? request->grids[g] : all;
 }
 
-static bool looks_at(const struct orl_shade_control *control, const struct orl_annual_grid *grid)
+static bool uses_grid(const struct orl_shade_control *control, const struct orl_annual_grid *grid)
 {
     return !control->grid || (grid->name && strcasecmp(grid->name, control->grid) == 0);
 }
 
-static bool closes(const struct orl_shade_control *control, uint32_t lit, size_t sensors)
+static bool grid_closes(const struct orl_shade_control *control, uint32_t lit, size_t sensors)
 {
     return control->kind == ORL_SHADES_BY_LIGHT
                ? lit > 0
@@ -92,15 +92,15 @@ void orl_shade_count_done(struct orl_shade_count *count)
     *count = (struct orl_shade_count){.lit = NULL};
 }
 
-/* Notes what the grid decides, and goes on to the next. */
+/* Records the decision of the current grid, and advances to the next one. */
 static void end_grid(struct orl_shade_count *count, const struct orl_annual_request *request,
                      const struct orl_shade_control *control)
 {
     const struct orl_annual_grid grid = grid_of(request, count->grid++);
-    if (!looks_at(control, &grid))
+    if (!uses_grid(control, &grid))
         return;
     for (size_t c = 0; c < count->columns; c++) {
-        count->closed[c] = count->closed[c] || closes(control, count->lit[c], grid.count);
+        count->closed[c] = count->closed[c] || grid_closes(control, count->lit[c], grid.count);
         count->lit[c] = 0;
     }
 }
@@ -117,7 +117,7 @@ void orl_shade_count_add(struct orl_shade_count *count, const struct orl_annual_
             break;
         end_grid(count, request, control);
     }
-    if (sensor < grid.first || !looks_at(control, &grid))
+    if (sensor < grid.first || !uses_grid(control, &grid))
         return;
     for (size_t c = 0; c < count->columns; c++)
         count->lit[c] += (double)lx[c] >= control->above_lx;

@@ -1,12 +1,13 @@
-/* Which state each window group of a year is in at every row of the weather file
- * (oriel/annual_shades.h has the rules). */
+/* State of each window group of a year at every row of the weather file (oriel/annual_shades.h has
+ * the rules). */
 #ifndef ORL_ANNUAL_SCHEDULE_H
 #define ORL_ANNUAL_SCHEDULE_H
 
 #include <oriel/annual.h>
 
-/* By series and spans; 0 by controls and without any. steps: of the result. ret_states:
- * [group * n_steps + step]. Returns 0 or ORL_ERR_RANGE (a series of another length). */
+/* Sets the states by series and spans; groups with a control, or without any of these, get 0.
+ * result: only its steps are read. ret_states: [group * n_steps + step]. Returns 0 or ORL_ERR_RANGE
+ * (a series of another length). */
 int orl_shades_schedule(const struct orl_annual_request *request,
                         const struct orl_annual_result *result, unsigned char *ret_states,
                         struct orl_error *err);
@@ -14,25 +15,25 @@ int orl_shades_schedule(const struct orl_annual_request *request,
 bool orl_shades_controlled(const struct orl_annual_request *request);
 
 /*
- * Control by light: sensors are counted in their order, one by one, and what a grid decides is
- * noted when its last one has been, so that memory does not grow with the grids. All sensors are
- * one grid if there is none.
+ * Control by light. Sensors are counted in order, one by one. After the last sensor of a grid its
+ * decision is recorded, so memory does not grow with the grids. If there is no grid, all sensors
+ * form one.
  */
 struct orl_shade_count {
-    size_t grid;   /* that is counted now */
-    uint32_t *lit; /* by column: its sensors above the bound */
-    bool *closed;  /* by column: some grid before it closes the group */
+    size_t grid;   /* index of the current grid */
+    uint32_t *lit; /* by column: sensors of the current grid at or above the threshold */
+    bool *closed;  /* by column: true if some earlier grid closes the group */
     size_t columns;
 };
 
-/* Returns 0 or ORL_ERR_NOMEM; orl_shade_count_done in either case. */
+/* Returns 0 or ORL_ERR_NOMEM; the caller calls orl_shade_count_done in either case. */
 int orl_shade_count_init(struct orl_shade_count *count, size_t columns);
 void orl_shade_count_done(struct orl_shade_count *count);
-/* lx: the sensor's, by column: total light, or direct light of the group's own windows, all groups
- * being open. A sensor that is left out has none. */
+/* Counts a sensor. lx: its light by column with all groups open: total light, or direct light
+ * through the group's own windows. Sensors without light may be skipped. */
 void orl_shade_count_add(struct orl_shade_count *count, const struct orl_annual_request *request,
                          const struct orl_shade_control *control, size_t sensor, const float *lx);
-/* After the last sensor: then closed is that of all grids. */
+/* Ends the count after the last sensor; closed then covers all grids. */
 void orl_shade_count_end(struct orl_shade_count *count, const struct orl_annual_request *request,
                          const struct orl_shade_control *control);
 

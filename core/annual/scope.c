@@ -5,11 +5,11 @@
 #include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 
-/* Of what mirrors more than panes do, a second reflection counts. */
+/* Reflectance above which a mirror, stronger than panes, would need second reflections. */
 static const double strong = 0.25;
 
-static int refuse(const struct orl_world *world, uint32_t facet, struct orl_error *err,
-                  const char *what)
+static int refuse_surface(const struct orl_world *world, uint32_t facet, struct orl_error *err,
+                          const char *what)
 {
     const struct orl_surface_label label = orl_scene_label_of(world->scene, facet);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
@@ -25,7 +25,7 @@ static int refuse_mist(const struct orl_world *world, struct orl_error *err)
     uint32_t facet = 0;
     while (!(orl_facet_area(world->scene->mist, facet) > 0))
         facet++;
-    return refuse(world, facet, err, "light through mist");
+    return refuse_surface(world, facet, err, "light through mist");
 }
 
 int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
@@ -44,26 +44,26 @@ int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
             continue;
         const int32_t port = orl_world_port_of(world, i);
         if (m->kind == ORL_MATERIAL_BSDF && (world->open || port == ORL_NO_PORT))
-            return refuse(world, i, err,
-                          "sunlight by BSDFs that are no windows of a closed building");
+            return refuse_surface(world, i, err,
+                                  "sunlight by BSDFs that are no windows of a closed building");
         panels = panels || m->kind == ORL_MATERIAL_BSDF;
         if (orl_lobed_any_transmits(m))
-            return refuse(world, i, err, "what functions or data let through");
+            return refuse_surface(world, i, err, "what functions or data let through");
         if (orl_material_bends(m))
-            return refuse(world, i, err, "refracted sunlight");
+            return refuse_surface(world, i, err, "refracted sunlight");
         if (!(orl_material_mirrored_most(m, true, 0.5) > strong))
             continue;
         const int here = world->images.class_of ? orl_images_class(&world->images, i) : -1;
         if (here < 0)
-            return refuse(world, i, err, "sunlight off curved mirrors");
+            return refuse_surface(world, i, err, "sunlight off curved mirrors");
         if (class >= 0 && here != class)
-            return refuse(world, i, err, "sunlight between mirrors of several planes");
+            return refuse_surface(world, i, err, "sunlight between mirrors of several planes");
         class = here;
         mirror = i;
     }
-    /* What a mirror throws onto a panel is not followed. */
+    /* Sunlight from a mirror onto a BSDF pane is not followed. */
     if (panels && mirror != UINT32_MAX)
-        return refuse(world, mirror, err, "sunlight off mirrors where windows are BSDFs");
+        return refuse_surface(world, mirror, err, "sunlight off mirrors where windows are BSDFs");
     return 0;
 }
 
@@ -98,7 +98,7 @@ static bool is_gray_panel(const struct orl_material *m)
     return !info.colored && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
 }
 
-/* Whether a material sends light on, but diffusely, without colour. */
+/* Returns true if light that the material sends on, other than diffusely, keeps its colour. */
 static bool is_colourless(const struct orl_material *m)
 {
     switch (m->kind) {
@@ -119,7 +119,7 @@ static bool is_colourless(const struct orl_material *m)
     case ORL_MATERIAL_MIRROR:
         return (is_gray(m->color) && !(m->pattern && m->pattern->coloured)) ||
                orl_material_is_matt(m);
-    default: /* plastic's gloss is white */
+    default: /* plastic's specular reflection is white */
         return true;
     }
 }

@@ -1,19 +1,20 @@
 /*
- * What a scene may have for its year to be computed: sunlight that comes in ways that are not
- * followed is refused by name, never left out in silence.
+ * Check that a year of the scene can be computed. Sunlight on paths that are not followed is
+ * refused with the surface's name, never left out silently.
  */
 #ifndef ORL_ANNUAL_SCOPE_H
 #define ORL_ANNUAL_SCOPE_H
 
 #include "light/world.h"
 
-/* 0, or ORL_ERR_UNSUPPORTED naming a surface. */
+/* Returns 0, or ORL_ERR_UNSUPPORTED naming a surface. */
 int orl_annual_admit(const struct orl_world *world, struct orl_error *err);
 
-/* How many curved surfaces mirror some of the sun, which is left out; the first of them. */
+/* Counts curved surfaces that reflect some sunlight, which is left out; *ret_first is the first
+ * one. */
 size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_first);
 
-/* Whether nothing that sends light on, but diffusely, colours it. */
+/* Returns true if materials colour light by diffuse scattering only. */
 bool orl_annual_is_colourless(const struct orl_world *world);
 
 #endif

@@ -1,4 +1,4 @@
-/* Seats as they are asked for, and what is told of them: checks, and who frees what. */
+/* Seats of a request and their results: validation and freeing. */
 #include <oriel/annual_glare.h>
 
 #include <stdio.h>
@@ -25,12 +25,12 @@ void orl_seat_hours_free(struct orl_seat_hours *hours, size_t n)
     free(hours);
 }
 
-/* ---- What can be told beforehand ------------------------------------------------------------- */
+/* ---- Validation ------------------------------------------------------------------------------ */
 
 int orl_seats_validate(const struct orl_seats_wish *wish, const struct orl_annual_request *request,
                        struct orl_error *err)
 {
-    static const double steepest = 0.999; /* a sine: 87.4 degrees */
+    static const double steepest = 0.999; /* sine of the altitude: 87.4 degrees */
     if (wish->n_seats == 0)
         return 0;
     if (request->n_terms > 0)

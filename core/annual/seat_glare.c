@@ -9,10 +9,10 @@
 #include "metrics/position.h"
 #include "metrics/sources.h"
 
-/* Columns of a tile are rated in strips: a strip's picture of each column is in memory. */
+/* Columns of a tile are rated in strips; memory holds the pictures of one strip. */
 enum { TILE = ORL_HOURS_TILE, STRIP = 16, STRIPS = TILE / STRIP, MOST_IMAGES = 8 };
 
-/* As glare pictures have it. */
+/* The default rule of glare pictures. */
 static const struct orl_source_rule rule = {
     .threshold_cd_m2 = 2000, .radius_rad = 0.2, .peak_cd_m2 = 50000};
 
@@ -33,7 +33,7 @@ static void add_light(float *pixel, const float *light, float weight, uint32_t n
         pixel[j] += weight * light[j];
 }
 
-static void paint(const struct rating *r, size_t strip, uint32_t n, float (*pixels)[STRIP])
+static void paint_strip(const struct rating *r, size_t strip, uint32_t n, float (*pixels)[STRIP])
 {
     const struct orl_hours *hours = &r->light->year->hours;
     const size_t tile = strip / STRIPS;
@@ -52,7 +52,7 @@ static void paint(const struct rating *r, size_t strip, uint32_t n, float (*pixe
         }
 }
 
-/* A point of the disc, another for every spot and hour. */
+/* Returns a random point of the disc, a different one for every spot and hour. */
 static struct orl_vec3 somewhere_on(const struct orl_hour_sun *sun, const struct orl_frame *frame,
                                     uint64_t name)
 {
@@ -63,7 +63,8 @@ static struct orl_vec3 somewhere_on(const struct orl_hour_sun *sun, const struct
         orl_madd(orl_madd(frame->n, frame->u, far * circle.cosine), frame->v, far * circle.sine));
 }
 
-/* What a spot sends to the eye of a sun that gives 1 to what faces it, were nothing between. */
+/* Returns the radiance that a spot sends to the eye, unoccluded, for a sun with a normal irradiance
+ * of 1. */
 static struct orl_rgb answer_of(const struct orl_seat_spot *spot, struct orl_vec3 towards)
 {
     const double cosine = orl_dot(towards, spot->place.normal);
@@ -75,8 +76,8 @@ static struct orl_rgb answer_of(const struct orl_seat_spot *spot, struct orl_vec
     return orl_rgb_scale(orl_rgb_mul(spot->weight, sent), cosine);
 }
 
-/* The sun on what is seen. */
-static void shine(const struct rating *r, size_t column, uint32_t j, float (*pixels)[STRIP])
+/* Adds direct sunlight on visible surfaces to the pictures. */
+static void add_sunlight(const struct rating *r, size_t column, uint32_t j, float (*pixels)[STRIP])
 {
     static const double faintest_cd_m2 = 1;
     enum { SPOTS_A_POLL = 256 };
@@ -108,7 +109,7 @@ static void shine(const struct rating *r, size_t column, uint32_t j, float (*pix
 
 /* ---- The sun itself -------------------------------------------------------------------------- */
 
-/* A source as wide as the disc, that gives so much at the eye. */
+/* Returns a glare source with the size of the disc, that causes this illuminance at the eye. */
 static struct orl_glare_source disc_of(const struct orl_seat_view *view, struct orl_vec3 towards,
                                        double angle_rad, double eye_lx)
 {
@@ -119,7 +120,8 @@ static struct orl_glare_source disc_of(const struct orl_seat_view *view, struct 
                                      .position_index = orl_position_index(to)};
 }
 
-/* Asked of mirrors: only the nth answers, and says where its image of the sun is. */
+/* Query of mirrors: only mirror number `wanted` responds, and records the direction of the sun's
+ * image. */
 struct image {
     const struct orl_place *eye;
     int wanted, asked;
@@ -135,7 +137,7 @@ static struct orl_rgb answer_image(const void *ctx, struct orl_vec3 light)
     return orl_gray(fmax(orl_dot(light, image->eye->normal), 0));
 }
 
-/* Disc and images in mirrors. Returns how many. */
+/* Lists the sun's disc and its mirror images as glare sources. Returns their number. */
 static size_t find_suns(const struct rating *r, size_t column, struct orl_glare_source *ret_sources)
 {
     const struct orl_year *y = r->light->year;
@@ -171,9 +173,10 @@ static double dgp_of(double eye_lx, const struct orl_glare_source *sources, size
     return dgp;
 }
 
-/* The light at the eye alone is uncertain. DGP need not grow with it: contrast falls. */
-static void put(const struct rating *r, size_t column, const struct orl_glare_source *sources,
-                size_t n)
+/* Sets DGP and its interval, from the error of the light at the eye alone. DGP may fall as this
+ * light grows, because contrast falls. */
+static void set_hour(const struct rating *r, size_t column, const struct orl_glare_source *sources,
+                     size_t n)
 {
     static const double z = 1.96;
     const double eye_lx = (double)r->light->eye[column];
@@ -197,7 +200,7 @@ static int rate_hour(const struct rating *r, size_t column, const float *picture
     struct orl_glare_source *grown = realloc(sources, (n + 1 + MOST_IMAGES) * sizeof *grown);
     if (grown) {
         n += find_suns(r, column, grown + n);
-        put(r, column, grown, n);
+        set_hour(r, column, grown, n);
     }
     free(grown ? grown : sources);
     return grown ? 0 : ORL_ERR_NOMEM;
@@ -215,11 +218,11 @@ static void rate_strip(void *arg, size_t strip, uint32_t member)
         wanted += r->light->wanted[first + n];
     if (wanted == 0 || atomic_load(&r->failed))
         return;
-    paint(r, strip, n, pixels);
+    paint_strip(r, strip, n, pixels);
     for (uint32_t j = 0; j < n && !orl_crew_cancelled(r->crew); j++) {
         if (!r->light->wanted[first + j])
             continue;
-        shine(r, first + j, j, pixels);
+        add_sunlight(r, first + j, j, pixels);
         for (uint32_t i = 0; i < ORL_SEAT_PIXELS; i++)
             picture[i] = pixels[i][j];
         if (rate_hour(r, first + j, picture) < 0)

@@ -22,15 +22,15 @@ void orl_seat_places_done(struct orl_seat_places *places)
 
 /* ---- Finding --------------------------------------------------------------------------------- */
 
-/* The axis that a direction is nearest to, and its sign: 0 to 5. */
+/* Returns the axis nearest to a direction, with its sign: 0 to 5. */
 static uint64_t side_of(struct orl_vec3 d)
 {
     const double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
     return x >= y && x >= z ? d.x < 0 : y >= z ? 2 + (d.y < 0) : 4 + (d.z < 0);
 }
 
-/* While there is room, each side of each surface has a name of its own in a cell; surfaces met
- * later share one by the axis that they face. */
+/* Returns the key of a hit's place: surface, side and cell. Shared places replace the surface by
+ * the axis that it faces. */
 static uint64_t name_of(const struct orl_seat_places *places, const struct orl_hit *hit,
                         bool shared)
 {
@@ -51,7 +51,7 @@ static size_t slot_of(const struct orl_seat_places *places, uint64_t name)
     return slot;
 }
 
-static int grow(struct orl_seat_places *places)
+static int grow_table(struct orl_seat_places *places)
 {
     const size_t n = 2 * places->n_slots;
     uint32_t *slots = calloc(n, sizeof *slots);
@@ -70,7 +70,7 @@ static int grow(struct orl_seat_places *places)
     return 0;
 }
 
-/* One of those seen stands for all, each with a chance by what it is worth. */
+/* Each place keeps one of its hits, sampled in proportion to worth (a reservoir of one). */
 int orl_seat_places_add(struct orl_seat_places *places, const struct orl_hit *hit, double worth,
                         struct orl_random *random, uint32_t *ret_found)
 {
@@ -82,7 +82,7 @@ int orl_seat_places_add(struct orl_seat_places *places, const struct orl_hit *hi
     }
     if (places->slots[slot] == 0) {
         if (2 * (places->n_found + 1) > places->n_slots) {
-            if (grow(places) < 0)
+            if (grow_table(places) < 0)
                 return ORL_ERR_NOMEM;
             slot = slot_of(places, name);
         }
@@ -114,7 +114,8 @@ static int by_worth(const void *a, const void *b)
     return p->found < q->found ? -1 : p->found > q->found;
 }
 
-/* How unlike the light on two places may be: the angle between them, and how they face. */
+/* Dissimilarity of two places: the angle between them as seen from the eye, plus a term for their
+ * orientation. */
 static double unlikeness(const struct orl_seat_places *places, const struct orl_seat_found *a,
                          const struct orl_seat_found *b)
 {

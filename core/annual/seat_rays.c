@@ -5,14 +5,14 @@
 #include "light/path.h"
 
 enum { MOST_WAYS = 3, MANY_STEPS = 500 };
-/* Shares of the ray's light: paths below the first end by roulette; so do mirrored ways below the
- * second one, a share of the light that meets the surface. */
+/* Thresholds of Russian roulette: for paths, as a share of the ray's light; for mirrored rays, as a
+ * share of the light that reaches the surface. */
 static const double dim_path = 0.002, dim_mirror = 0.02;
-static const double survival = 0.999; /* of a step beyond MANY_STEPS */
+static const double survival = 0.999; /* survival probability of each step beyond MANY_STEPS */
 
 struct branch {
     struct orl_path path;
-    uint32_t paths; /* into how many it may split, itself included */
+    uint32_t paths; /* most paths into which it may split, including itself */
     uint32_t steps;
     bool outside, scattered;
 };
@@ -65,7 +65,7 @@ static int add_diffuse(struct orl_seat_rays *r, const struct branch *b, const st
     return add_spot(r, &spot);
 }
 
-/* On both sides of a surface that transmits. */
+/* Adds spots on the visible side of a surface, and if it transmits, on the far side. */
 static int add_lobe_spots(struct orl_seat_rays *r, const struct branch *b,
                           const struct orl_hit *hit, const struct orl_material *m)
 {
@@ -89,11 +89,12 @@ static int add_lobe_spots(struct orl_seat_rays *r, const struct branch *b,
     return code;
 }
 
-/* ---- Ways on --------------------------------------------------------------------------------- */
+/* ---- Continuations --------------------------------------------------------------------------- */
 
-/* A mirrored way that carries little stands for more of them, or is not taken. */
-static bool is_mirrored(struct orl_seat_rays *r, const struct branch *b, const struct orl_hit *hit,
-                        const struct orl_material *m, struct orl_scatter *ret_way)
+/* Computes the mirrored continuation. If it carries little, Russian roulette applies. */
+static bool sample_mirrored(struct orl_seat_rays *r, const struct branch *b,
+                            const struct orl_hit *hit, const struct orl_material *m,
+                            struct orl_scatter *ret_way)
 {
     struct orl_rgb share = orl_material_mirrored(m, hit, orl_path_back(&b->path));
     const struct orl_vec3 d = b->path.direction, n = orl_hit_facing(hit);
@@ -111,7 +112,7 @@ static bool is_mirrored(struct orl_seat_rays *r, const struct branch *b, const s
     return true;
 }
 
-/* Specular light goes straight on or is mirrored; of lobes one direction is drawn. */
+/* Lists the continuations at a surface: straight, mirrored, and one sampled from the lobes. */
 static uint32_t find_ways(struct orl_seat_rays *r, const struct branch *b,
                           const struct orl_hit *hit, const struct orl_material *m,
                           struct orl_scatter ret_ways[MOST_WAYS])
@@ -124,7 +125,7 @@ static uint32_t find_ways(struct orl_seat_rays *r, const struct branch *b,
                                              .transmitted = true,
                                              .direction = b->path.direction,
                                              .weight = straight};
-    n += is_mirrored(r, b, hit, m, &ret_ways[n]);
+    n += sample_mirrored(r, b, hit, m, &ret_ways[n]);
     if (!orl_material_has_lobes(m))
         return n;
     const struct orl_scatter drawn =
@@ -136,7 +137,7 @@ static uint32_t find_ways(struct orl_seat_rays *r, const struct branch *b,
     return n;
 }
 
-/* One of several, by what they carry; its weight then stands for all. */
+/* Samples one continuation in proportion to its weight, and rescales it to represent all. */
 static struct orl_scatter choose_way(struct orl_random *random, const struct orl_scatter *ways,
                                      uint32_t n)
 {
@@ -152,9 +153,9 @@ static struct orl_scatter choose_way(struct orl_random *random, const struct orl
     return chosen;
 }
 
-/* Goes on from the hit; false: the path has ended. */
-static bool go_on(struct orl_seat_rays *r, struct branch *b, const struct orl_hit *hit,
-                  const struct orl_scatter *way)
+/* Continues the path from the hit; returns false if it has ended. */
+static bool continue_path(struct orl_seat_rays *r, struct branch *b, const struct orl_hit *hit,
+                          const struct orl_scatter *way)
 {
     b->path.weight = orl_rgb_mul(b->path.weight, way->weight);
     const double most = orl_rgb_max(b->path.weight);
@@ -171,13 +172,14 @@ static bool go_on(struct orl_seat_rays *r, struct branch *b, const struct orl_hi
 
 /* ---- Splitting ------------------------------------------------------------------------------- */
 
-/* Branches of a ray that are still to be followed, the next one last. */
+/* Stack of a ray's branches that are still to be traced. */
 struct branches {
     struct branch at[ORL_SEAT_RAY_PATHS];
     uint32_t count;
 };
 
-/* Replaces a branch by its ways on. Paths are shared out by what the ways carry, one at least. */
+/* Pushes the continuations of a branch. Its paths are divided in proportion to their weights; each
+ * gets at least one. */
 static void branch_on(struct orl_seat_rays *r, struct branches *all, const struct branch *from,
                       const struct orl_hit *hit, const struct orl_scatter *ways, uint32_t n)
 {
@@ -188,13 +190,13 @@ static void branch_on(struct orl_seat_rays *r, struct branches *all, const struc
         struct branch b = *from;
         const double share = orl_rgb_max(ways[i].weight) / sum;
         b.paths = n > 1 ? 1 + (uint32_t)(share * (from->paths - n)) : from->paths;
-        if (go_on(r, &b, hit, &ways[i]))
+        if (continue_path(r, &b, hit, &ways[i]))
             all->at[all->count++] = b;
     }
 }
 
-/* Follows a branch to the next surface, or out of the scene. */
-static int step(struct orl_seat_rays *r, struct branches *all)
+/* Traces a branch to the next surface, or out of the scene. */
+static int trace_branch(struct orl_seat_rays *r, struct branches *all)
 {
     const struct branch b = all->at[--all->count];
     const struct orl_world *world = r->scene->world;
@@ -232,6 +234,6 @@ int orl_seat_rays_follow(struct orl_seat_rays *rays, struct orl_vec3 direction)
                                 .paths = rays->most_paths,
                                 .outside = rays->view->eye.outside};
     while (all.count > 0 && code == 0)
-        code = step(rays, &all);
+        code = trace_branch(rays, &all);
     return code;
 }

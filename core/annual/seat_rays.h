@@ -1,15 +1,15 @@
 /*
- * The rays of a seat's pixels: terms for the sky and the diffuse surfaces that a ray reaches
- * through panes, mirrors and lobes, and spots where the sun may fall on what is seen.
+ * Rays of a seat's pixels. They add terms for the sky and for diffuse surfaces, reached through
+ * panes, mirrors and lobes. They also add spots on visible surfaces where the sun may fall.
  *
- * At a surface a path goes on in up to three ways: straight through, mirrored, and by one direction
- * drawn from its lobes. It splits into all of them while the ray may have more paths; afterwards it
- * goes one way, chosen at random in proportion to what each carries. Paths that carry little, and
- * those of many steps, end by Russian roulette (Arvo and Kirk 1990, "Particle transport and image
- * synthesis"). So a ray has at most ORL_SEAT_RAY_PATHS paths, whatever the scene, and no light is
- * left out on the average.
+ * At a surface a path may continue in three ways: straight through, mirrored, and in one direction
+ * sampled from its lobes. It splits into all of them while the ray may have more paths. Afterwards
+ * it takes one, sampled in proportion to what each carries. Paths that carry little, and paths of
+ * many steps, end by Russian roulette (Arvo and Kirk 1990, "Particle transport and image
+ * synthesis"). So a ray has at most ORL_SEAT_RAY_PATHS paths in any scene, and the estimate is
+ * unbiased.
  *
- * Threads: one seat, one thread. Random numbers are named by seat and pixel.
+ * Threads: one thread per seat. Random numbers are keyed by seat and pixel.
  */
 #ifndef ORL_ANNUAL_SEAT_RAYS_H
 #define ORL_ANNUAL_SEAT_RAYS_H
@@ -17,24 +17,24 @@
 #include "annual/seat_terms.h"
 #include "annual/seat_view.h"
 
-/* Paths of a ray; of one among those of a pixel that sees lobes, which are more. */
+/* Most paths of a ray: in general, and if the pixel sees lobes and has more rays. */
 enum { ORL_SEAT_RAY_PATHS = 8, ORL_SEAT_LOBE_PATHS = 4 };
 
 struct orl_seat_rays {
-    struct orl_seat_view *view; /* whose places and spots are added to */
+    struct orl_seat_view *view; /* receives places and spots */
     const struct orl_annual_scene *scene;
     struct orl_random random;
     uint32_t pixel;
-    double share;                /* of the pixel that a ray stands for */
-    uint32_t most_paths;         /* of a ray */
-    bool spots;                  /* the next ray adds spots */
-    bool lobes;                  /* a ray has met lobes */
-    struct orl_seat_terms terms; /* of the pixel */
-    size_t spots_room;           /* of the view's array */
-    uint64_t steps;              /* segments followed */
+    double share;                /* share of the pixel that a ray represents */
+    uint32_t most_paths;         /* most paths of a ray */
+    bool spots;                  /* true if the next ray adds spots */
+    bool lobes;                  /* true once a ray has hit lobes */
+    struct orl_seat_terms terms; /* terms of the current pixel */
+    size_t spots_room;           /* capacity of view->spots */
+    uint64_t steps;              /* traced segments */
 };
 
-/* Follows a ray from the eye. Returns 0 or ORL_ERR_NOMEM. */
+/* Traces a ray from the eye. Returns 0 or ORL_ERR_NOMEM. */
 int orl_seat_rays_follow(struct orl_seat_rays *rays, struct orl_vec3 direction);
 
 #endif

@@ -62,7 +62,7 @@ void orl_seat_terms_clear(struct orl_seat_terms *terms)
     terms->count = 0;
 }
 
-/* ---- Choosing -------------------------------------------------------------------------------- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 static int descending(const void *a, const void *b)
 {
@@ -70,7 +70,7 @@ static int descending(const void *a, const void *b)
     return (p < q) - (p > q);
 }
 
-/* The threshold by which `most` of n weights are kept; sorted is overwritten. */
+/* Returns the threshold at which `most` of n weights are kept; sorts `sorted` in place. */
 static double find_threshold(double *sorted, size_t n, size_t most)
 {
     double rest = 0;
@@ -99,7 +99,8 @@ int orl_seat_choose(const double *weights, size_t n, size_t most, struct orl_ran
     memcpy(sorted, weights, n * sizeof *sorted);
     const double threshold = find_threshold(sorted, n, most);
     free(sorted);
-    /* One draw for all: the weight whose share crosses a whole number is kept. */
+    /* Systematic sampling with one random number: a weight is kept if the running sum crosses an
+     * integer there. */
     double sum = orl_random_uniform(random);
     for (size_t i = 0; i < n; i++) {
         if (weights[i] > threshold)
@@ -117,7 +118,7 @@ int orl_seat_terms_thin(struct orl_seat_terms *terms, size_t most, struct orl_ra
     const size_t n = terms->count;
     if (n <= most)
         return 0;
-    double *weights = calloc(2 * n, sizeof *weights); /* and the factors behind them */
+    double *weights = calloc(2 * n, sizeof *weights); /* weights, followed by their factors */
     if (!weights)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++)

@@ -5,7 +5,7 @@
 #include "annual/seat_rays.h"
 #include "scene/geometry/stand.h"
 
-/* Rays of a pixel: two by two, evenly; where lobes scatter them, more. */
+/* Rays of a pixel along an edge; more if lobes scatter them. */
 enum { SIDE = 2, LOBE_SIDE = 6 };
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
@@ -30,7 +30,8 @@ static int trace_pixel(struct orl_seat_rays *rays, uint32_t side)
     return code;
 }
 
-/* Leaves at most that many of the spots behind the first ones, with the weights of all. */
+/* Keeps at most ORL_SEAT_PIXEL_SPOTS of the spots from first on; their weights represent all of
+ * them. */
 static int thin_spots(struct orl_seat_rays *rays, size_t first)
 {
     struct orl_seat_view *view = rays->view;
@@ -55,8 +56,8 @@ static int thin_spots(struct orl_seat_rays *rays, size_t first)
     return code;
 }
 
-/* Appends the pixel's terms to the view's. */
-static int keep_terms(struct orl_seat_rays *rays, size_t *terms_room)
+/* Appends the pixel's terms to those of the view. */
+static int append_terms(struct orl_seat_rays *rays, size_t *terms_room)
 {
     struct orl_seat_view *view = rays->view;
     const size_t first = view->first[rays->pixel];
@@ -102,12 +103,12 @@ static int fill_pixels(struct orl_seat_rays *rays, uint64_t seed, const struct o
         rays->random = orl_random_stream(seed, ORL_PURPOSE_ANNUAL, ~(uint64_t)i);
         code = fill_pixel(rays);
         if (code == 0)
-            code = keep_terms(rays, &terms_room);
+            code = append_terms(rays, &terms_room);
     }
     return code;
 }
 
-/* Names the places of terms by those that are kept. */
+/* Replaces indices of found places by indices of kept places. */
 static void rename_terms(struct orl_seat_view *view)
 {
     for (size_t i = 0; i < view->first[ORL_SEAT_PIXELS]; i++) {
@@ -121,8 +122,8 @@ static void rename_terms(struct orl_seat_view *view)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static int start(struct orl_seat_view *view, const struct orl_world *world,
-                 const struct orl_seat *seat, struct orl_error *err)
+static int init_view(struct orl_seat_view *view, const struct orl_world *world,
+                     const struct orl_seat *seat, struct orl_error *err)
 {
     const struct orl_vec3 towards = orl_normalize(seat->towards);
     const struct orl_vec3 at = orl_sub(seat->at, world->geometry->center);
@@ -148,8 +149,8 @@ static int start(struct orl_seat_view *view, const struct orl_world *world,
     return code < 0 ? orl_error_set(err, code, "out of memory for what a seat sees") : 0;
 }
 
-/* Gives back the room that growing arrays have left over. */
-static void trim(struct orl_seat_view *view)
+/* Frees the unused capacity of the arrays. */
+static void trim_arrays(struct orl_seat_view *view)
 {
     const size_t n_terms = view->first[ORL_SEAT_PIXELS];
     struct orl_seat_term *terms = realloc(view->terms, (n_terms + 1) * sizeof *terms);
@@ -164,7 +165,7 @@ int orl_seat_view_init(struct orl_seat_view *view, const struct orl_annual_scene
 {
     *view = (struct orl_seat_view){.n_spots = 0};
     struct orl_seat_rays rays = {.view = view, .scene = scene};
-    int code = start(view, scene->world, seat, err);
+    int code = init_view(view, scene->world, seat, err);
     if (code < 0)
         return code;
     code = fill_pixels(&rays, name, crew);
@@ -175,7 +176,7 @@ int orl_seat_view_init(struct orl_seat_view *view, const struct orl_annual_scene
     if (code == 0) {
         rename_terms(view);
         orl_seat_places_trim(&view->places);
-        trim(view);
+        trim_arrays(view);
     }
     return code == ORL_ERR_CANCELLED ? orl_error_set(err, code, "cancelled")
            : code < 0                ? orl_error_set(err, code, "out of memory for a seat's view")

@@ -1,14 +1,14 @@
 /*
- * What a seat sees, looked at once for all hours of a year: a fisheye picture whose pixels are sums
- * of the sky's bins, of the light on places of surfaces, and of spots that the sun may light.
+ * View of a seat, built once for all hours of a year. It is a fisheye picture. Each pixel is a sum
+ * of sky bins, of the light on places of surfaces, and of spots that the sun may light.
  *
- * A pixel's rays go on through panes, mirrors and lobes (seat_rays.h); at each diffuse surface on
- * the way its place adds. Places stand for what lies about them on the same
- * surface, as far as the seat sees it (seat_places.h): sensors of the year say how much light falls
- * on them. A pixel's spot is where its first ray comes to: sunlight there is looked for hour by
- * hour, and so the place's own straight sunlight is left out for such rays.
+ * A pixel's rays pass panes, mirrors and lobes (seat_rays.h). At each diffuse surface on the path,
+ * the surface's place adds to the pixel. A place represents the visible part of its surface around
+ * it (seat_places.h); a sensor of the year gives the light there. A pixel's spot is where its first
+ * ray hits. Sunlight there is computed hour by hour, so the place's own direct sunlight is left out
+ * for such rays.
  *
- * Immutable once made. Angles: the picture is Radiance's -vta of 180 degrees.
+ * Immutable once made. The picture has Radiance's projection -vta with 180 degrees.
  */
 #ifndef ORL_ANNUAL_SEAT_VIEW_H
 #define ORL_ANNUAL_SEAT_VIEW_H
@@ -22,34 +22,36 @@
 
 enum { ORL_SEAT_SIDE = 160, ORL_SEAT_PIXELS = ORL_SEAT_SIDE * ORL_SEAT_SIDE };
 
-/* Terms and spots of a pixel, at most. */
+/* Most terms and spots of a pixel. */
 enum { ORL_SEAT_PIXEL_TERMS = 64, ORL_SEAT_PIXEL_SPOTS = 8 };
 
-/* Where the sun may fall on what a pixel sees first but for panes. */
+/* A point seen by a pixel's first ray, directly or through panes, where the sun may shine. */
 struct orl_seat_spot {
-    struct orl_place place; /* on the side that is seen, or beyond, of what light is let by */
+    struct orl_place place; /* on the visible side; for transmitted light, on the far side */
     struct orl_hit hit;
-    struct orl_vec3 eye;                 /* from there */
-    const struct orl_material *material; /* whose lobes send it on; NULL: diffuse */
-    struct orl_rgb weight;               /* of what is sent to the eye; of diffuse ones with 1/pi */
+    struct orl_vec3 eye;                 /* direction from the spot to the eye */
+    const struct orl_material *material; /* material whose lobes send the light on; NULL: diffuse */
+    /* Factor of the light sent to the eye; includes 1/pi for diffuse surfaces. */
+    struct orl_rgb weight;
     uint32_t pixel;
 };
 
 struct orl_seat_view {
     struct orl_field field;
     struct orl_place eye;
-    uint32_t *first; /* into terms, by pixel, and one more */
-    /* Of bins, 0 to ORL_BINS - 1; behind them by twos of places: of the light there but for what
-     * comes straight from the sun, and of all of it. */
+    uint32_t *first; /* by pixel, and one more: index into terms */
+    /* `which` of a term: first the bins, 0 to ORL_BINS - 1; then two per place, its light without
+     * direct sunlight, and all of its light. */
     struct orl_seat_term *terms;
     struct orl_seat_spot *spots;
     size_t n_spots;
     struct orl_seat_places places;
-    uint64_t n_steps; /* ray segments that it took */
+    uint64_t n_steps; /* traced ray segments */
 };
 
-/* name: of the seat, for its random numbers. crew: asked before each pixel if the job is cancelled.
- * Returns 0, ORL_ERR_NOMEM, _CANCELLED or _RANGE; orl_seat_view_done in any case. */
+/* name: the seat's number, for random numbers. Cancellation of the crew is checked before each
+ * pixel. Returns 0, ORL_ERR_NOMEM, _CANCELLED or _RANGE; the caller calls orl_seat_view_done in any
+ * case. */
 int orl_seat_view_init(struct orl_seat_view *view, const struct orl_annual_scene *scene,
                        const struct orl_seat *seat, uint64_t name, const struct orl_crew *crew,
                        struct orl_error *err);

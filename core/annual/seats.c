@@ -1,9 +1,9 @@
 /*
- * Glare over a year: what seats see, their sensors run as a year, and each seat rated.
+ * Glare over a year: builds the views of seats, runs their sensors as a year, and rates each seat.
  *
- * Views are large, and there are many seats: at most ORL_GLARE_SEATS_AT_ONCE views are in memory.
- * When there are more seats, views are made twice, once for the sensors and again for the rating;
- * both times they are the same, as their random numbers are named by the seat.
+ * Views are large, and there may be many seats: at most ORL_GLARE_SEATS_AT_ONCE views are in
+ * memory. If there are more seats, each view is built twice, for the sensors and for the rating.
+ * Both are equal, because random numbers are keyed by seat.
  */
 #include <oriel/annual_glare.h>
 
@@ -16,21 +16,22 @@
 
 /* ---- Seats as a year's sensors --------------------------------------------------------------- */
 
-/* Glare of all seats while a year of their sensors runs. */
+/* State of all seats while a year of their sensors runs. */
 struct seating {
     const struct orl_seats_wish *wish;
-    const struct orl_annual_result *result; /* of the year that the seats belong to */
-    unsigned char *wanted; /* by column: those still to be rated, and those of this run */
+    const struct orl_annual_result *result; /* result of the year to which the seats belong */
+    unsigned char *wanted; /* by column: columns still to be rated, and columns of this run */
     unsigned char *now;
-    struct orl_annual_request request; /* with the sensors of the seats; owned: those */
-    struct orl_seat_view *views;       /* of a group of seats */
-    struct orl_error *errors;          /* likewise */
-    size_t group, n_group;             /* the first seat of the group, and their number */
+    struct orl_annual_request request; /* with the seats' sensors, which are owned */
+    struct orl_seat_view *views;       /* by seat of the group */
+    struct orl_error *errors;          /* by seat of the group */
+    size_t group, n_group;             /* first seat of the group, and number of seats */
     size_t *n_places;                  /* by seat */
-    struct orl_seat_hours *hours;      /* likewise */
+    struct orl_seat_hours *hours;      /* by seat */
     struct orl_year *year;
-    size_t seat, place; /* whose row comes next: of the seat its eye's, then its places' */
-    float *eye, *eye_direct, *eye_error, *places; /* rows of a seat */
+    /* Indices of the next row; place 0 is the seat's eye, then follow its places. */
+    size_t seat, place;
+    float *eye, *eye_direct, *eye_error, *places; /* rows of one seat */
 };
 
 static void view_seat(void *arg, size_t index, uint32_t member)
@@ -42,7 +43,7 @@ static void view_seat(void *arg, size_t index, uint32_t member)
                        s->request.seed + seat, s->year->env->run->crew, &s->errors[index]);
 }
 
-static void leave_group(struct seating *s)
+static void free_group(struct seating *s)
 {
     for (size_t i = 0; i < s->n_group; i++) {
         orl_seat_view_done(&s->views[i]);
@@ -51,12 +52,12 @@ static void leave_group(struct seating *s)
     s->n_group = 0;
 }
 
-/* Makes the views of the seats from that one on. */
+/* Builds the views of a group that starts at the given seat. */
 static int view_group(struct seating *s, size_t first, struct orl_error *err)
 {
     const size_t left = s->wish->n_seats - first;
     struct orl_crew *crew = s->year->env->run->crew;
-    leave_group(s);
+    free_group(s);
     memset(s->errors, 0, ORL_GLARE_SEATS_AT_ONCE * sizeof *s->errors);
     s->group = first;
     s->n_group = left < ORL_GLARE_SEATS_AT_ONCE ? left : ORL_GLARE_SEATS_AT_ONCE;
@@ -71,7 +72,7 @@ static int view_group(struct seating *s, size_t first, struct orl_error *err)
     return 0;
 }
 
-/* Appends the sensors of the group: of each seat its eye and its places. */
+/* Appends the sensors of the group: the eye and the places of each seat. */
 static int add_sensors(struct seating *s)
 {
     const struct orl_vec3 center = s->year->world->geometry->center;
@@ -126,8 +127,8 @@ static int make_rows(struct seating *s)
                : ORL_ERR_NOMEM;
 }
 
-/* Of a year that is prepared: what its sensors are. */
-static int seat_all(void *ctx, struct orl_year *y, struct orl_error *err)
+/* Sets the sensors of a prepared year: those of all seats. */
+static int place_seats(void *ctx, struct orl_year *y, struct orl_error *err)
 {
     struct seating *s = ctx;
     s->year = y;
@@ -148,7 +149,7 @@ static int seat_all(void *ctx, struct orl_year *y, struct orl_error *err)
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-static int rate(struct seating *s, struct orl_error *err)
+static int rate_seat(struct seating *s, struct orl_error *err)
 {
     const size_t in_group = s->seat % ORL_GLARE_SEATS_AT_ONCE;
     int code = s->group + in_group == s->seat ? 0 : view_group(s, s->seat, err);
@@ -166,9 +167,9 @@ static int rate(struct seating *s, struct orl_error *err)
     return code < 0 ? orl_year_failed(s->year, code, err) : 0;
 }
 
-/* The eye's, or a place's; behind a seat's last one it is rated. */
-static int take_row(void *ctx, size_t sensor, const float *total, const float *direct,
-                    const float *se, struct orl_error *err)
+/* Stores the row of an eye or a place. After the last place of a seat, rates the seat. */
+static int store_row(void *ctx, size_t sensor, const float *total, const float *direct,
+                     const float *se, struct orl_error *err)
 {
     struct seating *s = ctx;
     const size_t n = s->result->n_columns;
@@ -184,12 +185,12 @@ static int take_row(void *ctx, size_t sensor, const float *total, const float *d
             all[c] = total[c];
         }
     }
-    return s->place++ == s->n_places[s->seat] ? rate(s, err) : 0;
+    return s->place++ == s->n_places[s->seat] ? rate_seat(s, err) : 0;
 }
 
 /* ---- Runs ------------------------------------------------------------------------------------ */
 
-/* The states of groups at a column; of years without, all 0. */
+/* Returns the states of the groups at a column; all are 0 in years without shades. */
 static void states_at(const struct seating *s, size_t column,
                       unsigned char ret_states[ORL_SHADES_MOST_GROUPS])
 {
@@ -199,8 +200,9 @@ static void states_at(const struct seating *s, size_t column,
         ret_states[g] = r->states[g * r->n_steps + r->step_of_column[column]];
 }
 
-/* Takes out of what is wanted the columns with the states of the first of them; how many. */
-static size_t take_alike(struct seating *s, unsigned char ret_states[ORL_SHADES_MOST_GROUPS])
+/* Moves the first wanted column, and all with the same states, from wanted to now; returns their
+ * number. */
+static size_t select_alike(struct seating *s, unsigned char ret_states[ORL_SHADES_MOST_GROUPS])
 {
     unsigned char states[ORL_SHADES_MOST_GROUPS];
     size_t n = 0;
@@ -216,17 +218,17 @@ static size_t take_alike(struct seating *s, unsigned char ret_states[ORL_SHADES_
     return n;
 }
 
-/* A year of the seats in these states, of which the hours that have them are rated. */
+/* Runs a year of the seats in these states, and rates the hours that have them. */
 static int run_states(struct seating *s, const struct orl_annual_request *request,
                       const struct orl_run_env *run, const unsigned char *states,
                       struct orl_error *err)
 {
     struct orl_annual_variant variant;
-    const struct orl_annual_env env = {.run = run, .row = take_row, .ctx = s};
+    const struct orl_annual_env env = {.run = run, .row = store_row, .ctx = s};
     struct orl_annual_result result = {.n_steps = 0};
     int code = orl_annual_variant_init(&variant, request, states, false, err);
     const struct orl_year_variant how = {
-        .swaps = request->n_groups > 0 ? &variant.swaps : NULL, .prepared = seat_all, .ctx = s};
+        .swaps = request->n_groups > 0 ? &variant.swaps : NULL, .prepared = place_seats, .ctx = s};
     s->request = variant.request;
     s->request.sensors = NULL;
     s->request.n_sensors = 0;
@@ -236,14 +238,14 @@ static int run_states(struct seating *s, const struct orl_annual_request *reques
     s->seat = 0;
     if (code == 0)
         code = orl_year_run(&s->request, &env, &how, &result, err);
-    leave_group(s);
+    free_group(s);
     free(s->request.sensors);
     orl_annual_done(&result);
     orl_annual_variant_done(&variant);
     return code;
 }
 
-/* A run of each combination of states that hours in use have. */
+/* Runs each combination of states that occurs in hours of use. */
 static int run_all(struct seating *s, const struct orl_annual_request *request,
                    const struct orl_run_env *given, struct orl_error *err)
 {
@@ -254,8 +256,8 @@ static int run_all(struct seating *s, const struct orl_annual_request *request,
     int code = 0;
     for (size_t c = 0; c < s->result->n_columns; c++)
         all += s->wanted[c];
-    run.warned = NULL; /* the year's own runs have told */
-    while (code == 0 && (n = take_alike(s, states)) > 0) {
+    run.warned = NULL; /* the year's own runs have issued the warnings */
+    while (code == 0 && (n = select_alike(s, states)) > 0) {
         if (runs++ == ORL_SHADES_MOST_COMBINATIONS)
             return orl_error_set(err, ORL_ERR_LIMIT,
                                  "shades are in more than %d combinations of states while seats "

@@ -1,9 +1,9 @@
 /*
- * The scenes of a year with shades, read before the year begins.
+ * Scene sizes of a year with shades, measured before the year begins.
  *
- * Every state is in one of the scenes: scene i has each group in its i-th state, or in its last
- * one. A year's largest combination of states is bounded by these: surfaces add up over files, so
- * that it has no more than the scene's own files and the largest state of each group.
+ * Every state occurs in one of the measured scenes: scene i has each group in its i-th state, or in
+ * its last one. These bound the largest combination of states. Sizes add up over files, so a
+ * combination has no more than the scene's own files and the largest state of each group.
  */
 #include <oriel/annual.h>
 
@@ -19,7 +19,8 @@ static size_t count_rounds(const struct orl_annual_request *request)
     return rounds;
 }
 
-/* Groups whose states bring files: more than one can be in its largest state at a time. */
+/* Counts groups whose states have files. If there are several, all may be in their largest state at
+ * once. */
 static size_t count_groups_with_files(const struct orl_annual_request *request)
 {
     size_t groups = 0;
@@ -32,9 +33,9 @@ static size_t count_groups_with_files(const struct orl_annual_request *request)
     return groups;
 }
 
-static int measure(const struct orl_annual_variant *variant, size_t n_files,
-                   const struct orl_files *files, const struct orl_swaps *swaps,
-                   struct orl_scene_size *ret_size, struct orl_error *err)
+static int measure_files(const struct orl_annual_variant *variant, size_t n_files,
+                         const struct orl_files *files, const struct orl_swaps *swaps,
+                         struct orl_scene_size *ret_size, struct orl_error *err)
 {
     struct orl_scene_summary summary;
     const int code = orl_run_measure_swapped((const char *const *)variant->files, n_files, files,
@@ -44,7 +45,7 @@ static int measure(const struct orl_annual_variant *variant, size_t n_files,
     return code;
 }
 
-/* One of the scenes. ret_own: of files that belong to no state; NULL: not asked for. */
+/* Measures one of the scenes. ret_own: size of the files that belong to no state; may be NULL. */
 static int measure_round(const struct orl_annual_request *request, const struct orl_files *files,
                          size_t round, struct orl_scene_size *ret_size,
                          struct orl_scene_size *ret_own, struct orl_error *err)
@@ -57,23 +58,24 @@ static int measure_round(const struct orl_annual_request *request, const struct 
     }
     int code = orl_annual_variant_init(&variant, request, states, true, err);
     if (code == 0)
-        code =
-            measure(&variant, variant.request.n_scene_files, files, &variant.swaps, ret_size, err);
+        code = measure_files(&variant, variant.request.n_scene_files, files, &variant.swaps,
+                             ret_size, err);
     const size_t n_own = code == 0 ? variant.items[0].first_file : 0;
-    /* Their size is subtracted from a bound, so files that cannot stand alone count as empty. */
+    /* The size of these files is subtracted from a bound, so files that cannot stand alone count as
+     * empty. */
     if (code == 0 && ret_own && n_own > 0 &&
-        measure(&variant, n_own, files, NULL, ret_own, NULL) < 0)
+        measure_files(&variant, n_own, files, NULL, ret_own, NULL) < 0)
         *ret_own = (struct orl_scene_size){0};
     orl_annual_variant_done(&variant);
     return code;
 }
 
-static uint64_t larger(uint64_t a, uint64_t b)
+static uint64_t max_of(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
 }
 
-static uint64_t beyond(uint64_t all, uint64_t own)
+static uint64_t excess_over(uint64_t all, uint64_t own)
 {
     return all > own ? all - own : 0;
 }
@@ -92,10 +94,10 @@ int orl_shades_measure(const struct orl_annual_request *request, const struct or
             measure_round(request, files, i, &size, several && i == 0 ? &own : NULL, err);
         if (code < 0)
             return code;
-        sum.surfaces += beyond(size.surfaces, own.surfaces);
-        sum.triangles += beyond(size.triangles, own.triangles);
-        most.surfaces = larger(most.surfaces, size.surfaces);
-        most.triangles = larger(most.triangles, size.triangles);
+        sum.surfaces += excess_over(size.surfaces, own.surfaces);
+        sum.triangles += excess_over(size.triangles, own.triangles);
+        most.surfaces = max_of(most.surfaces, size.surfaces);
+        most.triangles = max_of(most.triangles, size.triangles);
     }
     *ret_largest = several ? (struct orl_scene_size){own.surfaces + sum.surfaces,
                                                      own.triangles + sum.triangles}

@@ -1,7 +1,7 @@
 /*
- * A year with shades: which states there are in which hours; a run of each combination of them, or
- * where that is fewer runs, a run of all groups in their first state, one of all in their second,
- * and so on, of which light is added up by group.
+ * A year with shades: the states of each hour, and the runs that give its light. Each combination
+ * of states gets a run. If fewer runs suffice, one run has all groups in their first state, one in
+ * their second, and so on. Light is then added up by group.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -15,14 +15,14 @@
 
 enum { MOST = ORL_SHADES_MOST_COMBINATIONS };
 
-static int poll(const struct orl_shading *s)
+static int check_cancelled(const struct orl_shading *s)
 {
     return orl_is_cancelled(s->env->run->cancel) ? orl_year_cancelled(s->err) : 0;
 }
 
 /* ---- Runs of all light ----------------------------------------------------------------------- */
 
-/* All open: its arrays are the result's. */
+/* Runs the year with all groups open. Its arrays become the result's. */
 static int run_open(struct orl_shading *s, double share)
 {
     const struct orl_sub_run sub = {.states = s->combinations[0], .share = share};
@@ -42,15 +42,15 @@ static int run_open(struct orl_shading *s, double share)
     return code;
 }
 
-/* Raises coherence to the largest of the runs that fill some hour: then intervals are wide enough
- * for the hours of each. */
+/* Raises coherence to the largest of the runs that contribute hours, so that intervals are wide
+ * enough for each. */
 static void raise_coherence(struct orl_annual_result *all, const struct orl_annual_result *run)
 {
     for (size_t i = 0; i < all->n_sensors; i++)
         all->coherence[i] = fmaxf(all->coherence[i], run->coherence[i]);
 }
 
-/* Forgets the coherence of the run of all open if no hour of that run is left. */
+/* Resets the coherence of the open run if no hour of that run remains. */
 static void drop_open_coherence(struct orl_shading *s)
 {
     size_t c = 0;
@@ -60,7 +60,7 @@ static void drop_open_coherence(struct orl_shading *s)
         memset(s->result->coherence, 0, s->result->n_sensors * sizeof *s->result->coherence);
 }
 
-/* Of the hours that have it, total and errors are the run's. */
+/* Runs a combination, and copies total and errors of the hours that have it. */
 static int run_combination(struct orl_shading *s, size_t index, double share)
 {
     const struct orl_sub_run sub = {
@@ -75,7 +75,7 @@ static int run_combination(struct orl_shading *s, size_t index, double share)
             all->total[i * columns + c] = run.total[i * columns + c];
             all->se[i * columns + c] = run.se[i * columns + c];
         }
-        code = poll(s);
+        code = check_cancelled(s);
     }
     if (code == 0)
         raise_coherence(all, &run);
@@ -105,7 +105,7 @@ static bool is_by_sun(const struct orl_shading *s, size_t g)
     return s->request->groups[g].control.kind == ORL_SHADES_BY_SUN;
 }
 
-/* Counts the sensors that have direct sunlight by the windows of each group that closes by it. */
+/* Counts sensors in direct sunlight, by the windows of each group whose control is by sun. */
 static int count_direct(struct orl_shading *s, double share)
 {
     const size_t groups = s->request->n_groups;
@@ -130,18 +130,18 @@ static int count_direct(struct orl_shading *s, double share)
     orl_annual_done(&run);
     if (code == 0 || code != ORL_ERR_UNSUPPORTED || groups > 1 || !s->opened)
         return code;
-    /* Light through openings, or through windows inside a building, has no group. With one group,
-     * all direct sunlight counts. */
+    /* Light through openings, or through windows inside a building, belongs to no group. If there
+     * is only one group, all direct sunlight counts instead. */
     orl_shade_count_done(&s->counts[0]);
     code = begin_count(s, 0);
     for (size_t i = 0; i < s->result->n_sensors && code == 0; i++) {
         count_sunlit(s, i, 0, orl_annual_row(s->result, s->result->direct, i));
-        code = poll(s);
+        code = check_cancelled(s);
     }
     return code;
 }
 
-/* In which columns a seat is dazzled, all groups being open. */
+/* Finds the columns in which DGP at some seat exceeds the control's limit, with all groups open. */
 static int find_glare(struct orl_shading *s, const struct orl_shade_control *control, bool *closed)
 {
     const size_t columns = s->result->n_columns;
@@ -173,7 +173,7 @@ static int find_light(struct orl_shading *s, size_t g, bool *closed)
         int code = begin_count(s, g);
         for (size_t i = 0; i < r->n_sensors && code == 0; i++) {
             orl_shade_count_add(count, s->request, control, i, orl_annual_row(r, r->total, i));
-            code = poll(s);
+            code = check_cancelled(s);
         }
         if (code < 0)
             return code;
@@ -197,7 +197,7 @@ static int control_group(struct orl_shading *s, size_t g, bool *closed)
     return 0;
 }
 
-static int control(struct orl_shading *s, double share)
+static int control_groups(struct orl_shading *s, double share)
 {
     bool *closed = malloc(s->result->n_columns + 1);
     int code = closed ? count_direct(s, share) : orl_year_no_memory(s->err);
@@ -244,16 +244,16 @@ static int run_combinations(struct orl_shading *s, double share)
 
 /* ---- By parts -------------------------------------------------------------------------------- */
 
-/* A run of all groups in one state. Groups that lack the state are in their first. */
+/* A run with all groups in one state. Groups that lack the state are in their first one. */
 struct pass {
     size_t state;
     unsigned char states[ORL_SHADES_MOST_GROUPS];
     bool used[ORL_SHADES_MOST_GROUPS];
-    unsigned char *wanted; /* [part][column]; the last part: windows of no group */
-    bool any;              /* light of some part is wanted somewhere */
+    unsigned char *wanted; /* [part][column]; the last part holds windows of no group */
+    bool any;              /* true if light of some part is wanted in some column */
 };
 
-/* Returns true if light of a part in that state is to be added up in a column. A dark group lets no
+/* Returns true if light of a part in that state counts in a column. A dark group lets no
  * light in. */
 static bool is_wanted(const struct orl_shading *s, size_t part, size_t state, size_t column)
 {
@@ -290,8 +290,8 @@ static int make_pass(const struct orl_shading *s, size_t state, struct pass *pas
     return 0;
 }
 
-/* Adds a run's light to the result. The first pass, if there was no run of all open, also gives the
- * direct sunlight and the overcast sky's light. */
+/* Adds a run's light to the result. Without a run of all open, the first pass also supplies direct
+ * sunlight and the light of the overcast sky. */
 static int add_run(struct orl_shading *s, struct orl_annual_result *run, bool first)
 {
     struct orl_annual_result *all = s->result;
@@ -302,7 +302,7 @@ static int add_run(struct orl_shading *s, struct orl_annual_result *run, bool fi
             all->total[at] += run->total[at];
             all->se[at] = hypotf(all->se[at], run->se[at]);
         }
-        code = poll(s);
+        code = check_cancelled(s);
     }
     if (all->coherence)
         raise_coherence(all, run);
@@ -337,7 +337,7 @@ static int run_pass(struct orl_shading *s, struct pass *pass, double share)
     return code;
 }
 
-/* Sets the hours that are to be added up to 0. */
+/* Clears the hours whose light will be added up. */
 static int begin_sums(struct orl_shading *s)
 {
     struct orl_annual_result *all = s->result;
@@ -382,10 +382,10 @@ static int run_parts(struct orl_shading *s, double share)
 
 /* ---- Which runs ------------------------------------------------------------------------------ */
 
-/* The cost of a run of direct sunlight relative to one of all light. */
+/* Cost of a run of direct sunlight, relative to a run of all light. */
 static const double cost_of_direct = 0.1;
 
-/* Returns the number of combinations that there may be, by the clock and by controls. */
+/* Returns an upper bound of the number of combinations, by schedules and by controls. */
 static double most_combinations(struct orl_shading *s)
 {
     find_combinations(s);
@@ -397,8 +397,8 @@ static double most_combinations(struct orl_shading *s)
     return has_more_than_room(s) ? INFINITY : most;
 }
 
-/* Returns the most combinations of states that get a run each; if there are more, light is added up
- * by parts. */
+/* Returns the number of states in use, plus one for windows in no group. If there are more
+ * combinations than that, light is added up by parts. */
 static size_t count_parts(const struct orl_shading *s)
 {
     size_t n = 1; /* windows in no group */
@@ -413,7 +413,7 @@ static size_t count_parts(const struct orl_shading *s)
     return n;
 }
 
-/* Returns true if a control needs light that only the run of all open finds. */
+/* Returns true if a control needs light that only the run of all open computes. */
 static bool needs_open_first(const struct orl_shading *s)
 {
     for (size_t g = 0; g < s->request->n_groups; g++) {
@@ -439,7 +439,7 @@ static int run_all(struct orl_shading *s)
     const double all = 1 + direct + others;
     int code = needs_open_first(s) ? run_open(s, 1 / all) : 0;
     if (code == 0)
-        code = control(s, direct / all);
+        code = control_groups(s, direct / all);
     if (code < 0)
         return code;
     find_combinations(s);
@@ -454,7 +454,7 @@ static int run_all(struct orl_shading *s)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static int hand_over(struct orl_shading *s)
+static int deliver_rows(struct orl_shading *s)
 {
     struct orl_annual_result *r = s->result;
     int code = 0;
@@ -470,7 +470,7 @@ static int hand_over(struct orl_shading *s)
     return code;
 }
 
-static int shade(struct orl_shading *s)
+static int run_shading(struct orl_shading *s)
 {
     int code = orl_shading_begin(s);
     if (code == 0 && s->env->begins)
@@ -484,7 +484,7 @@ static int shade(struct orl_shading *s)
     s->result->n_groups = s->request->n_groups;
     s->result->summed = s->summed;
     s->result->total_s = orl_year_now(s->reader) - s->reader->started_s;
-    return hand_over(s);
+    return deliver_rows(s);
 }
 
 static int run_shaded(const struct orl_annual_request *request, const struct orl_annual_env *env,
@@ -493,7 +493,7 @@ static int run_shaded(const struct orl_annual_request *request, const struct orl
     struct orl_annual_result result = {.seed = request->seed, .n_sensors = request->n_sensors};
     struct orl_shading s = {.request = request, .env = env, .result = &result, .err = err};
     s.reader = calloc(1, sizeof *s.reader);
-    const int code = s.reader ? shade(&s) : orl_year_no_memory(s.err);
+    const int code = s.reader ? run_shading(&s) : orl_year_no_memory(s.err);
     orl_shading_done(&s);
     if (code < 0)
         orl_annual_done(&result);

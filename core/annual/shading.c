@@ -5,7 +5,7 @@
 
 #include "annual/variant.h"
 
-enum { ROUNDS = 4096 }; /* runs of one round of refinement, at the most */
+enum { ROUNDS = 4096 }; /* most runs per round of refinement */
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
@@ -38,8 +38,8 @@ int orl_shading_begin(struct orl_shading *s)
 
 /* ---- A run ----------------------------------------------------------------------------------- */
 
-/* What it warns of that was not said before goes into the result. */
-static int take_warnings(struct orl_shading *s, struct orl_annual_result *run)
+/* Moves the run's warnings that are new into the result, and issues them. */
+static int move_warnings(struct orl_shading *s, struct orl_annual_result *run)
 {
     struct orl_annual_result *all = s->result;
     for (size_t i = 0; i < run->n_warnings; i++) {
@@ -60,7 +60,7 @@ static int take_warnings(struct orl_shading *s, struct orl_annual_result *run)
     return 0;
 }
 
-static int take_account(struct orl_shading *s, struct orl_annual_result *run)
+static int add_account(struct orl_shading *s, struct orl_annual_result *run)
 {
     for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
         s->result->timings_s[i] += run->timings_s[i];
@@ -75,7 +75,7 @@ static int take_account(struct orl_shading *s, struct orl_annual_result *run)
     s->result->samples = run->samples;
     s->result->n_nodes = run->n_nodes;
     s->result->n_runs++;
-    return take_warnings(s, run);
+    return move_warnings(s, run);
 }
 
 int orl_shading_run(struct orl_shading *s, const struct orl_sub_run *sub,
@@ -101,7 +101,7 @@ int orl_shading_run(struct orl_shading *s, const struct orl_sub_run *sub,
                                          .parts = sub->parts,
                                          .sun_only = sub->sun_only,
                                          .sensors_checked = s->sensors_checked};
-    /* Light that is added up is of paths of its own: errors are independent. */
+    /* Runs whose light is added up use different seeds, so that their errors are independent. */
     if (parted)
         variant.request.seed += (uint64_t)sub->index << 32;
     if (code == 0)
@@ -109,7 +109,7 @@ int orl_shading_run(struct orl_shading *s, const struct orl_sub_run *sub,
     orl_annual_variant_done(&variant);
     s->sensors_checked = s->sensors_checked || code == 0;
     s->told += sub->share;
-    return code == 0 ? take_account(s, ret_run) : code;
+    return code == 0 ? add_account(s, ret_run) : code;
 }
 
 void orl_shading_done(struct orl_shading *s)

@@ -1,4 +1,4 @@
-/* A year with shades under way: its hours, and one of the runs that it is put together of. */
+/* State of a year with shades: its hours, and the runs that it is composed of. */
 #ifndef ORL_ANNUAL_SHADING_H
 #define ORL_ANNUAL_SHADING_H
 
@@ -8,35 +8,38 @@
 struct orl_shading {
     const struct orl_annual_request *request;
     const struct orl_annual_env *env;
-    struct orl_annual_result *result; /* of all open, which becomes that of all */
-    struct orl_year *reader;          /* of the hours alone */
-    unsigned char *states;            /* [group * n_steps + step] */
-    unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first: all open */
+    /* Result of the run with all groups open, then of the whole year. */
+    struct orl_annual_result *result;
+    struct orl_year *reader;                               /* a year used only for its hours */
+    unsigned char *states;                                 /* [group * n_steps + step] */
+    unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first one: all open */
     size_t n_combinations;
-    unsigned char *which;           /* of them, by column; MOST: one that there was no room for */
-    bool opened;                    /* the run of all open is done */
-    bool summed;                    /* light is added up by parts of the windows */
-    struct orl_shade_count *counts; /* by group: sensors in direct sunlight; or not begun */
-    double told;                    /* of the whole, by runs that are over */
-    bool sensors_checked;           /* by the first run */
+    unsigned char *which; /* by column: index of the combination; MOST: there was no room for it */
+    bool opened;          /* true once the run with all groups open is done */
+    bool summed;          /* true if light is added up by parts of the windows */
+    struct orl_shade_count *counts; /* by group: sensors in direct sunlight; zero until begun */
+    double told;                    /* progress: share of the whole in runs that have ended */
+    bool sensors_checked;           /* true once a run has checked the sensors */
     struct orl_error *err;
 };
 
-/* Memory for combinations, and the hours with their schedules, into the result and states. */
+/* Allocates memory for combinations, and reads the hours and their schedules into result and
+ * states. */
 int orl_shading_begin(struct orl_shading *shading);
-/* All but what is the result's. */
+/* Frees everything except the result. */
 void orl_shading_done(struct orl_shading *shading);
 
-/* A run of the year. */
+/* One run of the year. */
 struct orl_sub_run {
-    const unsigned char *states;        /* of each group */
-    uint32_t index;                     /* its own, of all runs there may be */
-    const struct orl_year_parts *parts; /* NULL: light is not told apart */
-    bool sun_only;                      /* direct sunlight alone, by parts */
-    double share;                       /* of what there is to do in all */
+    const unsigned char *states;        /* one per group */
+    uint32_t index;                     /* unique among all possible runs */
+    const struct orl_year_parts *parts; /* NULL: light is not split by part */
+    bool sun_only;                      /* true: direct sunlight alone, by parts */
+    double share;                       /* share of the total work, for progress */
 };
 
-/* Its account and warnings go into the result. Its errors are orl_annual_run's. */
+/* Runs the year in given states. Adds the run's statistics and warnings to the result. Errors are
+ * those of orl_annual_run. */
 int orl_shading_run(struct orl_shading *shading, const struct orl_sub_run *sub,
                     struct orl_annual_result *ret_run);
 

@@ -17,16 +17,16 @@ static void choose_block(struct orl_year *y, size_t index)
     y->count = n - y->first < y->block ? n - y->first : y->block;
 }
 
-/* A path with its sunlight, in a room of a dozen surfaces. */
+/* Time of a path with its sunlight, in a room of a dozen surfaces. */
 static const double path_s = 1e-5;
 
-/* Of one core, for the block at hand. */
+/* Estimated time of the current block, in seconds of one core. */
 static double block_s(const struct orl_year *y)
 {
     return path_s * (double)y->count * (double)y->batch_samples * ORL_ANNUAL_BATCHES;
 }
 
-/* Of the sums of its batches. */
+/* Memory of the sums of all batches of the current block. */
 static uint64_t block_bytes(const struct orl_year *y)
 {
     const struct orl_block_sums *sums = &y->sums;
@@ -37,7 +37,8 @@ static uint64_t block_bytes(const struct orl_year *y)
     return of_batch * y->count * ORL_ANNUAL_BATCHES;
 }
 
-/* Whether the store has all of the block at hand; its key is that of its rows or paths. */
+/* Returns true if the store has all of the current block. The piece's key is that of its rows or
+ * paths. */
 static bool is_made(struct orl_year *y, struct orl_piece *ret_piece)
 {
     struct orl_keeping paths = {.what = y->shares_rows ? ORL_YEARS_ROWS : ORL_YEARS_PATHS,
@@ -53,7 +54,7 @@ static bool is_made(struct orl_year *y, struct orl_piece *ret_piece)
     return has_paths && has_sun;
 }
 
-/* Those that are wanting, and how many; of each its number. */
+/* Lists the missing blocks with their indices, and returns their number. */
 static size_t list_wanting(struct orl_year *y, size_t n, struct orl_piece *pieces, size_t *places)
 {
     size_t wanting = 0;
@@ -71,18 +72,18 @@ struct wanting {
     bool *here;
 };
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     struct orl_year *y = ctx;
     orl_year_tell(y, ORL_STAGE_RENDER, share * (double)y->request->n_sensors);
 }
 
-/* Until the store has all blocks. What cannot be kept is made later, block by block. */
+/* Divides blocks among processes until the store has all, or no more can be stored. */
 static int share_wanting(struct orl_year *y, size_t n, const struct wanting *w,
                          orl_year_make_block *make, struct orl_error *err)
 {
     const struct orl_pieces *shared = y->env->run->pieces;
-    const struct orl_pieces_watch watch = {tell_share, y};
+    const struct orl_pieces_watch watch = {report_share, y};
     size_t wanting = list_wanting(y, n, w->pieces, w->places), before = n + 1;
     int code = 0;
     while (code == 0 && wanting > 0 && wanting < before) {

@@ -9,7 +9,7 @@ enum { TILE = ORL_HOURS_TILE };
 
 /* ---- Functions of a tile's columns ----------------------------------------------------------- */
 
-/* arc cosine */
+/* Arc cosine (Abramowitz and Stegun 1964, 4.4.46). */
 static inline float angle_of(float cosine)
 {
     const float x = fabsf(cosine);
@@ -25,8 +25,8 @@ static inline float angle_of(float cosine)
     return cosine < 0 ? 3.14159265f - angle : angle;
 }
 
-/* exp of arguments from -80 to 80: two to a whole power, by its bits, times a short series. In
- * short loops, for compilers make vectors of those. */
+/* Exponentials of arguments clamped to -80..80: a power of two, set by its exponent bits, times a
+ * short series. The loops are short so that compilers vectorise them. */
 static inline void exps_of(const float at[TILE], float ret[TILE])
 {
     int32_t bits[TILE];
@@ -51,7 +51,7 @@ static inline void exps_of(const float at[TILE], float ret[TILE])
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-/* The sky's share where it blends with the ground. */
+/* Share of the sky where it blends with the ground. */
 static double sky_share(double sine)
 {
     const double w = pow(sine + 1.01, 20);
@@ -78,12 +78,12 @@ void orl_sky_rows_init(struct orl_sky_rows *rows, const struct orl_bins *bins)
     }
 }
 
-/* Numbers of the columns' patterns, each side by side. */
+/* Coefficients of the columns' Perez patterns, each coefficient's columns side by side. */
 struct patterns {
     float gradation[2][TILE], indicatrix[3][TILE], sun[3][TILE];
 };
 
-static void take_patterns(struct patterns *p, const struct orl_daylight *const *skies, uint32_t n)
+static void load_patterns(struct patterns *p, const struct orl_daylight *const *skies, uint32_t n)
 {
     memset(p, 0, sizeof *p);
     for (uint32_t j = 0; j < n; j++) {
@@ -97,7 +97,7 @@ static void take_patterns(struct patterns *p, const struct orl_daylight *const *
     }
 }
 
-/* What the sky's gradation gives a row, times its share there: the mean over the row. */
+/* Computes the mean over a row of the gradation times the sky's share. */
 static ORL_FOR_WIDE_VECTORS void grade_row(const struct orl_sky_rows *rows, int row,
                                            const struct patterns *p, float ret[TILE])
 {
@@ -116,7 +116,7 @@ static ORL_FOR_WIDE_VECTORS void grade_row(const struct orl_sky_rows *rows, int 
     }
 }
 
-/* The pattern in a bin, times what its row has. */
+/* Computes the pattern in a bin: the indicatrix times the gradation of its row. */
 static ORL_FOR_WIDE_VECTORS void paint_bin(struct orl_vec3 towards, const struct patterns *p,
                                            const float graded[TILE], float ret[TILE])
 {
@@ -134,8 +134,8 @@ static ORL_FOR_WIDE_VECTORS void paint_bin(struct orl_vec3 towards, const struct
                               p->indicatrix[2][j] * cosines[j] * cosines[j]);
 }
 
-static ORL_FOR_WIDE_VECTORS void settle_bin(float ground_share, const float sky[TILE],
-                                            const float ground[TILE], float ret[TILE])
+static ORL_FOR_WIDE_VECTORS void blend_bin(float ground_share, const float sky[TILE],
+                                           const float ground[TILE], float ret[TILE])
 {
     for (int j = 0; j < TILE; j++) {
         const float value = ret[j] * sky[j] + ground_share * ground[j];
@@ -171,7 +171,7 @@ void orl_sky_tile_paint(const struct orl_sky_rows *rows, const struct orl_daylig
     struct patterns patterns;
     float graded[TILE], sky[TILE] = {0}, ground[TILE] = {0};
     double per_sky[TILE] = {0};
-    take_patterns(&patterns, skies, n);
+    load_patterns(&patterns, skies, n);
     for (uint32_t bin = 0; bin < ORL_BINS; bin++) {
         const int row = bins->row_of[bin];
         float *to = ret_fine + (size_t)bin * TILE;
@@ -188,6 +188,6 @@ void orl_sky_tile_paint(const struct orl_sky_rows *rows, const struct orl_daylig
         ground[j] = (float)balance.ground;
     }
     for (uint32_t bin = 0; bin < ORL_BINS; bin++)
-        settle_bin(rows->ground[bins->row_of[bin]], sky, ground, ret_fine + (size_t)bin * TILE);
+        blend_bin(rows->ground[bins->row_of[bin]], sky, ground, ret_fine + (size_t)bin * TILE);
     make_coarse(bins, ret_fine, ret_coarse);
 }

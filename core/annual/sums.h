@@ -1,6 +1,6 @@
 /*
- * What the paths of one batch of a sensor come to (trace.h): luma, summed up over its samples, by
- * the part of the windows that light comes in by (scene.h).
+ * Sums over the paths of one batch of a sensor (trace.h): luma, by the part of the windows through
+ * which the light comes in (scene.h).
  */
 #ifndef ORL_ANNUAL_SUMS_H
 #define ORL_ANNUAL_SUMS_H
@@ -12,28 +12,31 @@
 #include "annual/bins.h"
 #include "bsdf/basis.h"
 
-/* Where paths end that look at windows from inside, in place of going on through them: by which
- * window, and in which cell of directions about the way it faces inwards. */
+/* Accumulators for paths that end at the inner side of windows, instead of passing them: by window,
+ * and by cell of directions about the window's inward axis. */
 struct orl_annual_exits {
     const uint32_t *window_of_port;
-    const struct orl_frame *frames; /* by window: n inwards */
+    const struct orl_frame *frames; /* by window: n points inwards */
     const struct orl_basis *basis;
-    float *all, *straight; /* [window][cell]: irradiance, of radiance 1; and without reflections */
+    /* [window][cell]: irradiance for a radiance of 1, of all paths, and of paths without
+     * reflections. */
+    float *all, *straight;
 };
 
-/* Without nodes the sun is not looked for. */
+/* Without nodes sunlight is not computed. */
 struct orl_annual_sums {
-    unsigned char *lit; /* by part: it has bins and nodes; those of others are not set. NULL: there
-                           is one part, which has them */
-    float *bins;        /* [part][ORL_BINS]: irradiance, of radiance 1 there */
-    double *nodes;      /* [part][n_nodes]: irradiance, of a sun that gives 1 to what faces it */
+    /* By part: 1 if its bins and nodes are set; those of other parts are undefined. NULL: there
+     * is one part, which is set. */
+    unsigned char *lit;
+    float *bins;   /* [part][ORL_BINS]: irradiance for a radiance of 1 in the bin */
+    double *nodes; /* [part][n_nodes]: irradiance for a sun with a normal irradiance of 1 */
     size_t n_nodes;
-    double *beams; /* by beam of the map: the same, of what comes through its ports alone */
-    float *lots;   /* [beam][ORL_SUN_MAP_LOTS]: the same, as each lot of photons has it */
-    struct orl_annual_exits *exits; /* NULL: windows are gone through */
+    double *beams; /* by beam of the map: irradiance, of light through its ports alone */
+    float *lots;   /* [beam][ORL_SUN_MAP_LOTS]: irradiance estimated by each lot of photons */
+    struct orl_annual_exits *exits; /* NULL: paths pass through windows */
 };
 
-/* Sets a part that has no sums yet to 0. */
+/* Sets the sums of a part to 0 at its first use. */
 static inline void orl_annual_sums_need(const struct orl_annual_sums *sums, uint32_t part)
 {
     if (!sums->lit || sums->lit[part])

@@ -5,11 +5,12 @@
 #include "base/circle.h"
 #include "scene/material/scatter.h"
 
-/* most: kinds of a part. */
+/* Returns the kind of a port, and adds one if there is room. most: largest number of kinds of a
+ * part. */
 static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *port, uint16_t part,
                           uint32_t most)
 {
-    static const double about = 0.98; /* cosine between ports of a kind */
+    static const double about = 0.98; /* least cosine between ports of a kind */
     const struct orl_world *world = beams->world;
     const struct orl_material *m =
         &world->materials[orl_facet_material(world->geometry, port->facet)];
@@ -45,12 +46,12 @@ static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port
 }
 
 /*
- * Points of the disc: the middle and six about it, of equal parts of its area. Of a BSDF's cells it
- * may lie in two; a pane lets all of it in alike.
+ * Points of the disc: its centre and six around it, for equal parts of its area. The disc may
+ * overlap two cells of a BSDF. Other panes transmit all of it alike, and the centre suffices.
  */
 enum { DISC_POINTS = 7 };
-static const double mean_of_ring =
-    0.73578; /* distance from the middle, of the outer six sevenths */
+/* Mean distance from the centre, in disc radii, of the outer six sevenths of the area. */
+static const double mean_of_ring = 0.73578;
 static double let_in_of_disc(const struct orl_sun_beams *beams, const struct orl_port *port,
                              struct orl_vec3 towards)
 {
@@ -70,8 +71,8 @@ static double let_in_of_disc(const struct orl_sun_beams *beams, const struct orl
     return sum / DISC_POINTS;
 }
 
-/* Ports of a kind are all alike but for small turns: the first of a material and facing stands for
- * those that face exactly as it does. */
+/* Ports of a kind differ only by small rotations. A port that faces exactly like the one before,
+ * with the same material, takes that one's value per area. */
 double orl_sun_beams_let_in(const struct orl_sun_beams *beams, uint32_t kind,
                             struct orl_vec3 towards)
 {

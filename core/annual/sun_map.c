@@ -8,10 +8,10 @@
 #include "annual/sun_squares.h"
 
 enum { MOST_AT_ONCE = 64, CHANNELS = 3 };
-enum { BATCH = 1024 }; /* photons of a beam that are shot together: bounds deposits in memory */
-static const double widths_a_window = 12; /* squares along the side of a window, on average */
+enum { BATCH = 1024 }; /* photons of a beam traced in one call; bounds the deposits in memory */
+static const double widths_a_window = 12; /* squares along the side of a window of mean area */
 
-/* What came to a square, by one lot of one beam. */
+/* Light that one lot of one beam brought to a square. */
 struct brought {
     uint32_t row; /* square and lot */
     uint32_t beam;
@@ -22,18 +22,19 @@ struct orl_sun_map {
     const struct orl_world *world;
     struct orl_sun_squares squares;
     struct orl_sun_beams beams;
-    uint32_t channels; /* 1 where nothing on the way colours light */
-    /* Names of squares, by open addressing: where they stand, plus one; and their areas. */
+    uint32_t channels; /* 1 if no material on the way colours light */
+    /* Hash table of square identifiers, by open addressing: index of the square, and areas by
+     * index. */
     uint64_t *names;
     uint32_t *places;
     size_t room, count, areas_room;
     double *areas;
-    /* Deposits while photons are traced: an entry for each pair of a beam and a row. */
+    /* Deposits while photons are traced: one entry for each pair of a beam and a row. */
     struct brought *brought;
-    uint32_t *latest; /* by row: its latest entry, plus one; 0: none */
+    uint32_t *latest; /* by row: index of its latest entry, plus one; 0: none */
     size_t n_brought, brought_room;
-    /* Rows, of a square's lots one after the other: of the beams that have come there. */
-    size_t *first; /* by row, and one more: into the next two */
+    /* Rows, one for each lot of each square: the beams that reached it. */
+    size_t *first; /* by row, plus one at the end: first index into the next two */
     uint32_t *which;
     float *light; /* [entry][channel]: irradiance */
 };
@@ -85,7 +86,7 @@ static int grow_squares(struct orl_sun_map *map)
     return 0;
 }
 
-/* One more square. */
+/* Adds a square. */
 static int add_square(struct orl_sun_map *map, size_t slot, uint64_t name,
                       const struct orl_hit *hit)
 {
@@ -100,7 +101,7 @@ static int add_square(struct orl_sun_map *map, size_t slot, uint64_t name,
     return 2 * map->count > map->room ? rehash(map, 2 * map->room) : 0;
 }
 
-/* The square of a hit, which is there from then on. */
+/* Finds the square of a hit, and adds it if it is missing. */
 static int need_square(struct orl_sun_map *map, const struct orl_hit *hit, uint32_t *ret_place)
 {
     const uint64_t name = orl_sun_square_of(&map->squares, hit);
@@ -117,14 +118,14 @@ static int need_square(struct orl_sun_map *map, const struct orl_hit *hit, uint3
 
 /* ---- Photons --------------------------------------------------------------------------------- */
 
-static void shoot(void *arg, size_t index, uint32_t member)
+static void trace_shot(void *arg, size_t index, uint32_t member)
 {
     struct orl_sun_shot *shots = arg;
     (void)member;
     orl_sun_shoot(&shots[index]);
 }
 
-/* The entry of a row and a beam, which is there from then on. Beams come one after the other. */
+/* Finds the entry of a row and a beam, and adds it if it is missing. Beams must come in order. */
 static int need_entry(struct orl_sun_map *map, uint32_t row, uint32_t beam,
                       struct brought **ret_entry)
 {
@@ -149,7 +150,7 @@ static int need_entry(struct orl_sun_map *map, uint32_t row, uint32_t beam,
     return 0;
 }
 
-static int take(struct orl_sun_map *map, const struct orl_sun_shot *s)
+static int add_deposits(struct orl_sun_map *map, const struct orl_sun_shot *s)
 {
     int code = s->code;
     for (size_t i = 0; i < s->n_deposits && code == 0; i++) {
@@ -169,7 +170,7 @@ static int take(struct orl_sun_map *map, const struct orl_sun_shot *s)
     return code;
 }
 
-/* A node's are shared out evenly among its beams. */
+/* A node's photons are divided evenly among its beams. */
 static uint32_t photons_of_lot(const struct orl_sun_map *map,
                                const struct orl_sun_map_request *request, size_t beam)
 {
@@ -179,13 +180,13 @@ static uint32_t photons_of_lot(const struct orl_sun_map *map,
     return share > least ? share : least;
 }
 
-/* Where the next batch begins. */
+/* Start of the next batch. */
 struct cursor {
     size_t beam;
     uint32_t photon;
 };
 
-/* Lists batches from the cursor on, and moves it behind them. Returns how many there are. */
+/* Lists up to MOST_AT_ONCE batches from the cursor on, and advances it. Returns their number. */
 static size_t list_shots(const struct orl_sun_map *map, const struct orl_sun_map_request *request,
                          struct cursor *next, struct orl_sun_shot ret_shots[MOST_AT_ONCE])
 {
@@ -209,18 +210,18 @@ static size_t list_shots(const struct orl_sun_map *map, const struct orl_sun_map
     return n;
 }
 
-static int shoot_all(struct orl_sun_map *map, const struct orl_sun_map_request *request,
-                     struct orl_crew *crew)
+static int trace_photons(struct orl_sun_map *map, const struct orl_sun_map_request *request,
+                         struct orl_crew *crew)
 {
     struct orl_sun_shot shots[MOST_AT_ONCE];
     struct cursor next = {.beam = 0};
     int code = rehash(map, 4096);
     while (next.beam < map->beams.count && code == 0) {
         const size_t n = list_shots(map, request, &next, shots);
-        code = orl_crew_try(crew, n, shoot, shots);
+        code = orl_crew_try(crew, n, trace_shot, shots);
         for (size_t i = 0; i < n; i++) {
             if (code == 0)
-                code = take(map, &shots[i]);
+                code = add_deposits(map, &shots[i]);
             orl_sun_shot_done(&shots[i]);
         }
     }
@@ -231,7 +232,7 @@ static int shoot_all(struct orl_sun_map *map, const struct orl_sun_map_request *
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-/* In order of rows, of one row as they came: beam by beam. */
+/* Sorts the entries by row; entries of a row stay in the order of beams. */
 static struct brought *sort_by_row(const struct orl_sun_map *map, size_t n_rows)
 {
     struct brought *sorted = calloc(map->n_brought + 1, sizeof *sorted);
@@ -287,8 +288,8 @@ const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map)
     return &map->beams;
 }
 
-/* All but photons. */
-static int start(const struct orl_sun_map_request *request, struct orl_sun_map **ret_map)
+/* Creates a map that has everything except photons. */
+static int init_map(const struct orl_sun_map_request *request, struct orl_sun_map **ret_map)
 {
     const struct orl_world *world = request->world;
     double area = 0;
@@ -306,7 +307,7 @@ static int start(const struct orl_sun_map_request *request, struct orl_sun_map *
                                          request->part_of_port);
 }
 
-static int finish(int code, struct orl_sun_map *map, struct orl_sun_map **ret_map)
+static int return_map(int code, struct orl_sun_map *map, struct orl_sun_map **ret_map)
 {
     if (code < 0)
         orl_sun_map_free(map);
@@ -321,16 +322,16 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *
     struct orl_sun_map *map = NULL;
     *ret_map = NULL;
     if (world->open || world->n_ports == 0 || request->n_nodes == 0)
-        return 0; /* no beams either */
-    int code = start(request, &map);
+        return 0; /* there are no beams */
+    int code = init_map(request, &map);
     if (code == 0)
-        code = shoot_all(map, request, crew);
+        code = trace_photons(map, request, crew);
     if (code == 0)
         code = make_rows(map);
-    return finish(code, map, ret_map);
+    return return_map(code, map, ret_map);
 }
 
-/* ---- Kept ------------------------------------------------------------------------------------ */
+/* ---- Storage --------------------------------------------------------------------------------- */
 
 struct array {
     void **at;
@@ -339,7 +340,7 @@ struct array {
 
 enum { ARRAYS = 5 };
 
-/* Of a map whose room, count and number of entries are known. */
+/* Lists the arrays of a map whose room, count and number of entries are set. */
 static void list_arrays(struct orl_sun_map *map, size_t entries, struct array ret[ARRAYS])
 {
     ret[0] = (struct array){(void **)&map->names, map->room * sizeof *map->names};
@@ -377,7 +378,7 @@ int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data
     struct array arrays[ARRAYS];
     struct orl_sun_map *map = NULL;
     const char *at = data;
-    int code = start(request, &map);
+    int code = init_map(request, &map);
     memcpy(numbers, at, sizeof numbers);
     at += sizeof numbers;
     if (code == 0) {
@@ -392,7 +393,7 @@ int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data
         else
             code = ORL_ERR_NOMEM;
     }
-    return finish(code, map, ret_map);
+    return return_map(code, map, ret_map);
 }
 
 void orl_sun_map_free(struct orl_sun_map *map)

@@ -1,18 +1,18 @@
 /*
- * Sunlight on surfaces inside a sealed building, of every beam (sun_beams.h): how much of it comes
- * through the ports and, by mirrors and lobes but no diffuse surface, to each square of a surface.
- * (Or by whatever way: contribution photons, oriel/annual.h.)
- * Photons bring it there: straight through clear panes, deflected or scattered by BSDFs, thrown on
- * by whatever is not diffuse. All sensors share it, and paths that come to a surface look up what
- * all nodes give it, without a shadow ray.
+ * Map of sunlight on surfaces inside a sealed building, for each beam (sun_beams.h). It holds the
+ * light that reaches each square of a surface through ports, mirrors and lobes, but no diffuse
+ * surface. A whole map includes diffuse interreflection (contribution photons, oriel/annual.h).
+ * Photons pass straight through clear panes, are deflected or scattered by BSDFs, and are reflected
+ * by surfaces that are not diffuse. All sensors share the map. A path that hits a surface looks up
+ * the light of all nodes there, without shadow rays.
  *
- * Squares are of a side of a facet, a small share of a window wide, of slats a small share of their
- * width, and hold flux over the area of surface in them: none is lost at edges. What a square says
- * is its mean: seen from elsewhere that is as good, and a sensor's own direct light is not taken
- * from here.
+ * A square lies on one side of a facet. It is a small fraction of a window wide, or of a slat's
+ * width. It stores flux divided by the surface area in it, so no flux is lost at edges. Its value
+ * is a mean, which suffices for light seen from elsewhere. A sensor's own direct light is not taken
+ * from the map.
  *
- * Photons are in as many groups as there are lots, independent of each other, for standard errors.
- * Depends on seed and scene alone; immutable once made.
+ * Photons form ORL_SUN_MAP_LOTS independent groups, which yield standard errors. The map depends on
+ * seed and scene alone; immutable once made.
  */
 #ifndef ORL_ANNUAL_SUN_MAP_H
 #define ORL_ANNUAL_SUN_MAP_H
@@ -28,39 +28,43 @@
 
 struct orl_sun_map;
 
-/* Bounds of a map: squares, and entries, one for each beam that comes to a lot of a square. */
+/* Limits of a map: squares, and entries. There is one entry for each beam that reaches a lot of a
+ * square. */
 enum { ORL_SUN_MAP_MOST_SQUARES = 1 << 22, ORL_SUN_MAP_MOST_ENTRIES = ORL_ANNUAL_MOST_MAP_VALUES };
 
 struct orl_sun_map_request {
     const struct orl_world *world; /* borrowed, also by the map */
     const struct orl_sobol *sobol;
-    const struct orl_frame *nodes; /* towards them, as the scene has it; for the call */
+    /* Frames in scene axes, n towards the sun; used during the call only. */
+    const struct orl_frame *nodes;
     size_t n_nodes;
     uint64_t seed;
-    uint32_t photons;             /* of a node, all its beams and lots together */
-    uint32_t of_beam;             /* of a beam, at the least */
-    const uint16_t *part_of_port; /* of the world's (parts.h), for the call; NULL: there is one */
-    bool whole;                   /* with what diffuse surfaces send from one to another */
+    uint32_t photons; /* photons per node, over all its beams and lots */
+    uint32_t of_beam; /* least photons per beam */
+    /* By port of the world (parts.h), used during the call only; NULL: one part. */
+    const uint16_t *part_of_port;
+    bool whole; /* true if light between diffuse surfaces is included */
 };
 
-/* *ret_map is NULL where there is nothing to map: an open scene, or no ports. Returns 0,
- * ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT beyond the bounds above. */
+/* Builds a map. *ret_map is NULL if there is nothing to map: an open scene, no ports or no nodes.
+ * Returns 0, ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT beyond the limits above. */
 int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
                     struct orl_sun_map **ret_map);
-/* The same, of what orl_sun_map_save made of one for an equal request. ORL_ERR_NOMEM. */
+/* Restores a map from the data that orl_sun_map_save wrote for an equal request. Returns 0 or
+ * ORL_ERR_NOMEM. */
 int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data,
                      struct orl_sun_map **ret_map);
-/* ret_data is owned; a multiple of 4 bytes. ORL_ERR_NOMEM. */
+/* Serialises a map. ret_data is owned by the caller, and a multiple of 4 bytes long. Returns 0 or
+ * ORL_ERR_NOMEM. */
 int orl_sun_map_save(const struct orl_sun_map *map, void **ret_data, size_t *ret_size);
 void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
 
-/* Its beams, in the order in which sums have them. */
+/* Returns the map's beams, in the order in which sums hold them. */
 const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map);
 
 /*
- * Adds to the beams what a surface at that hit, on the side that was met, has of them, times the
- * weight: luma, for a sun that gives 1 to what faces it. And to lots the same, [beam][lot], as each
- * lot alone would have it.
+ * Adds the light of every beam on the hit side of the surface, times weight, to beams: luma, for a
+ * sun with a normal illuminance of 1. Adds the estimate of each lot alone to lots, [beam][lot].
  */
 void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
                      struct orl_rgb weight, double *beams, float *lots);

@@ -6,16 +6,17 @@
 #include "light/path.h"
 
 enum { MOST_BOUNCES = 64 };
-static const double dimmest = 0.05; /* of a photon's first flux: dimmer ones live by lot */
+/* Share of a photon's first flux below which Russian roulette applies. */
+static const double dimmest = 0.05;
 
-/* Where a beam's photons are aimed. */
+/* Distribution of a beam's photons over its ports. */
 struct aim {
-    double *shares; /* by port: of its light in all, summed up */
-    double flux;    /* of all ports */
+    double *shares; /* by port: cumulative flux */
+    double flux;    /* flux of all ports */
 };
 
-static void deposit(struct orl_sun_shot *s, const struct orl_hit *hit, uint32_t lot,
-                    struct orl_rgb flux)
+static void record_deposit(struct orl_sun_shot *s, const struct orl_hit *hit, uint32_t lot,
+                           struct orl_rgb flux)
 {
     if (!orl_rgb_is_finite(flux))
         return;
@@ -38,9 +39,10 @@ static void deposit(struct orl_sun_shot *s, const struct orl_hit *hit, uint32_t 
                                  .flux = {(float)flux.r, (float)flux.g, (float)flux.b}};
 }
 
-/* From inside a port to where nothing that it is to go by sends it on. */
-static void fly(struct orl_sun_shot *s, struct orl_path path, uint32_t lot,
-                struct orl_random *random)
+/* Traces a photon from the inner side of a port until it is absorbed, leaves, or no permitted lobe
+ * scatters it. */
+static void trace_photon(struct orl_sun_shot *s, struct orl_path path, uint32_t lot,
+                         struct orl_random *random)
 {
     const struct orl_world *world = s->beams->world;
     const double first = orl_rgb_max(path.weight);
@@ -54,7 +56,7 @@ static void fly(struct orl_sun_shot *s, struct orl_path path, uint32_t lot,
         const struct orl_material *m = orl_world_material(world, &hit);
         orl_path_arrive(&path, m, &hit);
         if (!outside && orl_rgb_max(orl_material_diffuse(m, &hit)) > 0)
-            deposit(s, &hit, lot, path.weight);
+            record_deposit(s, &hit, lot, path.weight);
         if (!s->whole && orl_material_is_matt(m))
             return;
         const struct orl_scatter scatter =
@@ -83,8 +85,8 @@ static size_t port_at(const struct orl_world *world, const struct aim *aim, doub
     return low;
 }
 
-/* One photon from the sun's disc onto a port, and through it. */
-static void shoot_one(struct orl_sun_shot *s, const struct aim *aim, uint32_t index, uint32_t lot)
+/* Traces one photon from the sun's disc to a port and through it. */
+static void emit_photon(struct orl_sun_shot *s, const struct aim *aim, uint32_t index, uint32_t lot)
 {
     const struct orl_world *world = s->beams->world;
     const struct orl_frame *sun = &s->nodes[s->beams->at[s->beam].node];
@@ -116,10 +118,10 @@ static void shoot_one(struct orl_sun_shot *s, const struct aim *aim, uint32_t in
     struct orl_path path = orl_path_from(hit.point, scatter.direction);
     path.weight = orl_rgb_scale(orl_rgb_mul(share, scatter.weight), aim->flux / s->photons);
     orl_path_leave(&path, world, &hit, &scatter);
-    fly(s, path, lot, &random);
+    trace_photon(s, path, lot, &random);
 }
 
-/* The flux that comes to ports is what they would have with nothing before them. */
+/* Photons are distributed by the flux of unobstructed ports; obstacles attenuate each photon. */
 void orl_sun_shoot(struct orl_sun_shot *s)
 {
     const struct orl_world *world = s->beams->world;
@@ -136,7 +138,7 @@ void orl_sun_shoot(struct orl_sun_shot *s)
         aim.shares[i] = aim.flux;
     }
     for (uint32_t i = s->first; aim.flux > 0 && i < s->end && s->code == 0; i++)
-        shoot_one(s, &aim, i / ORL_SUN_MAP_LOTS, i % ORL_SUN_MAP_LOTS);
+        emit_photon(s, &aim, i / ORL_SUN_MAP_LOTS, i % ORL_SUN_MAP_LOTS);
     free(aim.shares);
 }
 

@@ -1,6 +1,6 @@
 /*
- * Direct sunlight at a sensor by sun (hours.h), and by the part of the windows that it comes in by
- * (scene.h): irradiance, of a sun that gives 1 to what faces it.
+ * Direct sunlight at a sensor by sun (hours.h), and by the part of the windows through which it
+ * comes in (scene.h): irradiance for a sun with a normal irradiance of 1.
  */
 #ifndef ORL_ANNUAL_SUN_ROWS_H
 #define ORL_ANNUAL_SUN_ROWS_H
@@ -10,12 +10,12 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Straight and by BSDF panes (oriel/annual.h); what mirrors send; and the square of the standard
- * error of both together. */
+/* Rows: sunlight straight and through BSDF panes (oriel/annual.h); sunlight by mirrors; and the
+ * square of the standard error of both together. */
 enum orl_sun_row { ORL_SUN_DIRECT, ORL_SUN_MIRRORED, ORL_SUN_SQUARES, ORL_SUN_ROWS };
 
-/* Returns how many points of a disc to sample for so many paths a sensor, so that both errors fall
- * together. */
+/* Returns the number of samples of a disc for the given paths per sensor, such that both errors
+ * fall together. */
 enum { ORL_DISC_LEAST_POINTS = 128, ORL_DISC_MOST_POINTS = 2048, ORL_PATHS_A_DISC_POINT = 32 };
 static inline uint32_t orl_disc_points(uint32_t samples)
 {
@@ -28,11 +28,11 @@ static inline uint32_t orl_disc_points(uint32_t samples)
 struct orl_sun_rows {
     float *at; /* [part][ORL_SUN_ROWS][sun] */
     size_t n_suns;
-    unsigned char *lit;   /* by part: it has rows; those of others are not set */
+    unsigned char *lit;   /* by part: 1 if its rows are set; rows of other parts are undefined */
     uint32_t disc_points; /* samples of a sun's disc that an edge crosses; at least 4 */
-    bool direct_only;     /* mirrors are not asked for */
-    /* [part][sun]: the caller needs that sun by that part; NULL: it needs all. BSDF panes are
-     * sampled for these suns only. */
+    bool direct_only;     /* true if light by mirrors is not computed */
+    /* [part][sun]: nonzero if the caller needs that sun for that part; NULL: all are needed. BSDF
+     * panes are sampled for these suns only. */
     const unsigned char *wanted;
 };
 
@@ -42,7 +42,7 @@ static inline float *orl_sun_row_of(const struct orl_sun_rows *rows, uint32_t pa
     return rows->at + ((size_t)part * ORL_SUN_ROWS + row) * rows->n_suns;
 }
 
-/* Sets the rows of a part that has none yet to 0. */
+/* Sets the rows of a part to 0 at their first use. */
 static inline void orl_sun_rows_need(const struct orl_sun_rows *rows, uint32_t part)
 {
     if (rows->lit[part])

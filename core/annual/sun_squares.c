@@ -6,7 +6,7 @@
 
 enum { MOST_CORNERS = 8, ROUND_COLUMNS = 64, ROUND_ROWS = 32, COLUMN_BITS = 14 };
 
-/* A facet's plane, and its axes. */
+/* Origin and two axes in a facet's plane. */
 struct layout {
     struct orl_vec3 origin, along[2];
 };
@@ -33,7 +33,7 @@ static void place_on(const struct layout *layout, struct orl_vec3 point, double 
         ret_at[i] = orl_dot(from, layout->along[i]);
 }
 
-/* Of the first triangle the side of middling length: of a right angle a leg. */
+/* Returns the direction of the triangle's side of middle length: a leg of a right triangle. */
 static struct orl_vec3 axis_of(struct orl_triangle t)
 {
     const struct orl_vec3 sides[3] = {orl_sub(t.b, t.a), orl_sub(t.c, t.b), orl_sub(t.a, t.c)};
@@ -53,9 +53,9 @@ static bool is_strip(double across, double along, double width)
 }
 
 /*
- * Strips may be slats, of which each shades a part of the next and hides a part from the room: what
- * is lit and what is seen go by the place across, and a mean over that would take one for the
- * other. Lengthwise it goes on as it is, so that a strip's squares may be long.
+ * Number of cells along an axis. Strips may be slats: each shades a part of the next one and hides
+ * a part from the room. Both depend on the position across the strip, so a mean across it would mix
+ * lit and visible parts. Along the strip nothing changes, so the cells may be long.
  */
 static double count_along(double extent, double other, double width)
 {
@@ -114,8 +114,8 @@ void orl_sun_squares_done(struct orl_sun_squares *s)
     *s = (struct orl_sun_squares){.sheets = NULL};
 }
 
-/* A facet, and a polygon's sheet. Of what stands in several places both are worked out again each
- * time, into the room here. */
+/* A facet, and the sheet of a polygon. For instanced facets both are computed on each call, into
+ * the storage here. */
 struct met {
     const struct orl_facet *facet;
     const struct orl_sun_sheet *sheet;
@@ -139,7 +139,7 @@ static void look_up(const struct orl_sun_squares *s, uint32_t facet, struct met 
     met->sheet = &met->placed_sheet;
 }
 
-/* Which square of its facet, by column and row. */
+/* Computes column and row of the square in its facet. */
 static void cell_of(const struct orl_sun_squares *s, const struct orl_hit *hit,
                     const struct met *met, int64_t ret_cell[2])
 {
@@ -178,8 +178,9 @@ struct outline {
     int n;
 };
 
-/* What of it is not beyond a line across one axis (Sutherland and Hodgman 1974). */
-static void cut(struct outline *o, int axis, double line, double sign)
+/* Clips the outline at a line across one axis, and keeps the side given by sign (Sutherland and
+ * Hodgman 1974). */
+static void clip_outline(struct outline *o, int axis, double line, double sign)
 {
     struct outline left = {.n = 0};
     for (int i = 0; i < o->n; i++) {
@@ -208,7 +209,8 @@ static double area_of(const struct outline *o)
     return 0.5 * fabs(twice);
 }
 
-/* Of a round surface: by height, but for a cone's and a ring's widths, which go with the radius. */
+/* Area of a cell of a round surface: equal for all heights, except for cones, cups and rings, where
+ * it is proportional to the radius. */
 static double round_area(const struct orl_facet *f, const int64_t cell[2])
 {
     const double whole = f->area / (ROUND_COLUMNS * ROUND_ROWS);
@@ -235,8 +237,8 @@ static double polygon_area(const struct orl_geometry *g, const struct orl_facet 
         place_on(layout, t.c, o.at[2]);
         for (int axis = 0; axis < 2; axis++) {
             const double low = (double)sheet->low[axis], step = (double)sheet->step[axis];
-            cut(&o, axis, low + (double)cell[axis] * step, 1);
-            cut(&o, axis, low + (double)(cell[axis] + 1) * step, -1);
+            clip_outline(&o, axis, low + (double)cell[axis] * step, 1);
+            clip_outline(&o, axis, low + (double)(cell[axis] + 1) * step, -1);
         }
         sum += area_of(&o);
     }

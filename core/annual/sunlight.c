@@ -9,7 +9,7 @@
 enum { FIRST_POINTS = 7, MIRROR_POINTS = 4, MOST_PANES = 64 };
 enum { MOST_PARTS = ORL_SHADES_MOST_GROUPS + 1 };
 
-/* The least probability that a vertex of a path searches for mirrored suns. */
+/* Least probability that a vertex of a path searches for mirrored suns. */
 static const double least_survival = 0.125;
 
 static double disc_radius(double angle_rad)
@@ -17,7 +17,8 @@ static double disc_radius(double angle_rad)
     return tan(0.5 * angle_rad);
 }
 
-/* A point of a disc of that radius about a frame's n, not unit; at is in the unit disc. */
+/* Returns a point on a disc of that radius around a frame's n, not normalised; at: position in the
+ * unit disc. */
 static inline struct orl_vec3 disc_point(const struct orl_frame *frame, double radius,
                                          const double at[2])
 {
@@ -31,8 +32,8 @@ static struct orl_vec3 on_disc(const struct orl_frame *frame, double radius, con
 
 /* ---- Straight -------------------------------------------------------------------------------- */
 
-/* Returns false if no sunlight of that direction can reach the place: inside a building, all of it
- * passes a window. */
+/* Returns false if no sunlight from that direction can reach the place. Inside a building, all
+ * sunlight passes a window. */
 static bool may_come_from(const struct orl_annual_scene *scene, const struct orl_place *place,
                           struct orl_vec3 towards, double slack)
 {
@@ -41,7 +42,7 @@ static bool may_come_from(const struct orl_annual_scene *scene, const struct orl
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */
 
-/* The cosine, or what lobes send towards the eye. */
+/* Returns the cosine, or what the lobes send towards the eye. */
 static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
 {
     const struct orl_sunlit_query *query = ctx;
@@ -58,7 +59,8 @@ static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
                          cosine);
 }
 
-/* Of every other node of a circle only, what lies between is their mean. */
+/* Adds light of every other node of a circle. Each neighbour in between gets half of it, so it
+ * becomes the mean of its two neighbours. */
 static void add_coarsely(const struct orl_annual_sums *sums, uint32_t part, uint32_t a_circle,
                          size_t node, double light)
 {
@@ -70,13 +72,13 @@ static void add_coarsely(const struct orl_annual_sums *sums, uint32_t part, uint
         orl_annual_add_to_node(sums, part, node + 1, 0.5 * light);
 }
 
-/* A vertex's suns: a point of the disc, and which of the nodes the lot has chosen. */
+/* Random choices of a vertex: a point of the disc, and a subset of the nodes. */
 struct lot {
     const struct orl_annual_scene *scene;
     const struct orl_sunlit_query *query;
     const struct orl_annual_sums *sums;
     double radius, at[2];
-    bool coarse; /* of every other node of a circle */
+    bool coarse; /* true if only every other node of a circle is sampled */
     size_t stride, first;
 };
 
@@ -105,7 +107,7 @@ static const struct orl_direction_tree *tree_of(const struct lot *lot)
                             : &lots->inside[lot->first];
 }
 
-/* port: by which the light's path, followed back, first leaves the building. */
+/* port: the first port by which the light's path, followed back, leaves the building. */
 static void add_to_node(const struct lot *lot, size_t node, struct orl_rgb light, int32_t port,
                         double share)
 {
@@ -129,11 +131,11 @@ static void add_straight(const struct lot *lot)
     for (size_t i = lot->first; i < count; i += lot->stride) {
         const size_t k = lot->coarse ? i / a_circle * scene->a_circle + i % a_circle * 2 : i;
         const struct orl_vec3 sun = disc_point(&scene->nodes[k], lot->radius, lot->at);
-        /* Half of all suns are behind the place: they are passed over before anything is asked. */
+        /* Half of all suns are behind the place, and are skipped before any other test. */
         if (!(orl_dot(sun, place->normal) > 0))
             continue;
         const struct orl_vec3 towards = orl_normalize(sun);
-        /* The windows first: a BSDF takes longer than they do. */
+        /* The windows are tested first, because a BSDF takes longer to evaluate. */
         if (!may_come_from(scene, place, towards, 0))
             continue;
         const struct orl_rgb seen = response(lot->query, towards);
@@ -148,13 +150,13 @@ static void add_straight(const struct lot *lot)
 
 /* ---- Nodes by mirrors ------------------------------------------------------------------------ */
 
-/* A pane that the place may see suns in. */
+/* A pane in which the place may see suns. */
 struct mirrored {
     const struct lot *lot;
     const struct orl_mirror_set *set;
     uint32_t item;
     double survival; /* probability that the vertex searches for mirrored suns */
-    double share;    /* one over the probability of this pane */
+    double share;    /* reciprocal of the pane's probability */
 };
 
 static void add_mirrored_node(void *ctx, uint32_t node)
@@ -169,7 +171,7 @@ static void add_mirrored_node(void *ctx, uint32_t node)
     add_to_node(lot, node, light, port, m->share);
 }
 
-/* The disc about a node is as wide as the sun: the cone about the pane is wider by that. */
+/* Adds the suns that a pane may mirror. Its cone is widened by the radius of the sun's disc. */
 static void add_by_pane(void *ctx, uint32_t item, double probability)
 {
     struct mirrored *m = ctx;
@@ -182,7 +184,7 @@ static void add_by_pane(void *ctx, uint32_t item, double probability)
     orl_direction_tree_find(tree_of(m->lot), &cone, add_mirrored_node, m);
 }
 
-/* Russian roulette: the probability is proportional to the vertex's weight. */
+/* Russian roulette with a probability proportional to the vertex's weight. */
 static double survival_of(const struct orl_sunlit_query *query)
 {
     return query->all ? 1 : fmin(fmax(ORL_PI * orl_rgb_max(query->weight), least_survival), 1);
@@ -204,8 +206,8 @@ void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunli
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* Returns a point of the unit disc by its number: its middle and six points of its rim come first,
- * then `points` points spread evenly over it. */
+/* Returns a point of the unit disc by its number. The first are its centre and six points near its
+ * rim; then follow `points` points spread evenly over it. */
 static void point_of_disc(uint32_t n, uint32_t points, double turn, double ret_at[2])
 {
     const bool first = n < FIRST_POINTS;
@@ -221,10 +223,11 @@ static void point_of_disc(uint32_t n, uint32_t points, double turn, double ret_a
 struct disc {
     struct orl_frame frame;
     double radius, turn;
-    uint32_t points; /* samples, if an edge crosses it */
+    uint32_t points; /* samples, used if an edge crosses the disc */
 };
 
-/* Share of a point's light that gets through, its cosine, and the part it comes in by. */
+/* Transmittance towards a point of the disc, its cosine, and the part through which its light comes
+ * in. */
 struct point {
     double share, cosine;
     uint32_t part;
@@ -247,7 +250,7 @@ static struct point look_at_point(const struct orl_annual_scene *scene,
     return (struct point){share, cosine, share > 0 ? orl_annual_part_of(scene, port) : 0};
 }
 
-/* The facet that keeps a ray from the sun; UINT32_MAX: none does. */
+/* Returns the facet that blocks a ray to the sun; UINT32_MAX: none. */
 static uint32_t blocker_of(const struct orl_annual_scene *scene, const struct orl_place *place,
                            struct orl_vec3 towards)
 {
@@ -264,7 +267,8 @@ static uint32_t blocker_of(const struct orl_annual_scene *scene, const struct or
     return UINT32_MAX;
 }
 
-/* Whether one surface covers the whole disc: between several there may be a slit. */
+/* Returns true if one surface covers all first points of the disc. There may be a slit between
+ * several surfaces. */
 static bool is_covered(const struct orl_annual_scene *scene, const struct orl_place *place,
                        const struct disc *disc)
 {
@@ -283,7 +287,7 @@ static bool is_covered(const struct orl_annual_scene *scene, const struct orl_pl
     return true;
 }
 
-/* Light of a disc's points that comes in by one part. */
+/* Light from a disc's points that comes in through one part. */
 struct of_part {
     uint32_t part;
     double sum, squares;
@@ -299,7 +303,7 @@ static struct of_part *find_part(struct of_part *parts, uint32_t *n, uint32_t pa
     return &parts[i];
 }
 
-/* An edge crosses the disc, or a slit may: many points tell. */
+/* Samples many points of a disc that an edge crosses, or where there may be a slit. */
 static void add_points_of_disc(const struct orl_annual_scene *scene, const struct orl_place *place,
                                const struct disc *disc, size_t sun, const struct orl_sun_rows *rows)
 {
@@ -314,8 +318,8 @@ static void add_points_of_disc(const struct orl_annual_scene *scene, const struc
         of->sum += light / disc->points;
         of->squares += light * light / disc->points;
     }
-    /* Points in a plane so even err as their number to the power of -3/4, where edges are straight
-     * (Beck and Chen 1987, irregularities of distribution). */
+    /* The error of such even points falls with their number to the power of -3/4, if edges are
+     * straight (Beck and Chen 1987, irregularities of distribution). */
     const double share = pow(disc->points, -0.75);
     for (uint32_t i = 0; i < n_parts; i++) {
         const struct of_part *of = &parts[i];
@@ -325,7 +329,8 @@ static void add_points_of_disc(const struct orl_annual_scene *scene, const struc
     }
 }
 
-/* If rim and middle see the same, that is all. */
+/* Adds the light of a disc. If rim and centre have the same transmittance, no more points are
+ * needed. */
 static void add_disc(const struct orl_annual_scene *scene, const struct orl_place *place,
                      const struct disc *disc, size_t sun, const struct orl_sun_rows *rows)
 {
@@ -360,14 +365,14 @@ static struct disc disc_of(const struct orl_year_suns *suns, size_t sun, uint64_
                          .turn = (double)(orl_mix64(name ^ orl_mix64(sun + 1)) >> 11) * 0x1p-53};
 }
 
-/* A sensor's suns by one pane after the other. */
+/* Context of a sensor's mirrored suns. */
 struct mirrored_hours {
     const struct orl_annual_scene *scene;
     const struct orl_year_suns *suns;
     const struct orl_place *place;
     const struct orl_crew *crew;
     uint64_t name;
-    uint32_t item; /* the pane */
+    uint32_t item; /* the current pane */
     const struct orl_sun_rows *rows;
 };
 
@@ -404,7 +409,7 @@ static void find_mirrored(struct mirrored_hours *m)
     }
 }
 
-/* Whether any point of the disc may be seen. */
+/* Returns true if some point of the disc may be visible. */
 static bool may_see(const struct orl_annual_scene *scene, const struct orl_place *place,
                     const struct orl_hour_sun *sun)
 {

@@ -1,9 +1,9 @@
 /*
- * Sunlight at a place: straight, through panes, and by way of one flat mirror (a pane among them);
- * of the sun's nodes for paths, and at a sensor of every hour's own sun.
+ * Sunlight at a place: straight, through panes, and by one reflection in a flat mirror or a pane.
+ * Paths use the sun's nodes; sensors use the sun of every hour.
  *
- * What comes by several mirrors one after the other is left out; scenes in which that is more than
- * panes' faint second reflections are refused (scope.h).
+ * Light by several mirrors in sequence is left out. Scenes in which it exceeds the faint second
+ * reflections of panes are refused (scope.h).
  */
 #ifndef ORL_ANNUAL_SUNLIGHT_H
 #define ORL_ANNUAL_SUNLIGHT_H
@@ -12,27 +12,32 @@
 #include "annual/sums.h"
 #include "annual/sun_rows.h"
 
-/* A place, and what its irradiance counts; with lobes not NULL what these send towards eye. */
+/* A place and the weight of its irradiance. If lobes is not NULL, the light that they send towards
+ * eye counts instead of irradiance. */
 struct orl_sunlit_query {
     struct orl_place place;
     struct orl_rgb weight;
-    int32_t port; /* by which the path to the place has first left the building; or ORL_NO_PORT */
-    bool all;     /* of nodes, not some by lot: where a sensor looks at the place itself */
-    bool mapped;  /* what the map of the sun has is not asked for: mirrors outside alone */
+    /* First port by which the path to the place left the building; ORL_NO_PORT: none. */
+    int32_t port;
+    /* True if all nodes are tried, not a random subset; for surfaces that a sensor sees
+     * directly. */
+    bool all;
+    /* True if the map of sunlight supplies the rest: only mirrors seen through ports are
+     * searched. */
+    bool mapped;
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;
 };
 
-/* Adds to the nodes of each part, for a sun that gives 1 to what faces it. */
+/* Adds light to the nodes of each part, for a sun with a normal illuminance of 1. */
 void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
                     struct orl_random *random, const struct orl_annual_sums *sums);
 
 /*
- * Irradiance at a sensor by the discs of all suns that are wanted, of each as if it gave 1 to what
- * faces it: straight (and through panes), and by mirrors. The crew is asked before each sun,
- * straight and by each pane, if the job is cancelled, and then the rest is left out; NULL: it never
- * is.
+ * Computes irradiance at a sensor by the discs of all wanted suns, each with a normal illuminance
+ * of 1: straight, through panes, and by mirrors. Cancellation of the crew is checked before each
+ * sun, straight and by each mirror pane; the rest is then left out. crew may be NULL.
  */
 void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                            const struct orl_place *place, uint64_t name,

@@ -6,34 +6,34 @@
 
 enum { CORNERS = ORL_SUN_CORNERS };
 
-/* Corners tell where light falls if they let in at least this share of what the sun lets in. */
+/* Corners are used for a kind if they let in at least this share of what the sun lets in. */
 static const double least_lit = 0.05;
 
 struct maker {
     struct orl_sun_terms *terms;
     const struct orl_year_suns *suns;
     const struct orl_sun_nodes *nodes;
-    const struct orl_frame *frames;    /* of nodes */
+    const struct orl_frame *frames;    /* frames of nodes */
     const struct orl_sun_beams *beams; /* or NULL */
     size_t n_kinds;
-    struct orl_port_shadows shadows; /* of beams */
-    double *of_nodes;                /* [node][kind]: what ports let in */
-    uint32_t *beam_of;               /* [node][kind], or UINT32_MAX */
+    struct orl_port_shadows shadows; /* for beams; unset without them */
+    double *of_nodes;                /* [node][kind]: flux that the ports let in */
+    uint32_t *beam_of;               /* [node][kind]: beam, or UINT32_MAX */
     struct weight *weights;          /* [sun][corner][1 + kind] */
     struct stand_in *stand_ins;      /* [sun][kind] */
 };
 
-/* A corner's, by the cubic and by the wide way; both 0: none. */
+/* Weights of a corner in the cubic and in the wide interpolation; both 0: none. */
 struct weight {
     float fine, wide;
 };
 
-/* Where a sun lights ports of a kind and the corners do not, the nearest node that does stands in.
- */
+/* Stand-in for the corners: if a sun lights ports of a kind and the corners do not, the nearest
+ * node that does replaces them. */
 struct stand_in {
-    uint32_t beam; /* of that node */
-    float weight;  /* 0: no node stands in */
-    bool missing;  /* one should, and none lights those ports */
+    uint32_t beam; /* beam of that node */
+    float weight;  /* 0: no stand-in */
+    bool missing;  /* true if a stand-in is needed, but no node lights those ports */
 };
 
 static struct weight *weights_of(const struct maker *m, size_t which)
@@ -41,7 +41,8 @@ static struct weight *weights_of(const struct maker *m, size_t which)
     return m->weights + which * CORNERS * (1 + m->n_kinds);
 }
 
-/* What comes of corners is to have a direction's length of 1: planes then have their cosine. */
+/* Length of the interpolated direction. Weights are divided by it, so that irradiance of a plane
+ * has the correct cosine. */
 static double shortening(const struct maker *m, const struct orl_sun_between *at,
                          const float *weights)
 {
@@ -60,7 +61,7 @@ static double let_in_by_corners(const struct maker *m, const struct orl_sun_betw
     return sum;
 }
 
-/* Whether ports of a kind are lit at all corners: then what they let in is smooth there. */
+/* Returns true if all corners light ports of a kind, so that their flux is smooth in between. */
 static bool is_lit_all_round(const struct maker *m, const struct orl_sun_between *at, uint32_t kind)
 {
     for (int i = 0; i < CORNERS; i++)
@@ -69,7 +70,7 @@ static bool is_lit_all_round(const struct maker *m, const struct orl_sun_between
     return true;
 }
 
-/* Returns the flux that a sun sends through ports of a kind, past what stands outside. */
+/* Returns the flux that a sun sends through ports of a kind, less what obstacles outside block. */
 static double let_in_of(const struct maker *m, uint32_t kind, struct orl_vec3 sun)
 {
     const double let_in = orl_sun_beams_let_in(m->beams, kind, sun);
@@ -94,9 +95,10 @@ static struct stand_in find_stand_in(const struct maker *m, uint32_t kind, struc
     return ret;
 }
 
-/* Where a sun sends more than twice as much through the ports as the corners, or less than half,
- * the corners do not tell where it falls indoors. The wide interpolation then gets less than its
- * full weight, so that the two interpolations lie further apart and the error is larger. */
+/* Computes weights of a kind. If a sun sends more than twice as much through the ports as the
+ * corners, or less than half, its light falls elsewhere indoors. The wide interpolation then gets
+ * less than its full weight. This increases the difference of both interpolations, and hence the
+ * error. */
 static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, uint32_t kind,
                        size_t which, struct weight *weights)
 {
@@ -120,7 +122,7 @@ static void weigh_kind(const struct maker *m, const struct orl_sun_between *at, 
             (float)((double)by[i] * ratio), (float)((double)rough[i] * alike * let_in / of_rough)};
 }
 
-static void weigh(void *arg, size_t which, uint32_t member)
+static void weigh_sun(void *arg, size_t which, uint32_t member)
 {
     const struct maker *m = arg;
     const struct orl_hour_sun *sun = &m->suns->at[which];
@@ -153,8 +155,8 @@ static int measure_nodes(struct maker *m)
     return 0;
 }
 
-/* Appends what a sun has of a kind, or of nodes (of: 0, or the kind plus 1), where there is room;
- * returns how many terms that is. */
+/* Lists the terms of a sun for nodes (of: 0) or a kind (of: kind plus 1). Stores them at `to` if
+ * write is true. Returns their number. */
 static uint32_t list_kind(const struct maker *m, size_t sun, const struct orl_sun_between *at,
                           size_t of, uint32_t to, bool write)
 {
@@ -184,7 +186,7 @@ static uint32_t list_kind(const struct maker *m, size_t sun, const struct orl_su
     return n + 1;
 }
 
-/* Counts the suns of which some light is lost. */
+/* Counts the suns that lose some light. */
 static size_t count_lost(const struct maker *m)
 {
     size_t n = 0;
@@ -197,7 +199,7 @@ static size_t count_lost(const struct maker *m)
     return n;
 }
 
-/* Nodes, then beams by part. Sets where each begins. */
+/* Lists a sun's terms of nodes, then those of beams by part, and sets where each begins. */
 static uint32_t list_sun(const struct maker *m, size_t sun, uint32_t to, bool write)
 {
     uint32_t *first = m->terms->first + sun * (1 + m->terms->n_parts);
@@ -261,7 +263,7 @@ int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *
     if (code == 0)
         code = measure_nodes(&m);
     if (code == 0)
-        code = orl_crew_try(crew, suns->count, weigh, &m);
+        code = orl_crew_try(crew, suns->count, weigh_sun, &m);
     if (code == 0)
         code = list_all(&m);
     if (code == 0)

@@ -1,8 +1,8 @@
 /*
- * Each sun (hours.h) as a sum over nodes and beams (sun_map.h): by place between nodes; of
- * beams also by how much more or less the ports let in from there than from the nodes, so that the
- * cosine at a window, what its pane does with it, and shadows of what stands outside
- * (port_shadows.h) are the hour's own.
+ * Interpolation weights of each sun (hours.h) over nodes and over beams (sun_map.h). Weights of
+ * beams also contain the ratio of the flux that the ports let in from the sun to that of the nodes.
+ * Thus the cosine at a window, the transmittance of its pane, and shadows from outside
+ * (port_shadows.h) are those of the hour.
  *
  * Immutable once made.
  */
@@ -14,14 +14,14 @@
 #include "annual/sun_map.h"
 
 struct orl_sun_terms {
-    uint32_t n_parts; /* of the windows (parts.h) */
-    size_t n_lost;    /* suns that light ports which no node lights: that light is lost */
-    /* Into the next ones, by sun: [sun][0]: nodes, [sun][1 + part]: beams of each part; and one
-     * more. */
+    uint32_t n_parts; /* parts of the windows (parts.h) */
+    size_t n_lost;    /* suns that light ports which no node lights; that light is lost */
+    /* Indices into the next three: [sun][0] is the first term of nodes, [sun][1 + part] the first
+     * of beams of a part. One more index ends the list. */
     uint32_t *first;
     uint32_t *which; /* node or beam */
     float *weights;
-    float *apart; /* by how much these differ from the wide interpolation's (nodes.h) */
+    float *apart; /* difference of weights from the wide interpolation's (nodes.h) */
 };
 
 /* Terms from first to end. */
@@ -41,8 +41,8 @@ static inline struct orl_sun_range orl_sun_terms_beams(const struct orl_sun_term
     return (struct orl_sun_range){first[0], first[1]};
 }
 
-/* map may be NULL; n_parts: of its beams. Returns 0, ORL_ERR_NOMEM or _CANCELLED;
- * orl_sun_terms_done in either case. */
+/* map may be NULL. n_parts: parts of the map's beams. Returns 0, ORL_ERR_NOMEM or _CANCELLED; the
+ * caller calls orl_sun_terms_done in either case. */
 int orl_sun_terms_init(struct orl_sun_terms *terms, const struct orl_year_suns *suns,
                        const struct orl_sun_nodes *nodes, const struct orl_frame *node_frames,
                        const struct orl_sun_map *map, const struct orl_sobol *sobol,

@@ -3,11 +3,11 @@
 #include "annual/sunlight.h"
 #include "light/eye_path.h"
 
-/* Rays of a place: at the sensor, at surfaces that a ray comes to, and outside of a sealed
- * building, where no ray is aimed at its windows. */
+/* Rays per strategy: at the sensor, at surfaces that a ray hits, and outside a sealed building.
+ * Outside, no ray is aimed at the building's windows. */
 static const struct orl_effort at_sensors = {{1, 1, 0, 0.5}}, deeper = {{1, 0.5, 0, 0}},
                                outside = {{1, 0, 0}};
-/* Places that matter less than that, of one sensor's sample, are followed by lot. */
+/* Thresholds of Russian roulette, as shares of one sample of the sensor. */
 static const double dimmest_place = 0.03, dimmest_path = 0.02;
 
 struct tracer {
@@ -15,29 +15,29 @@ struct tracer {
     struct orl_annual_sums *sums;
     struct orl_random random;
     struct orl_health *health;
-    uint32_t sequence, index; /* of the sample's even numbers */
+    uint32_t sequence, index; /* keys of the sample's Sobol points */
 };
 
-/* A place on the way: of its irradiance the weight is the sensor's. */
+/* A shading point. Its irradiance contributes to the sensor with this weight. */
 struct stop {
     struct orl_place place;
     struct orl_rgb weight;
     uint32_t depth;       /* 0: the sensor */
-    int32_t port;         /* by which the path has first left the building; or ORL_NO_PORT */
-    const double *evenly; /* three numbers for its first ray, or NULL */
-    bool mapped;          /* the sun has been seen to */
-    bool known;           /* so has all light that the map has: it is a whole one */
+    int32_t port;         /* first port by which the path left the building; or ORL_NO_PORT */
+    const double *evenly; /* three Sobol numbers for its first ray, or NULL */
+    bool mapped;          /* true if the map has already added the sun */
+    bool known;           /* true if a whole map has already added all indoor light of the map */
 };
 
 struct walk {
-    struct orl_eye_path eye; /* first: what sinks are given */
+    struct orl_eye_path eye; /* must come first: callbacks receive it */
     struct tracer *tracer;
     uint32_t depth;
-    int32_t port; /* as of the stop where it set out, or passed since */
-    bool known;   /* as of the stop */
+    int32_t port; /* from the stop where the path started, or set at the first crossing outwards */
+    bool known;   /* known of the stop where the path started */
     const double *evenly;
-    bool bent;          /* not straight from where it set out */
-    bool straight_only; /* surfaces end it */
+    bool bent;          /* true once the path has left its initial direction */
+    bool straight_only; /* true if the path ends at surfaces */
 };
 
 static void light_at(struct tracer *t, const struct stop *stop);
@@ -49,7 +49,7 @@ static struct walk *walk_of(struct orl_eye_path *p)
 
 /* ---- A path ---------------------------------------------------------------------------------- */
 
-static void take_sky(struct orl_eye_path *p)
+static void add_sky(struct orl_eye_path *p)
 {
     const struct walk *w = walk_of(p);
     const struct orl_annual_scene *scene = w->tracer->scene;
@@ -85,7 +85,8 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
     light_at(w->tracer, &stop);
 }
 
-/* Of the lobes of what was met: the sun's nodes, on so many sides, the one that was met first. */
+/* Adds sunlight by the lobes of the surface hit. sides: 1 for the side of the ray, 2 for both
+ * sides. */
 static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
 {
     struct orl_eye_path *p = &w->eye;
@@ -107,10 +108,10 @@ static void add_lobes(struct walk *w, const struct orl_material *m, int sides)
 }
 
 /*
- * What lobes inside throw on surfaces is in the map, what they send to the sensor is not; but for
- * what panels let in straight to it, which is panels.h's. What a panel sends to surfaces outdoors
- * keeps its flux and not its shape, as exterior paths have it; what it sends to a sensor there
- * keeps both.
+ * The map contains the light that lobes inside throw on surfaces, but not the light they send to
+ * the sensor. Light of panels straight to the sensor belongs to panels.h. Sunlight that a panel
+ * reflects to surfaces outdoors keeps its flux, but not its directional distribution, as on
+ * exterior paths. Towards a sensor outdoors it keeps both.
  */
 static void add_sun_by_lobes(struct walk *w, const struct orl_material *m)
 {
@@ -129,8 +130,9 @@ static bool survives(struct walk *w)
     return !(chance < 1) || orl_path_survives(&w->eye.path, chance, w->eye.random);
 }
 
-/* Ends at a window, where paths are to; false: it goes on. */
-static bool take_exit(const struct walk *w)
+/* Records a path that ends at a window and returns true. Returns false if paths pass windows or the
+ * surface is no window. */
+static bool record_exit(const struct walk *w)
 {
     const struct orl_eye_path *p = &w->eye;
     struct orl_annual_exits *exits = w->tracer->sums->exits;
@@ -151,12 +153,12 @@ static bool take_exit(const struct walk *w)
     return true;
 }
 
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+static enum orl_lobes handle_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct walk *w = walk_of(p);
     const struct orl_rgb albedo = orl_material_diffuse(m, &p->hit);
     w->tracer->health->rays++;
-    if (take_exit(w))
+    if (record_exit(w))
         return ORL_LOBE_NONE;
     if (orl_rgb_max(albedo) > 0 && !w->straight_only)
         add_diffuse(w, albedo);
@@ -168,7 +170,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
                        : ORL_LOBE_NONE;
 }
 
-static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
+static bool handle_scattered(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     const bool inside = !p->outside;
     orl_eye_path_cross(p, s);
@@ -179,13 +181,15 @@ static bool go_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return !(walk_of(p)->bent && walk_of(p)->straight_only);
 }
 
-static const struct orl_eye_sink sink = {.escaped = take_sky, .met = meet, .sent_on = go_on};
+static const struct orl_eye_sink sink = {
+    .escaped = add_sky, .met = handle_hit, .sent_on = handle_scattered};
 
 /* ---- The light of a place -------------------------------------------------------------------- */
 
-/* One aimed ray; u: three numbers for it, and three for where it ends. */
-static void look(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
-                 enum orl_way way, const double u[6], bool evenly)
+/* Traces one ray sampled by a strategy. u: three numbers for the ray, and three for the surface it
+ * hits. */
+static void trace_ray(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
+                      enum orl_way way, const double u[6], bool evenly)
 {
     struct orl_aimed aimed;
     t->health->paths++;
@@ -206,8 +210,8 @@ static void look(struct tracer *t, const struct stop *stop, const struct orl_eff
     orl_eye_path_follow(&w.eye, &sink, t->health);
 }
 
-static void look_by(struct tracer *t, const struct stop *stop, const struct orl_effort *effort,
-                    enum orl_way way)
+static void trace_strategy(struct tracer *t, const struct stop *stop,
+                           const struct orl_effort *effort, enum orl_way way)
 {
     const double wanted = effort->rays[way];
     const bool evenly = stop->depth == 0;
@@ -220,7 +224,7 @@ static void look_by(struct tracer *t, const struct stop *stop, const struct orl_
     for (int i = 0; i < 3 && !evenly; i++)
         u[i] = stop->evenly && way == ORL_WAY_COSINE ? stop->evenly[i]
                                                      : orl_random_uniform(&t->random);
-    look(t, stop, effort, way, u, evenly);
+    trace_ray(t, stop, effort, way, u, evenly);
 }
 
 static void light_at(struct tracer *t, const struct stop *stop)
@@ -236,9 +240,9 @@ static void light_at(struct tracer *t, const struct stop *stop)
                                                .mapped = stop->mapped};
         orl_sunlit_add(t->scene, &query, &t->random, t->sums);
     }
-    look_by(t, stop, &effort, ORL_WAY_COSINE);
-    look_by(t, stop, &effort, ORL_WAY_PORT);
-    look_by(t, stop, &effort, ORL_WAY_TARGET);
+    trace_strategy(t, stop, &effort, ORL_WAY_COSINE);
+    trace_strategy(t, stop, &effort, ORL_WAY_PORT);
+    trace_strategy(t, stop, &effort, ORL_WAY_TARGET);
 }
 
 void orl_annual_trace(const struct orl_annual_scene *scene, const struct orl_place *place,

@@ -5,7 +5,7 @@
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static int compare(const void *a, const void *b)
+static int compare_names(const void *a, const void *b)
 {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
@@ -19,7 +19,7 @@ static size_t count_files(const struct orl_annual_request *request)
     return n;
 }
 
-/* Names of all states' files, sorted. */
+/* Returns the names of all states' files, sorted. */
 static char **list_files(const struct orl_annual_request *request, size_t n)
 {
     char **names = malloc((n + 1) * sizeof *names);
@@ -32,11 +32,12 @@ static char **list_files(const struct orl_annual_request *request, size_t n)
             for (size_t i = 0; i < state->n_files; i++)
                 names[at++] = state->files[i];
         }
-    qsort(names, n, sizeof *names, compare);
+    qsort(names, n, sizeof *names, compare_names);
     return names;
 }
 
-/* The scene's own, but for those that states name; then those of the states that are. */
+/* Chooses the scene's files except those that any state names, then the files of the given
+ * states. */
 static int choose_files(struct orl_annual_variant *v, const struct orl_annual_request *request,
                         const unsigned char *states)
 {
@@ -51,7 +52,7 @@ static int choose_files(struct orl_annual_variant *v, const struct orl_annual_re
         return ORL_ERR_NOMEM;
     }
     for (size_t i = 0; i < request->n_scene_files; i++)
-        if (!bsearch(&request->scene_files[i], named, n, sizeof *named, compare))
+        if (!bsearch(&request->scene_files[i], named, n, sizeof *named, compare_names))
             v->files[v->request.n_scene_files++] = request->scene_files[i];
     for (size_t g = 0; g < request->n_groups; g++) {
         const struct orl_shade_state *state = &request->groups[g].states[states[g]];

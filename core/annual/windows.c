@@ -1,6 +1,6 @@
 #include "annual/windows.h"
 
-static void widen(struct orl_window *w, struct orl_vec3 corner)
+static void widen_to_corner(struct orl_window *w, struct orl_vec3 corner)
 {
     const struct orl_vec3 from = orl_sub(corner, w->corner);
     for (int i = 0; i < 2; i++) {
@@ -9,7 +9,7 @@ static void widen(struct orl_window *w, struct orl_vec3 corner)
     }
 }
 
-/* A polygon's rectangle has the direction of a side of its first triangle. */
+/* The rectangle is aligned with a side of the polygon's first triangle. */
 static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet)
 {
     struct orl_facet own;
@@ -17,7 +17,7 @@ static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet
     const struct orl_triangle t = orl_triangle_of(g, f->first_triangle);
     const struct orl_vec3 sides[3] = {orl_sub(t.b, t.a), orl_sub(t.c, t.b), orl_sub(t.a, t.c)};
     struct orl_window w = {.facet = facet, .corner = t.a, .normal = f->normal};
-    /* The middle one: of a right angle the longer leg, never its diagonal. */
+    /* The side of middle length: the longer leg of a right triangle, never its hypotenuse. */
     int order[3] = {0, 1, 2};
     for (int i = 0; i < 2; i++)
         for (int k = 0; k < 2 - i; k++)
@@ -30,9 +30,9 @@ static struct orl_window of_polygon(const struct orl_geometry *g, uint32_t facet
     w.along[1] = orl_cross(w.normal, w.along[0]);
     for (uint32_t i = 0; i < f->n_triangles; i++) {
         const struct orl_triangle part = orl_triangle_of(g, orl_facet_triangle(f, i));
-        widen(&w, part.a);
-        widen(&w, part.b);
-        widen(&w, part.c);
+        widen_to_corner(&w, part.a);
+        widen_to_corner(&w, part.b);
+        widen_to_corner(&w, part.c);
     }
     return w;
 }
@@ -65,7 +65,7 @@ struct orl_window orl_window_of(const struct orl_geometry *g, uint32_t facet)
 void orl_window_widen(struct orl_window *window, const struct orl_window *other)
 {
     for (int i = 0; i < 4; i++)
-        widen(window, orl_window_corner(other, i));
+        widen_to_corner(window, orl_window_corner(other, i));
 }
 
 bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
@@ -73,7 +73,8 @@ bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
 {
     const struct orl_vec3 from = orl_sub(origin, w->corner);
     const double height = orl_dot(from, w->normal), fall = -orl_dot(direction, w->normal);
-    if (!(height * fall > 0)) /* it goes away, or along: along within the slack is as good */
+    /* The ray points away from the plane, or runs along it, even within the slack. */
+    if (!(height * fall > 0))
         return false;
     const double distance = height / fall, room = slack * distance / fmax(fabs(fall), 1e-3);
     for (int i = 0; i < 2; i++) {
@@ -86,7 +87,7 @@ bool orl_window_passed(const struct orl_window *w, struct orl_vec3 origin,
     return true;
 }
 
-/* From afar: about the ball of which the diagonal is a diameter. */
+/* Cone of a distant window: around the sphere whose diameter is the rectangle's diagonal. */
 static bool find_far_cone(const struct orl_window *w, struct orl_vec3 point,
                           struct orl_cone *ret_cone)
 {
@@ -115,11 +116,11 @@ struct orl_cone orl_window_cone(const struct orl_window *window, struct orl_vec3
         axis = orl_add(axis, corners[i]);
     }
     const double length = orl_length(axis);
-    if (!(length > 1e-6)) /* all around the point */
+    if (!(length > 1e-6)) /* the window surrounds the point */
         return cone;
     axis = orl_scale(axis, 1 / length);
     for (int i = 0; i < 4; i++)
         least = fmin(least, orl_dot(axis, corners[i]));
-    /* A cone about the corners holds the window as long as it is narrower than a half space. */
+    /* A cone around the corners contains the window if it is narrower than a half space. */
     return (struct orl_cone){axis, least > 1e-3 ? fmin(least, 1) : -1};
 }

@@ -1,7 +1,8 @@
 /*
- * Flat surfaces as rays to the sun are tried against before they are traced: the windows that a
- * sealed building lets light in by, and mirrors (mirrors.h). Each is taken for the rectangle about
- * it, a little too large: a ray that passes by all of them has nothing to find.
+ * Bounding rectangles of flat surfaces, for a cheap test before rays to the sun are traced. The
+ * surfaces are the windows through which light enters a sealed building, and mirrors (mirrors.h).
+ * The rectangles are slightly too large: a ray that misses all of them cannot reach the sun through
+ * them.
  *
  * Immutable once made.
  */
@@ -14,26 +15,26 @@
 struct orl_window {
     uint32_t facet;
     struct orl_vec3 corner, normal;
-    struct orl_vec3 along[2]; /* unit, at right angles */
-    double low[2], high[2];   /* along those, from the corner */
+    struct orl_vec3 along[2]; /* unit vectors, perpendicular to each other */
+    double low[2], high[2];   /* extent along these axes, from the corner */
 };
 
-/* The one about a facet that is a polygon or a ring. */
+/* Returns the rectangle around a facet, which is a polygon or a ring. */
 struct orl_window orl_window_of(const struct orl_geometry *geometry, uint32_t facet);
-/* Makes one wide enough for another, in the same plane. */
+/* Extends a rectangle to cover another one in the same plane. */
 void orl_window_widen(struct orl_window *window, const struct orl_window *other);
 
 /*
- * Where a ray passes a window, slack (a sine) for rays of about that direction; false: it does not.
- * ret_distance may be NULL.
+ * Returns true if a ray passes a window. slack is the sine of the largest angle by which the ray's
+ * direction may be off. ret_distance may be NULL.
  */
 bool orl_window_passed(const struct orl_window *window, struct orl_vec3 origin,
                        struct orl_vec3 direction, double slack, double *ret_distance);
 
-/* The directions from a point to a window lie in this cone. */
+/* Returns a cone that contains all directions from a point to a window. */
 struct orl_cone orl_window_cone(const struct orl_window *window, struct orl_vec3 point);
 
-/* The corners 0 to 3; 0 is opposite 3. */
+/* Returns corner i, 0 to 3; 0 is opposite 3. */
 static inline struct orl_vec3 orl_window_corner(const struct orl_window *w, int i)
 {
     return orl_madd(orl_madd(w->corner, w->along[0], i & 1 ? w->high[0] : w->low[0]), w->along[1],

@@ -58,9 +58,9 @@ void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *sinc
     *since = t;
 }
 
-/* Seconds in all: of the sensors to be computed the share w took from blocks_s to now, and the rest
- * takes as long, by sensor. NaN: not known yet. */
-static double all_s(const struct orl_year *y, double sensors)
+/* Estimated seconds of the whole run. The share w of the sensors to compute took the time from
+ * blocks_s to now; the rest is assumed to take as long per sensor. NaN if unknown. */
+static double total_time_s(const struct orl_year *y, double sensors)
 {
     const double now = orl_year_now(y), before = y->blocks_s - y->started_s;
     const double n = (double)(y->request->n_sensors - y->kept);
@@ -71,9 +71,10 @@ static double all_s(const struct orl_year *y, double sensors)
 void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors)
 {
     if (!y->env->run->progress)
-        return; /* and the clock is not looked at */
+        return; /* returns without reading the clock */
     const double elapsed = orl_year_now(y) - y->started_s;
-    const double left = stage == ORL_STAGE_RENDER ? all_s(y, sensors) - elapsed : (double)NAN;
+    const double left =
+        stage == ORL_STAGE_RENDER ? total_time_s(y, sensors) - elapsed : (double)NAN;
     if (elapsed + left > 0)
         y->told = fmax(y->told, fmin(elapsed / (elapsed + left), 1));
     orl_run_report(y->env->run, stage, sensors / (double)y->request->n_sensors,
@@ -99,7 +100,8 @@ int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err)
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* Light measured while the sun is down is in no hour. A shift of times explains it. */
+/* Warns of light measured while the sun is down, which no hour receives, and of a shift of times
+ * that may explain it. */
 static void warn_of_times(struct orl_year *y, const struct orl_weather *weather)
 {
     const struct orl_time_shift shift = orl_time_shift_find(weather);
@@ -151,7 +153,7 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     return 0;
 }
 
-/* Steps are each result's own. */
+/* Copies the steps, because each result owns its own. */
 int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struct orl_error *err)
 {
     const struct orl_annual_result *r = from->result;

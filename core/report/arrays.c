@@ -1,4 +1,4 @@
-/* Arrays of floats as files: Radiance's matrices. */
+/* Writes arrays of floats as Radiance matrix files. */
 #include <oriel/annual_report.h>
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 
-/* Three equal components of each value, a block at a time. */
+/* Writes each value as three equal components, block by block. */
 static void write_grey(const struct orl_out_file *file, const float *values, size_t n)
 {
     enum { BLOCK = 4096 };

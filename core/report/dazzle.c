@@ -1,4 +1,4 @@
-/* Glare over a year: what is told of seats by the hours that they are in use. */
+/* Annual glare metrics: rates seats by their hours in use. */
 #include "report/making.h"
 
 #include <oriel/annual_report.h>
@@ -17,13 +17,13 @@ const char *orl_glare_protection_name(enum orl_glare_protection level)
     return names[level];
 }
 
-/* A seat while it is rated; dark hours dazzle nobody. */
+/* Context of rating a seat; dark hours count as without glare. */
 struct telling {
     const struct orl_annual_report *report;
     const struct orl_annual_result *result;
     const struct orl_seat_hours *hours;
-    size_t n_used; /* steps in use, dark ones too */
-    float *sorted; /* room for them */
+    size_t n_used; /* steps in use, including dark ones */
+    float *sorted; /* scratch, one value per column */
 };
 
 static bool is_wanted(const struct telling *t, size_t column)
@@ -47,8 +47,8 @@ static int descending(const void *a, const void *b)
     return (p < q) - (p > q);
 }
 
-/* No more than that share of the steps is above it. */
-static double exceeded(const struct telling *t, const float *dgp)
+/* Returns the DGP that most_percent of the steps in use exceed at most. */
+static double exceeded_dgp(const struct telling *t, const float *dgp)
 {
     const size_t which = (size_t)floor(most_percent / 100 * (double)t->n_used);
     size_t n = 0;
@@ -61,7 +61,7 @@ static double exceeded(const struct telling *t, const float *dgp)
     return (double)t->sorted[which];
 }
 
-/* By shares above each bound, the last the loosest. */
+/* Returns the level from the percentages of time above each bound. */
 static enum orl_glare_protection level_of(double above_35, double above_40, double above_45)
 {
     static const double slack = 1e-9;
@@ -71,7 +71,7 @@ static enum orl_glare_protection level_of(double above_35, double above_40, doub
                                               : ORL_PROTECTED_LESS;
 }
 
-/* ---- Hours worth a picture ------------------------------------------------------------------- */
+/* ---- Worst hours ----------------------------------------------------------------------------- */
 
 static bool is_same_day(const struct orl_annual_result *result, size_t a, size_t b)
 {
@@ -79,7 +79,7 @@ static bool is_same_day(const struct orl_annual_result *result, size_t a, size_t
            result->steps[a].day == result->steps[b].day;
 }
 
-/* DGP is clamped to 1, for instance if the sun's disc is in view: then the illuminance at the eye
+/* DGP is clamped to 1, for instance if the sun's disc is in view; then the illuminance at the eye
  * decides. */
 static bool is_worse(const struct orl_seat_hour *a, const struct orl_seat_hour *b)
 {
@@ -88,8 +88,8 @@ static bool is_worse(const struct orl_seat_hour *a, const struct orl_seat_hour *
     return a->eye_lx > b->eye_lx;
 }
 
-/* Keeps the worst of a day, and so many days. */
-static void offer(const struct telling *t, size_t column, struct orl_seat_glare *glare)
+/* Enters an hour into the list of worst hours: one per day, ORL_GLARE_WORST days. */
+static void enter_worst_hour(const struct telling *t, size_t column, struct orl_seat_glare *glare)
 {
     const struct orl_seat_hours *h = t->hours;
     const struct orl_seat_hour hour = {
@@ -119,7 +119,7 @@ static void offer(const struct telling *t, size_t column, struct orl_seat_glare 
 
 /* ---- Seats ----------------------------------------------------------------------------------- */
 
-static void tell_seat(const struct telling *t, struct orl_seat_glare *ret)
+static void rate_seat(const struct telling *t, struct orl_seat_glare *ret)
 {
     const struct orl_seat_hours *h = t->hours;
     *ret = (struct orl_seat_glare){.n_worst = 0};
@@ -127,18 +127,18 @@ static void tell_seat(const struct telling *t, struct orl_seat_glare *ret)
         ret->above[i] = (struct orl_annual_value){share_above(t, h->dgp, orl_glare_bounds[i]),
                                                   share_above(t, h->low, orl_glare_bounds[i]),
                                                   share_above(t, h->high, orl_glare_bounds[i])};
-    ret->exceeded =
-        (struct orl_annual_value){exceeded(t, h->dgp), exceeded(t, h->low), exceeded(t, h->high)};
+    ret->exceeded = (struct orl_annual_value){exceeded_dgp(t, h->dgp), exceeded_dgp(t, h->low),
+                                              exceeded_dgp(t, h->high)};
     const struct orl_annual_value *a = ret->above;
     ret->level = level_of(a[0].value, a[1].value, a[2].value);
     ret->lowest = level_of(a[0].high, a[1].high, a[2].high);
     ret->highest = level_of(a[0].low, a[1].low, a[2].low);
     for (size_t c = 0; c < t->result->n_columns; c++)
         if (is_wanted(t, c))
-            offer(t, c, ret);
+            enter_worst_hour(t, c, ret);
 }
 
-/* Seats that are above 0.40 in no more than 5 % of their use. */
+/* Returns the percentage of seats whose DGP exceeds 0.40 in at most 5 % of their use. */
 static struct orl_annual_value autonomy_of(const struct orl_seat_glare *seats, size_t n)
 {
     struct orl_annual_value sum = {0, 0, 0};
@@ -163,7 +163,7 @@ int orl_report_seats(const struct orl_annual_result *result, struct orl_annual_r
     const bool room = t.sorted && report->seats;
     for (size_t i = 0; room && i < report->n_seats; i++) {
         t.hours = &report->seat_hours[i];
-        tell_seat(&t, &report->seats[i]);
+        rate_seat(&t, &report->seats[i]);
         if (!orl_report_has_hours(report, ORL_WHEN_OCCUPIED)) { /* any level is possible */
             report->seats[i].lowest = ORL_PROTECTED_LESS;
             report->seats[i].highest = ORL_PROTECTED_HIGH;

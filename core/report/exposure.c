@@ -1,4 +1,4 @@
-/* Exposure to sunlight: minutes of days that the sun is seen in, from points at windows. */
+/* Exposure to sunlight: minutes per day in which the sun is visible from points at windows. */
 #include <oriel/sun_exposure.h>
 
 #include <stdlib.h>
@@ -27,7 +27,7 @@ struct date {
     int month, day;
 };
 
-/* Two months, the first from its first day to its last, the second to its 21st. */
+/* Lists the days of two months: all days of the first, and the second up to its 21st. */
 static size_t list_days(double latitude_deg, struct date ret_days[MOST_DAYS])
 {
     const bool south = latitude_deg < 0;

@@ -1,4 +1,4 @@
-/* A results folder as Honeybee's annual daylight leaves it. */
+/* Writes a results folder in the layout of Honeybee's annual daylight. */
 #include <oriel/annual_report.h>
 
 #include <errno.h>
@@ -39,7 +39,7 @@ static int path_in(const struct writing *w, char ret_path[PATH_SIZE], const char
     return orl_error_set(w->err, ORL_ERR_LIMIT, "the path '%s' is too long", w->folder);
 }
 
-/* The same of a file that is about to be written. */
+/* Builds the path of a file that will be written, and passes its name to `named`. */
 static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
@@ -53,7 +53,7 @@ static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const ch
     return code < 0 ? code : path_in(w, ret_path, "%s", name);
 }
 
-/* Those that stand above it are there. */
+/* Makes a folder; its parents must exist. */
 static int make_folder(const struct writing *w, const char *name)
 {
     char path[PATH_SIZE];
@@ -64,7 +64,7 @@ static int make_folder(const struct writing *w, const char *name)
                          strerror(errno));
 }
 
-/* A string of JSON; names are UTF-8 already. */
+/* Writes a JSON string; names are UTF-8 already. */
 static void put_string(FILE *stream, const char *text)
 {
     fputc('"', stream);
@@ -80,7 +80,7 @@ static void put_string(FILE *stream, const char *text)
     fputc('"', stream);
 }
 
-/* ---- What the folder tells ------------------------------------------------------------------- */
+/* ---- Description of the folder --------------------------------------------------------------- */
 
 static void put_grids_info(FILE *stream, const struct writing *w)
 {
@@ -143,14 +143,14 @@ static int write_with(const struct writing *w, const char *name,
 
 /* ---- Series ---------------------------------------------------------------------------------- */
 
-/* Standard errors lie beside the values. Honeybee-radiance-postprocess reads a folder of series by
- * its name alone, and asks for "total" and "direct". */
+/* Standard errors are in a third folder next to the values. Honeybee-radiance-postprocess reads a
+ * folder of series by its name alone, and requests "total" and "direct". */
 static int write_series(const struct writing *w)
 {
     const struct orl_annual_result *result = w->result;
     const struct {
         const char *name;
-        const float *values; /* NULL: not known */
+        const float *values; /* NULL: unknown */
     } series[] = {{"total", result->total}, {"direct", result->direct}, {"se", result->se}};
     int code = make_folder(w, LIGHT_PATH);
     if (code == 0)
@@ -176,7 +176,7 @@ static int write_series(const struct writing *w)
 
 /* ---- Metrics --------------------------------------------------------------------------------- */
 
-/* With Honeybee's bounds, whatever the report was asked for. */
+/* Metrics with Honeybee's thresholds, independent of those requested from the report. */
 static const struct {
     const char *name, *ending;
     int digits;
@@ -229,7 +229,7 @@ static int write_metrics(const struct writing *w)
     return code;
 }
 
-/* The report's second figure: one number a grid. */
+/* Writes the report's second figure: one number per grid. */
 static int write_ase(const struct writing *w)
 {
     const size_t places = w->report->n_grids + 1;

@@ -1,4 +1,4 @@
-/* What a year is made from: sensors of grids, and a note of every file. */
+/* Inputs of a year: sensors of grids, and a record of every file that was read. */
 #include <oriel/annual_report.h>
 
 #include <sodium.h>
@@ -17,14 +17,14 @@
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 
-/* Sensors of all grids, one after the other. */
+/* Sensors of all grids, grid by grid. */
 struct sensor_list {
     struct orl_sensor *items;
     size_t count, room;
 };
 
-static int append(struct sensor_list *list, const struct orl_sensor *more, size_t n,
-                  struct orl_error *err)
+static int append_sensors(struct sensor_list *list, const struct orl_sensor *more, size_t n,
+                          struct orl_error *err)
 {
     if (n > ORL_LIMIT_SENSORS - list->count)
         return orl_error_set(err, ORL_ERR_LIMIT, "the grids have more than %lu sensors",
@@ -51,7 +51,7 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
             code = orl_sensors_load(files, names[g], cancel, &read, &n, err);
         const size_t first = list.count;
         if (code == 0)
-            code = append(&list, names[g] ? read : request->sensors + grid->first, n, err);
+            code = append_sensors(&list, names[g] ? read : request->sensors + grid->first, n, err);
         grid->first = first;
         grid->count = n;
         free(read);
@@ -68,9 +68,9 @@ int orl_annual_grids_read(struct orl_annual_request *request, char *const *names
     return 0;
 }
 
-/* ---- What the files say, before anything is run ---------------------------------------------- */
+/* ---- Checks before any run ------------------------------------------------------------------- */
 
-/* The rows' times alone, as a year's steps. */
+/* Converts the times of the rows to a year's steps. */
 static int steps_of(const struct orl_weather *weather, struct orl_annual_steps *ret_steps,
                     struct orl_error *err)
 {
@@ -130,9 +130,9 @@ int orl_occupancy_check(const char *name, const char *text, size_t size,
     return code;
 }
 
-/* ---- Notes ----------------------------------------------------------------------------------- */
+/* ---- Record of files ------------------------------------------------------------------------- */
 
-/* Where a name is, or belongs. */
+/* Returns the index of a name in the sorted list, or where to insert it. */
 static size_t place_of(const struct orl_annual_inputs *inputs, const char *name)
 {
     size_t low = 0, high = inputs->count;
@@ -146,16 +146,16 @@ static size_t place_of(const struct orl_annual_inputs *inputs, const char *name)
     return low;
 }
 
-static bool has(const struct orl_annual_inputs *inputs, size_t at, const char *name)
+static bool has_name(const struct orl_annual_inputs *inputs, size_t at, const char *name)
 {
     return at < inputs->count && strcmp(inputs->items[at].name, name) == 0;
 }
 
-static int add(struct orl_annual_inputs *inputs, const char *name, uint64_t bytes,
-               const char *digest, struct orl_error *err)
+static int insert_input(struct orl_annual_inputs *inputs, const char *name, uint64_t bytes,
+                        const char *digest, struct orl_error *err)
 {
     const size_t at = place_of(inputs, name);
-    if (has(inputs, at, name))
+    if (has_name(inputs, at, name))
         return 0;
     struct orl_annual_input item = {.name = strdup(name), .bytes = bytes};
     if (!item.name ||
@@ -171,18 +171,18 @@ static int add(struct orl_annual_inputs *inputs, const char *name, uint64_t byte
     return 0;
 }
 
-static int note(struct orl_annual_inputs *inputs, const char *name, const struct orl_file *file,
-                struct orl_error *err)
+static int record_file(struct orl_annual_inputs *inputs, const char *name,
+                       const struct orl_file *file, struct orl_error *err)
 {
     unsigned char digest[ORL_SHA256_BYTES];
     char hex[ORL_DIGEST_HEX + 1];
-    if (has(inputs, place_of(inputs, name), name))
+    if (has_name(inputs, place_of(inputs, name), name))
         return 0;
     const struct orl_files *files = inputs->files;
     if (!files->digest || !files->digest(files->ctx, name, digest))
         orl_sha256(file->data, file->size, digest);
     sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
-    return add(inputs, name, file->size, hex, err);
+    return insert_input(inputs, name, file->size, hex, err);
 }
 
 static int noting_open(void *ctx, const char *name, struct orl_file *ret_file,
@@ -192,7 +192,7 @@ static int noting_open(void *ctx, const char *name, struct orl_file *ret_file,
     int code = inputs->files->open(inputs->files->ctx, name, ret_file, err);
     if (code < 0)
         return code;
-    code = note(inputs, name, ret_file, err);
+    code = record_file(inputs, name, ret_file, err);
     if (code < 0)
         inputs->files->close(inputs->files->ctx, ret_file);
     return code;
@@ -226,7 +226,7 @@ int orl_annual_inputs_need(struct orl_annual_inputs *inputs, const char *name,
                            struct orl_error *err)
 {
     struct orl_file file;
-    if (has(inputs, place_of(inputs, name), name))
+    if (has_name(inputs, place_of(inputs, name), name))
         return 0;
     const int code = noting_open(inputs, name, &file, err);
     if (code == 0)

@@ -1,4 +1,4 @@
-/* A year's scene as a job without a sky has it, its shades in their first state. */
+/* Loads a year's scene like a job without a sky, with its shades in their first state. */
 #ifndef ORL_REPORT_OPEN_SCENE_H
 #define ORL_REPORT_OPEN_SCENE_H
 
@@ -6,8 +6,8 @@
 
 #include "light/scene.h"
 
-/* Reads it, or finds it on the shelf. The caller holds *ret_scene. Returns 0 or what loading says.
- */
+/* Reads the scene, or takes it from the memory cache. The caller releases *ret_scene. Returns 0 or
+ * the error of loading. */
 int orl_open_scene(const struct orl_annual_request *request, const struct orl_run_env *env,
                    struct orl_scene **ret_scene, struct orl_error *err);
 

@@ -1,4 +1,5 @@
-/* Openings of a scene: clear panes, ports in one plane side by side; and its ground. */
+/* Finds the openings of a scene: clear panes, joined if their ports lie side by side in one plane.
+ * Also finds its ground. */
 #include "report/openings.h"
 
 #include "scene/geometry/placed.h"
@@ -6,11 +7,11 @@
 static const double widest_bar = 0.3, same_plane = 0.1; /* m */
 static const double same_normal = 0.9998;               /* cosine: one degree */
 static const double least_level = 0.98481;              /* cosine: 10 degrees */
-static const double highest_ground = 0.5;               /* m, above the lowest of the scene */
+static const double highest_ground = 0.5;               /* m, above the lowest point of the scene */
 
 /* ---- Names ----------------------------------------------------------------------------------- */
 
-/* Whether something has it that stands in several places. */
+/* Returns true if an instanced surface or its modifier has the name. */
 static bool is_name_placed(const struct orl_scene *scene, const char *name)
 {
     const struct orl_geometry *const g = scene->geometry;
@@ -21,7 +22,7 @@ static bool is_name_placed(const struct orl_scene *scene, const char *name)
     return false;
 }
 
-/* Marks facets whose surface or modifier has the name; false: none has. */
+/* Marks facets whose surface or modifier has the name; returns false if nothing has it. */
 static bool mark_name(const struct orl_scene *scene, const char *name, bool *marks)
 {
     bool met = false;
@@ -99,11 +100,11 @@ static int mark_facets(const struct orl_view_out_wish *wish, struct orl_openings
 
 /* ---- Ports side by side ---------------------------------------------------------------------- */
 
-/* A port in a list that is sorted by where their boxes begin. */
+/* Bounding box of a port, sorted by its lowest x to find neighbours. */
 struct pane {
     uint32_t port;
     struct orl_vec3 low, high;
-    double plane; /* along the outward normal */
+    double plane; /* offset of the plane along the outward normal */
 };
 
 static struct pane pane_of(const struct orl_scene *scene, uint32_t index)
@@ -171,7 +172,7 @@ static int unite_panes(struct orl_openings *o, const struct pane *panes, const a
     return 0;
 }
 
-/* Ports' roots as numbers from 0, in the order of ports. */
+/* Numbers the roots from 0, in the order of ports, and stores each port's number. */
 static int number_openings(struct orl_openings *o, struct orl_error *err)
 {
     uint32_t *number = calloc(o->scene->n_ports + 1, sizeof *number);
@@ -181,7 +182,8 @@ static int number_openings(struct orl_openings *o, struct orl_error *err)
         if (root_of(o->of_port, i) == i)
             number[i] = (uint32_t)o->count++;
     for (uint32_t i = 0; i < o->scene->n_ports; i++)
-        o->of_port[i] = root_of(o->of_port, i); /* before any root is given its number */
+        /* All roots are resolved before any is replaced by its number. */
+        o->of_port[i] = root_of(o->of_port, i);
     for (uint32_t i = 0; i < o->scene->n_ports; i++)
         o->of_port[i] = number[o->of_port[i]];
     free(number);

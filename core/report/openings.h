@@ -1,6 +1,6 @@
 /*
- * What a view goes out by (oriel/view_out.h): which panes are clear, which ports belong to one
- * opening, and which surfaces are ground.
+ * Openings for view out (oriel/view_out.h): the clear panes, the ports that form one opening, and
+ * the surfaces that are ground.
  */
 #ifndef ORL_REPORT_OPENINGS_H
 #define ORL_REPORT_OPENINGS_H
@@ -12,17 +12,18 @@
 struct orl_openings {
     const struct orl_scene *scene;        /* borrowed */
     const struct orl_view_out_wish *wish; /* borrowed */
-    bool *clear, *ground; /* of each facet of the scene's own; owned, as what follows */
-    uint32_t *of_port;    /* the opening that each port is of */
-    size_t count;         /* of openings */
+    bool *clear, *ground;                 /* by facet that is not instanced; owned, like of_port */
+    uint32_t *of_port;                    /* opening to which each port belongs */
+    size_t count;                         /* number of openings */
 };
 
-/* ORL_ERR_NOT_FOUND (a name is of nothing), ORL_ERR_NOMEM, ORL_ERR_CANCELLED. */
+/* Finds the openings and the ground. Returns 0, ORL_ERR_NOT_FOUND (a name that nothing has),
+ * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_openings_find(const struct orl_view_out_wish *wish, const struct orl_scene *scene,
                       const atomic_bool *cancel, struct orl_openings *ret_openings,
                       struct orl_error *err);
-/* Of any facet. */
+/* Returns true if the facet is ground; instanced facets are allowed. */
 bool orl_openings_is_ground(const struct orl_openings *openings, uint32_t facet);
-void orl_openings_done(struct orl_openings *openings); /* zeros are fine */
+void orl_openings_done(struct orl_openings *openings); /* zeros are allowed */
 
 #endif

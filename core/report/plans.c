@@ -1,4 +1,4 @@
-/* Metrics of grids as maps over the plan of the scene. */
+/* Draws metrics of grids as maps on the plan of the scene. */
 #include <oriel/annual_report.h>
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include "report/open_scene.h"
 
 struct orl_annual_plans {
-    struct orl_scene *scene; /* held */
+    struct orl_scene *scene; /* a reference is held */
     struct orl_sensor_plane *planes;
     bool *found;
     size_t n_grids;
@@ -64,12 +64,12 @@ void orl_annual_plans_free(struct orl_annual_plans *plans)
 
 /* ---- Drawing --------------------------------------------------------------------------------- */
 
-/* A metric of a grid, as heat maps take it. */
+/* A metric of a grid as a heat map. */
 struct sheet {
     struct orl_heat_map map;
     struct orl_heat_map_request how;
     char title[96];
-    double *values; /* owned, as the next */
+    double *values; /* owned, like intervals */
     double (*intervals)[2];
 };
 

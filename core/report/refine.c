@@ -1,4 +1,4 @@
-/* More paths for those sensors that leave a verdict open. */
+/* Refines sensors that leave a verdict undecided, by tracing more paths. */
 #include <oriel/annual_report.h>
 
 #include <math.h>
@@ -7,10 +7,10 @@
 
 #include <oriel/crew.h>
 
-enum { MORE = 4 }; /* times the paths of the round before */
+enum { MORE = 4 }; /* factor from one round's paths to the next */
 
-/* Squares of errors times paths stay as they are where paths alone make them; where all of them lie
- * between nodes, they grow by more than three from round to round. */
+/* Ratio from round to round of squared errors times paths, above which interpolation dominates. It
+ * is 1 if paths alone cause the errors, and more than three if interpolation between nodes does. */
 static const double mostly_of_nodes = 2;
 static const double near_share = 0.5, near_part = 0.005, far_off = 3;
 
@@ -20,11 +20,11 @@ struct refining {
     const struct orl_annual_env *env;
     struct orl_annual_result *result;
     struct orl_annual_refinement *state;
-    uint64_t *samples; /* of each sensor so far */
+    uint64_t *samples; /* paths of each sensor so far */
     size_t *open;      /* sensors of the next round */
     size_t n_open;
-    uint32_t sun_halvings; /* of the next round */
-    bool uncertain;        /* too many hours have large errors, and more paths help */
+    uint32_t sun_halvings; /* halvings in the next round */
+    bool uncertain;        /* true if too many hours have large errors, and more paths help */
     struct orl_error *err;
 };
 
@@ -34,9 +34,10 @@ static int no_memory(const struct refining *r)
     return ORL_ERR_NOMEM;
 }
 
-/* ---- What is open ---------------------------------------------------------------------------- */
+/* ---- Undecided sensors ----------------------------------------------------------------------- */
 
-/* Lists the sensors of the target's grid, or of all grids, whose side of the bound is open. */
+/* Lists the sensors of the target's grid, or of all grids, that may lie on either side of the
+ * bound. */
 static int list_open_sensors(struct refining *r, const struct orl_annual_report *report,
                              size_t grid)
 {
@@ -71,8 +72,8 @@ static int list_open_sensors(struct refining *r, const struct orl_annual_report 
     return code;
 }
 
-/* Judges the target, and lists the sensors that leave it open. If few paths are the reason why
- * hours are uncertain, all sensors are open. */
+/* Judges the target, and lists the sensors that leave it undecided. If too few paths make hours
+ * uncertain, all sensors are listed. */
 static int judge_target(struct refining *r)
 {
     struct orl_annual_wishes wishes = *r->wishes;
@@ -105,27 +106,30 @@ static int judge_target(struct refining *r)
 
 /* ---- Another round --------------------------------------------------------------------------- */
 
-static float weigh(double a, double wa, double b, double wb)
+static float weighted_mean(double a, double wa, double b, double wb)
 {
     return (float)((wa * a + wb * b) / (wa + wb));
 }
 
-/* Those of paths are independent; those between nodes are the same in both. */
-static float weigh_errors(bool rough, double a, double wa, double b, double wb)
+/* Combines errors of two runs. Errors of paths are independent; errors of interpolation (rough) are
+ * the same in both. */
+static float combine_errors(bool rough, double a, double wa, double b, double wb)
 {
-    return rough ? weigh(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
+    return rough ? weighted_mean(a, wa, b, wb) : (float)(hypot(wa * a, wb * b) / (wa + wb));
 }
 
-/* The error of the sum over hours with sun, by the sum of their errors, of a mean of two years. */
-static float weigh_coherence(bool rough, double sum_a, double a, double wa, double sum_b, double b,
-                             double wb)
+/* Coherence of the mean of two years. It is the error of the sum over hours with sun, divided by
+ * the sum of their errors. */
+static float combine_coherence(bool rough, double sum_a, double a, double wa, double sum_b,
+                               double b, double wb)
 {
-    const double whole = (double)weigh_errors(rough, sum_a, wa, sum_b, wb);
-    return whole > 0 ? (float)((double)weigh_errors(rough, sum_a * a, wa, sum_b * b, wb) / whole)
+    const double whole = (double)combine_errors(rough, sum_a, wa, sum_b, wb);
+    return whole > 0 ? (float)((double)combine_errors(rough, sum_a * a, wa, sum_b * b, wb) / whole)
                      : 0;
 }
 
-/* Relative errors, or their squares, of hours with sun: the sky has no nodes. */
+/* Sums relative errors, or their squares, over hours with sun, because the sky is not
+ * interpolated. */
 static double sum_errors(const struct orl_annual_result *result, size_t sensor, bool squares)
 {
     const float *total = orl_annual_row(result, result->total, sensor);
@@ -139,7 +143,8 @@ static double sum_errors(const struct orl_annual_result *result, size_t sensor, 
     return sum;
 }
 
-/* Whether more paths gain little; of the rows so far beside those of one run more. */
+/* Returns true if more paths would gain little. Compares the rows so far with those of one more
+ * run. */
 static bool is_rough(const struct refining *r, const struct orl_annual_result *more,
                      uint32_t samples)
 {
@@ -151,34 +156,35 @@ static bool is_rough(const struct refining *r, const struct orl_annual_result *m
     return after > mostly_of_nodes * before;
 }
 
-/* Both are means over their paths. */
-static void merge(struct refining *r, const struct orl_annual_result *more, uint32_t samples,
-                  bool rough)
+/* Merges another run's rows into the result, weighted by their numbers of paths. */
+static void merge_runs(struct refining *r, const struct orl_annual_result *more, uint32_t samples,
+                       bool rough)
 {
     const size_t n = r->result->n_columns;
     for (size_t i = 0; i < r->n_open; i++) {
         const size_t sensor = r->open[i], to = sensor * n, from = i * n;
         const double old = (double)r->samples[sensor], add = samples;
         r->result->overcast[sensor] =
-            weigh(r->result->overcast[sensor], old, more->overcast[i], add);
+            weighted_mean(r->result->overcast[sensor], old, more->overcast[i], add);
         r->result->overcast_se[sensor] =
-            weigh_errors(false, r->result->overcast_se[sensor], old, more->overcast_se[i], add);
-        r->result->coherence[sensor] = weigh_coherence(
+            combine_errors(false, r->result->overcast_se[sensor], old, more->overcast_se[i], add);
+        r->result->coherence[sensor] = combine_coherence(
             rough, sum_errors(r->result, sensor, false), (double)r->result->coherence[sensor], old,
             sum_errors(more, i, false), (double)more->coherence[i], add);
         for (size_t k = 0; k < n; k++) {
             r->result->total[to + k] =
-                weigh(r->result->total[to + k], old, more->total[from + k], add);
+                weighted_mean(r->result->total[to + k], old, more->total[from + k], add);
             r->result->direct[to + k] =
-                weigh(r->result->direct[to + k], old, more->direct[from + k], add);
+                weighted_mean(r->result->direct[to + k], old, more->direct[from + k], add);
             r->result->se[to + k] =
-                weigh_errors(rough, r->result->se[to + k], old, more->se[from + k], add);
+                combine_errors(rough, r->result->se[to + k], old, more->se[from + k], add);
         }
         r->samples[r->open[i]] += samples;
     }
 }
 
-/* A round's share of the whole, for progress: half of what is left, if there may be others. */
+/* Returns a run environment whose progress covers one round: half of the remaining part, if more
+ * rounds may follow. */
 static struct orl_run_env share_of(const struct refining *r, uint32_t round)
 {
     struct orl_run_env run = *r->env->run;
@@ -193,8 +199,8 @@ static struct orl_run_env share_of(const struct refining *r, uint32_t round)
     return run;
 }
 
-/* In later rounds shades are as the first one found them: controls want all sensors. groups: room
- * for as many as there are; series are the result's. */
+/* Fixes the shades of later rounds to the states that the first round found, because controls need
+ * all sensors. groups: room for all groups; their series belong to the result. */
 static void fix_shades(const struct refining *r, struct orl_window_group *groups)
 {
     const size_t steps = r->result->n_steps;
@@ -238,7 +244,7 @@ static int run_again(struct refining *r, uint32_t samples)
         const bool rough = is_rough(r, &more, samples);
         if (rough && r->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
             r->sun_halvings++;
-        merge(r, &more, samples, rough);
+        merge_runs(r, &more, samples, rough);
         r->result->total_s += more.total_s;
         for (int s = 0; s < ORL_ANNUAL_STAGES; s++)
             r->result->timings_s[s] += more.timings_s[s];
@@ -250,7 +256,7 @@ static int run_again(struct refining *r, uint32_t samples)
     return code;
 }
 
-static void count(struct refining *r)
+static void count_refined(struct refining *r)
 {
     r->state->refined = 0;
     r->state->most_samples = 0;
@@ -261,8 +267,9 @@ static void count(struct refining *r)
     }
 }
 
-static int refine(struct refining *r,
-                  void (*told)(void *ctx, const struct orl_annual_refinement *so_far), void *ctx)
+static int refine_until_decided(struct refining *r,
+                                void (*told)(void *ctx, const struct orl_annual_refinement *so_far),
+                                void *ctx)
 {
     uint64_t samples = r->result->samples;
     int code = 0;
@@ -270,7 +277,7 @@ static int refine(struct refining *r,
         r->samples[i] = samples;
     for (;;) {
         r->state->rounds++;
-        count(r);
+        count_refined(r);
         code = judge_target(r);
         if (code < 0)
             return code;
@@ -308,7 +315,7 @@ int orl_annual_run_until(const struct orl_annual_request *request,
     if (code == 0 && wishes->until) {
         r.samples = calloc(request->n_sensors + 1, sizeof *r.samples);
         r.open = calloc(request->n_sensors + 1, sizeof *r.open);
-        code = r.samples && r.open ? refine(&r, told, ctx) : no_memory(&r);
+        code = r.samples && r.open ? refine_until_decided(&r, told, ctx) : no_memory(&r);
     }
     free(r.samples);
     free(r.open);

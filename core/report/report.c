@@ -1,4 +1,4 @@
-/* Metrics and figures of a year, and all of its report. */
+/* Computes metrics and figures of a year, and assembles its report. */
 #include "report/making.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static int no_memory(const struct orl_report_making *m)
     return ORL_ERR_NOMEM;
 }
 
-/* One of all sensors where the request has none. */
+/* Copies the request's grids; without any, makes one of all sensors. */
 static int make_grids(const struct orl_report_making *m)
 {
     struct orl_annual_report *report = m->report;
@@ -44,7 +44,8 @@ static int make_grids(const struct orl_report_making *m)
     return 0;
 }
 
-/* The day since 1 January that the weather file begins with; 0 for files of one calendar year. */
+/* Returns the day, counted from 1 January, on which the weather file begins; 0 for files of one
+ * calendar year. */
 static uint32_t begin_of_year(const struct orl_report_making *m)
 {
     const struct orl_annual_year *year = &m->report->year;
@@ -76,7 +77,7 @@ static int mark_occupied(const struct orl_report_making *m)
     return code;
 }
 
-/* Marks of a period: only what was measured counts. */
+/* Adds a period from its marks, and clears marks of steps that were not measured. */
 static int add_period(const struct orl_report_making *m, unsigned char *marks,
                       enum orl_annual_when when)
 {
@@ -91,7 +92,8 @@ static int add_period(const struct orl_report_making *m, unsigned char *marks,
                                   &m->report->periods[when], m->err);
 }
 
-/* Of the steps that are marked; marks lose those that were not measured. */
+/* Finds the median diffuse illuminance of the marked and measured steps, unless the request gives
+ * it. */
 static int find_median(const struct orl_report_making *m, const unsigned char *marks)
 {
     struct orl_annual_report *report = m->report;
@@ -113,7 +115,7 @@ static int find_median(const struct orl_report_making *m, const unsigned char *m
     return 0;
 }
 
-/* marks: room for all steps. */
+/* Makes all periods. marks: scratch for all steps. */
 static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
 {
     struct orl_annual_report *report = m->report;
@@ -126,7 +128,7 @@ static int fill_periods(const struct orl_report_making *m, unsigned char *marks)
             orl_annual_daylight_mark(year->global_lx, year->measured, &year->steps, marks, m->err);
     if (code == 0)
         code = add_period(m, marks, ORL_WHEN_DAYLIGHT);
-    /* A file with a part of a year gives the lighter half of that part. */
+    /* A file with part of a year only provides the lighter half of that part. */
     const uint32_t half_of_year = year->steps.count / 2;
     report->hours_wanted[ORL_WHEN_DAYLIGHT] = (double)half_of_year / year->steps.per_hour;
     if (code == 0)
@@ -161,14 +163,14 @@ static bool is_unlit(const float *total, size_t n)
     return i == n;
 }
 
-static const float *at(const float *values, size_t i)
+static const float *optional_at(const float *values, size_t i)
 {
     return values ? values + i : NULL;
 }
 
 struct evaluation {
     const struct orl_report_making *m;
-    float *factors; /* of each member of the crew: room for a row */
+    float *factors; /* scratch for a row, per crew member */
     atomic_size_t n_unlit;
     atomic_bool cancelled;
 };
@@ -185,9 +187,9 @@ static void evaluate_sensor(void *arg, size_t i, uint32_t member)
                                            .direct_lx = orl_annual_row(result, result->direct, i),
                                            .total_error_lx = se,
                                            .direct_error_lx = se,
-                                           .overcast_lx = at(result->overcast, i),
-                                           .overcast_error_lx = at(result->overcast_se, i),
-                                           .coherence = at(result->coherence, i),
+                                           .overcast_lx = optional_at(result->overcast, i),
+                                           .overcast_error_lx = optional_at(result->overcast_se, i),
+                                           .coherence = optional_at(result->coherence, i),
                                            .sunny = report->year.sunny,
                                            .total_factor = se ? factors : NULL};
     if (atomic_load(&e->cancelled))
@@ -234,7 +236,7 @@ static int make_values(const struct orl_report_making *m)
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 
-/* Averages are of values that are there already. */
+/* Computes a figure of a grid. Averages use values that are already computed. */
 static int make_figure(const struct orl_report_making *m, size_t f, size_t grid,
                        struct orl_annual_area *ret_area)
 {
@@ -274,8 +276,8 @@ static int make_figures(const struct orl_report_making *m)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-/* What needs no light. */
-static int prepare(const struct orl_report_making *m)
+/* Prepares the parts of a report that need no light: year, grids and periods. */
+static int prepare_report(const struct orl_report_making *m)
 {
     int code = orl_annual_year_make(m->result, &m->report->year, m->err);
     if (code == 0)
@@ -312,7 +314,7 @@ int orl_annual_wishes_check(const struct orl_annual_request *request,
 {
     struct orl_annual_report report = {.n_grids = 0};
     const struct orl_report_making m = {request, result, wishes, files, NULL, NULL, &report, err};
-    const int code = prepare(&m);
+    const int code = prepare_report(&m);
     orl_annual_report_done(&report);
     return code;
 }
@@ -326,7 +328,7 @@ int orl_annual_report_make(const struct orl_annual_request *request,
     struct orl_annual_report report = {.n_grids = 0};
     const struct orl_report_making m = {request, result, wishes, files, cancel, crew, &report, err};
     int code = result->total && result->direct
-                   ? prepare(&m)
+                   ? prepare_report(&m)
                    : orl_error_set(err, ORL_ERR_INVALID, "the year's series were not kept");
     if (code == 0)
         code = make_values(&m);
@@ -358,7 +360,7 @@ int orl_annual_report_expose(const struct orl_annual_request *request,
     return orl_exposure_find(&wishes->exposure, &site, request, env, report->exposures, err);
 }
 
-/* Shares of a grid's area by level, of the views of its sensors. */
+/* Computes the percentages of a grid's area by view level of its sensors. */
 static struct orl_view_shares share_views(const struct orl_annual_report *report, size_t grid,
                                           const struct orl_view_out *views)
 {

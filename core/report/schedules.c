@@ -1,4 +1,4 @@
-/* States of window groups by the hour, from tables. */
+/* Reads the states of window groups by hour from tables. */
 #include <oriel/annual_report.h>
 
 #include <stdio.h>
@@ -16,12 +16,12 @@ struct table {
     struct orl_scanner scanner;
     const struct orl_window_group *group;
     char separator;
-    size_t column;    /* the group's */
-    size_t n_columns; /* of the first line */
+    size_t column;    /* the group's column */
+    size_t n_columns; /* columns of the first line */
     struct orl_error *err;
 };
 
-/* The next line that is neither empty nor a remark; false: there is none. */
+/* Reads the next line that is neither empty nor a comment; returns false at the end. */
 static bool next_line(struct table *t, struct orl_slice *ret_line)
 {
     while (orl_scanner_line(&t->scanner, ret_line)) {
@@ -34,7 +34,7 @@ static bool next_line(struct table *t, struct orl_slice *ret_line)
 
 /* ---- States ---------------------------------------------------------------------------------- */
 
-static int fail(const struct table *t, int code, const char *what, struct orl_slice field)
+static int fail_in_table(const struct table *t, int code, const char *what, struct orl_slice field)
 {
     const int length = field.length < NAME_SIZE ? (int)field.length : NAME_SIZE;
     orl_error_set(t->err, code, "%s '%.*s'", what, length, field.text ? field.text : "");
@@ -42,7 +42,7 @@ static int fail(const struct table *t, int code, const char *what, struct orl_sl
     return code;
 }
 
-/* A state by its name, or by its number from 0. */
+/* Finds a state by its name, or by its number from 0. */
 static bool find_state(const struct orl_window_group *group, struct orl_slice field,
                        unsigned char *ret_state)
 {
@@ -68,12 +68,12 @@ static int fail_no_line(const struct table *t)
 
 static int fail_no_column(const struct table *t)
 {
-    return fail(t, ORL_ERR_SYNTAX, "no column of the table is named",
-                (struct orl_slice){t->group->name, strlen(t->group->name)});
+    return fail_in_table(t, ORL_ERR_SYNTAX, "no column of the table is named",
+                         (struct orl_slice){t->group->name, strlen(t->group->name)});
 }
 
-/* The group's column, by a first line that names it. The heading of a single column may be any word
- * but a number. */
+/* Finds the group's column by a first line that names it. The heading of a single column may be any
+ * word that is no number. */
 static int find_column(struct table *t, bool *ret_is_head)
 {
     struct table ahead = *t;
@@ -105,10 +105,10 @@ static int find_column(struct table *t, bool *ret_is_head)
     return named || t->n_columns == 1 ? 0 : fail_no_column(&ahead);
 }
 
-/* A decimal comma would make two fields of one. */
+/* Refuses a line with too many fields, which a decimal comma may cause. */
 static int refuse_fields(const struct table *t, struct orl_slice line)
 {
-    fail(t, ORL_ERR_SYNTAX, "the line has more fields than the first:", line);
+    fail_in_table(t, ORL_ERR_SYNTAX, "the line has more fields than the first:", line);
     orl_error_hint(t->err, orl_slice_is_decimal_comma(line)
                                ? "this is a decimal comma, and states are names or whole numbers"
                                : "put texts that have a comma between double quotes");
@@ -126,11 +126,11 @@ static int read_row(const struct table *t, struct orl_slice line, unsigned char 
             return refuse_fields(t, line);
     }
     if (n <= t->column)
-        return fail(t, ORL_ERR_SYNTAX, "the line is too short: no state of",
-                    (struct orl_slice){t->group->name, strlen(t->group->name)});
+        return fail_in_table(t, ORL_ERR_SYNTAX, "the line is too short: no state of",
+                             (struct orl_slice){t->group->name, strlen(t->group->name)});
     if (find_state(t->group, state, ret_state))
         return 0;
-    fail(t, ORL_ERR_RANGE, "the group has no state", state);
+    fail_in_table(t, ORL_ERR_RANGE, "the group has no state", state);
     if (state.length == 0)
         orl_error_hint(t->err, "this is an empty cell: write a state's name or number");
     else if (orl_slice_is_decimal_comma(state))
@@ -147,7 +147,7 @@ static int read_rows(struct table *t, unsigned char *states, size_t *ret_count)
         next_line(t, &line);
     while (code == 0 && next_line(t, &line)) {
         if (*ret_count == MOST_ROWS)
-            return fail(t, ORL_ERR_LIMIT, "a year has no more than 52704 rows, not", line);
+            return fail_in_table(t, ORL_ERR_LIMIT, "a year has no more than 52704 rows, not", line);
         code = read_row(t, line, &states[(*ret_count)++]);
     }
     return code;

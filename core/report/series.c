@@ -1,4 +1,4 @@
-/* What a grid has in every step of the year. */
+/* Computes a grid's value in every step of the year. */
 #include <oriel/annual_report.h>
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 #include "base/sum.h"
 
-/* Adds a sensor's share to each column: a row of the result is read in the order it lies in. */
+/* Adds a sensor to the sum of each column. Rows of the result are read sequentially. */
 static void add_sensor(const struct orl_annual_rows *rows, enum orl_annual_series series,
                        double threshold_lx, size_t sensor, struct orl_sum *sums)
 {

@@ -1,4 +1,4 @@
-/* Tables of a year, a line a sensor or a line an hour. */
+/* Tables of a year, with one line per sensor or per hour. */
 #include <oriel/annual_report.h>
 
 #include <math.h>
@@ -19,7 +19,7 @@ void orl_annual_file_name(const char *grid, char *ret_name, size_t size)
     ret_name[n] = '\0';
 }
 
-/* A field of a table: in quotes, those within doubled. */
+/* Writes a quoted field; quotes inside are doubled. */
 static void put_field(FILE *stream, const char *text)
 {
     fputc('"', stream);
@@ -86,7 +86,7 @@ int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *rep
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* The mean over a grid; dark hours have no column. */
+/* Returns the mean over a grid; dark hours have no column. */
 static double mean_of(const struct orl_annual_report *report,
                       const struct orl_annual_result *result, size_t g, uint32_t column)
 {
@@ -99,7 +99,7 @@ static double mean_of(const struct orl_annual_report *report,
     return orl_sum_value(&sum) / (double)grid->count;
 }
 
-/* The standard error of the mean over a grid: errors of sensors are independent. */
+/* Returns the standard error of the mean over a grid; errors of sensors are independent. */
 static double error_of(const struct orl_annual_report *report,
                        const struct orl_annual_result *result, size_t g, uint32_t column)
 {

@@ -1,4 +1,4 @@
-/* What metrics are called on pages, and in the names of files. */
+/* Titles of metrics on pages, and their names in file names. */
 #include <oriel/annual_report.h>
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* Figures of grids, and verdicts on targets about them. */
+/* Figures of grids, and verdicts on targets. */
 #include "report/making.h"
 
 #include <math.h>
@@ -40,19 +40,19 @@ int orl_report_figure_of(const struct orl_report_making *m, const struct orl_ann
     return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
 }
 
-/* ---- Notes ----------------------------------------------------------------------------------- */
+/* ---- Reasons for undecided verdicts ---------------------------------------------------------- */
 
-/* IES LM-83-12, 2.2.6: blinds close in hours in which more than this share of the points has so
- * much direct sunlight, or more. */
+/* IES LM-83-12, 2.2.6: blinds close in hours in which more than this share of the points has at
+ * least this much direct sunlight. */
 static const double lm83_lx = 1000, lm83_percent = 2;
 
 struct judging {
     const struct orl_report_making *m;
-    bool *needs_blinds; /* for each grid: LM-83 closes blinds in some hour of use; or NULL */
+    bool *needs_blinds; /* by grid: true if LM-83 closes blinds in some hour of use; or NULL */
 };
 
-/* The hours of the weather that a metric depends on; ORL_WHEN_COUNT: on none. A daylight factor
- * that gives an illuminance depends on the median over the daylight hours. */
+/* Returns the hours of the weather on which a metric depends; ORL_WHEN_COUNT: none. A daylight
+ * factor that must reach an illuminance depends on the median over the daylight hours. */
 static enum orl_annual_when hours_of(const struct orl_report_making *m,
                                      const struct orl_annual_metric *metric)
 {
@@ -76,15 +76,15 @@ static void note_few_hours(const struct orl_report_making *m, struct orl_annual_
 }
 
 /*
- * Beyond this share of uncertain hours, intervals do not hold: batches of few paths miss rare
- * bright ones, and think themselves surer than they are. Then a bound decides only if it is further
- * from the value than so many times the interval's longer side. (Of a room with 35 % of such hours,
- * 64 paths and four seeds, shares of the area were up to 6 % low, and intervals went 3 % above
- * them; their longer sides were 4 to 5 %.)
+ * Above this share of uncertain hours, intervals are unreliable: batches of few paths miss rare
+ * bright ones, and underestimate their errors. A verdict is then decided only if the bound is
+ * further from the value than clear_sides times the interval's longer side. Measured in a room with
+ * 35 % of such hours, with 64 paths and four seeds: shares of the area were up to 6 % low.
+ * Intervals reached 3 % above them; their longer sides were 4 to 5 %.
  */
 static const double most_uncertain_percent = 10, clear_sides = 3;
 
-/* Returns the percentage of a grid's hours in a period, of all its sensors, that are uncertain. */
+/* Returns the percentage of a period's hours at a grid's sensors that are uncertain. */
 static double uncertain_percent(const struct orl_annual_rows *rows,
                                 const struct orl_annual_period *period)
 {
@@ -98,7 +98,8 @@ static double uncertain_percent(const struct orl_annual_rows *rows,
     return orl_percent((double)n, (double)rows->n_sensors * (double)period->n_columns);
 }
 
-/* Direct sunlight at sensors has no error of paths; DF has an interval of its own. */
+/* Marks a verdict as undecided if too many hours are uncertain. Direct sunlight at sensors has no
+ * error of paths, and DF has its own interval. */
 static void note_uncertain_hours(const struct orl_report_making *m,
                                  struct orl_annual_verdict *verdict)
 {
@@ -121,7 +122,7 @@ static void note_uncertain_hours(const struct orl_report_making *m,
              100 * ORL_UNCERTAIN_SHARE);
 }
 
-/* Returns true if some group closes when LM-83 closes blinds, or sooner. */
+/* Returns true if some group closes at LM-83's thresholds, or at lower ones. */
 static bool closes_by_lm83(const struct orl_annual_request *request)
 {
     for (size_t i = 0; i < request->n_groups; i++) {
@@ -133,8 +134,8 @@ static bool closes_by_lm83(const struct orl_annual_request *request)
     return false;
 }
 
-/* Sets whether direct sunlight asks for blinds in some hour of use. sunlit: room for a number for
- * each column. */
+/* Sets *ret_sunny if LM-83 closes blinds in some hour of use; otherwise leaves it unchanged.
+ * sunlit: scratch, one number per column. */
 static int check_sun(const struct orl_report_making *m, size_t grid, uint32_t *sunlit,
                      bool *ret_sunny)
 {
@@ -154,7 +155,7 @@ static int check_sun(const struct orl_report_making *m, size_t grid, uint32_t *s
     return 0;
 }
 
-/* Fills judging->needs_blinds if some rule asks for blinds that the job does not have. */
+/* Fills judging->needs_blinds if some rule requires blinds that the job lacks. */
 static int find_need_of_blinds(struct judging *judging)
 {
     const struct orl_report_making *m = judging->m;
@@ -176,8 +177,8 @@ static int find_need_of_blinds(struct judging *judging)
     return code;
 }
 
-/* LM-83 closes blinds for each grid: all grids together need them if one of them does. */
-static bool needs_blinds(const struct judging *judging, size_t grid)
+/* LM-83 closes blinds by grid: all grids together need blinds if one of them does. */
+static bool grid_needs_blinds(const struct judging *judging, size_t grid)
 {
     if (grid != ORL_ALL_GRIDS)
         return judging->needs_blinds[grid];
@@ -190,7 +191,7 @@ static bool needs_blinds(const struct judging *judging, size_t grid)
 static void note_blinds(const struct judging *judging, struct orl_annual_verdict *verdict)
 {
     if (!judging->needs_blinds || !verdict->rule || !verdict->rule->needs_blinds ||
-        verdict->verdict != ORL_VERDICT_PASS || !needs_blinds(judging, verdict->grid))
+        verdict->verdict != ORL_VERDICT_PASS || !grid_needs_blinds(judging, verdict->grid))
         return;
     verdict->verdict = ORL_VERDICT_UNDECIDED;
     snprintf(verdict->note, sizeof verdict->note, "not according to LM-83: %s",
@@ -200,8 +201,8 @@ static void note_blinds(const struct judging *judging, struct orl_annual_verdict
 
 /* ---- Verdicts -------------------------------------------------------------------------------- */
 
-static int judge(const struct judging *judging, const struct orl_annual_rule *rule,
-                 const struct orl_annual_target *target, size_t grid)
+static int judge_grid(const struct judging *judging, const struct orl_annual_rule *rule,
+                      const struct orl_annual_target *target, size_t grid)
 {
     const struct orl_report_making *m = judging->m;
     struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
@@ -220,7 +221,7 @@ static int judge(const struct judging *judging, const struct orl_annual_rule *ru
     return 0;
 }
 
-/* ORL_ALL_GRIDS: there is none of that name. */
+/* Returns the grid's index; ORL_ALL_GRIDS if no grid has that name. */
 static size_t find_grid(const struct orl_annual_report *report, const char *name)
 {
     for (size_t g = 0; g < report->n_grids; g++)
@@ -245,16 +246,16 @@ int orl_report_check_grids(const struct orl_report_making *m)
     return code;
 }
 
-/* Of the grid that is named; else of all together, and of each by itself. */
+/* Judges a target on the grid it names. Without a name, judges all grids together and each grid. */
 static int judge_everywhere(const struct judging *judging, const struct orl_annual_rule *rule,
                             const struct orl_annual_target *target)
 {
     const struct orl_annual_report *report = judging->m->report;
     if (target->grid[0])
-        return judge(judging, rule, target, find_grid(report, target->grid));
-    int code = judge(judging, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
+        return judge_grid(judging, rule, target, find_grid(report, target->grid));
+    int code = judge_grid(judging, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
     for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
-        code = judge(judging, rule, target, g);
+        code = judge_grid(judging, rule, target, g);
     return code;
 }
 

@@ -1,4 +1,5 @@
-/* View out: what is seen from places by openings, how wide and how far, by rays. */
+/* View out: what is visible from places through openings, how wide and how far. Computed
+ * with rays. */
 #include <oriel/view_out.h>
 
 #include <math.h>
@@ -14,8 +15,9 @@
 
 enum { COLUMNS = 1440, ROWS = 180, MOST_PANES = 64 };
 #define COLUMN_DEG (360.0 / COLUMNS)
-static const double own = 1;              /* m from the pane: what is the window's own */
-static const double least_slanting = 0.1; /* of the pane's normal, that is not level */
+static const double own = 1; /* m from the pane: nearer surfaces belong to the window itself */
+/* Least horizontal component of the pane's normal; else the pane is a roof light. */
+static const double least_slanting = 0.1;
 
 void orl_view_out_wish_init(struct orl_view_out_wish *wish)
 {
@@ -77,10 +79,11 @@ enum orl_view_level orl_view_out_level(const struct orl_view_out *view)
 struct seen {
     unsigned char layer; /* 0: no view */
     uint32_t opening;
-    float distance_m; /* level; INFINITY: of sky and ground */
+    float distance_m; /* horizontal distance; INFINITY for sky and ground */
 };
 
-/* Level, along the normal of the pane; of roof lights as the crow flies. */
+/* Returns the horizontal distance along the pane's normal; for roof lights the horizontal distance
+ * in any direction. */
 static double level_distance(struct orl_vec3 way, struct orl_vec3 outward)
 {
     const double slant = hypot(outward.x, outward.y);
@@ -88,11 +91,12 @@ static double level_distance(struct orl_vec3 way, struct orl_vec3 outward)
                                   : (way.x * outward.x + way.y * outward.y) / slant;
 }
 
-/* A ray on its way; outside, once it has passed an opening. */
+/* State of a ray. */
 struct look {
     struct seen seen;
     bool outside;
-    struct orl_vec3 pane, outward; /* where it did */
+    /* Where it passed the opening, and the opening's outward normal. */
+    struct orl_vec3 pane, outward;
 };
 
 static void pass_opening(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
@@ -104,8 +108,9 @@ static void pass_opening(struct look *look, const struct orl_openings *o, const 
     look->seen.opening = o->of_port[port];
 }
 
-/* What is met outside, and does not let through. */
-static void meet(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+/* Records an opaque surface that the ray hits outside. */
+static void record_surface(struct look *look, const struct orl_openings *o,
+                           const struct orl_hit *hit)
 {
     const struct orl_vec3 way = orl_sub(hit->point, look->pane);
     if (orl_length(way) < own)
@@ -115,8 +120,8 @@ static void meet(struct look *look, const struct orl_openings *o, const struct o
     look->seen.distance_m = ground ? INFINITY : (float)fmax(0, level_distance(way, look->outward));
 }
 
-/* False: it ends here. */
-static bool pass(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+/* Handles a surface on the ray; returns false if the ray ends there. */
+static bool pass_surface(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
 {
     const bool clear = !orl_facet_is_placed(o->scene->geometry, hit->facet) && o->clear[hit->facet];
     const enum orl_crossing crossing =
@@ -127,7 +132,7 @@ static bool pass(struct look *look, const struct orl_openings *o, const struct o
         return true;
     }
     if (look->outside)
-        meet(look, o, hit);
+        record_surface(look, o, hit);
     return false;
 }
 
@@ -143,16 +148,16 @@ static struct seen look_along(const struct orl_openings *o, struct orl_vec3 orig
                 look.seen.layer = direction.z > 0 ? ORL_VIEW_SKY : ORL_VIEW_GROUND;
             return look.seen;
         }
-        if (!pass(&look, o, &hit))
+        if (!pass_surface(&look, o, &hit))
             return look.seen;
         origin = orl_hit_leave(geometry, &hit, direction);
     }
     return look.seen;
 }
 
-/* ---- Where openings are ---------------------------------------------------------------------- */
+/* ---- Extent of openings ---------------------------------------------------------------------- */
 
-/* Rows of each column that an opening may be in: none where first > last. */
+/* Rows of each column that may contain an opening; first > last: none. */
 struct extent {
     short first[COLUMNS], last[COLUMNS];
 };
@@ -165,14 +170,15 @@ static double distance_to_edge(struct orl_vec3 a, struct orl_vec3 b)
     return hypot(a.x + t * x, a.y + t * y);
 }
 
-static double turn(struct orl_vec3 a, struct orl_vec3 b)
+static double cross_product_z(struct orl_vec3 a, struct orl_vec3 b)
 {
     return a.x * b.y - a.y * b.x;
 }
 
 static bool is_overhead(const struct orl_vec3 c[3])
 {
-    const double t[3] = {turn(c[0], c[1]), turn(c[1], c[2]), turn(c[2], c[0])};
+    const double t[3] = {cross_product_z(c[0], c[1]), cross_product_z(c[1], c[2]),
+                         cross_product_z(c[2], c[0])};
     return (t[0] >= 0 && t[1] >= 0 && t[2] >= 0) || (t[0] <= 0 && t[1] <= 0 && t[2] <= 0);
 }
 
@@ -193,7 +199,8 @@ static void mark_columns(struct extent *extent, double from, double to, int firs
     }
 }
 
-/* Corners from the eye. A triangle seen from beside spans less than half of the round. */
+/* Marks the columns and rows of a triangle; corners are relative to the eye. A triangle that is not
+ * overhead spans less than half of the horizon. */
 static void mark_triangle(struct extent *extent, const struct orl_vec3 c[3])
 {
     const double nearest = fmin(distance_to_edge(c[0], c[1]),
@@ -244,14 +251,14 @@ struct finder {
     const struct orl_view_out_wish *wish;
     const struct orl_sensor *sensors;
     struct orl_openings openings;
-    struct scratch *scratch; /* of each member of the crew */
+    struct scratch *scratch; /* by crew member */
     struct orl_view_out *views;
 };
 
 struct scratch {
     struct seen seen[COLUMNS][ROWS];
     struct extent extent;
-    unsigned char *layers; /* of each opening; owned */
+    unsigned char *layers; /* by opening; owned */
     double distances[COLUMNS];
 };
 
@@ -269,7 +276,7 @@ static void look_around(const struct orl_openings *o, struct orl_vec3 eye, struc
     }
 }
 
-/* The horizon is where sky stands on ground. */
+/* Finds the layers of each opening. Where sky adjoins ground, the horizon counts as landscape. */
 static void gather_layers(const struct orl_openings *o, struct scratch *s)
 {
     memset(s->layers, 0, o->count);
@@ -285,7 +292,8 @@ static void gather_layers(const struct orl_openings *o, struct scratch *s)
         }
 }
 
-/* The ray of a column nearest to the horizontal, of those above it the lower one first. */
+/* Returns the ray of a column that is nearest to the horizontal and has a view. Of two equally near
+ * rays the upper one comes first. */
 static const struct seen *find_level(const struct scratch *s, int c)
 {
     for (int k = 0; k < ROWS; k++) {
@@ -298,7 +306,7 @@ static const struct seen *find_level(const struct scratch *s, int c)
     return NULL;
 }
 
-static struct orl_view_out measure(const struct orl_openings *o, struct scratch *s)
+static struct orl_view_out measure_view(const struct orl_openings *o, struct scratch *s)
 {
     struct orl_view_out view = {0};
     size_t n = 0;
@@ -329,7 +337,7 @@ static void view_from(void *arg, size_t index, uint32_t member)
     }
     look_around(&f->openings, orl_sub(at, f->openings.scene->geometry->center), s);
     gather_layers(&f->openings, s);
-    f->views[index] = measure(&f->openings, s);
+    f->views[index] = measure_view(&f->openings, s);
 }
 
 /* ---- All of them ----------------------------------------------------------------------------- */

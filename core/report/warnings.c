@@ -1,4 +1,4 @@
-/* What a report shows that whoever asked for it ought to know. */
+/* Warnings about a report that its user should know. */
 #include "report/making.h"
 
 #include <math.h>
@@ -13,9 +13,9 @@ struct warning {
     struct orl_error *err;
 };
 
-static int warn(const struct warning *w, const char *format, ...)
+static int add_warning(const struct warning *w, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-static int warn(const struct warning *w, const char *format, ...)
+static int add_warning(const struct warning *w, const char *format, ...)
 {
     struct orl_annual_result *r = w->result;
     char **grown = realloc(r->warnings, (r->n_warnings + 1) * sizeof *grown);
@@ -45,10 +45,10 @@ static bool sees_out(const struct orl_annual_report *report)
 /* ---- Errors of hours ------------------------------------------------------------------------- */
 
 struct uncertain_hours {
-    unsigned char *columns; /* 1: some sensor's hour counts */
+    unsigned char *columns; /* 1: the hour is uncertain at some sensor */
     size_t n_columns, n_sunlit, n_sensors;
-    size_t sensor, column; /* of the largest error relative to its illuminance */
-    double worst;          /* that error */
+    size_t sensor, column; /* position of the largest error relative to its illuminance */
+    double worst;          /* that relative error */
 };
 
 static void find_of_sensor(const struct orl_annual_result *result, size_t sensor,
@@ -84,9 +84,10 @@ static void find_uncertain_hours(const struct orl_annual_result *result,
     }
 }
 
-/* The sky has no nodes: the errors of hours without sun are all of paths. */
-static void name_remedy(const struct orl_annual_request *request,
-                        const struct uncertain_hours *hours, char *ret_text, size_t size)
+/* Describes how to reduce the errors. The sky is not interpolated between nodes, so errors of hours
+ * without sun come from paths alone. */
+static void describe_remedy(const struct orl_annual_request *request,
+                            const struct uncertain_hours *hours, char *ret_text, size_t size)
 {
     char nodes[64] = ", with \"sun_halvings\" at its most";
     if (request->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
@@ -109,9 +110,9 @@ static const struct orl_annual_grid *grid_of(const struct orl_annual_report *rep
     return &report->grids[g];
 }
 
-static void name_worst(const struct orl_annual_report *report,
-                       const struct orl_annual_result *result, const struct uncertain_hours *hours,
-                       char *ret_text, size_t size)
+static void describe_worst(const struct orl_annual_report *report,
+                           const struct orl_annual_result *result,
+                           const struct uncertain_hours *hours, char *ret_text, size_t size)
 {
     static const char *const months[12] = {"January",   "February", "March",    "April",
                                            "May",       "June",     "July",     "August",
@@ -140,15 +141,16 @@ static int warn_of_uncertain_hours(const struct warning *w,
         return orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
     find_uncertain_hours(result, &hours);
     if (hours.n_columns > 0) {
-        name_worst(report, result, &hours, worst, sizeof worst);
-        name_remedy(request, &hours, remedy, sizeof remedy);
-        code = warn(w,
-                    "the standard error is above %g %% of the illuminance in %zu of %zu lit %s, at "
-                    "%zu of %zu sensors (counted where illuminance and twice the error are %g lx "
-                    "or more; the worst is %s): %s",
-                    100 * ORL_UNCERTAIN_SHARE, hours.n_columns, result->n_columns,
-                    report->year.steps.per_hour > 1 ? "steps" : "hours", hours.n_sensors,
-                    result->n_sensors, ORL_UNCERTAIN_LEAST_LX, worst, remedy);
+        describe_worst(report, result, &hours, worst, sizeof worst);
+        describe_remedy(request, &hours, remedy, sizeof remedy);
+        code = add_warning(
+            w,
+            "the standard error is above %g %% of the illuminance in %zu of %zu lit %s, at "
+            "%zu of %zu sensors (counted where illuminance and twice the error are %g lx "
+            "or more; the worst is %s): %s",
+            100 * ORL_UNCERTAIN_SHARE, hours.n_columns, result->n_columns,
+            report->year.steps.per_hour > 1 ? "steps" : "hours", hours.n_sensors, result->n_sensors,
+            ORL_UNCERTAIN_LEAST_LX, worst, remedy);
     }
     free(hours.columns);
     return code;
@@ -164,23 +166,25 @@ int orl_annual_report_warn(const struct orl_annual_request *request,
     const struct warning w = {result, warned, ctx, err};
     int code = 0;
     if (report->year.n_missing > 0)
-        code = warn(&w,
-                    "%zu step%s of the year %s not in the weather file, or not measured; nights "
-                    "beside them are known to be dark",
-                    report->year.n_missing, report->year.n_missing == 1 ? "" : "s",
-                    report->year.n_missing == 1 ? "is" : "are");
+        code = add_warning(
+            &w,
+            "%zu step%s of the year %s not in the weather file, or not measured; nights "
+            "beside them are known to be dark",
+            report->year.n_missing, report->year.n_missing == 1 ? "" : "s",
+            report->year.n_missing == 1 ? "is" : "are");
     if (code == 0 && report->year.n_doubtful > 0)
-        code = warn(&w,
-                    "%zu step%s the sun up by 3 degrees or more and no light in the weather file: "
-                    "counted as dark",
-                    report->year.n_doubtful, report->year.n_doubtful == 1 ? " has" : "s have");
+        code = add_warning(
+            &w,
+            "%zu step%s the sun up by 3 degrees or more and no light in the weather file: "
+            "counted as dark",
+            report->year.n_doubtful, report->year.n_doubtful == 1 ? " has" : "s have");
     if (code == 0 && report->n_unlit > 0)
-        code = warn(&w, "no light ever reaches %zu sensors: are they inside of something?",
-                    report->n_unlit);
+        code = add_warning(&w, "no light ever reaches %zu sensors: are they inside of something?",
+                           report->n_unlit);
     if (code == 0 && report->views && !sees_out(report))
-        code =
-            warn(&w, "no place sees out: openings are panes of glass, or those that the view out "
-                     "names, of a building that is closed");
+        code = add_warning(
+            &w, "no place sees out: openings are panes of glass, or those that the view out "
+                "names, of a building that is closed");
     if (code == 0 && result->se)
         code = warn_of_uncertain_hours(&w, request, report);
     return code;

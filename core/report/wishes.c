@@ -1,4 +1,4 @@
-/* What is asked of a year, and what is asked by default. */
+/* Requests of reports: defaults, freeing, and checks for matrices. */
 #include <oriel/annual_report.h>
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* The rows of a weather file as the steps of a year. */
+/* Maps the rows of a weather file to the steps of a year. */
 #include <oriel/annual_report.h>
 
 #include <math.h>
@@ -9,11 +9,12 @@
 #include "scene/generate/sun.h"
 
 static const double doubtful_deg = 3;
-static const double rounding_h = 0.001; /* of times, which files print with three digits or more */
+/* Rounding of times in hours; files print them with at least three decimals. */
+static const double rounding_h = 0.001;
 enum { MONTHS = 12 };
 static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
 
-/* How many steps an hour has: by the two rows of a day that lie closest. */
+/* Returns the number of steps per hour, from the shortest gap between two rows of a day. */
 static uint32_t find_per_hour(const struct orl_annual_result *result)
 {
     double gap = 1;
@@ -25,9 +26,9 @@ static uint32_t find_per_hour(const struct orl_annual_result *result)
     return (uint32_t)lrint(fmin(60, 1 / gap));
 }
 
-/* Returns true if there is a row at midnight: rows are at 0, 1/4 h ... as Honeybee writes them for
- * steps below an hour, and not at the middles or the ends of their steps. */
-static bool begin_steps(const struct orl_annual_result *result)
+/* Returns true if there is a row at midnight. Rows then are at 0, 1/4 h ..., not at the middles or
+ * ends of their steps. Honeybee writes them so for steps below an hour. */
+static bool has_midnight_row(const struct orl_annual_result *result)
 {
     for (size_t i = 0; i < result->n_steps; i++)
         if (result->steps[i].hour < rounding_h)
@@ -55,9 +56,9 @@ uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl
     return day * 24 * steps->per_hour + (uint32_t)fmin(last, fmax(0, within));
 }
 
-/* One row's step; `next` is the first one that is still free. */
-static int enter(const struct orl_annual_result *result, size_t i, struct orl_annual_year *year,
-                 uint32_t *next, struct orl_error *err)
+/* Enters a row at its step; *next is the first free step. */
+static int enter_row(const struct orl_annual_result *result, size_t i, struct orl_annual_year *year,
+                     uint32_t *next, struct orl_error *err)
 {
     const struct orl_annual_step *row = &result->steps[i];
     const uint32_t step = orl_annual_step_of(year, row);
@@ -99,8 +100,8 @@ static bool is_night(const struct orl_annual_result *result, const struct orl_an
     return orl_sun_accurate(&site, &moment).altitude_rad < set_rad;
 }
 
-/* Marks steps of the night without a row as measured, since they are dark: on days that have other
- * rows, and on days without a sunrise. */
+/* Marks night steps without a row as measured, because they are dark. This applies on days that
+ * have other rows, and on days without a sunrise. */
 static void fill_nights(const struct orl_annual_result *result, struct orl_annual_year *year)
 {
     const uint32_t a_day = 24 * year->steps.per_hour;
@@ -124,7 +125,7 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
     const uint32_t per_hour = find_per_hour(result);
     const uint32_t count = (has_leap_day(result) ? 8784 : 8760) * per_hour;
     struct orl_annual_year year = {.steps = {count, per_hour},
-                                   .times_begin_steps = begin_steps(result),
+                                   .times_begin_steps = has_midnight_row(result),
                                    .measured = calloc(count, 1),
                                    .global_lx = calloc(count, sizeof *year.global_lx),
                                    .diffuse_lx = calloc(count, sizeof *year.diffuse_lx),
@@ -141,7 +142,7 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     for (size_t i = 0; i < result->n_steps && code == 0; i++)
-        code = enter(result, i, &year, &next, err);
+        code = enter_row(result, i, &year, &next, err);
     if (code == 0 && year.n_missing > 0)
         fill_nights(result, &year);
     if (code < 0)

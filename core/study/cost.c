@@ -7,8 +7,8 @@
 double orl_study_run_core_s(const struct orl_job *job, const struct orl_study_setting *setting,
                             double sensors)
 {
-    /* Microseconds: a photon of either kind traced and indexed, a sample of a sensor, a path of a
-     * pixel; and what every run begins with. */
+    /* Microseconds: a photon of either kind, traced and indexed; a sample of a sensor; a path of a
+     * pixel; the start of a run. */
     const double photon_us = 2, sample_us = 3, path_us = 10, start_us = 5e5;
     double values = 0;
     for (size_t i = 0; i < job->n_views; i++)

@@ -1,4 +1,4 @@
-/* A study's points as comma-separated values. */
+/* Writes a study's points as comma-separated values. */
 #include <math.h>
 
 #include <oriel/study.h>
@@ -15,7 +15,7 @@ static void write_names(FILE *stream)
           stream);
 }
 
-/* Nothing between the commas where a number is not known. */
+/* Writes nothing between the commas if the number is unknown. */
 static void write_number(FILE *stream, double value)
 {
     if (isfinite(value))

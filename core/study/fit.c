@@ -15,8 +15,8 @@ const char *orl_fit_term_name(enum orl_fit_term term)
     return names[term];
 }
 
-/* What the term's coefficient is multiplied by. */
-static double factor(enum orl_fit_term term, const struct orl_study_setting *setting)
+/* Returns the factor of the term's coefficient in the model. */
+static double factor_of(enum orl_fit_term term, const struct orl_study_setting *setting)
 {
     const double n = (double)setting->photons, s = setting->samples;
     switch (term) {
@@ -37,16 +37,16 @@ double orl_study_fit_predict(const struct orl_study_fit *fit,
     double sum = 0;
     for (int t = 0; t < ORL_FIT_TERMS; t++)
         if (!isnan(fit->terms[t]))
-            sum += fit->terms[t] * factor((enum orl_fit_term)t, setting);
+            sum += fit->terms[t] * factor_of((enum orl_fit_term)t, setting);
     return isfinite(sum) ? sqrt(sum) : NAN;
 }
 
-/* The points of one technique, as a problem of least squares. */
+/* Least-squares problem for the points of one technique. */
 struct problem {
     size_t rows, columns;
-    enum orl_fit_term terms[ORL_FIT_TERMS]; /* the columns */
-    struct orl_study_setting *settings;     /* owned, as are the rest */
-    double *y, *s;                          /* rms^2, its relative uncertainty */
+    enum orl_fit_term terms[ORL_FIT_TERMS]; /* by column */
+    struct orl_study_setting *settings;     /* owned, like y, whose block holds the arrays below */
+    double *y, *s;                          /* rms^2, and its relative uncertainty */
     double *a, *b;                          /* scratch: the weighted problem */
     double *model;
 };
@@ -57,7 +57,7 @@ static void problem_done(struct problem *p)
     free(p->y);
 }
 
-/* How many different values there are; more than 3 count as 3. */
+/* Counts distinct values; more than 3 count as 3. */
 static size_t count_distinct(const struct problem *p, bool of_samples)
 {
     double seen[3] = {0};
@@ -110,17 +110,17 @@ static int problem_init(struct problem *p, const struct orl_study_point *points,
     return 0;
 }
 
-static void evaluate(struct problem *p, const double *x)
+static void evaluate_model(struct problem *p, const double *x)
 {
     for (size_t i = 0; i < p->rows; i++) {
         p->model[i] = 0;
         for (size_t c = 0; c < p->columns; c++)
-            p->model[i] += x[c] * factor(p->terms[c], &p->settings[i]);
+            p->model[i] += x[c] * factor_of(p->terms[c], &p->settings[i]);
     }
 }
 
-/* Coefficients for the data y, which need not be the problem's own. */
-static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
+/* Fits coefficients to the data y, which need not be the problem's own. */
+static void fit_coefficients(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
 {
     double largest[ORL_FIT_TERMS];
     memcpy(p->model, y, p->rows * sizeof(double));
@@ -131,44 +131,44 @@ static void solve(struct problem *p, const double *y, double x[ORL_FIT_TERMS])
             const double w = 1 / (p->s[i] * p->model[i]);
             p->b[i] = w * y[i];
             for (size_t c = 0; c < p->columns; c++) {
-                p->a[i * p->columns + c] = w * factor(p->terms[c], &p->settings[i]);
+                p->a[i * p->columns + c] = w * factor_of(p->terms[c], &p->settings[i]);
                 largest[c] = fmax(largest[c], p->a[i * p->columns + c]);
             }
         }
-        /* Columns differ by many powers of ten: bring them to one size. */
+        /* Columns differ by many powers of ten, so they are scaled to equal size. */
         for (size_t i = 0; i < p->rows * p->columns; i++)
             p->a[i] /= largest[i % p->columns];
         orl_nnls(p->a, p->b, p->rows, p->columns, x);
         for (size_t c = 0; c < p->columns; c++)
             x[c] /= largest[c];
-        evaluate(p, x);
+        evaluate_model(p, x);
     }
 }
 
-/* Standard normal, by Box and Muller. */
+/* Returns a standard normal variate, by Box and Muller. */
 static double draw_normal(struct orl_random *random)
 {
     const double u = 1 - orl_random_uniform(random), v = orl_random_uniform(random);
     return sqrt(-2 * log(u)) * cos(2 * ORL_PI * v);
 }
 
-/* The spread of coefficients when the data are drawn anew about the model. */
-static void redraw(struct problem *p, const double *x, double widened,
-                   double ret_errors[ORL_FIT_TERMS], double *scratch)
+/* Computes the spread of coefficients over refits to data redrawn around the model. */
+static void bootstrap_errors(struct problem *p, const double *x, double widened,
+                             double ret_errors[ORL_FIT_TERMS], double *scratch)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_REFIT, p->rows);
     double *const mean = scratch, *const y = scratch + p->rows;
     double again[ORL_FIT_TERMS];
-    evaluate(p, x);
+    evaluate_model(p, x);
     memcpy(mean, p->model, p->rows * sizeof(double));
     memset(ret_errors, 0, ORL_FIT_TERMS * sizeof(double));
     for (int refit = 0; refit < REFITS; refit++) {
         for (size_t i = 0; i < p->rows; i++) {
-            /* Log-normal: a square cannot be negative. */
+            /* log-normal, because a square cannot be negative */
             const double s = widened * p->s[i];
             y[i] = mean[i] * exp(s * draw_normal(&random) - 0.5 * s * s);
         }
-        solve(p, y, again);
+        fit_coefficients(p, y, again);
         for (size_t c = 0; c < p->columns; c++)
             ret_errors[c] += (again[c] - x[c]) * (again[c] - x[c]) / REFITS;
     }
@@ -179,7 +179,7 @@ static void redraw(struct problem *p, const double *x, double widened,
 static void judge_fit(struct problem *p, const double *x, struct orl_study_fit *fit)
 {
     double chi2 = 0, logs = 0;
-    evaluate(p, x);
+    evaluate_model(p, x);
     for (size_t i = 0; i < p->rows; i++) {
         const double d = (p->y[i] / p->model[i] - 1) / p->s[i];
         chi2 += d * d;
@@ -204,9 +204,9 @@ int orl_study_fit_make(const struct orl_study_point *points, size_t n_points,
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a fit");
         goto done;
     }
-    solve(&p, p.y, x);
+    fit_coefficients(&p, p.y, x);
     judge_fit(&p, x, &fit);
-    redraw(&p, x, fit.chi2 > 1 ? sqrt(fit.chi2) : 1, errors, scratch);
+    bootstrap_errors(&p, x, fit.chi2 > 1 ? sqrt(fit.chi2) : 1, errors, scratch);
     fit.points = p.rows;
     for (int t = 0; t < ORL_FIT_TERMS; t++)
         fit.terms[t] = fit.errors[t] = NAN;
@@ -229,7 +229,7 @@ void orl_study_mark_front(struct orl_study_point *points, size_t n_points)
         bool beaten = !isfinite(p->rms) || !isfinite(p->total_s);
         for (size_t k = 0; k < n_points && !beaten; k++) {
             const struct orl_study_point *q = &points[k];
-            /* Of equals the first stays. */
+            /* The first of several equal points stays. */
             const bool better = q->total_s < p->total_s || q->rms < p->rms || k < i;
             beaten = k != i && q->total_s <= p->total_s && q->rms <= p->rms && better;
         }

@@ -5,11 +5,11 @@
 
 #include "base/sum.h"
 
-/* Differences are divided by no less than this share of the mean. */
+/* Lower bound of the divisor of differences, as a share of the mean. */
 static const double sensor_floor = 1e-3, pixel_floor = 0.1;
-/* Sensors known worse than this are left out. */
+/* Sensors with a larger relative error of the reference are left out. */
 static const double worst_known = 0.01;
-/* The share of rms^2 from which on the reference's own noise is said to show. */
+/* Share of rms^2 above which the reference's own noise is reported to matter. */
 static const double reference_share = 0.25;
 
 void orl_reference_done(struct orl_reference *reference)
@@ -28,8 +28,9 @@ static double mean_of(const double *values, size_t count)
     return orl_sum_value(&sum) / (double)count;
 }
 
-/* Mean and standard error of value k over the runs. */
-static void combine(struct orl_reference *reference, size_t k, double *const *runs, size_t n_runs)
+/* Computes mean and standard error of value k over the runs. */
+static void combine_runs(struct orl_reference *reference, size_t k, double *const *runs,
+                         size_t n_runs)
 {
     const double n = (double)n_runs;
     double sum = 0, squares = 0;
@@ -66,7 +67,7 @@ int orl_reference_make(struct orl_reference *ret_reference, double *const *runs,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a reference");
     }
     for (size_t k = 0; k < count; k++) {
-        combine(&reference, k, runs, n_runs);
+        combine_runs(&reference, k, runs, n_runs);
         if (errors)
             reference.error[k] = errors[k];
     }
@@ -82,7 +83,7 @@ int orl_reference_make(struct orl_reference *ret_reference, double *const *runs,
     return 0;
 }
 
-/* Mean of s^2. */
+/* Mean of s^2, the squared relative errors of the reference. */
 static double own_share(const struct orl_reference *reference)
 {
     struct orl_sum sum = {0, 0};
@@ -104,12 +105,12 @@ void orl_reference_describe(const struct orl_reference *reference, struct orl_st
             ret->worst = fmax(ret->worst, reference->error[k] / reference->scale[k]);
 }
 
-/* Errors of all runs, those left out dropped: run i's at i * used. */
+/* Errors of all runs, without values that are left out; run i starts at i * used. */
 struct errors {
     const struct orl_reference *reference;
     size_t used, n_runs;
     double *e;      /* owned */
-    double *sorted; /* owned; of the same size */
+    double *sorted; /* owned; same size */
 };
 
 static int errors_init(struct errors *errors, const struct orl_reference *reference,
@@ -134,7 +135,7 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The value below which that share of |e| lies. */
+/* Returns the value below which that share of |e| lies. */
 static double percentile(struct errors *errors, double share)
 {
     const size_t count = errors->used * errors->n_runs;
@@ -144,7 +145,7 @@ static double percentile(struct errors *errors, double share)
     return errors->sorted[(size_t)ceil(share * (double)count) - 1];
 }
 
-/* Mean over seeds of the largest |e| among the brightest percent of the reference. */
+/* Returns the mean over seeds of the largest |e| in the brightest percent of the reference. */
 static double peak_error(struct errors *errors)
 {
     const struct orl_reference *reference = errors->reference;
@@ -170,7 +171,7 @@ static double peak_error(struct errors *errors)
     return sum / (double)errors->n_runs;
 }
 
-/* Mean over values of the variance between runs. */
+/* Returns the mean over values of the variance between runs. */
 static double variance_between(const struct errors *errors)
 {
     const double runs = (double)errors->n_runs;
@@ -190,7 +191,7 @@ static double variance_between(const struct errors *errors)
     return orl_sum_value(&sum) / (double)errors->used;
 }
 
-/* Standard error of the mean of a few numbers; NaN of one. */
+/* Standard error of the mean of a few numbers; NaN for one number. */
 static double error_of_mean(const double *values, size_t count)
 {
     const double mean = mean_of(values, count);
@@ -200,7 +201,7 @@ static double error_of_mean(const double *values, size_t count)
     return count > 1 ? sqrt(squares / ((double)count * (double)(count - 1))) : NAN;
 }
 
-/* Per run: the mean of e, and the root of the mean of e^2. */
+/* Computes the mean of e, and the mean of e^2, for each run. */
 static void judge_means(const struct errors *errors, double *biases, double *squares)
 {
     for (size_t i = 0; i < errors->n_runs; i++) {
@@ -219,13 +220,13 @@ static void fill_point(struct errors *errors, const double *biases, const double
                        bool of_views, struct orl_study_point *point)
 {
     const double own = own_share(errors->reference), all = mean_of(squares, errors->n_runs);
-    /* Never less than what the spread between seeds alone comes to: the difference of two means
-     * may fall below zero by chance, the variance does not. */
+    /* The lower bound is the variance between seeds. The difference of two means may be negative by
+     * chance, a variance is not. */
     const double variance = variance_between(errors);
     const double least = isnan(variance) ? 0 : variance;
     point->rms = sqrt(fmax(all - own, fmin(least, all)));
     point->reference_shows = own > reference_share * point->rms * point->rms;
-    /* rms^2 is a mean over seeds; d rms = d rms^2 / 2 rms. */
+    /* rms^2 is a mean over seeds; d rms = d rms^2 / (2 rms). */
     point->rms_error =
         point->rms > 0 ? error_of_mean(squares, errors->n_runs) / (2 * point->rms) : NAN;
     point->bias = mean_of(biases, errors->n_runs);

@@ -1,7 +1,7 @@
 /*
- * Non-negative least squares by the active-set method of Lawson and Hanson (1974, chapter 23), for
- * a handful of columns: columns enter one by one, the one with the steepest descent first, and
- * leave when the solution without bounds would take them below zero.
+ * Non-negative least squares for a few columns, by the active-set method of Lawson and Hanson
+ * (1974, chapter 23). Columns enter one by one, the steepest descent first. They leave when the
+ * unconstrained solution would make them negative.
  */
 #include <float.h>
 #include <math.h>
@@ -14,10 +14,11 @@ struct nnls {
     size_t n;
     double gram[ORL_NNLS_COLUMNS][ORL_NNLS_COLUMNS]; /* A^T A */
     double right[ORL_NNLS_COLUMNS];                  /* A^T b */
-    bool free[ORL_NNLS_COLUMNS];                     /* not held at zero */
+    bool free[ORL_NNLS_COLUMNS];                     /* true if the column is not held at zero */
 };
 
-static void prepare(struct nnls *s, const double *a, const double *b, size_t rows, size_t columns)
+static void form_normal_equations(struct nnls *s, const double *a, const double *b, size_t rows,
+                                  size_t columns)
 {
     memset(s, 0, sizeof *s);
     s->n = columns;
@@ -31,8 +32,8 @@ static void prepare(struct nnls *s, const double *a, const double *b, size_t row
     }
 }
 
-/* Solves the free columns' normal equations by Cholesky; a column that depends on those before it
- * is given 0. */
+/* Solves the normal equations of the free columns by Cholesky decomposition. A column that depends
+ * linearly on those before it gets 0. */
 static void solve_free(const struct nnls *s, double z[ORL_NNLS_COLUMNS])
 {
     double l[ORL_NNLS_COLUMNS][ORL_NNLS_COLUMNS] = {{0}}, y[ORL_NNLS_COLUMNS];
@@ -64,7 +65,7 @@ static void solve_free(const struct nnls *s, double z[ORL_NNLS_COLUMNS])
     }
 }
 
-/* Sets free the column along which the sum of squares falls most; false at the minimum. */
+/* Frees the column along which the sum of squares decreases most; returns false at the minimum. */
 static bool set_free(struct nnls *s, const double *x)
 {
     double most = 0;
@@ -79,15 +80,16 @@ static bool set_free(struct nnls *s, const double *x)
             best = j;
         }
     }
-    /* What rounding leaves of A^T b is no descent. */
+    /* A remainder due to rounding in A^T b is no descent. */
     if (best == s->n || most <= 1e-12 * fabs(s->right[best]) / sqrt(s->gram[best][best]))
         return false;
     s->free[best] = true;
     return true;
 }
 
-/* Moves x towards z until the first free column meets zero, and holds that. True when none did. */
-static bool advance(struct nnls *s, double *x, const double *z)
+/* Moves x towards z until the first free column reaches zero, and holds that column. Returns true
+ * if none did. */
+static bool advance_to_bound(struct nnls *s, double *x, const double *z)
 {
     double step = 1;
     size_t first = s->n;
@@ -113,13 +115,14 @@ void orl_nnls(const double *a, const double *b, size_t rows, size_t columns, dou
 {
     struct nnls s;
     double z[ORL_NNLS_COLUMNS];
-    prepare(&s, a, b, rows, columns);
+    form_normal_equations(&s, a, b, rows, columns);
     for (size_t j = 0; j < columns; j++)
         ret_x[j] = 0;
-    /* Every pass ends at another set of columns; rounding may repeat one, so passes are counted. */
+    /* Every pass ends with a different set of columns. Rounding may repeat one, so the number of
+     * passes is limited. */
     for (size_t pass = 0; pass < 4 * columns && set_free(&s, ret_x); pass++) {
         do
             solve_free(&s, z);
-        while (!advance(&s, ret_x, z));
+        while (!advance_to_bound(&s, ret_x, z));
     }
 }

@@ -17,10 +17,10 @@ void orl_one_run_done(struct orl_one_run *run)
     memset(run, 0, sizeof *run);
 }
 
-/* A run, and where its values go. */
+/* Context of a run, with an array for its values. */
 struct making {
     struct orl_runs_env *env;
-    double *values; /* owned until they are taken */
+    double *values; /* owned until taken */
     size_t count, capacity;
     bool out_of_memory;
 };
@@ -31,9 +31,10 @@ static double now_s(void *ctx)
     return env->now_s(env->ctx);
 }
 
-/* Runs to come take as long as those before, by their costs; the first of all is one of them. */
-static void progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
-                     double left_s)
+/* Reports progress. Future runs are assumed to take as long as past ones, in proportion to their
+ * cost; the first run of all is included. */
+static void report_progress(void *ctx, enum orl_stage stage, double stage_fraction,
+                            double job_fraction, double left_s)
 {
     struct orl_runs_env *env = ((const struct making *)ctx)->env;
     const double elapsed = now_s(ctx) - env->started_s, done = env->before + env->share;
@@ -45,14 +46,14 @@ static void progress(void *ctx, enum orl_stage stage, double stage_fraction, dou
         env->env->progress(env->env->ctx, &env->step);
 }
 
-static void spent(void *ctx, const struct orl_result *result)
+static void report_spent(void *ctx, const struct orl_result *result)
 {
     const struct orl_runs_env *env = ((const struct making *)ctx)->env;
     if (env->env->spent && !env->untold)
         env->env->spent(env->env->ctx, result);
 }
 
-static bool reserve(struct making *making, size_t count)
+static bool reserve_values(struct making *making, size_t count)
 {
     if (making->count + count <= making->capacity)
         return true;
@@ -71,7 +72,7 @@ static void take_view(void *ctx, size_t index, float (*const pixels)[3], const f
 {
     struct making *making = ctx;
     (void)index, (void)errors;
-    if (!reserve(making, count))
+    if (!reserve_values(making, count))
         return;
     for (size_t i = 0; i < count; i++) {
         const struct orl_rgb color = {pixels[i][0], pixels[i][1], pixels[i][2]};
@@ -81,26 +82,26 @@ static void take_view(void *ctx, size_t index, float (*const pixels)[3], const f
 
 static void take_sensors(struct making *making, const struct orl_result *result)
 {
-    if (result->n_sensors == 0 || !reserve(making, result->n_sensors))
+    if (result->n_sensors == 0 || !reserve_values(making, result->n_sensors))
         return;
     memcpy(making->values + making->count, result->illuminance_lx,
            result->n_sensors * sizeof(double));
     making->count += result->n_sensors;
 }
 
-/* Images, maps: whatever a run has left. */
+/* Deletes all files that a run has left: images and maps. */
 static void clear_folder(const char *folder)
 {
     DIR *dir = opendir(folder);
     const struct dirent *entry;
     while (dir && (entry = readdir(dir)))
-        unlinkat(dirfd(dir), entry->d_name, 0); /* refuses "." and ".." */
+        unlinkat(dirfd(dir), entry->d_name, 0); /* fails for "." and ".." */
     if (dir)
         closedir(dir);
 }
 
-/* The template's job with the setting's numbers. Borrows from the template: not for
- * orl_job_done. */
+/* Returns the template's job with the setting's numbers. It borrows from the template, so
+ * orl_job_done must not be called. */
 static struct orl_job make_job(const struct orl_study_request *request,
                                const struct orl_study_setting *setting, uint64_t seed)
 {
@@ -119,8 +120,8 @@ static struct orl_job make_job(const struct orl_study_request *request,
     return job;
 }
 
-static int compute(struct making *making, const struct orl_job *job, struct orl_result *ret_result,
-                   struct orl_error *err)
+static int compute_run(struct making *making, const struct orl_job *job,
+                       struct orl_result *ret_result, struct orl_error *err)
 {
     const struct orl_runs_env *env = making->env;
     const struct orl_study_env *study = env->env;
@@ -134,9 +135,9 @@ static int compute(struct making *making, const struct orl_job *job, struct orl_
                                         .output_folder = env->folder,
                                         .cancel = study->cancel,
                                         .now_s = now_s,
-                                        .progress = progress,
+                                        .progress = report_progress,
                                         .view_ready = take_view,
-                                        .spent = spent,
+                                        .spent = report_spent,
                                         .ctx = making};
     int code = orl_run(job, &run_env, ret_result, err);
     if (code == 0) {
@@ -148,7 +149,7 @@ static int compute(struct making *making, const struct orl_job *job, struct orl_
     return code;
 }
 
-/* Takes what the run's result owns and the study wants. */
+/* Moves the data that the study needs out of the run's result. */
 static void take_result(struct making *making, struct orl_result *result, struct orl_one_run *run)
 {
     *run = (struct orl_one_run){.values = making->values,
@@ -174,7 +175,7 @@ int orl_one_run_make(struct orl_runs_env *env, const struct orl_study_setting *s
     const struct orl_job job = make_job(env->request, setting, seed);
     struct making making = {.env = env};
     struct orl_result result = {0};
-    const int code = compute(&making, &job, &result, err);
+    const int code = compute_run(&making, &job, &result, err);
     if (code == 0)
         take_result(&making, &result, ret_run);
     free(making.values);

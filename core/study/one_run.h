@@ -1,19 +1,19 @@
 /*
- * A single run of a study: one setting with one seed, its values and what they took.
+ * A single run of a study: one setting with one seed, its values and their cost.
  *
- * Each run has a folder for maps and images of its own making, in which it leaves nothing: its
- * store forgets a map as soon as the run lets go of it, so that no run finds another's.
+ * Each run has its own folder for maps and images, and leaves it empty. Its store deletes a map as
+ * soon as the run releases it, so no run finds maps of another.
  */
 #ifndef ORL_STUDY_ONE_RUN_H
 #define ORL_STUDY_ONE_RUN_H
 
 #include <oriel/study.h>
 
-/* What came of it. All owned. */
+/* Result of a run. All arrays are owned. */
 struct orl_one_run {
-    double *values; /* of each sensor or pixel, lux or cd/m2 */
+    double *values; /* by sensor or pixel, lux or cd/m2 */
     size_t count;
-    double *errors; /* standard errors of these; NULL: not known */
+    double *errors; /* standard errors of the values; NULL: unknown */
     double stages_s[ORL_STAGE_COUNT], total_s;
     uint64_t map_bytes;
     uint32_t threads;
@@ -21,24 +21,27 @@ struct orl_one_run {
     char **warnings;
     size_t n_warnings;
 };
-void orl_one_run_done(struct orl_one_run *run); /* all zeros are fine */
+void orl_one_run_done(struct orl_one_run *run); /* zeros are allowed */
 
-/* What a study's runs share. */
+/* Data shared by a study's runs. */
 struct orl_runs_env {
     const struct orl_study_request *request;
     const struct orl_study_env *env;
-    char folder[4096];          /* for maps and images */
-    double sensors;             /* how many there are */
-    double before, share, all;  /* of the whole study's cost: runs that ended, this one, all */
-    double from;                /* of the whole, made elsewhere beforehand: for progress */
-    double started_s;           /* the study's first run */
-    bool untold;                /* what runs spend is told of when they are put together */
+    char folder[4096]; /* for maps and images */
+    double sensors;    /* number of sensors */
+    /* Estimated cost: of runs that ended, of this run, of the whole study. */
+    double before, share, all;
+    double from; /* share of the whole that other processes computed beforehand; for progress */
+    double started_s; /* start of the study's first run */
+    /* True if `spent` is not called yet: runs report their cost when they are assembled. */
+    bool untold;
     struct orl_study_step step; /* for progress */
-    char ***warnings;           /* of the study: where new ones go */
+    char ***warnings;           /* warnings of the study; new ones are appended */
     size_t *n_warnings;
 };
 
-/* Returns 0 or what orl_run returned; ret_run is the caller's on success. */
+/* Runs one setting with one seed. Returns 0 or the error of orl_run; ret_run is owned by the caller
+ * on success. */
 int orl_one_run_make(struct orl_runs_env *env, const struct orl_study_setting *setting,
                      uint64_t seed, struct orl_one_run *ret_run, struct orl_error *err);
 

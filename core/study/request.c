@@ -1,4 +1,4 @@
-/* Requests of studies: defaults, checks, clean-up. */
+/* Requests of studies: defaults, validation and freeing. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,7 +44,8 @@ bool orl_study_heeds_photons(enum orl_technique technique)
 
 bool orl_study_heeds_samples(enum orl_technique technique, bool of_views)
 {
-    /* Views by photon maps choose their own rays; sensors read maps directly but for a gather. */
+    /* Views by photon maps choose their own rays. Sensors read maps directly, except with a
+     * gather. */
     return technique == ORL_TECHNIQUE_BACKWARD || (technique == ORL_TECHNIQUE_GATHER && !of_views);
 }
 
@@ -58,7 +59,7 @@ bool orl_study_of_views(const struct orl_study_request *request)
     return request->job.n_views > 0;
 }
 
-/* How many settings of a technique there are; 0 where one of its lists is empty. */
+/* Counts the settings of a technique; 0 if one of its lists is empty. */
 static size_t count_settings(const struct orl_study_request *request, enum orl_technique technique)
 {
     const bool of_views = orl_study_of_views(request);
@@ -74,9 +75,9 @@ size_t orl_study_count_settings(const struct orl_study_request *request)
     return count;
 }
 
-/* Says what is wrong with that member of the document. */
-__attribute__((format(printf, 4, 5))) static int fail(struct orl_error *err, int code,
-                                                      const char *member, const char *format, ...)
+/* Sets an error about that member of the document, and returns its code. */
+__attribute__((format(printf, 4, 5))) static int
+fail_member(struct orl_error *err, int code, const char *member, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -94,26 +95,27 @@ static int check_technique(const struct orl_study_request *request, size_t index
     char at[48];
     snprintf(at, sizeof at, "techniques[%zu]", index);
     if (technique == ORL_TECHNIQUE_AUTO)
-        return fail(err, ORL_ERR_INVALID, at, "a study names its techniques: \"auto\" is none");
+        return fail_member(err, ORL_ERR_INVALID, at,
+                           "a study names its techniques: \"auto\" is none");
     for (size_t i = 0; i < index; i++)
         if (request->techniques[i] == technique)
-            return fail(err, ORL_ERR_INVALID, at, "technique \"%s\" is named twice", name);
+            return fail_member(err, ORL_ERR_INVALID, at, "technique \"%s\" is named twice", name);
     if (count_settings(request, technique) > 0)
         return 0;
     if (orl_study_heeds_photons(technique) && request->n_photons == 0)
-        return fail(err, ORL_ERR_INVALID, "photons", "technique \"%s\" needs a list of photons",
-                    name);
-    return fail(err, ORL_ERR_INVALID,
-                orl_study_of_views(request) ? "pixel_samples" : "gather_samples",
-                "technique \"%s\" needs a list of samples", name);
+        return fail_member(err, ORL_ERR_INVALID, "photons",
+                           "technique \"%s\" needs a list of photons", name);
+    return fail_member(err, ORL_ERR_INVALID,
+                       orl_study_of_views(request) ? "pixel_samples" : "gather_samples",
+                       "technique \"%s\" needs a list of samples", name);
 }
 
 static int check_job(const struct orl_job *job, struct orl_error *err)
 {
     const bool sensors = job->n_sensors > 0 || job->sensors_file;
     if (sensors == (job->n_views > 0)) {
-        fail(err, ORL_ERR_INVALID, "views", "a study measures either sensors or views%s",
-             sensors ? ", not both" : ", but names none");
+        fail_member(err, ORL_ERR_INVALID, "views", "a study measures either sensors or views%s",
+                    sensors ? ", not both" : ", but names none");
         orl_error_hint(err, "Times would otherwise be of both, errors of one");
         return ORL_ERR_INVALID;
     }
@@ -123,12 +125,12 @@ static int check_job(const struct orl_job *job, struct orl_error *err)
 static int check_counts(const struct orl_study_request *request, struct orl_error *err)
 {
     if (request->repeats == 0)
-        return fail(err, ORL_ERR_INVALID, "repeats", "a study needs repeats");
+        return fail_member(err, ORL_ERR_INVALID, "repeats", "a study needs repeats");
     if (request->reference_samples == 0 || request->reference_runs == 0)
-        return fail(err, ORL_ERR_INVALID, "reference", "a study needs a reference");
+        return fail_member(err, ORL_ERR_INVALID, "reference", "a study needs a reference");
     if (orl_study_of_views(request) && request->reference_runs < 2)
-        return fail(err, ORL_ERR_INVALID, "reference.runs",
-                    "a reference of views needs two runs: they tell its error");
+        return fail_member(err, ORL_ERR_INVALID, "reference.runs",
+                           "a reference of views needs two runs: they tell its error");
     return orl_study_check_runs(request, ORL_LIMIT_STUDY_RUNS, err);
 }
 
@@ -138,9 +140,9 @@ int orl_study_check_runs(const struct orl_study_request *request, uint32_t most,
     const size_t settings = orl_study_count_settings(request);
     if ((uint64_t)settings * request->repeats + request->reference_runs <= most)
         return 0;
-    fail(err, ORL_ERR_LIMIT, "repeats",
-         "%zu settings with %u seeds each, and %u of the reference, are more than %u runs",
-         settings, request->repeats, request->reference_runs, most);
+    fail_member(err, ORL_ERR_LIMIT, "repeats",
+                "%zu settings with %u seeds each, and %u of the reference, are more than %u runs",
+                settings, request->repeats, request->reference_runs, most);
     orl_error_hint(err, "List fewer photons or samples, or repeat them less");
     return ORL_ERR_LIMIT;
 }
@@ -155,15 +157,16 @@ static int check_given(const struct orl_study_given *given, size_t index, struct
              !seconds ? "seconds"
              : !rms   ? "rms"
                       : "rays_per_s");
-    return fail(err, ORL_ERR_RANGE, at,
-                "point \"%s\": seconds, rms and rays_per_s are from 1e-12 to 1e12", given->name);
+    return fail_member(err, ORL_ERR_RANGE, at,
+                       "point \"%s\": seconds, rms and rays_per_s are from 1e-12 to 1e12",
+                       given->name);
 }
 
 int orl_study_request_validate(const struct orl_study_request *request, struct orl_error *err)
 {
     int code = check_job(&request->job, err);
     if (code == 0 && request->n_techniques == 0)
-        code = fail(err, ORL_ERR_INVALID, "techniques", "the study names no technique");
+        code = fail_member(err, ORL_ERR_INVALID, "techniques", "the study names no technique");
     for (size_t i = 0; i < request->n_techniques && code == 0; i++)
         code = check_technique(request, i, err);
     if (code == 0)

@@ -17,8 +17,8 @@ void orl_series_done(struct orl_series *series)
     memset(series, 0, sizeof *series);
 }
 
-/* Each warning once, however many runs had it. */
-static void take_warnings(struct orl_runs_env *env, const struct orl_one_run *run)
+/* Adds each new warning of a run to the study once. */
+static void add_warnings(struct orl_runs_env *env, const struct orl_one_run *run)
 {
     for (size_t i = 0; i < run->n_warnings; i++) {
         bool known = false;
@@ -34,8 +34,8 @@ static void take_warnings(struct orl_runs_env *env, const struct orl_one_run *ru
     }
 }
 
-static int keep_run(struct orl_series *series, size_t index, struct orl_one_run *run,
-                    struct orl_error *err)
+static int store_run(struct orl_series *series, size_t index, struct orl_one_run *run,
+                     struct orl_error *err)
 {
     if (index > 0 && run->count != series->count)
         return orl_error_set(err, ORL_ERR_INTERNAL, "runs of one study differ in their values");
@@ -77,8 +77,8 @@ int orl_series_run(struct orl_runs_env *env, const struct orl_study_setting *set
         env->step.run = i + 1;
         code = orl_shared_run_find(env, setting, first_seed + i, &run, err);
         if (code == 0) {
-            take_warnings(env, &run);
-            code = keep_run(&series, i, &run, err);
+            add_warnings(env, &run);
+            code = store_run(&series, i, &run, err);
         }
         orl_one_run_done(&run);
         env->before += env->share;

@@ -10,11 +10,11 @@
 #include "study/request.h"
 #include "study/speed.h"
 
-/* Raised when what a piece holds changes, or how it lies in its file. */
+/* Version of a piece's contents and file layout; raise it when either changes. */
 static const char recipe[] = "oriel study runs 1";
-/* Of a study that is shared: what others make, of the whole; the rest is put together from it. */
+/* Share of a distributed study's work that makes its runs; the rest assembles the results. */
 static const double made_elsewhere = 0.98;
-/* Of one core: loading the scene, and its rays. */
+/* Time to load the scene and trace its rays, in seconds of one core. */
 static const double speed_s = 1;
 
 bool orl_study_is_shared(const struct orl_study_env *env)
@@ -22,9 +22,10 @@ bool orl_study_is_shared(const struct orl_study_env *env)
     return env->pieces && env->store;
 }
 
-/* ---- A run in its file ----------------------------------------------------------------------- */
+/* ---- Stored runs ----------------------------------------------------------------------------- */
 
-/* This, its values, their errors where they are known, and its warnings, each with its end. */
+/* Header of a stored run. Then follow its values, their errors if known, and its warnings, each
+ * with a terminating zero. */
 struct head {
     uint64_t count, has_errors, warning_bytes, map_bytes, threads;
     double stages_s[ORL_STAGE_COUNT], total_s;
@@ -37,7 +38,7 @@ static size_t bytes_of(const struct head *head)
            (head->warning_bytes + 3) / 4 * 4;
 }
 
-static void describe(const struct orl_one_run *run, struct head *ret_head)
+static void fill_header(const struct orl_one_run *run, struct head *ret_head)
 {
     memset(ret_head, 0, sizeof *ret_head);
     ret_head->count = run->count;
@@ -51,11 +52,11 @@ static void describe(const struct orl_one_run *run, struct head *ret_head)
         ret_head->warning_bytes += strlen(run->warnings[i]) + 1;
 }
 
-static int pack(const struct orl_one_run *run, void **ret_data, size_t *ret_size,
-                struct orl_error *err)
+static int pack_run(const struct orl_one_run *run, void **ret_data, size_t *ret_size,
+                    struct orl_error *err)
 {
     struct head head;
-    describe(run, &head);
+    fill_header(run, &head);
     char *to = calloc(1, bytes_of(&head));
     *ret_data = to;
     *ret_size = bytes_of(&head);
@@ -74,8 +75,8 @@ static int pack(const struct orl_one_run *run, void **ret_data, size_t *ret_size
     return 0;
 }
 
-/* A copy of that many of them; NULL: no memory. */
-static double *copy(const char *from, size_t count)
+/* Returns a copy of count values; NULL: out of memory. */
+static double *copy_doubles(const char *from, size_t count)
 {
     double *to = malloc((count + 1) * sizeof *to);
     if (to)
@@ -95,9 +96,9 @@ static bool unpack_warnings(const char *from, size_t bytes, struct orl_one_run *
     return run->warnings != NULL;
 }
 
-/* Of data that has its size. The caller ends the run, after an error, too. */
-static int unpack(const struct head *head, const char *from, struct orl_one_run *run,
-                  struct orl_error *err)
+/* Unpacks data of the correct size. The caller frees the run, also after an error. */
+static int unpack_run(const struct head *head, const char *from, struct orl_one_run *run,
+                      struct orl_error *err)
 {
     *run = (struct orl_one_run){.count = head->count,
                                 .total_s = head->total_s,
@@ -106,10 +107,10 @@ static int unpack(const struct head *head, const char *from, struct orl_one_run 
                                 .health = head->health};
     memcpy(run->stages_s, head->stages_s, sizeof run->stages_s);
     from += sizeof *head;
-    run->values = copy(from, run->count);
+    run->values = copy_doubles(from, run->count);
     from += run->count * sizeof *run->values;
     if (head->has_errors) {
-        run->errors = copy(from, run->count);
+        run->errors = copy_doubles(from, run->count);
         from += run->count * sizeof *run->errors;
     }
     if (run->values && (run->errors || !head->has_errors) &&
@@ -126,13 +127,13 @@ struct wanted {
     uint64_t seed;
 };
 
-/* Runs on their way. */
+/* Context of runs in progress. */
 struct sharing {
     struct orl_runs_env *env;
-    const struct wanted *runs; /* of pieces; the last piece of all is the speed's */
+    const struct wanted *runs; /* by piece; one more piece, the last, is the speed */
     size_t n_runs;
     double *rays_per_s;
-    struct orl_one_run *into; /* NULL: they are made and looked at, and not yet wanted */
+    struct orl_one_run *into; /* NULL: runs are stored, and not returned yet */
 };
 
 static int make_speed(const struct sharing *sharing, void **ret_data, size_t *ret_size,
@@ -148,7 +149,8 @@ static int make_speed(const struct sharing *sharing, void **ret_data, size_t *re
     return code;
 }
 
-static int make(void *ctx, size_t index, void **ret_data, size_t *ret_size, struct orl_error *err)
+static int make_piece(void *ctx, size_t index, void **ret_data, size_t *ret_size,
+                      struct orl_error *err)
 {
     struct sharing *sharing = ctx;
     struct orl_runs_env *env = sharing->env;
@@ -159,7 +161,7 @@ static int make(void *ctx, size_t index, void **ret_data, size_t *ret_size, stru
     env->share = orl_study_run_core_s(&env->request->job, &wanted->setting, env->sensors);
     int code = orl_one_run_make(env, &wanted->setting, wanted->seed, &run, err);
     if (code == 0)
-        code = pack(&run, ret_data, ret_size, err);
+        code = pack_run(&run, ret_data, ret_size, err);
     if (code == 0 && sharing->into)
         *sharing->into = run;
     else
@@ -167,8 +169,8 @@ static int make(void *ctx, size_t index, void **ret_data, size_t *ret_size, stru
     return code;
 }
 
-/* What others spent on it. */
-static void tell_spent(const struct orl_study_env *env, const struct head *head)
+/* Reports the cost of a run that another process made. */
+static void report_spent(const struct orl_study_env *env, const struct head *head)
 {
     struct orl_result spent = {
         .threads = (uint32_t)head->threads, .total_s = head->total_s, .health = head->health};
@@ -177,8 +179,8 @@ static void tell_spent(const struct orl_study_env *env, const struct head *head)
         env->spent(env->ctx, &spent);
 }
 
-static int take(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
-                struct orl_error *err)
+static int read_piece(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
+                      struct orl_error *err)
 {
     const struct sharing *sharing = ctx;
     struct head head;
@@ -194,11 +196,11 @@ static int take(void *ctx, size_t index, const void *data, size_t size, bool *re
                  size == bytes_of(&head);
     if (!*ret_taken || !sharing->into)
         return 0;
-    const int code = unpack(&head, data, sharing->into, err);
+    const int code = unpack_run(&head, data, sharing->into, err);
     if (code < 0)
         orl_one_run_done(sharing->into);
     else
-        tell_spent(sharing->env->env, &head);
+        report_spent(sharing->env->env, &head);
     return code;
 }
 
@@ -233,8 +235,8 @@ static void name_run(const struct orl_runs_env *env, const struct wanted *run,
 
 /* ---- All of them ----------------------------------------------------------------------------- */
 
-/* Until all is made, and put together: by the time that it has taken so far. */
-static void tell_share(void *ctx, double share)
+/* Reports progress; the remaining time is estimated from the time so far. */
+static void report_share(void *ctx, double share)
 {
     struct orl_runs_env *env = ((const struct sharing *)ctx)->env;
     const struct orl_study_env *study = env->env;
@@ -247,7 +249,7 @@ static void tell_share(void *ctx, double share)
         study->progress(study->ctx, &env->step);
 }
 
-/* The reference's, then those of the settings, in their order. */
+/* Lists the reference's runs, then those of the settings, in order. */
 static size_t list_runs(const struct orl_study_request *request,
                         const struct orl_study_setting *settings, size_t n_settings,
                         struct wanted *ret_runs)
@@ -270,9 +272,9 @@ static int run_pieces(struct sharing *sharing, struct orl_piece *pieces, size_t 
     const struct orl_piece_work work = {.pieces = pieces,
                                         .n = n,
                                         .ctx = sharing,
-                                        .make = make,
-                                        .take = take,
-                                        .told = sharing->into ? NULL : tell_share};
+                                        .make = make_piece,
+                                        .take = read_piece,
+                                        .told = sharing->into ? NULL : report_share};
     return orl_run_pieces(&run, &work, err);
 }
 

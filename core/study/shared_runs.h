@@ -1,7 +1,7 @@
 /*
- * A study's runs as pieces of a job that is shared (oriel/pieces.h): each setting with each seed is
- * one, the reference's seeds among them, and what the machine is worth another. What a run took is
- * in its piece, by the clock of whoever made it. None needs another: all are of one wave.
+ * Runs of a study as pieces of a distributed job (oriel/pieces.h). Each setting with each seed is a
+ * piece, including the reference's seeds; the measured speed is another. A piece records its run's
+ * time by the clock of the process that made it. All pieces are independent.
  */
 #ifndef ORL_STUDY_SHARED_RUNS_H
 #define ORL_STUDY_SHARED_RUNS_H
@@ -10,12 +10,13 @@
 
 bool orl_study_is_shared(const struct orl_study_env *env);
 
-/* Until all of them are made, here or elsewhere; the speed is taken (speed.h). Of a study that is
- * shared. */
+/* Divides the runs of a distributed study among processes until all are made, and measures the
+ * speed (speed.h). */
 int orl_share_runs(struct orl_runs_env *env, const struct orl_study_setting *settings,
                    size_t n_settings, double *ret_rays_per_s, struct orl_error *err);
 
-/* One of them, made here where it is nowhere; ret_run is the caller's on success. */
+/* Returns one of the runs, and makes it if no process has. ret_run is owned by the caller on
+ * success. */
 int orl_shared_run_find(struct orl_runs_env *env, const struct orl_study_setting *setting,
                         uint64_t seed, struct orl_one_run *ret_run, struct orl_error *err);
 

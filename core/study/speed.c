@@ -14,7 +14,8 @@ struct ray {
     struct orl_vec3 origin, direction;
 };
 
-/* A path of a few bounces from the scene's middle; returns how many rays it has come to. */
+/* Adds the rays of a path of a few bounces from the scene's centre; returns the new number
+ * of rays. */
 static size_t add_path(const struct orl_geometry *g, struct orl_random *random, struct ray *rays,
                        size_t n, size_t most)
 {
@@ -34,7 +35,7 @@ static size_t add_path(const struct orl_geometry *g, struct orl_random *random, 
     return n;
 }
 
-/* Neighbours in the array are neighbours on a path; a shuffle makes them strangers. */
+/* Shuffles the rays, because neighbours in the array are neighbours on a path. */
 static void shuffle(struct ray *rays, size_t n, struct orl_random *random)
 {
     for (size_t i = n; i > 1; i--) {
@@ -56,7 +57,7 @@ static size_t make_rays(const struct orl_geometry *g, struct ray *rays, size_t m
     return n;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_rates(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -79,11 +80,11 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
         rates[run] = (double)n / (now_s(ctx) - started);
     }
     free(rays);
-    qsort(rates, (size_t)runs, sizeof *rates, compare);
+    qsort(rates, (size_t)runs, sizeof *rates, compare_rates);
     return hits > 0 ? rates[runs / 2] : NAN;
 }
 
-/* The cancel flag is the context. */
+/* Loads a BSDF; the context is the cancel flag. */
 static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
                      const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
                      struct orl_error *err)

@@ -1,6 +1,6 @@
 /*
- * A study from its request to its results: the reference first, then setting by setting; the fits
- * and the front at the end.
+ * Runs a study from its request to its results: the reference first, then each setting, finally the
+ * fits and the Pareto front.
  */
 #include <oriel/study.h>
 
@@ -40,7 +40,7 @@ const char *orl_study_step_name(const struct orl_study_step *step)
                              : orl_technique_name(step->setting.technique);
 }
 
-/* What the steps of a study share. */
+/* State shared by the steps of a study. */
 struct work {
     const struct orl_study_request *request;
     const struct orl_study_env *env;
@@ -59,7 +59,7 @@ static double sum_of(const double *values, size_t count)
     return sum;
 }
 
-/* With seeds that none of the runs to be judged has. */
+/* Runs the reference, with seeds that no judged run has. */
 static int run_reference(struct work *work, struct orl_error *err)
 {
     const struct orl_study_setting setting = orl_study_reference_setting(work->request);
@@ -137,7 +137,7 @@ static int copy_given(struct work *work, struct orl_error *err)
     return study->given ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* Of a file they are counted, for what runs are thought to take. */
+/* Counts the sensors for cost estimates, also those in a file. */
 static int count_sensors(struct work *work, struct orl_error *err)
 {
     const struct orl_job *job = &work->request->job;
@@ -165,7 +165,7 @@ static int make_folder(struct work *work, struct orl_error *err)
                          work->env->work_folder, strerror(errno));
 }
 
-static int prepare(struct work *work, struct orl_error *err)
+static int prepare_study(struct work *work, struct orl_error *err)
 {
     struct orl_study *study = work->study;
     int code = copy_given(work, err);
@@ -183,8 +183,7 @@ static int prepare(struct work *work, struct orl_error *err)
     return make_folder(work, err);
 }
 
-/* Of a study that is shared that is where its runs are made, too: by the time it is known they are
- * all there. */
+/* Measures the machine's speed. In a distributed study this also makes all runs. */
 static int measure_speed(struct work *work, struct orl_error *err)
 {
     double *rays_per_s = &work->study->rays_per_s;
@@ -193,8 +192,8 @@ static int measure_speed(struct work *work, struct orl_error *err)
                : orl_study_measure_speed(work->request, work->env, rays_per_s, err);
 }
 
-/* And what it makes of times measured on others. */
-static int know_speed(struct work *work, struct orl_error *err)
+/* Measures the speed, and scales times that were measured on other machines. */
+static int find_speed(struct work *work, struct orl_error *err)
 {
     struct orl_study *study = work->study;
     const int code = measure_speed(work, err);
@@ -232,9 +231,9 @@ int orl_study_run(const struct orl_study_request *request, const struct orl_stud
                                      .n_warnings = &study.n_warnings}};
     int code = orl_study_request_validate(request, err);
     if (code == 0)
-        code = prepare(&work, err);
+        code = prepare_study(&work, err);
     if (code == 0)
-        code = know_speed(&work, err);
+        code = find_speed(&work, err);
     if (code == 0)
         code = run_reference(&work, err);
     for (size_t i = 0; i < work.n_settings && code == 0; i++)
