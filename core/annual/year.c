@@ -167,11 +167,8 @@ int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struc
     y->result->n_moved = r->n_moved;
     y->hours.steps = malloc(steps + 1);
     y->hours.step_of_column = malloc(columns + 1);
-    if (!y->hours.steps || !y->hours.step_of_column) {
-        free(y->hours.steps);
-        free(y->hours.step_of_column);
-        return orl_year_no_memory(err);
-    }
+    if (!y->hours.steps || !y->hours.step_of_column)
+        return orl_year_no_memory(err); /* the caller frees both */
     memcpy(y->hours.steps, r->steps, steps);
     memcpy(y->hours.step_of_column, r->step_of_column, columns);
     return 0;
