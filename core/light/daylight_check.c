@@ -1,4 +1,4 @@
-/* What a sky request may say. Messages use the names of the job document. */
+/* Checks of a sky request. Messages use the names of the job document. */
 #include <math.h>
 #include <stddef.h>
 
@@ -9,7 +9,7 @@ struct range {
     double value, low, high;
 };
 
-/* Of NaN, too, it is true that it does not lie within. */
+/* Checks that values are in their ranges; NaN is in none. */
 static int check_ranges(const struct range *ranges, size_t count, struct orl_error *err)
 {
     for (size_t i = 0; i < count; i++) {
@@ -24,7 +24,8 @@ static int check_ranges(const struct range *ranges, size_t count, struct orl_err
     return 0;
 }
 
-/* An hour before midnight: 24 is the next day's 0, and said so. */
+/* Checks the hour, which must be before midnight. 24 is refused with a hint that it is the next
+ * day's 0. */
 static int check_hour(double hour, struct orl_error *err)
 {
     if (hour >= 0 && hour < 24)
@@ -78,7 +79,8 @@ static int check_sun(const struct orl_sky_request *r, bool needed, struct orl_er
     return ORL_ERR_INVALID;
 }
 
-/* Above the solar constant gendaylit's sky is black; the other bounds are its model's own. */
+/* The upper limits of irradiance are the solar constant, above which gendaylit's sky is black.
+ * The other limits are those of its model. */
 static int check_perez(const struct orl_sky_request *r, struct orl_error *err)
 {
     struct range ranges[2] = {{"direct_normal_w_m2", r->first, 0, ORL_DAYLIGHT_MOST_W},

@@ -11,9 +11,11 @@ struct way {
     struct orl_vec3 origin, direction;
     double max_distance;
     bool through_ports;
-    bool to_surface; /* it goes to neither sun nor lamp: the front of an illum blocks it */
-    uint32_t target; /* the facet that it goes to, which does not block it; or no_target */
-    int32_t *port;   /* of orl_transmittance_by; or NULL */
+    /* its target is neither sun nor lamp: the front of an illum blocks it */
+    bool to_surface;
+    /* the facet that it is traced to, which does not block it; or no_target */
+    uint32_t target;
+    int32_t *port; /* in and out as in orl_transmittance_by; or NULL */
 };
 
 static struct way way_to(struct orl_vec3 origin, struct orl_vec3 direction, double max_distance,
@@ -52,7 +54,7 @@ static struct orl_rgb through_panes(const struct orl_world *world, const struct 
             *way->port = orl_world_port_of(world, hit.facet);
         if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
             return path.weight;
-        /* The ray sets out again a little further on: it is to end where it was to. */
+        /* The ray starts again a little further on, but its end stays the same. */
         const struct orl_vec3 before = path.origin;
         orl_path_pass(&path, world, &hit);
         max_distance -= orl_dot(orl_sub(path.origin, before), way->direction);
@@ -60,8 +62,8 @@ static struct orl_rgb through_panes(const struct orl_world *world, const struct 
     return orl_gray(0);
 }
 
-/* Transmittance of panes on the way to a mirror, whose hit it returns; zero where something opaque
- * is met before. */
+/* Returns the transmittance of panes on the way to a mirror, and the hit on the mirror. Returns
+ * zero if the ray meets anything opaque before it. */
 static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, struct orl_vec3 origin,
                                               struct orl_vec3 direction, bool through_ports,
                                               uint32_t mirror, struct orl_hit *ret_hit)
@@ -113,7 +115,8 @@ struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_ve
     return transmittance_of(world, &way);
 }
 
-/* cos as irradiance, or lobes towards the eye as radiance. */
+/* Returns the cosine for irradiance, or the lobes' value times the cosine for radiance towards
+ * the eye. */
 static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
 {
     if (query->mist)
@@ -128,8 +131,9 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
 }
 
 /*
- * What rays may be drawn by where suns and lamps are looked for by way of a material's lobes. Both
- * shares are worked out from this, whatever a path then allows: they must add up to one.
+ * Returns the pdf with which rays are sampled from a material's lobes, where shadow rays also
+ * sample suns and lamps. Both MIS weights use this pdf, whatever lobes a path then allows: they
+ * must add up to one.
  */
 static double lobe_pdf(const struct orl_material *material, const struct orl_hit *hit,
                        struct orl_vec3 eye, struct orl_vec3 towards)
@@ -138,13 +142,14 @@ static double lobe_pdf(const struct orl_material *material, const struct orl_hit
                            (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), towards);
 }
 
-/* A spotlight's focus is known to shadow rays alone. */
+/* Returns true if rays count the lamp's light: a spotlight's focus is implemented for shadow
+ * rays only. */
 static bool is_for_rays(const struct orl_material *lamp)
 {
     return !(lamp->focus > 0);
 }
 
-/* The ray's share of the light of a lamp at that hit. */
+/* Returns the ray's MIS weight for the light of a lamp at that hit. */
 static double share_of_lamp(const struct orl_world *world, const struct orl_hit *lamp,
                             const struct orl_chance *chance)
 {
@@ -174,7 +179,8 @@ struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *
     return share > 0 ? orl_rgb_scale(orl_material_emission(m, hit, eye), share) : orl_gray(0);
 }
 
-/* After a reflection by that facet: of the lamps that it shows, as much as before. */
+/* Returns the MIS state after a reflection by a mirror: unchanged for lamps that have images in
+ * it. */
 static struct orl_chance chance_after_mirror(const struct orl_world *world, uint32_t facet,
                                              struct orl_chance before)
 {
@@ -205,7 +211,8 @@ struct orl_chance orl_chance_after(const struct orl_world *world, const struct o
         orl_hit_leave(world->geometry, hit, scatter->direction), ORL_MIRROR_NONE};
 }
 
-/* What a patterned emitter sends from where the ray goes; others: the same from everywhere. */
+/* Returns the radiance towards `from`: at the sampled point for emitters whose radiance varies,
+ * the mean for others. */
 static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
                                   const struct orl_material *material,
                                   const struct orl_lamp_aim *aim, struct orl_vec3 from)
@@ -224,7 +231,7 @@ static bool is_flat(const struct orl_facet *facet)
     return facet->kind == ORL_SURFACE_RING || (facet->kind == ORL_SURFACE_POLYGON && !facet->bent);
 }
 
-/* Radiance times solid angle of what an aim from there is at, as if nothing were in the way. */
+/* Returns radiance times solid angle for a sampled point of a lamp, without occlusion. */
 static struct orl_rgb lamp_shining(const struct orl_world *world, const struct orl_emitter *emitter,
                                    struct orl_vec3 from, const struct orl_lamp_aim *aim)
 {
@@ -237,7 +244,7 @@ static struct orl_rgb lamp_shining(const struct orl_world *world, const struct o
     return orl_rgb_scale(radiance_of(emitter, m, aim, from), aim->measure_sr * spread);
 }
 
-/* Transmittance to a point of a lamp, so far away. */
+/* Returns the transmittance to a point of a lamp at a distance. */
 static struct orl_rgb transmittance_to_lamp(const struct orl_world *world, struct orl_vec3 origin,
                                             struct orl_vec3 light, double distance, uint32_t lamp,
                                             bool through_ports)
@@ -261,8 +268,8 @@ struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl
                                                       emitter->facet, through_ports));
 }
 
-/* The shadow ray's share of a lamp in that direction; the rest is for rays that the query's lobes
- * draw. */
+/* Returns the shadow ray's MIS weight for a lamp in that direction. The rest is left to rays
+ * that are sampled from the query's lobes. */
 static double left_by_lobes(const struct orl_world *world, const struct orl_direct_query *query,
                             const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
                             struct orl_vec3 direction)
@@ -290,7 +297,8 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
                          left_by_lobes(world, query, emitter, &aim, aim.light));
 }
 
-/* Transmittance from the query's point by way of the mirror, in that direction, to the aim. */
+/* Returns the transmittance from the query's point in that direction, by the mirror, to the
+ * sampled point of the lamp. */
 static struct orl_rgb mirrored_way(const struct orl_world *world,
                                    const struct orl_direct_query *query,
                                    const struct orl_lamp_image *image,
@@ -315,7 +323,8 @@ static struct orl_rgb mirrored_way(const struct orl_world *world,
                               aim->distance - distance, image->lamp, query->through_ports));
 }
 
-/* A lamp in a mirror: aimed at from the query's point as the mirror shows it (lamp_images.h). */
+/* Returns the light of a lamp in a mirror, sampled from the mirror image of the query's point
+ * (lamp_images.h). */
 static struct orl_rgb mirrored_lamp(const struct orl_world *world,
                                     const struct orl_lamp_image *image,
                                     const struct orl_direct_query *query, const double u[2])
@@ -342,7 +351,8 @@ static struct orl_rgb mirrored_lamp(const struct orl_world *world,
                          left_by_lobes(world, query, emitter, &aim, direction));
 }
 
-/* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */
+/* Computes the random numbers for the n-th light. Those of the caller are shifted by n times the
+ * inverse golden ratio and n times the inverse plastic number, modulo 1. */
 static void numbers_for(const struct orl_direct_query *query, size_t n, struct orl_random *random,
                         double ret_u[2])
 {
@@ -353,7 +363,8 @@ static void numbers_for(const struct orl_direct_query *query, size_t n, struct o
     }
 }
 
-/* The suns' images in the scene's mirrors; u is of the disc. */
+/* Returns the light of a sun's images in the scene's mirrors. u: numbers for the point of the
+ * disc. */
 static struct orl_rgb mirrored_sun(const struct orl_world *world, size_t sun,
                                    const struct orl_direct_query *query, const double u[2])
 {

@@ -24,7 +24,7 @@ static int budget_error(const struct orl_ray_budget *budget)
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
-/* Panes indoors separate nothing. */
+/* Returns true if a hit does not separate spaces: it is an indoor pane. */
 static bool lets_pass(const struct orl_scene *scene, const struct orl_hit *hit)
 {
     return orl_material_is_window(orl_scene_material(scene, hit->facet)) &&
@@ -70,8 +70,8 @@ static struct path path_from(const struct orl_outlook *place, struct orl_random 
     return (struct path){place->point, orl_hemisphere_about(place->normal, u, v)};
 }
 
-/* One ray of a diffuse path, counted into the enclosure. Returns false when the path leaves the
- * scene, or no ray is left. */
+/* Traces one ray of a diffuse path, and counts it in the enclosure. Returns false if the path
+ * leaves the scene, or no ray is left. */
 static bool advance(struct search *s, struct path *path, struct orl_enclosure *enclosure)
 {
     const struct orl_scene *scene = s->scene;
@@ -92,7 +92,7 @@ static bool advance(struct search *s, struct path *path, struct orl_enclosure *e
     return true;
 }
 
-/* Once the list is full, a point replaces one of its second half. */
+/* Adds a point. If the list is full, it replaces a random one of the second half. */
 static void add_point(struct orl_enclosure *e, struct orl_vec3 point, struct orl_random *random)
 {
     const size_t half = ORL_ENCLOSURE_POINTS / 2;
@@ -137,7 +137,8 @@ static bool is_in_sight(struct search *s, const struct orl_enclosure *e, struct 
     return false;
 }
 
-/* The last place and a few points by lot. */
+/* Returns true if the point is connected to the space's last place, or to one of a few random
+ * points of it. */
 static bool is_near(struct search *s, const struct orl_enclosure *e, struct orl_vec3 point)
 {
     enum { TRIES = 3 };
@@ -151,8 +152,8 @@ static bool is_near(struct search *s, const struct orl_enclosure *e, struct orl_
     return false;
 }
 
-/* Follows paths from the place until a point of one is connected to a known space; among those
- * from `first` to `end`. Returns its number, or end. */
+/* Follows paths from the place until a point on one is connected to a known space with an index
+ * from `first` up to `end`. Returns the index, or `end`. */
 static size_t search_by_paths(struct search *s, const struct orl_outlook *place, int n_paths,
                               size_t first, size_t end)
 {
@@ -232,7 +233,8 @@ static void join(struct orl_enclosures *found, size_t part, size_t whole, size_t
             found->of[i] = (uint8_t)whole;
 }
 
-/* Few paths may have missed a door: the spaces beside the largest are tried by more. */
+/* Joins spaces to the largest, after a search with more paths: the few paths before may have
+ * missed a door. */
 static int join_largest(struct search *s, const struct orl_outlook *places, size_t n)
 {
     struct orl_enclosures *found = s->found;

@@ -2,16 +2,17 @@
 
 enum { SURE_BOUNCES = 3, MOST_PANES = 64 };
 
-/* A path outdoors. */
+/* State of a path outdoors. */
 struct outing {
-    struct orl_eye_path eye;     /* first: what sinks are given */
-    struct orl_entry *ret_entry; /* it may pass ports, as light may that it meets; NULL: it looks
-                                    for first light */
+    struct orl_eye_path eye; /* first member: sinks cast its address to the outing */
+    /* set: the path may pass ports and finds light that has passed ports; NULL: first light only */
+    struct orl_entry *ret_entry;
     bool diffused;
     struct orl_health *health;
 };
 
-/* Suns and lights on one side of the surface, as its lobes send them towards the eye. */
+/* Returns the light of suns and lamps on one side of the surface that its lobes scatter towards
+ * the eye. */
 static struct orl_rgb lobes_of_side(const struct outing *o, const struct orl_hit *hit,
                                     struct orl_vec3 eye, struct orl_vec3 side)
 {
@@ -26,7 +27,8 @@ static struct orl_rgb lobes_of_side(const struct outing *o, const struct orl_hit
     return orl_direct_light(o->eye.world, &query, o->eye.random);
 }
 
-/* Lambertian reflection of suns and lights by a surface of that albedo, on the side of the eye. */
+/* Returns the light of suns and lamps that a surface of that albedo reflects diffusely, on the
+ * eye's side. */
 static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hit *hit,
                                      struct orl_vec3 normal, struct orl_rgb albedo)
 {
@@ -40,15 +42,15 @@ static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hi
 }
 
 /*
- * Whether light from behind the surface is this path's to find. First light has passed no port: not
- * that of a pane in front of another one either, which sends it in itself.
+ * Returns true if this path counts light from behind the surface. First light has passed no port,
+ * so light through a pane in front of another pane is excluded: that pane emits it.
  */
 static bool looks_behind(const struct outing *o, const struct orl_hit *hit)
 {
     return o->ret_entry || orl_world_crossing(o->eye.world, hit) == ORL_CROSSING_NONE;
 }
 
-/* What suns and lights send towards the eye by way of this surface. */
+/* Returns the light of suns and lamps that this surface scatters towards the eye. */
 static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_hit *hit,
                                        struct orl_vec3 eye)
 {
@@ -66,9 +68,10 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
 }
 
 /*
- * A BSDF port met from outside after a diffuse bounce. Its sharp lobes would put the sun on the
- * ground as sparks that hardly any path finds, so their flux is kept and their shape is not: light
- * is sent on evenly, by the reflectance or transmittance for the direction it comes from.
+ * Returns the light of suns by a BSDF port that is met from outside after a diffuse bounce. Its
+ * sharp lobes would put the sun on the ground as sparks that hardly any path finds. So their flux
+ * is kept and their shape is not: light is scattered diffusely, by the albedo for its direction of
+ * incidence.
  */
 static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit *hit)
 {
@@ -94,8 +97,8 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
 }
 
 /*
- * The domes where nothing stands before them, and what shines there: surfaces outside let light
- * through or stop it, and send none back.
+ * Returns the radiance of unobstructed domes and of lights. Surfaces outside transmit or block
+ * light, and reflect none.
  */
 static struct orl_rgb unreflected_radiance(struct outing *o)
 {
@@ -133,7 +136,7 @@ struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl
     return orl_world_dome_radiance(world, direction);
 }
 
-/* ---- A path by every kind of reflection ------------------------------------------------------ */
+/* ---- Path tracing ---------------------------------------------------------------------------- */
 
 static struct outing *outing_of(struct orl_eye_path *p)
 {
@@ -145,7 +148,7 @@ static bool is_entry(const struct orl_eye_path *p)
     return orl_world_crossing(p->world, &p->hit) == ORL_CROSSING_INWARDS;
 }
 
-/* Whether light is sent on evenly there. */
+/* Returns true if sun light is scattered diffusely at the hit (folded_direct). */
 static bool is_folded(const struct outing *o, const struct orl_material *m)
 {
     return o->diffused && m->kind == ORL_MATERIAL_BSDF && is_entry(&o->eye);
@@ -168,7 +171,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
                                     : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
 }
 
-/* Long paths end by roulette, and those that enter are handed back. */
+/* Russian roulette for long paths; hands paths that enter a building back to the caller. */
 static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     struct outing *o = outing_of(p);
@@ -188,7 +191,7 @@ static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
 
 static const struct orl_eye_sink sink = {.escaped = count_ray, .met = meet, .sent_on = goes_on};
 
-/* To its end, or to where it enters. */
+/* Follows the path to its end, or to where it enters a building. */
 static struct orl_rgb follow(struct outing *o)
 {
     o->health->paths++;
@@ -196,9 +199,10 @@ static struct orl_rgb follow(struct outing *o)
     return o->eye.seen;
 }
 
-/* ---- Whoever asks ---------------------------------------------------------------------------- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
-/* All but where it goes. Not by clearing it first: what it meets is most of it. */
+/* Sets all members but the path. Does not clear the struct first: most of it is the hit, which
+ * is written later. */
 static void set_out(struct outing *o, const struct orl_world *world, struct orl_chance chance,
                     struct orl_random *random, struct orl_health *health)
 {

@@ -2,9 +2,10 @@
 
 #include <math.h>
 
-static const double rounding = 1e-5; /* of the scene's radius: places are floats to the tracer */
+/* share of the scene's radius: Embree has coordinates as floats */
+static const double rounding = 1e-5;
 
-/* A box in the image's frame: across, across, along. */
+/* A box in the image's frame; axes: u, v (across), n (along). */
 struct box {
     double low[3], high[3];
 };
@@ -37,7 +38,7 @@ static void add_box(struct box *box, const struct box *other)
     }
 }
 
-/* What is drawn: mirrors one after the other, by a callback for the boxes of their parts. */
+/* State for passing the boxes of the mirrors' parts to a callback, one mirror after the other. */
 struct drawing {
     const struct orl_geometry *geometry;
     const struct orl_frame *frame;
@@ -102,7 +103,8 @@ static void draw(struct drawing *d, void (*take)(struct drawing *, const struct 
 void orl_image_columns_build(struct orl_image_columns *columns, const struct orl_geometry *geometry,
                              const struct orl_frame *frame, double half_angle, const bool *shows)
 {
-    /* A ray in the disc leaves its column by that much, at most, on its way through the scene. */
+    /* A ray within the disc leaves its column by at most this distance on its way through the
+     * scene. */
     const double margin = 2 * geometry->radius * (tan(half_angle) + rounding);
     struct drawing d = {.geometry = geometry,
                         .frame = frame,

@@ -14,9 +14,9 @@
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
 static const double widest_sun_deg = 10.0;
 
-enum { OF_A_SKY = 2 }; /* domes: the sky and the ground */
+enum { OF_A_SKY = 2 }; /* number of domes: the sky and the ground */
 
-/* A distant light, wherever it comes from. */
+/* A distant light of the scene or of a job's sky. */
 struct distant {
     enum orl_material_kind kind; /* LIGHT or GLOW */
     struct orl_rgb radiance;
@@ -48,7 +48,7 @@ static void add(struct orl_lights *lights, const struct distant *d)
                                                              .seen_alone = d->seen_alone};
         return;
     }
-    /* 1 - cos without cancellation: the disc is half a degree across. */
+    /* 1 - cos without cancellation: the sun's disc is only half a degree wide. */
     const double solid = 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
     const double pattern = d->sky ? orl_sky_brightness(d->sky, d->direction) : 1.0;
     struct orl_sun sun = {.frame = orl_frame_about(d->direction),
@@ -99,7 +99,8 @@ static void add_of_sky(struct orl_lights *lights, const struct orl_daylight *sky
     add(lights, &d);
 }
 
-/* Few glows at most, each so small a share of a sphere about the scene. */
+/* Glows are sampled as lamps if there are at most so many, each with at most this share of the
+ * area of a sphere around the scene. */
 enum { MOST_AIMED_GLOWS = 64 };
 static const double most_of_sphere = 0.02;
 

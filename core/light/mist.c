@@ -4,8 +4,7 @@
 
 enum { MOST_CROSSINGS = 64, MOST_MISTS = 16 };
 
-/* ---- A scene's mist ---------------------------------------------------------------------------
- */
+/* ---- Geometry of mist ------------------------------------------------------------------------ */
 
 static bool is_mist(const struct orl_scene *scene, size_t facet)
 {
@@ -52,23 +51,22 @@ int orl_mist_part(struct orl_scene *scene, struct orl_error *err)
     return 0;
 }
 
-/* ---- The way through --------------------------------------------------------------------------
- */
+/* ---- Crossings ------------------------------------------------------------------------------- */
 
-/* A ray enters (1) or leaves (-1) mist. */
+/* A crossing of a mist's surface; change: 1 for entering, -1 for leaving. */
 struct crossing {
     double at;
     const struct orl_material *mist;
     int change;
 };
 
-/* A ray's way, from one crossing to the next; which mists it starts in. */
+/* The crossings of a ray with mists, in order, and the mists around the current position. */
 struct way {
     struct crossing crossings[MOST_CROSSINGS];
     int n;
     struct {
         const struct orl_material *mist;
-        int depth; /* how many of its volumes the place is in */
+        int depth; /* number of this mist's volumes that contain the position */
     } within[MOST_MISTS];
     int n_mists;
 };
@@ -88,7 +86,7 @@ static void cross(struct way *way, const struct crossing *crossing)
     way->within[index_of(way, crossing->mist)].depth += crossing->change;
 }
 
-/* What a ray leaves without having entered it, it started in. */
+/* Computes the mists in which the ray starts: those that it leaves without having entered them. */
 static void find_start(struct way *way)
 {
     int lowest[MOST_MISTS] = {0};
@@ -102,7 +100,7 @@ static void find_start(struct way *way)
         way->within[i].depth = -lowest[i];
 }
 
-/* All crossings, those beyond the ray's end too: they tell where it starts. */
+/* Finds all crossings, also those beyond the ray's end, because they determine where it starts. */
 static void find_way(const struct orl_scene *scene, struct orl_vec3 origin,
                      struct orl_vec3 direction, struct way *ret)
 {
@@ -123,7 +121,7 @@ static void find_way(const struct orl_scene *scene, struct orl_vec3 origin,
     find_start(ret);
 }
 
-/* One stretch of a way: the same mist all along. */
+/* A part of a ray with constant extinction. */
 struct stretch {
     double from, to;
     struct orl_rgb extinction;
@@ -138,7 +136,7 @@ static struct orl_rgb extinction_of(const struct way *way)
     return sum;
 }
 
-/* The i-th stretch, 0 and on in order; false beyond the end. */
+/* Computes the i-th part; i counts up from 0. Returns false beyond the end. */
 static bool next_stretch(struct way *way, int i, double end, struct stretch *ret)
 {
     if (i > way->n)
@@ -179,8 +177,7 @@ struct orl_rgb orl_mist_transmittance(const struct orl_scene *scene, struct orl_
     return share;
 }
 
-/* ---- Scattering -------------------------------------------------------------------------------
- */
+/* ---- Scattering ------------------------------------------------------------------------------ */
 
 static double channel(struct orl_rgb c, int which)
 {
@@ -192,7 +189,7 @@ static double mean(struct orl_rgb c)
     return (c.r + c.g + c.b) / 3;
 }
 
-/* Of the mists at hand one, drawn by how much each scatters. */
+/* Samples one of the mists at the position, in proportion to its scattering coefficient. */
 static struct orl_mist_event scatter(const struct way *way, double at, struct orl_rgb left,
                                      struct orl_rgb extinction, struct orl_random *random)
 {

@@ -13,7 +13,7 @@ static double light_of(const struct orl_weather_row *row)
     return row->missing ? 0 : fmax(row->direct, 0) + fmax(row->diffuse, 0);
 }
 
-/* Sums up the rows with the sun down, after a shift of all times by shift_h. */
+/* Sums up the rows with the sun below the horizon, with all times shifted by shift_h. */
 static struct orl_night_light count(const struct orl_weather *weather, double shift_h)
 {
     struct orl_night_light night = {.units = weather->units, .shift_h = shift_h};
@@ -31,7 +31,7 @@ static struct orl_night_light count(const struct orl_weather *weather, double sh
     return night;
 }
 
-/* Keeps the cause that leaves less radiation at night. */
+/* Replaces *least if the cause leaves less radiation at night. */
 static void try_cause(struct orl_night_light *least, enum orl_night_cause cause,
                       struct orl_night_light found)
 {

@@ -1,4 +1,4 @@
-/* Whether a point is outside a sealed building: by what rays from there come to. */
+/* Test whether a point is outside a sealed building, by tracing rays from it. */
 #include <stdlib.h>
 
 #include "base/random.h"
@@ -7,7 +7,7 @@
 
 enum { RAYS = 32, BOUNCES = 64, MARGIN = 2 };
 
-/* Ports that were met, by their outer and by their inner faces. */
+/* Numbers of ports that rays met by their outer and by their inner faces. */
 struct votes {
     int outside, inside;
 };
@@ -19,7 +19,7 @@ static struct orl_vec3 direction_of(int ray)
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* Whether it is a port's: of those, too, that are closed for a while. */
+/* Counts a hit of a port, also one that is closed for a while. Returns true if it is one. */
 static bool count(const struct orl_world *world, const struct orl_hit *hit, struct votes *votes)
 {
     const enum orl_crossing crossing = orl_scene_crossing(world->scene, hit);
@@ -28,8 +28,8 @@ static bool count(const struct orl_world *world, const struct orl_hit *hit, stru
     return crossing != ORL_CROSSING_NONE;
 }
 
-/* A path between surfaces stays on their side, until it meets a port or leaves the scene. Windows
- * that are no ports let it through. */
+/* Follows a diffuse path from the point. It stays on its side of the surfaces until it meets a
+ * port or leaves the scene. Windows that are not ports let it through. */
 static void wander(const struct orl_world *world, struct orl_vec3 point, int ray,
                    struct votes *votes)
 {
@@ -52,8 +52,8 @@ static void wander(const struct orl_world *world, struct orl_vec3 point, int ray
 }
 
 /*
- * Nothing inside sees past the walls, and most of what is outside does. What is outside and does
- * not, between slats and the pane behind them, comes to a pane's outer face.
+ * No point inside sees past the walls, and most points outside do. Points outside that do not,
+ * between slats and the pane behind them, see a pane's outer face.
  */
 bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
 {

@@ -9,11 +9,11 @@
 #include "scene/material/hemisphere.h"
 
 /*
- * A window is a port when rays leaving one of its faces, with everything taken as opaque, reach
- * open space much more often than rays leaving the other. Panes inside a building see open space
- * from neither side (the outer panes block), panes standing free see it from both. Windows that
- * lenses or curved mirrors stand before are none (focus.h): the scene is open then, and photons
- * from suns and sky pass them.
+ * Search for photon ports. A window is a port if rays that leave one of its faces, with all
+ * surfaces opaque, reach open space much more often than rays that leave the other. Panes inside a
+ * building see open space from neither side (the outer panes block), and panes that stand free see
+ * it from both. Windows behind lenses or curved mirrors are not ports (focus.h): the scene is then
+ * open, and photons from suns and sky pass them.
  */
 enum { OWNER_PROBES = 128 };
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
@@ -30,8 +30,8 @@ struct search {
     atomic_uint escapes;
 };
 
-/* A cosine-weighted direction about normal: above a point of the disc, which the first of the
- * square about it that lies in it is. */
+/* Returns a cosine-weighted direction about normal. It projects a point of the unit disc, which
+ * is sampled by rejection from the square around it. */
 static struct orl_vec3 cosine_direction(struct orl_vec3 normal, struct orl_random *random)
 {
     const struct orl_frame frame = orl_frame_about(normal);
@@ -49,7 +49,7 @@ bool orl_port_owns_shared(const struct orl_geometry *g, const struct orl_port *p
 {
     const double offset = orl_facet_offset(g, port->facet);
     struct orl_hit hit;
-    /* A ray that slips past the rim has met nobody else's surface either. */
+    /* No hit means that the ray passed the rim: no other surface is there either. */
     return !orl_geometry_intersect(g, orl_madd(point, port->outward, offset),
                                    orl_neg(port->outward), 2 * offset, &hit) ||
            hit.facet == port->facet;
@@ -107,8 +107,9 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
 }
 
 /*
- * A diffuse path from a port's inner face: does it get out by any way but a port? Ports are walls
- * to it; windows that are no ports (curved ones, panes with the sky on both sides) let it through.
+ * Follows a diffuse path from a port's inner face, and counts it if it escapes without crossing a
+ * port. Ports block it. Windows that are not ports (curved ones, panes with the sky on both sides)
+ * let it through.
  */
 static void try_to_escape(void *arg, size_t index, uint32_t member)
 {
@@ -159,7 +160,7 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     int code = ORL_ERR_NOMEM;
     if (!candidates)
         goto done;
-    /* Light is split by windows where there is nothing but surfaces to follow it to. */
+    /* Scenes with mist have no ports: the split of light by ports holds only between surfaces. */
     const size_t n = scene->mist ? 0 : list_candidates(scene, candidates);
     found = calloc(n + 1, sizeof *found);
     scene->port_of_facet = malloc((n_facets + 1) * sizeof *scene->port_of_facet);

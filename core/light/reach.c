@@ -24,7 +24,7 @@ static struct orl_vec3 set_out(const struct orl_outlook *outlook, struct orl_ran
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* Whether a point of some lamp, any one, is in sight; windows are no obstacle. */
+/* Returns true if a random point of a random lamp is visible; windows do not block. */
 static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
                       struct orl_random *random)
 {
@@ -51,9 +51,9 @@ static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
 }
 
 /*
- * Rays are floats: one in ten million leaves a hit that lies a hair beyond the edge where two walls
- * meet, and so gets out. What also gets out when it starts a little before that hit has found a
- * hole.
+ * Returns true if a path that meets no surface escapes through a hole. Rays have float coordinates:
+ * one in ten million leaves a hit slightly beyond the edge where two walls meet, and so escapes. A
+ * ray that also escapes from slightly before that hit has found a hole.
  */
 static bool gets_out(const struct orl_world *world, struct orl_vec3 before,
                      struct orl_vec3 direction)
@@ -96,7 +96,7 @@ static void try_chunk(void *arg, size_t chunk, uint32_t member)
     const size_t end = (chunk + 1) * CHUNK < quest->paths ? (chunk + 1) * CHUNK : quest->paths;
     (void)member;
     for (size_t path = chunk * CHUNK; path < end; path++) {
-        /* Whoever finds light first: the answer is the same. */
+        /* The result does not depend on which path finds light first. */
         if (atomic_load_explicit(&quest->found, memory_order_relaxed))
             return;
         if (finds_light(quest, path))

@@ -100,8 +100,8 @@ static inline const struct orl_material *orl_scene_material(const struct orl_sce
 /*
  * Adds to the hash how rays meet the scene beyond what its files say. In scenes with many
  * triangles, rays through an edge may hit its other side (orl_geometry_is_vast), and numbers are
- * packed (packed.h): that is the third recipe for these scenes. A lining may also be removed
- * (linings.h).
+ * packed (packed.h): that is the third recipe for these scenes. A lining may be removed
+ * (linings.h), and openings may have been given panes (glaze.h).
  */
 void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash);
 

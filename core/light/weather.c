@@ -14,13 +14,14 @@ struct reader {
     struct orl_scanner scanner;
     struct orl_weather weather;
     size_t room;
-    int year;                  /* of the rows that count; 0: all do */
-    int first_year, last_year; /* of the file's rows; 0: they have none */
-    bool has_rows;             /* of any year */
-    int first_date;            /* of the EPW's header: days since 1 January */
-    int an_hour, n_of_hour;    /* an EPW's rows; those of the last one's hour before it */
+    int year;                  /* year of the rows to keep; 0: all */
+    int first_year, last_year; /* first and last year of the file's rows; 0: rows have no year */
+    bool has_rows;             /* the file has rows, of any year */
+    int first_date;            /* date in the EPW's header: days since 1 January */
+    /* EPW: rows an hour, and number of rows so far in the hour of the last row */
+    int an_hour, n_of_hour;
     struct orl_weather_row last;
-    short years[12][31][24]; /* of rows by month, day and hour, where they have any */
+    short years[12][31][24]; /* years of rows by month, day and hour; 0: none */
     struct orl_error *err;
 };
 
@@ -31,7 +32,7 @@ static int fail(struct reader *reader, int code, const char *what)
 
 /* ---- Lines and fields ------------------------------------------------------------------------ */
 
-/* The next line that is not blank. */
+/* Returns the next line that is not blank. */
 static bool next_line(struct reader *reader, struct orl_slice *ret_line)
 {
     do {
@@ -58,11 +59,12 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-static const double missing = 9999; /* as both formats mark it */
-/* Some files mark it by -999. At night instruments may read less than 0, but by a few W/m2. */
+static const double missing = 9999; /* marks missing values in both formats */
+/* Values at or below this are missing: some files use -999. Instruments may read below 0 at
+ * night, but only by a few W/m2. */
 static const double missing_below = -90;
 
-/* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
+/* Reads month, day, hour, direct and diffuse from five fields; the hour stays as in the file. */
 static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
                     double last_hour, struct orl_weather_row *ret_row)
 {
@@ -84,7 +86,7 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
         return fail(reader, ORL_ERR_SYNTAX, "month and day are whole numbers");
     row.month = (int)month;
     row.day = (int)day;
-    if (reader->weather.units == ORL_WEATHER_NORMAL_LX) /* lux may well be more than 9999 */
+    if (reader->weather.units == ORL_WEATHER_NORMAL_LX) /* lux may exceed 9999 */
         row.missing = row.direct >= 100 * missing || row.diffuse >= 100 * missing;
     else
         row.missing = row.direct >= missing || row.diffuse >= missing;
@@ -93,7 +95,7 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
     return 0;
 }
 
-/* Global irradiance is only for checks: NaN where the field has no value. */
+/* Returns the global irradiance, which is used for checks only; NaN if the field has no value. */
 static double global_of(struct orl_slice field)
 {
     double value = 0;
@@ -124,7 +126,7 @@ static int keep_row(struct reader *reader, const struct orl_weather_row *row)
 
 enum { EPW_FIELDS_READ = 16, EPW_FIELDS = 35, EPW_HEADER_LINES = 8 };
 
-/* LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation */
+/* Line format: LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation */
 static int read_location(struct reader *reader, struct orl_slice line)
 {
     struct orl_weather *weather = &reader->weather;
@@ -150,7 +152,7 @@ static int find_name(struct orl_slice field, const char *const *names, int n)
     return i;
 }
 
-/* Reads a date of the header: "7/ 1", or "1-Jul" and "Jul-01", which spreadsheets make of it.
+/* Reads a date of the header: "7/ 1", or "1-Jul" and "Jul-01" as spreadsheets rewrite it.
  * Returns the days since 1 January, or -1. */
 static int days_of_date(struct orl_slice date)
 {
@@ -175,8 +177,8 @@ static int days_of_date(struct orl_slice date)
     return orl_weather_days_before((int)month, (int)day, false);
 }
 
-/* Returns the weekday of 1 January from that of another date of a year of 365 days, and how many
- * days lie between; -1 if either cannot be read. */
+/* Returns the weekday of 1 January from that of another date, in a year of 365 days; -1 if
+ * either cannot be read. *ret_days: the days between the two. */
 static int weekday_of_new_year(struct orl_slice name, struct orl_slice date, int *ret_days)
 {
     static const char *const names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun"};
@@ -187,7 +189,8 @@ static int weekday_of_new_year(struct orl_slice name, struct orl_slice date, int
     return (weekday + 7 * 53 - days) % 7;
 }
 
-/* DATA PERIODS,how many,records an hour,name,weekday of the first date,first date,last date */
+/* Line format: DATA PERIODS,how many,records an hour,name,weekday of the first date,first
+ * date,last date */
 static int read_periods(struct reader *reader, struct orl_slice line)
 {
     struct orl_slice field, name, weekday = {NULL, 0}, date = {NULL, 0};
@@ -208,9 +211,9 @@ static int read_periods(struct reader *reader, struct orl_slice line)
     return code;
 }
 
-/* Replaces the row's hour by the middle of its interval. Rows of an hour follow each other, and
- * their minutes are not heeded, as in EnergyPlus: files give the beginning of an interval, its end,
- * or nothing. */
+/* Replaces the row's hour by the middle of its interval. Rows of an hour are consecutive. Their
+ * minutes are ignored, as in EnergyPlus: files give the beginning of an interval, its end, or
+ * nothing. */
 static int place_row(struct reader *reader, struct orl_weather_row *row)
 {
     const struct orl_weather_row *last = &reader->last;
@@ -226,7 +229,7 @@ static int place_row(struct reader *reader, struct orl_weather_row *row)
                             reader->an_hour);
 }
 
-/* Files of no particular year leave the field empty or write 0. */
+/* Returns the year. Files of no particular year leave the field empty or write 0. */
 static int year_of(struct orl_slice field)
 {
     double year = 0;
@@ -392,11 +395,12 @@ static int read_wea(struct reader *reader)
 
 /* ---- Intervals ------------------------------------------------------------------------------- */
 
-/* Returns the least time between successive rows of a day, at most an hour: files may omit nights.
- * The times of 10-minute rows are rounded: the hour's part is taken that they mean. */
+/* Returns the least time between successive rows of a day, at most an hour, because files may
+ * omit nights. Times of 10-minute rows are rounded in files: returns the exact fraction of an
+ * hour. */
 static double find_interval(const struct orl_weather *weather)
 {
-    static const double rounded = 0.07; /* 0.016 h of 1/60 h */
+    static const double rounded = 0.07; /* error of 0.016 h for 1/60 h */
     double least = 1;
     for (size_t i = 1; i < weather->n_rows; i++) {
         const struct orl_weather_row *a = &weather->rows[i - 1], *b = &weather->rows[i];
@@ -410,14 +414,15 @@ static double find_interval(const struct orl_weather *weather)
 
 /* ---- Years ----------------------------------------------------------------------------------- */
 
-/* The weekday of 1 January in the Gregorian calendar; that of the year 1 was a Monday. */
+/* Returns the weekday of 1 January in the Gregorian calendar; that of year 1 was a Monday. */
 static int weekday_of_year(int year)
 {
     const int before = year - 1;
     return (365 * before + before / 4 - before / 100 + before / 400) % 7;
 }
 
-/* If the year goes on over 31 December, the header's date is in the year before 1 January. */
+/* Sets the weekday of 1 January. If the file continues over 31 December, the header's date is in
+ * the year before. */
 static void place_weekday(struct reader *reader)
 {
     struct orl_weather *weather = &reader->weather;
@@ -445,7 +450,7 @@ static int refuse_year(struct reader *reader)
 
 /* ---- Entry points ---------------------------------------------------------------------------- */
 
-/* Checks that there are rows, and puts them in order. */
+/* Checks that there are rows, and sorts them. */
 static int finish(struct reader *reader)
 {
     int code = 0;
@@ -464,7 +469,8 @@ static int finish(struct reader *reader)
     return 0;
 }
 
-/* TMY2 files begin with a station's number, its city, state, time zone, and N or S. */
+/* Detects TMY2 files, which begin with a station's number, its city, state, time zone, and N or
+ * S. */
 static bool is_tmy2(struct orl_slice line)
 {
     struct orl_slice word, last = {NULL, 0};
