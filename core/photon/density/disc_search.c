@@ -9,14 +9,15 @@
 enum { ROOM = ORL_DISC_SEARCH_ROOM, BINS = 512, MOST_TURNS = 32 };
 
 /*
- * A leaf is taken apart where its ramp is wider than that share of the smallest disc's radius: with
- * wider ones the shares within a disc would not add up to its area, or, of a cut one, its moments.
+ * A leaf is split into photons if its ramp is wider than this share of the smallest disc's radius.
+ * With wider ramps the shares within a disc would not add up to its area, or to its moments if it
+ * is cut.
  */
 static const float widest_ramp = 0.5F, widest_in_cut = 0.3F;
-/* Over the radius asked about: as far, squared, as leaves are looked for, lest their near ends be
- * missed. */
+/* Factor on the squared search radius for boxes of leaves, so that the near ends of wide leaves
+ * are not missed. */
 static const float beyond2 = 1.15F;
-/* Of cells, across a plane: less than sheet.h allows. */
+/* In cells, across a plane: less than sheet.h allows. */
 static const float rounding = 3.9F;
 
 static uint32_t photons_of(const struct orl_disc_search *hunt, uint32_t patch)
@@ -28,7 +29,7 @@ static uint32_t photons_of(const struct orl_disc_search *hunt, uint32_t patch)
 static bool on_sheet(const struct orl_disc_search *hunt, uint16_t normal, const float chord[3],
                      float distance2)
 {
-    /* Nearly always: the same plane, within rounding (sheet.h). */
+    /* Most common case: the same plane, within rounding (sheet.h). */
     const float *own = hunt->direction;
     if (normal == hunt->normal &&
         fabsf(chord[0] * own[0] + chord[1] * own[1] + chord[2] * own[2]) < rounding)
@@ -75,7 +76,7 @@ static void take_apart(struct orl_disc_search *hunt, uint32_t patch)
     }
 }
 
-/* What a leaf is, at first sight. */
+/* Classification of a patch. */
 enum sight { NOTHING, WHOLE, DOUBTFUL, APART };
 
 struct sights {
@@ -84,8 +85,9 @@ struct sights {
 };
 
 /*
- * Leaves are wholes that are narrow, and of the point's sheet: nearly always of the same plane,
- * within rounding. Those are told from others by eight at once.
+ * Classifies the patches of a group. A patch can count as a whole if it is narrow and on the
+ * point's sheet: nearly always on the same plane, within rounding. The loop tests that for eight at
+ * once.
  */
 static inline void look_at(const struct orl_disc_search *hunt, const struct orl_patch_group *group,
                            const struct orl_map_group *boxes, struct sights *ret_sights)
@@ -109,7 +111,7 @@ static inline void look_at(const struct orl_disc_search *hunt, const struct orl_
         const float far = radius + reach, within = bound - reach;
         const uint32_t near = (box2[i] < near_by) & (faces[i] != 0);
         const uint32_t parallel = group->normal[i] == normal;
-        /* Further off than the slopes of a sheet reach (sheet.h). */
+        /* Farther off than the slopes of a sheet allow (sheet.h). */
         const uint32_t other = parallel & (off > 0.05F * far + 2 * rounding);
         const uint32_t level = parallel & (off < rounding);
         const uint32_t whole = level & (within > 0) & (d2 < within * within);
@@ -122,7 +124,7 @@ static inline void look_at(const struct orl_disc_search *hunt, const struct orl_
     }
 }
 
-/* Wholes that reach over a line of the footprint's are so no longer. */
+/* Downgrades wholes that extend over a line of the footprint. */
 static inline void keep_within(const struct orl_disc_search *hunt,
                                const struct orl_patch_group *group, struct sights *sights)
 {
@@ -170,7 +172,8 @@ static inline void add_whole(struct orl_disc_search *hunt, const struct orl_patc
     wholes->patch[at] = patch;
 }
 
-/* A narrow leaf: takes it as a whole, or leaves it out; false: it has to be taken apart. */
+/* Counts a narrow patch as a whole, or leaves it out. Returns false if it must be split into
+ * photons. */
 static bool take_whole(struct orl_disc_search *hunt, const struct orl_patch_group *group,
                        uint32_t lane, float d2, uint32_t patch)
 {
@@ -212,7 +215,7 @@ static inline void take_group(struct orl_disc_search *hunt, uint32_t node,
     }
 }
 
-/* In the order of the map: whatever comes first, all of it is looked at. */
+/* Visits nodes in the order of the map; all of them are needed, so their order does not matter. */
 ORL_FOR_WIDE_VECTORS static void find_all(struct orl_disc_search *hunt)
 {
     const struct orl_photon_map *map = hunt->sums->map;
@@ -256,7 +259,7 @@ uint32_t orl_disc_search_count(const struct orl_disc_search *hunt)
     return count;
 }
 
-/* The squared radius that holds k of what was found, which is more. */
+/* Returns the squared radius that holds k of the photons found, which are more. */
 static float radius2_of(const struct orl_disc_search *hunt, uint32_t k)
 {
     uint32_t bins[BINS + 1] = {0}, sum = 0, bin = 0;
@@ -308,8 +311,8 @@ static int compare(const void *a, const void *b)
 }
 
 /*
- * Where to begin: as if about the point photons lay as they do in the leaf it falls in, by the
- * median of that and its neighbours, on an even disc.
+ * Assumes that photons around the point are as dense as in its leaf, on a uniform disc: takes the
+ * median of that leaf and its neighbours.
  */
 float orl_disc_search_first_radius2(const struct orl_disc_search *hunt,
                                     const struct orl_zorder *order)

@@ -8,20 +8,20 @@
 
 enum { CHUNK = 1 << 12 };
 
-/* Of rounding to cells, across a plane. */
+/* Tolerance across a plane for positions rounded to cells. */
 static const float flat_within = 3;
-/* A leaf is parted where that takes so much of its photons' spread away: two places close by, each
- * as wide as evenly lying photons are, have a quarter of it. */
+/* A leaf is split if that reduces its photons' spread to this share: two adjacent places, each
+ * as wide as uniformly distributed photons, have a quarter of it. */
 static const float worth_parting = 0.25F;
 
 static const float far_away = 1e9F;
 
-/* A leaf's photons, from the first of them, and sums of the first so many. */
+/* A leaf's photons, and prefix sums over them, relative to the first photon. */
 struct row {
     uint32_t n;
     float at[ORL_MAP_LEAF][3];
     const uint16_t *normals;
-    float sums[ORL_MAP_LEAF + 1][4]; /* of places, and of squared distances */
+    float sums[ORL_MAP_LEAF + 1][4]; /* positions, and squared distances */
 };
 
 static void read_row(const struct orl_photon_map *map, uint64_t leaf, struct row *row)
@@ -45,7 +45,7 @@ static void read_row(const struct orl_photon_map *map, uint64_t leaf, struct row
     }
 }
 
-/* Of the photons from one to before another: squared distances from their middle, in all. */
+/* Returns the sum of squared distances from their centre for photons `from` to before `to`. */
 static float spread_of(const struct row *row, uint32_t from, uint32_t to)
 {
     const float *a = row->sums[from], *b = row->sums[to];
@@ -53,7 +53,8 @@ static float spread_of(const struct row *row, uint32_t from, uint32_t to)
     return fmaxf(b[3] - a[3] - (x * x + y * y + z * z) / (float)(to - from), 0);
 }
 
-/* How many photons are on the plane of one of them, it first and on in steps. */
+/* Returns the number of successive photons on the plane of photon `from`, counted from it in
+ * steps. */
 static uint32_t on_plane(const struct row *row, uint32_t from, int step)
 {
     const struct orl_vec3 normal = orl_normal_decode(row->normals[from]);
@@ -68,8 +69,8 @@ static uint32_t on_plane(const struct row *row, uint32_t from, int step)
     return count;
 }
 
-/* The widest step from photon to photon, of those that have so many before and after them at most.
- */
+/* Returns the photon after the widest gap between successive photons, with at most `before`
+ * photons before it and at most `after` from it on; n if there is none. */
 static uint32_t widest_step(const struct row *row, uint32_t before, uint32_t after)
 {
     const uint32_t n = row->n;
@@ -86,7 +87,7 @@ static uint32_t widest_step(const struct row *row, uint32_t before, uint32_t aft
     return best;
 }
 
-/* Where the leaf falls into two patches; at its end if it does not. */
+/* Returns the first photon of the leaf's second patch; n if the leaf is one patch. */
 static uint32_t part_at(const struct row *row, bool *ret_flat)
 {
     const uint32_t n = row->n, before = on_plane(row, 0, 1);
@@ -124,7 +125,7 @@ static void leave_out(struct orl_patch_group *group, uint32_t lane)
     group->normal[lane] = ORL_NO_PLANE;
 }
 
-/* Of a leaf's photons. */
+/* Fluxes of a leaf's photons. */
 struct fluxes {
     float red[ORL_MAP_LEAF], green[ORL_MAP_LEAF], blue[ORL_MAP_LEAF], luma[ORL_MAP_LEAF];
 };

@@ -7,14 +7,14 @@
 #include "photon/map/flux.h"
 #include "photon/surface/sides.h"
 
-/* Over the area that another estimate close by took. */
+/* Factor on the area that a neighbouring estimate used. */
 static const float first_beyond = 1.15F;
 
-/* ---- Adding up ------------------------------------------------------------------------------- */
+/* ---- Summation ------------------------------------------------------------------------------- */
 
 /*
- * What share of a patch lies within a radius, linear in the area; and for first moments, linear in
- * the third power: then sums over even light are those of the disc.
+ * Shares of a patch within a radius: linear in the area, and for first moments linear in the third
+ * power of the radius. So sums over even light equal those of the disc.
  */
 struct share {
     float area, moment;
@@ -87,7 +87,7 @@ ORL_FOR_WIDE_VECTORS static void add_wholes(const struct orl_disc_search *hunt,
     }
 }
 
-/* A photon's fluxes and all in sums, times a factor. */
+/* Adds a photon's fluxes, their squares and its count to the sums, times a factor. */
 static void add_photon(float sum[ORL_MASS], const struct orl_rgb *flux, uint32_t batch,
                        float factor)
 {
@@ -145,9 +145,10 @@ static void add_up(const struct orl_disc_search *hunt, float radius2,
     }
 }
 
-/* ---- The footprint --------------------------------------------------------------------------- */
+/* ---- Footprint ------------------------------------------------------------------------------- */
 
-/* Of the footprint: out to twice the disc that holds k, or as far as allowed. */
+/* Searches the footprint: out to twice the radius of the disc that holds k, or to the maximum
+ * radius. Returns the squared radius in cells. */
 static float find_in_footprint(struct orl_disc_search *hunt, double disc, double least,
                                struct orl_footprint *footprint)
 {
@@ -165,7 +166,8 @@ static float find_in_footprint(struct orl_disc_search *hunt, double disc, double
     }
 }
 
-/* The disc that holds k, leaving aside what cuts it. */
+/* Returns the squared radius, in cells, of the disc that holds k, without regard to
+ * obstructions. */
 static float find_in_disc(struct orl_disc_search *hunt, const struct orl_zorder *order)
 {
     const double reach = hunt->query->max_radius / hunt->cell;
@@ -181,7 +183,7 @@ void orl_nested_discs_gather(const struct orl_leaf_sums *sums, const struct orl_
 {
     struct orl_disc_search hunt = orl_disc_search_of(sums, query, search);
     struct orl_footprint footprint;
-    /* Where the neighbour's was cut and so is this one, its size will do. */
+    /* If the neighbour's disc was cut and this one is, too, the neighbour's size is used. */
     bool cut = query->hint > 0 && query->hint_cut && query->footing &&
                !orl_footing_is_free(query->footing, query->hint);
     double disc = query->hint;

@@ -9,26 +9,25 @@
 
 enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16, LINE = 64 };
 
-/* A square of which less than this share is surface is taken together with its fullest neighbour.
- */
+/* Minimum share of surface in a texel; texels with less are merged with their fullest neighbour. */
 static const double least_share = 0.25;
 
 struct orl_texels {
     const struct orl_world *world;
-    struct orl_planes planes;  /* of the world's facets */
+    struct orl_planes planes;  /* planes of the world's facets */
     struct orl_squares *sides; /* per facet: back, front; a square is a texel */
     struct orl_texel *texels;
-    bool *cut; /* per texel: something stands on it */
+    bool *cut; /* per texel: an object stands on it */
     uint32_t count;
-    double photons; /* a texel's, on average */
+    double photons; /* average number in a texel */
 };
 
-/* Of a texel in the making: flux, then irradiance. */
+/* Sums of a texel during building: flux, then irradiance. */
 struct sum {
-    float values[3], parts[ORL_MAP_BATCHES]; /* of channels, and of luma by batch */
+    float values[3], parts[ORL_MAP_BATCHES]; /* by channel; luma by batch */
 };
 
-/* What there is only while texels are made. */
+/* Temporary data while texels are built. */
 struct making {
     struct orl_texels *texels;
     struct sum *sums; /* per texel */
@@ -49,7 +48,7 @@ static uint32_t steps(double length, double width)
     return (uint32_t)fmin(fmax(round(length / width), 1), MOST_ACROSS);
 }
 
-/* As many texels on every side as its photons are worth. */
+/* Divides every side into texels, in proportion to its photons. */
 static void share_out(struct making *m)
 {
     struct orl_texels *texels = m->texels;
@@ -95,7 +94,7 @@ static void find_texels(void *arg, size_t chunk, uint32_t member)
     }
 }
 
-/* Flux into a slice of the texels. */
+/* Adds photons' flux to a slice of the texels. */
 static void add_up(void *arg, size_t slice, uint32_t member)
 {
     const struct making *m = arg;
@@ -105,7 +104,7 @@ static void add_up(void *arg, size_t slice, uint32_t member)
     const uint32_t room = (uint32_t)(count * (slice + 1) / SLICES) - from;
     (void)member;
     for (uint64_t i = 0; i < map->header->count; i++) {
-        if (m->places[i] - from >= room) /* before it, too: numbers wrap */
+        if (m->places[i] - from >= room) /* also true before it: unsigned numbers wrap */
             continue;
         const struct orl_rgb flux =
             orl_rgb_scale(orl_flux_unpack(map->fluxes[i]), map->header->flux_unit);
@@ -143,7 +142,7 @@ static void divide(struct sum *sum, float area)
         sum->parts[b] = area > 0 ? sum->parts[b] / area : 0;
 }
 
-/* Shares are rounded such that together they are the whole. */
+/* Rounds the shares such that their sum is exact. */
 static void keep(const struct sum *sum, struct orl_texel *texel)
 {
     float luma = 0, before = 0;
@@ -159,8 +158,8 @@ static void keep(const struct sum *sum, struct orl_texel *texel)
 }
 
 /*
- * Flux to irradiance, of one side. What lands in a square that is hardly surface goes to its
- * fullest neighbour, and comes back as that one's irradiance.
+ * Converts flux to irradiance for one side. The flux of a texel with hardly any surface is added to
+ * its fullest neighbour, and the texel gets that neighbour's irradiance.
  */
 static void settle(void *arg, size_t index, uint32_t member)
 {
@@ -189,8 +188,8 @@ static void settle(void *arg, size_t index, uint32_t member)
         keep(&sums[i], &m->texels->texels[i]);
 }
 
-/* Looks for what stands on whole squares, along both diagonals: no long wall passes between them.
- */
+/* Finds objects that stand on whole texels, by rays along both diagonals: no long wall passes
+ * between these. */
 static void find_cuts(void *arg, size_t index, uint32_t member)
 {
     static const double corners[2][2] = {{0.001, 0.001}, {0.999, 0.001}};
@@ -218,7 +217,7 @@ static void find_cuts(void *arg, size_t index, uint32_t member)
     }
 }
 
-/* Returns false when the crew is cancelled. */
+/* Fills the texels. Returns false if the crew is cancelled. */
 static bool fill(struct making *m, struct orl_crew *crew)
 {
     const size_t facets = m->texels->world->geometry->n_facets;
