@@ -7,18 +7,20 @@
 #include "photon/flight/trace.h"
 
 enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
-enum { CAUSTIC_RAYS = 1 << 20 }; /* a stratum: enough where flights go to and fro between mirrors */
-static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
+enum { CAUSTIC_RAYS = 1 << 20 }; /* per stratum: enough where photons bounce between mirrors */
+/* share of caustic photons distributed by flux over all strata that may yield some */
+static const double caustic_floor = 0.02;
 
 struct pilot {
     struct orl_emission *emission;
     uint64_t seed;
-    uint32_t flights, open_flights; /* a stratum, and a sun that shines on the whole scene */
+    uint32_t flights, open_flights; /* per stratum; per stratum of a sun on the whole scene */
     double *yield;                  /* per stratum: caustic flux deposited per flight */
-    double **found; /* of some strata: by where on the port it would start; caustic_targets.h */
+    /* for some strata: flux by the cell of the port where it would start (caustic_targets.h) */
+    double **found;
 };
 
-/* Caustic flux per flight of one stratum, by tracing some. */
+/* Estimates the caustic flux per flight of one stratum by tracing some. */
 static void try_caustics(void *arg, size_t index, uint32_t member)
 {
     struct pilot *pilot = arg;
@@ -50,7 +52,7 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
     pilot->yield[index] = sum / flown;
 }
 
-/* A pane that scatters by itself: every place on it makes caustic photons. */
+/* Returns true if the pane itself scatters, so that every point on it makes caustic photons. */
 static bool sends_on_itself(const struct orl_emission *e, const struct orl_stratum *s)
 {
     const uint32_t facet = e->world->ports[s->port].facet;
@@ -59,8 +61,9 @@ static bool sends_on_itself(const struct orl_emission *e, const struct orl_strat
 }
 
 /*
- * What flights brought down and what was found by looking back from the mirrors are two estimates
- * of one thing; the first misses what is small, the second what is lit by way of something else.
+ * Combines two estimates of caustic flux: that of the flights, and that of rays traced back from
+ * the mirrors. The first misses small mirrors, the second light that reaches mirrors by way of
+ * other surfaces.
  */
 static int seek(struct pilot *pilot, const struct orl_crew *crew)
 {
@@ -84,7 +87,7 @@ static int seek(struct pilot *pilot, const struct orl_crew *crew)
     return code;
 }
 
-/* Flights for each of so many strata. */
+/* Returns the number of flights for each of `strata` strata. */
 static uint32_t flights_each(size_t strata)
 {
     const size_t each = CAUSTIC_FLIGHTS / (strata + 1);
@@ -93,8 +96,8 @@ static uint32_t flights_each(size_t strata)
                                                        : each);
 }
 
-/* Windows share what there is. A sun on all of a building has flights of its own, as few of them
- * meet any pane: of 512 none may be mirrored where one photon in 2000 is. */
+/* Windows share the flights. A sun on a whole building has separate ones, because few of them
+ * hit any pane: of 512 none may be mirrored if one photon in 2000 is. */
 static void allot_flights(struct pilot *pilot)
 {
     const struct orl_emission *e = pilot->emission;
@@ -105,7 +108,7 @@ static void allot_flights(struct pilot *pilot)
     pilot->open_flights = flights_each(open);
 }
 
-/* Caustic photons go by what the pilot's brought down, and a little everywhere. */
+/* Distributes caustic photons by the flux that the pilot found, and a small share everywhere. */
 static int share_out(struct pilot *pilot, struct orl_crew *crew)
 {
     struct orl_emission *e = pilot->emission;

@@ -7,15 +7,16 @@
 #include "scene/material/bounds.h"
 
 enum { MOST_RAYS = 1 << 17, MOST_A_FACET = 1024, LEAST_A_FACET = 4, MOST_PANES = 64 };
-static const double evenly = 0.1;     /* of photons start anywhere on the pane */
-static const double most_cells = 0.5; /* lead on: then they may as well start anywhere */
+static const double evenly = 0.1; /* share of photons that start anywhere on the pane */
+/* if a larger share of the cells leads to targets, photons start anywhere */
+static const double most_cells = 0.5;
 
 static bool sends_on(const struct orl_material *m)
 {
     return orl_material_is_mirror(m) || orl_material_has_lobes(m);
 }
 
-/* The two numbers that orl_facet_sample draws a place on a polygon by. */
+/* Inverts orl_facet_sample: computes the two numbers that give a point on a polygon. */
 static void locate(const struct orl_geometry *g, const struct orl_facet *f, struct orl_vec3 point,
                    double ret_u[2])
 {
@@ -40,8 +41,8 @@ static void locate(const struct orl_geometry *g, const struct orl_facet *f, stru
 }
 
 /*
- * The port that a ray from inside leaves the scene by, going straight through panes: of several the
- * last, where its light came in first; -1: none.
+ * Returns the port by which a ray from inside leaves the scene, straight through panes; ORL_NO_PORT
+ * if it does not. Of several ports it is the last, where the light entered first.
  */
 static int32_t leaves_by(const struct orl_world *world, struct orl_vec3 point,
                          struct orl_vec3 direction, struct orl_hit *ret_hit, double *ret_share)
@@ -76,7 +77,8 @@ static int note(double **found, size_t cell, double watts)
     return 0;
 }
 
-/* Points of one facet, towards one sun; of_port: the stratum of each port with that sun. */
+/* Traces rays from points of one facet towards one sun. of_port: per port, the stratum of the
+ * port and that sun. */
 static int look_from(const struct orl_emission *e, uint32_t facet, uint32_t sun, uint32_t samples,
                      const size_t *of_port, double **found)
 {

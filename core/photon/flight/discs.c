@@ -5,11 +5,11 @@
 
 enum { LEAF = 4, DEEPEST = 64 };
 
-/* A box about some discs, in the order of the tree; its children follow it, or it is a leaf. */
+/* Bounding box of some discs, in depth-first order: an inner node is followed by its children. */
 struct node {
     double low[3], high[3];
-    uint32_t first, count; /* of a leaf: discs; count 0: none, */
-    uint32_t second;       /* and the second child, the first being next */
+    uint32_t first, count; /* leaf: its discs; count 0: inner node */
+    uint32_t second;       /* inner node: index of the second child; the first one is next */
 };
 
 struct orl_discs {
@@ -25,7 +25,7 @@ static double along(struct orl_vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* The disc's extent along an axis: a circle's, by its normal. */
+/* Returns the disc's half extent along an axis, from the circle's normal. */
 static double half_extent(const struct orl_disc *disc, int axis)
 {
     const double n = along(disc->frame.n, axis);
@@ -68,7 +68,7 @@ static int compare_ranks(const void *a, const void *b)
                           : (x->disc > y->disc) - (x->disc < y->disc);
 }
 
-/* In halves, by their centers along the box's longest axis. */
+/* Splits the discs in halves by their centers along the box's longest axis. */
 static void split(struct orl_discs *tree, struct rank *ranks, uint32_t first, uint32_t count)
 {
     struct node *node = &tree->nodes[tree->n_nodes++];
@@ -140,7 +140,8 @@ static void add_pass(struct orl_passes *passes, struct orl_pass pass)
     passes->passes[passes->count++] = pass;
 }
 
-/* The stretch from its lit side, within what is clear of the disc. */
+/* Records the pass if the stretch crosses the disc from its lit side, within its unobstructed
+ * part. */
 static void note_disc(const struct orl_disc *disc, uint32_t index, const struct orl_stretch *s,
                       struct orl_passes *passes)
 {

@@ -10,10 +10,10 @@
 
 _Static_assert((int)ORL_SOBOL_BLOCK == (int)ORL_MAP_BATCHES, "a point of each batch");
 
-/* The cosine of half an angle: rays of such a sun are of about one direction. */
+/* Cosine of half an angle: rays of a sun with a smaller angle have about one direction. */
 static const double narrow = 0.9999;
 
-/* The port as a path meets it from outside. */
+/* Returns the port's hit as a path from outside meets it. */
 static struct orl_hit port_hit(const struct orl_world *world, const struct orl_port *port,
                                struct orl_vec3 point)
 {
@@ -23,21 +23,23 @@ static struct orl_hit port_hit(const struct orl_world *world, const struct orl_p
                             .front = port->outside_is_front};
 }
 
-/* Light of that flux arrives at a port from outwards. Of a passage, if there is one. */
+/* Light with a flux that arrives at a port from the direction `outwards`. passage: sampler for
+ * the pane, or NULL. */
 struct arrival {
     const struct orl_port *port;
     const struct orl_passage *passage;
     struct orl_vec3 point, outwards;
     struct orl_rgb flux;
-    struct orl_vec3 start; /* of a dome's: whence to look out, and the flux of radiance 1 */
+    /* domes: start of the ray that finds the radiance; measure: flux for radiance 1 */
+    struct orl_vec3 start;
     double measure;
     struct orl_hit hit;
 };
 
-/* How far an emission has come. */
+/* Stage of an emission. */
 enum stage { LOST, FLIES, ARRIVES, LOOKS };
 
-/* How the port sends it through: false: by its passage, or not at all. */
+/* Sets up the BSDF query for the pane. Returns false if its passage samples it instead. */
 static bool set_draw(const struct orl_world *world, struct arrival *a, struct orl_random *random,
                      double ret_u[3], struct orl_draw *ret_draw)
 {
@@ -50,7 +52,7 @@ static bool set_draw(const struct orl_world *world, struct arrival *a, struct or
     return !a->passage;
 }
 
-/* Off it goes, as it was sent through; false: it was not. */
+/* Starts the photon behind the pane in the sampled direction. Returns false if it was absorbed. */
 static bool depart(const struct orl_world *world, const struct arrival *a,
                    const struct orl_scatter *s, struct orl_flight *ret_flight)
 {
@@ -82,7 +84,7 @@ static enum stage aim_port_dome(const struct orl_emission *e, const struct orl_s
     return LOOKS;
 }
 
-/* That radiance is what the look out has found. */
+/* Sets the flux from the radiance that the ray outwards found. */
 static enum stage look(struct arrival *a, struct orl_rgb radiance)
 {
     a->flux = orl_rgb_scale(radiance, a->measure);
@@ -154,7 +156,7 @@ static bool passes_port(const struct orl_stratum *s)
            s->kind == ORL_STRATUM_PORT_IMAGE || s->kind == ORL_STRATUM_PORT_LAMP;
 }
 
-/* All but where it starts, and what it carries. */
+/* Initialises all of the flight but its start, direction and flux. */
 static void begin(struct orl_flight *flight, double fate)
 {
     flight->from_light = flight->from_port = flight->lamp = flight->beam = false;
@@ -166,7 +168,8 @@ static void begin(struct orl_flight *flight, double fate)
     flight->reflected = 1;
 }
 
-/* start: of those that pass a port; of others the numbers in point will do. */
+/* Starts an emission up to its arrival at a port, or its flight. start: for strata that pass a
+ * port; other strata use the numbers in point. */
 static enum stage aim(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
                       const double *point, const struct orl_port_start *start,
                       struct orl_random *random, struct arrival *ret_arrival,
@@ -240,7 +243,7 @@ void orl_emission_points(const struct orl_emission *emission, uint64_t seed, uin
     orl_sobol_block(&emission->sobol, (uint32_t)within, sequences, ret_points);
 }
 
-/* ---- Many at once ---------------------------------------------------------------------------- */
+/* ---- Many emissions at once ------------------------------------------------------------------ */
 
 /* Emissions that take each step together. */
 struct wave {
@@ -250,7 +253,7 @@ struct wave {
     const struct orl_stratum *strata[ORL_EMISSIONS_AT_ONCE];
     enum stage stages[ORL_EMISSIONS_AT_ONCE];
     struct arrival arrivals[ORL_EMISSIONS_AT_ONCE];
-    uint16_t order[ORL_EMISSIONS_AT_ONCE]; /* those of a stratum together, or nearly */
+    uint16_t order[ORL_EMISSIONS_AT_ONCE]; /* emissions sorted by stratum, or nearly so */
     size_t n;
 };
 
@@ -271,7 +274,8 @@ static double share_of(const struct orl_stratum *s, bool caustic)
     return caustic ? s->share_caustic : s->share;
 }
 
-/* Those that follow the first in order and are of its stratum: some of them. */
+/* Returns the end of a run of emissions of one stratum from `first` on, at most
+ * ORL_STARTS_AT_ONCE. */
 static size_t end_of_stratum(const struct wave *w, size_t first)
 {
     size_t end = first + 1;
@@ -281,7 +285,7 @@ static size_t end_of_stratum(const struct wave *w, size_t first)
     return end;
 }
 
-/* Of one stratum. */
+/* Starts emissions of one stratum. */
 static void aim_some(struct wave *w, size_t first, size_t end, bool caustic,
                      const double (*points)[ORL_SOBOL_DIMENSIONS])
 {
@@ -301,7 +305,7 @@ static void aim_some(struct wave *w, size_t first, size_t end, bool caustic,
     }
 }
 
-/* Domes' light: what is seen from the ports. */
+/* Finds the light of domes: traces paths outwards from the ports. */
 static void look_out(struct wave *w, struct orl_health *health)
 {
     const struct orl_world *world = w->emission->world;
@@ -333,7 +337,7 @@ static void look_out(struct wave *w, struct orl_health *health)
     }
 }
 
-/* Through the panes. */
+/* Samples the transmission of the panes. */
 static void pass_ports(struct wave *w)
 {
     const struct orl_world *world = w->emission->world;

@@ -6,13 +6,13 @@
 
 enum { N = ORL_STARTS_AT_ONCE };
 
-/* What there is of each, in columns. */
+/* Data of several starts, in columns. */
 struct columns {
     double place[N][2], way[N][2], density[N];
     struct orl_vec3 points[N], out[N];
 };
 
-/* Into the outer hemisphere, by the square's points. */
+/* Maps points of the square to directions in the outer hemisphere. */
 ORL_FOR_WIDE_VECTORS
 static void turn_out(struct orl_vec3 outward, size_t n, struct columns *c)
 {
@@ -69,7 +69,8 @@ void orl_port_starts(const struct orl_emission *emission, const struct orl_strat
         look_at_dome(emission, stratum, n, &c);
     else if (stratum->kind == ORL_STRATUM_PORT_LAMP)
         for (size_t i = 0; i < n; i++)
-            c.out[i] = world->ports[stratum->port].outward; /* each point has another way */
+            /* the direction depends on the point; port_lamp.c samples it */
+            c.out[i] = world->ports[stratum->port].outward;
     else
         look_at_sun(emission, stratum, caustic, n, &c);
     orl_facet_sample_many(world->geometry, world->ports[stratum->port].facet,

@@ -5,33 +5,34 @@
 #include "light/path.h"
 #include "photon/flight/found.h"
 
-/* What photons fly through, and which of them are wanted. */
+/* Parameters of a trace: the scene, and the photons that are wanted. */
 struct tracing {
     const struct orl_world *world;
-    const struct orl_discs *discs; /* what they are counted through; or NULL: they are left */
+    /* discs in which photons are counted; NULL: photons are deposited */
+    const struct orl_discs *discs;
     bool caustic, by_chance;
     enum orl_lobes lobes;
     uint32_t most_reflections;
 };
 
-/* A photon under way. */
+/* State of a photon. */
 struct course {
     struct orl_path path; /* its weight is the flux */
     double fate, alive;
-    double reflected;            /* of its flight */
-    double focus, flown, spread; /* off a spotlight: until it is scattered */
+    double reflected;            /* as in its flight */
+    double focus, flown, spread; /* of a spotlight's beam, until the photon is scattered */
     struct orl_deflection way;
     bool crossed, outside, lamp;
     uint8_t batch;
     enum orl_photon_class class;
-    struct orl_found found; /* where that counts */
+    struct orl_found found; /* used with discs or by_chance */
     uint32_t reflections;
     int bounces, unseen;
 };
 
 /*
- * Roulette: false when the chance of being alive has fallen to the photon's fate. spared: as much
- * flux as it is to lose besides (first_reflection.h); or 1.
+ * Russian roulette: returns false if the survival probability has fallen to the photon's fate.
+ * spared: factor by which the flux is reduced in addition (first_reflection.h); or 1.
  */
 static bool survives(struct course *c, struct orl_rgb weight, double spared)
 {
@@ -44,8 +45,8 @@ static bool survives(struct course *c, struct orl_rgb weight, double spared)
 }
 
 /*
- * What roulette says where only the albedo counts: it is known before a direction is drawn, and
- * most photons end there.
+ * Returns true if roulette ends the photon at a matt surface. The result depends on the albedo
+ * only, so it is known before a direction is sampled, and most photons end there.
  */
 static bool ends_here(const struct course *c, const struct orl_material *m, struct orl_rgb albedo,
                       double spared, bool caustic)
@@ -54,7 +55,8 @@ static bool ends_here(const struct course *c, const struct orl_material *m, stru
            (caustic || !(c->alive * orl_smaller(orl_luma(albedo) / spared, 1) > c->fate));
 }
 
-/* What the way to a hit does: a medium dims; a spotlight's beam is wider than its lamp (lamp.c). */
+/* Applies the path to a hit: absorption by the medium, and the spread of a spotlight's beam
+ * (lamp.c). Returns false if the photon ends. */
 static bool arrives(struct course *c, const struct orl_material *m, const struct orl_hit *hit)
 {
     if (c->focus > 0) {
@@ -67,7 +69,7 @@ static bool arrives(struct course *c, const struct orl_material *m, const struct
     return orl_is_clear(left) || survives(c, left, 1);
 }
 
-/* A ray that met nothing: from within a sealed building that is a leak. */
+/* Handles a ray that hits nothing; from inside a sealed building it is counted as a leak. */
 static void escape(const struct orl_world *world, const struct course *c, struct orl_health *health)
 {
     if (world->open || !c->crossed || c->outside)
@@ -85,19 +87,19 @@ static enum orl_photon_class class_after(enum orl_photon_class class, enum orl_e
     return event == ORL_EVENT_DIFFUSE ? ORL_PHOTON_REST : ORL_PHOTON_CAUSTIC;
 }
 
-/* Caustic photons by way of what the plan leaves out. */
+/* Returns true for caustic photons by deflections that the plan omits. */
 static bool is_left_out(const struct orl_world *world, struct orl_deflection way)
 {
     return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
 }
 
-/* Whether nobody else finds it as it flies now. */
+/* Returns true if no other estimator finds the photon in its current state. */
 static bool is_sought(const struct tracing *t, const struct course *c)
 {
     return !c->outside && orl_found_by_nobody(&c->found, t->world);
 }
 
-/* Counts it through the discs on the way to what it meets (NULL: nothing). */
+/* Counts the photon in the discs on its way to the hit (NULL: none). */
 static void fly_by(const struct tracing *t, const struct course *c, const struct orl_hit *hit,
                    struct orl_deposits *deposits)
 {
@@ -114,7 +116,8 @@ static void fly_by(const struct tracing *t, const struct course *c, const struct
         orl_discs_note(t->discs, &stretch, &deposits->passes);
 }
 
-/* By what it may be sent on: illums let pass what comes straight from suns and lamps. */
+/* Returns the lobes that may scatter the photon: illums transmit light that comes straight from
+ * suns and lamps. */
 static enum orl_lobes lobes_for(const struct tracing *t, const struct course *c)
 {
     const bool straight = c->class == ORL_PHOTON_LIGHT && c->reflections == 0;
@@ -132,12 +135,12 @@ static struct tracing tracing_of(const struct orl_world *world, bool caustic)
         .most_reflections = most < ORL_ALL_REFLECTIONS ? most : UINT32_MAX};
 }
 
-/* False: there is no use for it. */
+/* Initialises a photon. Returns false if it is not wanted. */
 static bool set_out(const struct tracing *t, const struct orl_flight *flight, uint8_t batch,
                     struct course *c, struct orl_deposits *deposits)
 {
     const struct orl_deflection way = flight->way;
-    /* One after the other: to clear all of it first takes longer than the rest. */
+    /* Members are set one by one: clearing the whole struct first takes longer than the rest. */
     c->path.origin = flight->origin;
     c->path.direction = flight->direction;
     c->path.weight = orl_health_keep(&deposits->health, flight->flux);
@@ -167,7 +170,8 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
     return true;
 }
 
-/* Its ray has met that (NULL: nothing). Leaves a photon where one is to be; false: it ends here. */
+/* Handles the hit of the photon's ray (NULL: none), and deposits a photon if one is wanted.
+ * Returns false if the photon ends. */
 static bool land(const struct tracing *t, struct course *c, const struct orl_hit *hit,
                  struct orl_deposits *deposits)
 {
@@ -194,7 +198,8 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
     return !ends_here(c, m, albedo, c->class == ORL_PHOTON_REST ? 1 : c->reflected, t->caustic);
 }
 
-/* Scattered so, does it go on? */
+/* Applies a scattering event. Returns false if the photon is absorbed, or is not wanted after
+ * it. */
 static bool goes_on(const struct tracing *t, struct course *c, const struct orl_hit *hit,
                     const struct orl_scatter *s, struct orl_deposits *deposits)
 {
@@ -205,7 +210,7 @@ static bool goes_on(const struct tracing *t, struct course *c, const struct orl_
         return false;
     if (s->transmitted) {
         const enum orl_crossing crossing = orl_world_crossing(t->world, hit);
-        /* What crosses a port inwards for the first time is the port's own to emit. */
+        /* The port itself emits light that crosses it inwards for the first time. */
         if (crossing == ORL_CROSSING_INWARDS && !c->crossed)
             return false;
         c->crossed = c->crossed || crossing != ORL_CROSSING_NONE;
@@ -245,7 +250,7 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
     } while (goes_on(&t, &c, &hit, &s, deposits));
 }
 
-/* ---- Many at once ---------------------------------------------------------------------------- */
+/* ---- Many photons at once -------------------------------------------------------------------- */
 
 enum { AT_ONCE = ORL_EMISSIONS_AT_ONCE };
 _Static_assert((int)AT_ONCE <= UINT8_MAX + 1, "a photon has its number where its batch will stand");
@@ -257,13 +262,14 @@ struct wave {
     struct orl_random *randoms;
     struct course courses[AT_ONCE];
     uint16_t under_way[AT_ONCE];
-    size_t n, n_beam; /* under way; of them first those of a beam */
+    size_t n, n_beam; /* number of active photons; those of the beam come first */
     struct orl_ray rays[AT_ONCE];
-    struct orl_hit hits[AT_ONCE]; /* of those under way, in their order */
+    struct orl_hit hits[AT_ONCE]; /* hits of the active photons, in their order */
     bool found[AT_ONCE];
     struct orl_draw draws[AT_ONCE];
     double u[AT_ONCE][3];
-    uint16_t scattered[AT_ONCE]; /* of those under way, by their order */
+    /* indices among the active photons, of those that are scattered */
+    uint16_t scattered[AT_ONCE];
     struct orl_scatter scatters[AT_ONCE];
 };
 
@@ -280,7 +286,7 @@ static void trace_rays(struct wave *w)
     w->n_beam = 0;
 }
 
-/* Lands all, and scatters those that do not end. */
+/* Handles the hits of all active photons, and samples scattering for those that do not end. */
 static size_t scatter_all(struct wave *w)
 {
     size_t n = 0;
@@ -316,7 +322,7 @@ static void take_step(struct wave *w)
     w->n = left;
 }
 
-/* What a wave has left, by photon, as if each had flown by itself; and of what batch each is. */
+/* Sorts the wave's deposits by photon, as if each had been traced alone, and sets their batches. */
 static void put_in_order(struct orl_deposits *deposits, size_t first)
 {
     const size_t n = deposits->count - first;

@@ -1,4 +1,4 @@
-/* How much of the light where caustic photons land is theirs. */
+/* Caustic photons' share of the light where they land (orl_worth_contrast). */
 #include "photon/shooting/worth.h"
 
 #include <stdlib.h>
@@ -7,19 +7,20 @@
 #include "base/random.h"
 #include "photon/map/facing.h"
 
-/* Cubes, from the scene's own to one of 1/16384 of its width; of so many photons at the least. */
+/* Levels of cubes, from the scene's own to 1/16384 of its width; minimum number of photons in a
+ * cube. */
 enum { LEVELS = 15, LEAST_IN_CUBE = 8 };
-/* A table of cubes: more than there are photons to lie in them. */
+/* Hash table of cubes: more slots than photons. */
 enum { MOST_PHOTONS = 1 << 15, SLOTS = 1 << 17 };
 _Static_assert((int)SLOTS >= 4 * (int)MOST_PHOTONS, "no long searches");
 
 struct cube {
-    uint64_t name; /* 0: free */
+    uint64_t name; /* hash of level and position; 0: free */
     uint32_t caustic, rest;
     double caustic_w, rest_w;
 };
 
-/* Photons evenly picked from more. */
+/* Every step-th photon of an array. */
 struct pick {
     const struct orl_photon *photons;
     size_t count, step;
@@ -77,7 +78,7 @@ static void fill(struct cube *cubes, const struct pick *caustic, const struct pi
     }
 }
 
-/* Flux over area, of both kinds, about each caustic photon. */
+/* Flux over area, of both kinds, around each caustic photon. */
 struct lit {
     double caustic, rest;
 };

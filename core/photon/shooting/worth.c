@@ -6,12 +6,13 @@
 #include "photon/flight/trace.h"
 
 /*
- * Emissions go in chunks, chunks in rounds: global photons take one round, caustic ones as many as
- * it takes to find enough. A chunk ends early where one emission leaves thousands of photons.
+ * Emissions are divided into chunks, and chunks into rounds: one round of global photons, as many
+ * rounds of caustic ones as are needed to find enough. A chunk ends early if one emission leaves
+ * thousands of photons.
  */
 enum { CHUNK = 1024, FIRST_OF_CHUNK = 32, RAYS_A_CHUNK = 1 << 15, MOST_AT_ONCE = 16 };
 enum { GLOBAL_CHUNKS = 16, CAUSTIC_CHUNKS = 16, MOST_ROUNDS = 16, ENOUGH_CAUSTIC = 2048 };
-enum { LEAST_TO_TELL = 32 }; /* photons: their flux is known to a fifth */
+enum { LEAST_TO_TELL = 32 }; /* photons needed for a result: their flux is known within a fifth */
 static const uint64_t another_seed = 0x63617573;
 _Static_assert((int)FIRST_OF_CHUNK % (int)ORL_MAP_BATCHES == 0, "whole blocks");
 _Static_assert((int)GLOBAL_CHUNKS <= (int)MOST_AT_ONCE && (int)CAUSTIC_CHUNKS <= (int)MOST_AT_ONCE,
@@ -21,12 +22,12 @@ _Static_assert((int)GLOBAL_CHUNKS <= (int)MOST_AT_ONCE && (int)CAUSTIC_CHUNKS <=
 struct sortie {
     struct orl_shoot_env env;
     enum orl_map_kind kind;
-    size_t first; /* chunk */
+    size_t first; /* first chunk */
     struct orl_deposits deposits[MOST_AT_ONCE];
     uint64_t emitted[MOST_AT_ONCE];
 };
 
-/* What all rounds of a kind have found. */
+/* Results of all rounds of a kind. */
 struct find {
     struct orl_photon *photons;
     size_t count;
@@ -50,7 +51,7 @@ static void shoot_chunk(void *arg, size_t index, uint32_t member)
     s->emitted[index] = done;
 }
 
-/* Adds what a round has left. */
+/* Adds the results of a round. Returns 0 or ORL_ERR_NOMEM. */
 static int take(struct find *find, struct sortie *s, size_t chunks)
 {
     size_t more = 0;

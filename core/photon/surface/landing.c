@@ -4,10 +4,10 @@
 
 enum { LEAVES_A_CHUNK = 1024, RECENT = 4 };
 
-/* The facets that photons landed on last, and the codes of their two normals. */
+/* The facets on which the last photons landed, and their coded normals. */
 struct recent {
     uint32_t facets[RECENT];
-    uint16_t codes[RECENT]; /* of the side that was lit */
+    uint16_t codes[RECENT]; /* normals of the side that was lit */
     uint32_t count;
 };
 
@@ -25,7 +25,7 @@ static bool is_on(const struct orl_planes *planes, uint32_t facet, const struct 
     return false;
 }
 
-/* A recent facet that the photon lies on; or ORL_NOWHERE. */
+/* Returns a recent facet that the photon lies on; or ORL_NOWHERE. */
 static uint32_t recall(const struct orl_planes *planes, struct recent *recent,
                        const struct orl_landed *photon, double rounding)
 {
@@ -47,7 +47,7 @@ static void remember(struct recent *recent, uint32_t facet, uint16_t code)
     recent->codes[0] = code;
 }
 
-/* What a ray from above the photon meets; or ORL_NOWHERE. */
+/* Returns the facet that a ray from above the photon hits; or ORL_NOWHERE. */
 static uint32_t ask(const struct orl_geometry *g, const struct orl_landed *photon, double rounding)
 {
     const struct orl_vec3 start = orl_madd(photon->point, photon->normal, 4 * rounding);
@@ -72,8 +72,8 @@ struct orl_landed orl_landed_of(const struct orl_photon_map *map, uint64_t index
 }
 
 /*
- * The facet of a photon. Every leaf's first is asked by a ray; should a recent facet hold it and
- * the ray meet another, the two coincide, and neither is to be had by texels.
+ * Returns the facet of a photon. For the first photon of every leaf a ray is traced. If a recent
+ * facet holds the photon and the ray hits another, the two coincide, and neither can have texels.
  */
 static uint32_t facet_of(const struct orl_landing *landing, const struct orl_landed *photon,
                          bool sure, struct recent *recent)

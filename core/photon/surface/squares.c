@@ -1,11 +1,11 @@
 #include "photon/surface/squares.h"
 
 struct outline {
-    struct orl_corner corners[8]; /* a triangle cut four times */
+    struct orl_corner corners[8]; /* a triangle clipped four times */
     uint32_t count;
 };
 
-/* The part where a x + b y <= c (Sutherland and Hodgman 1974). */
+/* Clips the outline to the part where a x + b y <= c (Sutherland and Hodgman 1974). */
 static void cut(struct outline *outline, double a, double b, double c)
 {
     struct outline kept = {.count = 0};
@@ -37,7 +37,7 @@ static uint32_t step_at(double at, double width, uint32_t most)
     return (uint32_t)orl_smaller(orl_larger(at / width, 0), most - 1);
 }
 
-/* A triangle's area into the squares of one row. */
+/* Adds a triangle's area to the squares of one row. */
 static void add_row(const struct orl_squares *squares, const struct outline *row, uint32_t y,
                     float *areas)
 {
