@@ -99,12 +99,12 @@ struct orl_chance {
     int64_t mirror;
 };
 
-/* Shadow rays have sampled the lamps, both straight and in mirrors. */
+/* Returns the state of a ray whose lamps shadow rays have sampled, both straight and in mirrors. */
 static inline struct orl_chance orl_chance_found(void)
 {
     return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_NONE};
 }
-/* Shadow rays have sampled the lamps straight, but not in mirrors. */
+/* Returns the state of a ray whose lamps shadow rays have sampled straight only. */
 static inline struct orl_chance orl_chance_found_straight(void)
 {
     return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_UNKNOWN};

@@ -5,10 +5,10 @@
  * mirrors, are left out. Light that BSDF ports send outdoors after a diffuse bounce keeps its flux
  * but not its shape.
  *
- * It is used for the radiance that photon ports see outwards, so that every photon carries the
- * radiance that arrives, the ground's and the neighbours' included. It is also used for the
- * radiance of outdoor surfaces in views, sensors and rays from inside. For these, rooms behind the
- * neighbours' panes shine, too: a path that enters one is handed back to the caller.
+ * Photon ports use it for the radiance outwards, so that every photon carries the radiance that
+ * arrives, the ground's and the neighbours' included. Views, sensors and rays from inside use it
+ * for outdoor surfaces. For these, rooms behind the neighbours' panes shine, too: a path that
+ * enters one is handed back to the caller.
  */
 #ifndef ORL_LIGHT_EXTERIOR_H
 #define ORL_LIGHT_EXTERIOR_H

@@ -56,7 +56,7 @@ struct orl_images {
     size_t n_nodes;
     /* node that node i becomes by class m, at i * n_mirrors + m; -1: none */
     int16_t *next;
-    /* of the nodes that were shown when the columns were built, in order */
+    /* one for each node that was shown when the columns were built, in order */
     struct orl_image_columns *columns;
     int16_t *columns_of; /* index into columns, per node; -1: none */
 };

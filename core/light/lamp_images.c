@@ -13,8 +13,8 @@ static const uint64_t most_pairs = 4000000;
 enum { MOST_MIRRORS_LOOKED_AT = 4096 };
 /* LEAST_PAIRS pairs are kept, or PAIRS_A_LAMP for each lamp if that is more, up to MOST_PAIRS. */
 enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
-/* Limit of mirrors for the estimate of light by two mirrors. With more of them the estimate is
- * too low; pairs are then left out, too (images->left_out). */
+/* Limit of mirrors for the estimate of light by two mirrors. Scenes with more of them have pairs
+ * left out, too (images->left_out). */
 enum { MOST_TWICE = 64 };
 
 /* A lamp and a mirror. */

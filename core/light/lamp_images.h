@@ -26,7 +26,7 @@ struct orl_world;
 struct orl_lamp_image {
     uint32_t emitter;               /* index into the world's emitters */
     uint32_t lamp, mirror;          /* facets of the lamp and the mirror */
-    struct orl_vec3 normal, center; /* of the mirror's plane; center lies on it */
+    struct orl_vec3 normal, center; /* normal of the mirror, and a point of its plane */
     double radius;                  /* radius of a sphere about center that contains the mirror */
 };
 

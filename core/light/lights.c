@@ -99,8 +99,8 @@ static void add_of_sky(struct orl_lights *lights, const struct orl_daylight *sky
     add(lights, &d);
 }
 
-/* Glows are sampled as lamps if there are at most so many, each with at most this share of the
- * area of a sphere around the scene. */
+/* Limits for sampling glows as lamps: their number, and the area of each as a share of that of a
+ * sphere around the scene. */
 enum { MOST_AIMED_GLOWS = 64 };
 static const double most_of_sphere = 0.02;
 

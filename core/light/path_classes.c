@@ -27,8 +27,8 @@ enum {
 /*
  * Strategies by class, then technique: plain path tracing, backward, gather, direct, precomputed.
  *
- * Several of RAYS, PORTS, SHADOW, IMAGES and BEAMS in one cell sample the same variable, the
- * direction at the receiver, and are combined by the balance heuristic (Veach 1997, 9.2). Photons
+ * RAYS, PORTS, SHADOW, IMAGES and BEAMS sample the same variable, the direction at the receiver. If
+ * a cell has several of them they are combined by the balance heuristic (Veach 1997, 9.2). Photons
  * are not combined with them: photons of light that these strategies find are not counted
  * (photon/flight/found.h).
  */

@@ -9,11 +9,11 @@
 #include "scene/material/hemisphere.h"
 
 /*
- * Search for photon ports. A window is a port if rays that leave one of its faces, with all
- * surfaces opaque, reach open space much more often than rays that leave the other. Panes inside a
- * building see open space from neither side (the outer panes block), and panes that stand free see
- * it from both. Windows behind lenses or curved mirrors are not ports (focus.h): the scene is then
- * open, and photons from suns and sky pass them.
+ * Search for photon ports. Rays are traced from both faces of a window, with all surfaces opaque.
+ * The window is a port if rays from one face reach open space much more often than rays from the
+ * other. Panes inside a building see open space from neither side (the outer panes block), and
+ * panes that stand free see it from both. Windows behind lenses or curved mirrors are not ports
+ * (focus.h): the scene is then open, and photons from suns and sky pass them.
  */
 enum { OWNER_PROBES = 128 };
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };

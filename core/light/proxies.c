@@ -71,7 +71,7 @@ static bool is_covered(const struct orl_scene *scene, const struct orl_geometry 
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_own(proxies, hit.facet, &own);
         at += hit.distance;
-        /* Of proxies that stand for each other only the first is kept. */
+        /* If proxies stand for each other, only the first is kept. */
         if (orl_dot(way_across(proxies, hit.facet), way) > 1 - 1e-3 &&
             at <= reach_to(scene, hit.facet, self) + 4 * f->offset && hit.facet != self &&
             (!is_proxy(scene, self) || (hit.facet < self && !scene->hidden[hit.facet])))

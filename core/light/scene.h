@@ -80,7 +80,8 @@ int orl_scene_settle(struct orl_description *description, struct orl_error *err)
 int orl_scene_new(struct orl_description *description, struct orl_scene **ret_scene,
                   struct orl_error *err);
 
-/* Finds the ports, and whether the scene is open. Called once, before lights are added. */
+/* Finds the ports, and whether the scene is open. Called once, before lights are added. Returns
+ * 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct orl_error *err);
 
 struct orl_scene *orl_scene_hold(struct orl_scene *scene);

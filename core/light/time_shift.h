@@ -1,8 +1,8 @@
 /*
  * Detection of a time shift in an EPW file from its own numbers. Global irradiance is diffuse
- * irradiance plus direct normal irradiance times the sine of the sun's altitude. If that holds for
- * a sun half an hour earlier than at the middle of each row's interval, and not for the right one,
- * then the file's times or its time zone are half an hour off.
+ * irradiance plus direct normal irradiance times the sine of the sun's altitude. That should hold
+ * for the sun at the middle of each row's interval. If instead it holds for a sun half an hour
+ * earlier, the file's times or its time zone are half an hour off.
  */
 #ifndef ORL_LIGHT_TIME_SHIFT_H
 #define ORL_LIGHT_TIME_SHIFT_H

@@ -11,9 +11,9 @@ int orl_weather_days_before(int month, int day, bool leap);
 bool orl_weather_has_leap_day(const struct orl_weather *weather);
 
 /*
- * Moves rows after hour 24 to the next day, as DAYSIM defines them. If the file continues once from
- * 31 December to 1 January, as from July to June, puts the rows from 1 January on first and counts
- * them in n_moved. Rows in any other order stay as they are. Returns 0, ORL_ERR_NOMEM, or
+ * Moves rows after hour 24 to the next day, as DAYSIM defines them. A file may continue once from
+ * 31 December to 1 January, as from July to June: then the rows from 1 January on are put first,
+ * and counted in n_moved. Rows in any other order stay as they are. Returns 0, ORL_ERR_NOMEM, or
  * ORL_ERR_RANGE if two rows have the same time.
  */
 int orl_weather_arrange(struct orl_weather *weather, const char *name, struct orl_error *err);

@@ -56,7 +56,7 @@ struct orl_world {
     size_t n_domes;
     struct orl_emitter *emitters;
     size_t n_emitters;
-    double most_aimed_glow; /* as in orl_lights */
+    double most_aimed_glow; /* copy of the lights' value */
     struct orl_port *ports;
     size_t n_ports;
     struct orl_images images;           /* images of the suns in flat mirrors; none without ports */

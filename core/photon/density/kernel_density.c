@@ -20,8 +20,8 @@ struct orl_kernel_density {
 enum { CHUNK = 1 << 12 };
 
 /*
- * If walls and edges leave less than this share of the k photons, the estimate counts a small patch
- * as a whole, and is the same anywhere on it. Then a photon at the query point counts, too. It
+ * If walls and edges leave less than this share of the k photons, a small patch counts as a whole,
+ * and the estimate is the same anywhere on it. Then a photon at the query point counts, too. It
  * would be missing from its patch, and patches without a query at a photon have no surplus to
  * compensate. Otherwise small facets with few photons would be darker by one photon in a leaf of
  * sixteen.

@@ -33,10 +33,10 @@ struct orl_leaf_sites {
 };
 
 /*
- * A leaf is used at points within its spread times this; a uniform disc ends at 1.41. With that
- * limit the uncovered points are the gaps, and values read are low by half a percent, because the
- * leaves cover points with photons and not those without. With 3 they are high by as much. This
- * value in between conserves light, as measured in the integrating sphere.
+ * A leaf is used at points within its spread times this; a uniform disc ends at 1.41. With 1.41 the
+ * uncovered points are the gaps: leaves cover points with photons and not those without, so values
+ * read are low by half a percent. With 3 they are high by as much. This value in between conserves
+ * light, as measured in the integrating sphere.
  */
 static const float reach_of_leaf = 1.85F;
 /*

@@ -35,15 +35,15 @@ uint64_t orl_leaf_sites_bytes(const struct orl_leaf_sites *sites); /* memory, by
 const struct orl_leaf_center *orl_leaf_sites_of(const struct orl_leaf_sites *sites, uint32_t leaf);
 
 /*
- * Finds the leaf whose site is nearest to the point, among the neighbours of the leaf to which the
- * point belongs in the map's order (zorder.h). Returns false if that leaf is on another sheet of
- * surface.
+ * Finds the leaf whose site is nearest to the point. Candidates are the neighbours of the leaf to
+ * which the point belongs in the map's order (zorder.h). Returns false if that leaf is on another
+ * sheet of surface.
  */
 bool orl_leaf_sites_about(const struct orl_leaf_sites *sites, struct orl_vec3 point,
                           struct orl_vec3 normal, struct orl_leaf_near *ret_leaf);
 /*
- * Finds the nearest leaf that comes after `last` and has its site on the point's sheet, by the
- * hierarchy of boxes. Returns false if none is within max_radius.
+ * Finds the next leaf after `last`, in order of distance, that has its site on the point's sheet,
+ * by the hierarchy of boxes. Returns false if none is within max_radius.
  */
 bool orl_leaf_sites_next(const struct orl_leaf_sites *sites, struct orl_vec3 point,
                          struct orl_vec3 normal, struct orl_leaf_near last,

@@ -32,7 +32,7 @@ enum { ORL_PATCHES = 2, ORL_LANES = ORL_PATCHES * ORL_MAP_FANOUT };
 struct orl_patch_group {
     float at[3][ORL_LANES];
     float reach[ORL_LANES]; /* distance of the farthest photon from the centre */
-    /* half width of a uniform distribution with the photons' standard deviation */
+    /* half width of a uniform distribution with the photons' standard deviation along an axis */
     float ramp[ORL_LANES];
     uint32_t normal[ORL_LANES]; /* or ORL_NO_PLANE: cannot be used as a whole */
     uint32_t count[ORL_LANES];  /* number of photons: the leaf's first, or its last */

@@ -1,6 +1,6 @@
 /*
  * Irradiance by leaf: one density estimate for each leaf of a map, computed at the first request
- * and stored. A final gather that reads the same wall a million times then pays for one estimate
+ * and stored. A final gather may read the same wall a million times; it then pays for one estimate
  * per leaf (16 photons), and a short look-up for each read.
  *
  * A look-up uses the nearest leaf on the same sheet of surface that covers the point. The search

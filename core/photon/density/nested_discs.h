@@ -31,7 +31,7 @@ struct orl_nested_discs {
     struct orl_nested_disc rings[ORL_NESTED_DISCS];
     /* [0] has the whole radius, [1] 1 / sqrt 2 of it, [2] half */
     struct orl_moments discs[ORL_NESTED_DISCS];
-    double radius, clear; /* as in a density */
+    double radius, clear; /* as in struct orl_density */
     double disc;          /* radius of an uncut disc of the same area */
     double found;         /* number of photons within the radius */
     bool cut;             /* the disc is cut by the footprint, and by_x and by_y are filled in */

@@ -369,9 +369,8 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
  * Returns true if the records do not determine the light at the point: they are few, most have few
  * photons, they are biased, or the point lies beyond them. Photons, and so records, end where
  * little light arrives. Then the nearest records lie to one side, far away relative to their
- * spacing, and differ. Of n points spread evenly around the point, or around it at an end of the
- * surface, the nearest is that far away with a probability of one in thirty: (1 - (nearest /
- * farthest)^2)^(n - 1).
+ * spacing, and differ. If n points are spread evenly around the point, or around it at an end of
+ * the surface, one in thirty has the nearest that far off: (1 - (nearest / farthest)^2)^(n - 1).
  */
 static bool tells_little(const struct fit *fit, const struct orl_density *density, double mean)
 {

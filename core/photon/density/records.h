@@ -2,20 +2,22 @@
  * Irradiance precomputed at a fraction of the photons: the map of kind "precomputed". It is made
  * once from a global map, and read instead of it.
  *
- * A record is stored as a photon: its position, the normal of the lit side, and as flux the
+ * A record is stored as a photon with its position and the normal of the lit side. Its flux is the
  * irradiance there, W/m2, times the number emitted, so that a map's unpacked "flux" is irradiance.
  * The estimate is that of adaptive_density.h, from a map without photons of the light that shadow
- * rays and the caustic map count (omit.counted_light). There is one record for every 32 photons, at
- * the centre of a leaf (leaf_center.h) and on the surface itself. There is one for 64 or 128
- * photons if they lie on one plane, within a disc of about 2048 photons over which light was found
- * to be even. There the estimate hardly differs between records, because they share most of their
- * photons. The tag codes the distance within which there is no wall (orl_record_clear). The note
- * holds the parts of the emission batches (batches.h) and the estimated bias.
+ * rays and the caustic map count (omit.counted_light).
+ *
+ * There is one record for every 32 photons, at the centre of a leaf (leaf_center.h) and on the
+ * surface itself. One record serves 64 or 128 photons if they lie on one plane, within a disc of
+ * about 2048 photons over which light is even. There the estimate hardly differs between records,
+ * because they share most of their photons. The tag codes the distance within which there is no
+ * wall (orl_record_clear). The note holds the parts of the emission batches (batches.h) and the
+ * estimated bias.
  *
  * A look-up fits a plane to the nearest records of the same sheet that are not occluded. Weights
- * fall to zero, with zero slope, at the distance of the first record not used, so that the result
- * has no steps as records enter and leave. A plane is used instead of a mean because records are as
- * dense as photons, so a mean would be biased to the bright side.
+ * fall to zero, with zero slope, at the distance of the first record not used. So the result has no
+ * steps as records enter and leave. A plane is used instead of a mean because records are as dense
+ * as photons, so a mean would be biased to the bright side.
  *
  * Determinism: the records depend only on the global map and the scene. Threads: records are made
  * by a crew; look-ups may run in any thread.
@@ -43,7 +45,7 @@ struct orl_records_making {
 
 /* Note of a record in the map file. */
 struct orl_record_note {
-    float unit; /* unit of the fields below, as a share of the estimate's luma */
+    float unit; /* unit of off; unit and bias are shares of the estimate's luma */
     float bias;
     int8_t off[ORL_MAP_BATCHES]; /* a batch's part minus the mean part, in units */
     uint32_t few;                /* 1: there were few photons within the estimate's radius */

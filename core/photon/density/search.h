@@ -1,7 +1,7 @@
 /*
  * Density estimation: irradiance from the photons nearest to a point of a surface.
  *
- * A photon counts if it landed on the same sheet of surface (sheet.h), so that no light is gathered
+ * A photon counts if it landed on the same sheet of surface (sheet.h). So no light is gathered
  * through a wall or from a parallel surface. It must also lie within the point's footprint
  * (footprint.h), so that no light is gathered past a wall that stands on the surface. The estimate
  * over k neighbours is (sum of the nearest k-1 fluxes) / A. A is the footprint's area within the

@@ -5,10 +5,10 @@
  * marked. A single texel is noisy and has steps at its borders. Texels are for a final gather,
  * which averages over thousands of them.
  *
- * Texels of a side of a facet are as large as holds a given number of its photons on average, or as
- * the facet. Photons are assigned to their facets by position and normal, or by a ray if these are
- * ambiguous. Curved surfaces, coincident ones and instanced ones (scene/geometry/placed.h) have no
- * texels.
+ * The texels on one side of a facet are so large that they hold a given number of its photons on
+ * average, but not larger than the facet. Photons are assigned to their facets by position and
+ * normal, or by a ray if these are ambiguous. Curved surfaces, coincident ones and instanced ones
+ * (scene/geometry/placed.h) have no texels.
  *
  * Determinism: sums are taken in the map's order of photons, for any number of threads. Threads:
  * constant once made. Reference: Heckbert 1990 (adaptive radiosity textures).

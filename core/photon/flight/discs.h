@@ -58,7 +58,7 @@ struct orl_stretch {
     struct orl_vec3 origin, direction;
     double distance;     /* to the hit; INFINITY: none */
     struct orl_rgb flux; /* at its origin */
-    /* of a spotlight's beam at the origin (orl_spot_spread); focus 0: no such beam */
+    /* the spotlight's beam at the origin (orl_spot_spread); focus 0: no such beam */
     double focus, flown, spread;
     bool lamp;
     uint8_t batch;

@@ -1,17 +1,17 @@
 /*
  * Emission of photons. The light of the scene is divided into strata: a port and the domes seen
  * from it, a port and a sun, a local emitter, and in open scenes the domes and suns themselves. An
- * emission samples a stratum by its flux, then a point and a direction by importance, and carries
+ * emission samples a stratum by its flux, then a point and a direction by importance. It carries
  * flux / probability, so that all photons have about the same flux.
  *
  * From a port: a point uniform over the pane, and a direction outwards from a table of the light
- * that arrives there. The table is made by a pilot of exterior paths, mixed with a tenth of
- * cosine-weighted directions, so that light that the pilot missed is not lost. A path finds the
+ * that arrives there. A pilot of exterior paths makes the table. A tenth of cosine-weighted
+ * directions is mixed in, so that light that the pilot missed is not lost. A path finds the
  * radiance that really arrives, then the pane's transmission is sampled. Suns, their images in flat
  * mirrors outside, and lamps outside: a point on the disc or lamp and one shadow ray.
  *
- * Caustic photons start on the part of the pane that leads to a mirror, a lens or a lobe, if that
- * part is small (caustic_targets.h).
+ * If only a small part of the pane leads to a mirror, a lens or a lobe, caustic photons start there
+ * (caustic_targets.h).
  *
  * From a local emitter: a point uniform by area, a direction by the cosine or, for narrow
  * spotlights, uniform over the cone.
@@ -134,7 +134,7 @@ struct orl_flight {
     /* roulette number in [0,1): the photon dies when its survival probability falls to it
      * (trace.h) */
     double fate;
-    /* as in its stratum; until its first reflection the photon's flux is larger by 1 / reflected */
+    /* stratum's value; until its first reflection the flux is larger by the factor 1 / reflected */
     double reflected;
 };
 

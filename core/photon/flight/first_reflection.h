@@ -4,11 +4,11 @@
  * reflection (omit.counted_light). If all of it were emitted as photons of equal flux, most would
  * end on that first surface without leaving a photon.
  *
- * So such strata emit fewer photons with more flux each, by the mean albedo of the surfaces that
- * they land on first, weighted by the reflected light. At the first reflection a photon survives
- * with a probability of its albedo over that mean, and its flux is multiplied by the mean. So the
- * photons that it deposits have the same flux as others. On brighter surfaces it always survives,
- * and has more flux. Any value is unbiased; a good one is efficient.
+ * So such strata emit fewer photons with more flux each. The factor is the mean albedo of the
+ * surfaces that they land on first, weighted by the reflected light. At the first reflection a
+ * photon survives with a probability of its albedo over that mean, and its flux is multiplied by
+ * the mean. So the photons that it deposits have the same flux as others. On brighter surfaces it
+ * always survives, and has more flux. Any value is unbiased; a good one is efficient.
  */
 #ifndef ORL_PHOTON_FLIGHT_FIRST_REFLECTION_H
 #define ORL_PHOTON_FLIGHT_FIRST_REFLECTION_H

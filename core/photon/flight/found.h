@@ -1,5 +1,5 @@
 /*
- * Which estimator is responsible for a caustic photon's path (partition of path space).
+ * The estimator that is responsible for a caustic photon's path (partition of path space).
  *
  * Photons that sensors count in flight (discs.h) carry only light that the sensor does not sample
  * itself. A sensor samples suns by their images in flat mirrors, and by the lobes of one pane.

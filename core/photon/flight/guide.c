@@ -81,9 +81,9 @@ static double deflected(const struct orl_world *world, struct orl_vec3 origin,
 
 /*
  * Returns 1 if light along that ray hits further surfaces, 0 if it leaves. For maps it must hit
- * several in a row, as light in a room does, and light on the ground outside does not. So photons
- * in rooms have about the same flux whether they come by an opening or by a port, and density
- * estimates do not depend on a few heavy ones.
+ * several in a row, as light in a room does, and light on the ground outside does not. Then photons
+ * in rooms have about the same flux, whether they come by an opening or by a port. Density
+ * estimates so do not depend on a few heavy photons.
  */
 static double worth(const struct orl_world *world, struct orl_vec3 origin,
                     struct orl_vec3 direction, bool lamps, struct orl_random *random)
@@ -138,9 +138,9 @@ static void probe_row(void *arg, size_t row, uint32_t member)
 }
 
 /*
- * Returns the largest value around a cell; the cell gets a share of it. A narrow contribution
- * inside the cell is easily missed by so few photons, and would be carried by photons hundreds of
- * times as heavy as others.
+ * Returns the largest value around a cell; the cell gets a share of it. So few photons easily miss
+ * a narrow contribution inside the cell. Photons that carry it would be hundreds of times as heavy
+ * as others.
  */
 static double beside(const double *found, size_t side, size_t x, size_t y)
 {

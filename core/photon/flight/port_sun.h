@@ -4,7 +4,7 @@
  * directions to which the pane scatters the sun's light (scene/material/passage.h).
  *
  * Facets beyond the pane's plane are projected onto it along the sun's rays, from all over its
- * disc, and the bounding boxes of those on the pane are stored. This is exact geometry, not a
+ * disc. The bounding boxes of projections on the pane are stored. This is exact geometry, not a
  * sampled test: outside the boxes a shadow ray would hit nothing.
  */
 #ifndef ORL_PHOTON_FLIGHT_PORT_SUN_H

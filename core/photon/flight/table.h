@@ -15,7 +15,8 @@ int orl_table_init(struct orl_table *table, uint32_t side_x, uint32_t side_y, co
                    double floor_share);
 void orl_table_done(struct orl_table *table);
 
-/* Returns the pdf of the point sampled with two uniform numbers (1 for a uniform distribution). */
+/* Samples a point of the square with two uniform numbers. Returns its pdf (1 for a uniform
+ * distribution). */
 double orl_table_sample(const struct orl_table *table, const double u[2], double ret_point[2]);
 
 /* As orl_table_sample for many pairs; fastest in groups of ORL_TABLE_ABREAST. */

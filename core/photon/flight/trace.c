@@ -19,8 +19,8 @@ struct tracing {
 struct course {
     struct orl_path path; /* its weight is the flux */
     double fate, alive;
-    double reflected;            /* as in its flight */
-    double focus, flown, spread; /* of a spotlight's beam, until the photon is scattered */
+    double reflected;            /* value of the flight */
+    double focus, flown, spread; /* spotlight's beam, until the photon is scattered */
     struct orl_deflection way;
     bool crossed, outside, lamp;
     uint8_t batch;
@@ -93,7 +93,7 @@ static bool is_left_out(const struct orl_world *world, struct orl_deflection way
     return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
 }
 
-/* Returns true if no other estimator finds the photon in its current state. */
+/* Returns true if no other estimator finds the photon in its current state; false outdoors. */
 static bool is_sought(const struct tracing *t, const struct course *c)
 {
     return !c->outside && orl_found_by_nobody(&c->found, t->world);

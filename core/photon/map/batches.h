@@ -1,7 +1,7 @@
 /*
  * Sums of photons by the batch in which they were emitted. Every batch has its own random sequence
- * (emit.h). So any quantity that is linear in the photons is the sum of 16 independent samples, and
- * their spread gives its variance without a further search.
+ * (emit.h). So quantities that are linear in the photons are sums of 16 independent samples. The
+ * spread of the samples gives the variance without a further search.
  *
  * If an estimate's radius depends on its photons, the parts are samples given that radius: a fixed
  * number of photons is distributed over the batches, and the spread is that of this number of

@@ -138,7 +138,7 @@ static void choose_cells(struct orl_map_encoder *p, const struct bounds *b)
     p->steps = 1 / p->step;
     p->cell = p->step * p->unit;
     for (int k = 0; k < 3; k++) {
-        /* Adding zero turns -0 into +0: the sign would reveal the photons' order. */
+        /* Adding zero turns -0 into +0: the sign could depend on the order of the photons. */
         p->first[k] = floor(b->low[k] / p->step) + 0.0;
         p->low[k] = p->first[k] * p->cell;
     }

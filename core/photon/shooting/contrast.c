@@ -15,7 +15,7 @@ enum { MOST_PHOTONS = 1 << 15, SLOTS = 1 << 17 };
 _Static_assert((int)SLOTS >= 4 * (int)MOST_PHOTONS, "no long searches");
 
 struct cube {
-    uint64_t name; /* hash of level and position; 0: free */
+    uint64_t name; /* hash of a cube and a bin of normals; 0: free */
     uint32_t caustic, rest;
     double caustic_w, rest_w;
 };

@@ -1,6 +1,6 @@
 /*
- * Queries of footprints: the side of the border on which small spots lie, the radius within which
- * they are whole discs, and the radius at which they have the area of one.
+ * Queries of footprints: the side of the border on which small spots lie, and radii at which a
+ * footprint is a whole disc or has the area of one.
  */
 #ifndef ORL_PHOTON_SURFACE_SIDES_H
 #define ORL_PHOTON_SURFACE_SIDES_H

@@ -12,7 +12,7 @@
 /* Grid; squares are numbered row by row from `first` on. */
 struct orl_squares {
     uint32_t first, across, down; /* empty grid: across is 0 */
-    double width, height;         /* of one square */
+    double width, height;         /* size of one square */
 };
 
 /* Returns the number of the square that holds a point of the plane; beyond the grid, of the
