@@ -157,7 +157,7 @@ static int brightness_argument(const struct orl_sky *pattern)
 }
 
 /* Returns the irradiance from the pattern's upper half with these two brightnesses. */
-static double horizontal_with(const struct orl_sky *pattern, double sky, double ground)
+static double horizontal_irradiance(const struct orl_sky *pattern, double sky, double ground)
 {
     struct orl_sky changed = *pattern;
     const int at = brightness_argument(pattern);
@@ -189,8 +189,8 @@ static void normalise(struct orl_daylight *daylight, double diffuse, double refl
 {
     struct orl_sky *pattern = &daylight->pattern;
     double *sky = pattern->a + brightness_argument(pattern), *ground = sky + 1;
-    const double per_sky = horizontal_with(pattern, 1, 0);
-    const double per_ground = horizontal_with(pattern, 0, 1);
+    const double per_sky = horizontal_irradiance(pattern, 1, 0);
+    const double per_ground = horizontal_irradiance(pattern, 0, 1);
     const double direct = orl_daylight_normal(daylight) * fmax(0.0, daylight->sun.z);
     const double share = reflectance / ORL_PI;
     if (!(per_sky > 0))
@@ -201,7 +201,7 @@ static void normalise(struct orl_daylight *daylight, double diffuse, double refl
         orl_daylight_balance(daylight, diffuse, reflectance, per_sky, per_ground);
     *ground = balance.ground;
     *sky = balance.sky;
-    *sky += (diffuse - horizontal_with(pattern, *sky, *ground)) / per_sky;
+    *sky += (diffuse - horizontal_irradiance(pattern, *sky, *ground)) / per_sky;
     *sky = fmax(*sky, 0.0);
 }
 
@@ -220,7 +220,7 @@ static double altitude_of(struct orl_vec3 sun)
 }
 
 /* Returns the direction with the same azimuth and another altitude. */
-static struct orl_vec3 raised(struct orl_vec3 sun, double altitude_rad)
+static struct orl_vec3 sun_at_altitude(struct orl_vec3 sun, double altitude_rad)
 {
     const double level = hypot(sun.x, sun.y);
     if (!(level > 0))
@@ -248,8 +248,8 @@ static void cut_by_horizon(struct orl_daylight *daylight)
         daylight->sun_radiance = 0;
         return;
     }
-    daylight->sun = raised(daylight->sun,
-                           altitude + radius * 2.0 / 3.0 * side2 * sqrt(side2) / (ORL_PI * share));
+    daylight->sun = sun_at_altitude(daylight->sun, altitude + radius * 2.0 / 3.0 * side2 *
+                                                                  sqrt(side2) / (ORL_PI * share));
     daylight->sun_angle_deg *= sqrt(share);
 }
 
@@ -312,8 +312,8 @@ static int find_half_set(const struct orl_sky_request *request,
  * sky), for which gendaylit's sky is black. With a measured flux the sky is not black. Sun and flux
  * are kept, and the rest of the pattern, its glow around the sun, is scaled to them.
  */
-static void do_without_gradation(struct orl_sky_numbers *numbers, bool by_flux,
-                                 struct orl_text *text)
+static void replace_missing_gradation(struct orl_sky_numbers *numbers, bool by_flux,
+                                      struct orl_text *text)
 {
     if (!numbers->no_gradation)
         return;
@@ -370,7 +370,7 @@ static int find_unbalanced(const struct orl_sky_request *request, struct orl_tex
     if (code < 0)
         return code;
     warn_site(request, text);
-    do_without_gradation(&numbers, by_flux, text);
+    replace_missing_gradation(&numbers, by_flux, text);
     daylight->pattern = numbers.pattern;
     daylight->sun = numbers.sun;
     daylight->sun_radiance = numbers.sun_radiance;
@@ -390,8 +390,8 @@ static int find_unbalanced(const struct orl_sky_request *request, struct orl_tex
     return 0;
 }
 
-static int find(const struct orl_sky_request *request, struct orl_text *text,
-                struct orl_daylight *daylight, struct orl_error *err)
+static int find_daylight(const struct orl_sky_request *request, struct orl_text *text,
+                         struct orl_daylight *daylight, struct orl_error *err)
 {
     double diffuse;
     const int code = find_unbalanced(request, text, daylight, &diffuse, err);
@@ -436,8 +436,9 @@ static void limit_low_sun(const struct orl_weather *weather, const struct orl_we
 }
 
 /* Converts a weather row to the Perez sky that it stands for, at the middle of its interval. */
-static int take_row(const struct orl_weather *weather, const struct orl_weather_row *row,
-                    struct orl_sky_request *request, struct orl_text *text, struct orl_error *err)
+static int fill_request_from_row(const struct orl_weather *weather,
+                                 const struct orl_weather_row *row, struct orl_sky_request *request,
+                                 struct orl_text *text, struct orl_error *err)
 {
     static const enum orl_sky_input inputs[] = {[ORL_WEATHER_NORMAL_W] = ORL_SKY_NORMAL_W,
                                                 [ORL_WEATHER_HORIZONTAL_W] = ORL_SKY_HORIZONTAL_W,
@@ -484,7 +485,7 @@ static int request_of_row(const struct orl_sky_request *request, const struct or
         return ORL_ERR_NOT_FOUND;
     }
     *ret_request = *request;
-    const int code = take_row(weather, row, ret_request, text, err);
+    const int code = fill_request_from_row(weather, row, ret_request, text, err);
     if (code == 0 && fabs(row->hour - request->hour) > 1e-6)
         orl_text_warn(text, "the weather file's row for hour %g is taken for hour %g", row->hour,
                       request->hour);
@@ -500,7 +501,7 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
     struct orl_sky_request request;
     orl_sky_request_init(&request);
     request.sun_method = weather->sun_method;
-    int code = take_row(weather, row, &request, &text, err);
+    int code = fill_request_from_row(weather, row, &request, &text, err);
     if (code == 0)
         code = find_unbalanced(&request, &text, &daylight, ret_diffuse, err);
     if (code == 0) {
@@ -541,7 +542,7 @@ int orl_daylight_find(const struct orl_sky_request *request, const struct orl_we
         request = &row;
     }
     if (code == 0)
-        code = find(request, &text, &daylight, err);
+        code = find_daylight(request, &text, &daylight, err);
     if (code == 0) {
         snprintf(daylight.warnings, sizeof daylight.warnings, "%s", text.warnings);
         *ret_daylight = daylight;

@@ -34,7 +34,7 @@ static bool is_hidden(const struct way *way, const struct orl_material *m,
     return way->to_surface && m->kind == ORL_MATERIAL_ILLUM && hit->front;
 }
 
-static struct orl_rgb through_panes(const struct orl_world *world, const struct way *way)
+static struct orl_rgb panes_transmittance(const struct orl_world *world, const struct way *way)
 {
     struct orl_path path = orl_path_from(way->origin, way->direction);
     double max_distance = way->max_distance;
@@ -64,9 +64,10 @@ static struct orl_rgb through_panes(const struct orl_world *world, const struct 
 
 /* Returns the transmittance of panes on the way to a mirror, and the hit on the mirror. Returns
  * zero if the ray meets anything opaque before it. */
-static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, struct orl_vec3 origin,
-                                              struct orl_vec3 direction, bool through_ports,
-                                              uint32_t mirror, struct orl_hit *ret_hit)
+static struct orl_rgb panes_transmittance_to_mirror(const struct orl_world *world,
+                                                    struct orl_vec3 origin,
+                                                    struct orl_vec3 direction, bool through_ports,
+                                                    uint32_t mirror, struct orl_hit *ret_hit)
 {
     struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
@@ -84,7 +85,7 @@ static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, str
 
 static struct orl_rgb transmittance_of(const struct orl_world *world, const struct way *way)
 {
-    const struct orl_rgb share = through_panes(world, way);
+    const struct orl_rgb share = panes_transmittance(world, way);
     if (!world->scene->mist || !(orl_rgb_max(share) > 0))
         return share;
     return orl_rgb_mul(share, orl_mist_transmittance(world->scene, way->origin, way->direction,
@@ -144,7 +145,7 @@ static double lobe_pdf(const struct orl_material *material, const struct orl_hit
 
 /* Returns true if rays count the lamp's light: a spotlight's focus is implemented for shadow
  * rays only. */
-static bool is_for_rays(const struct orl_material *lamp)
+static bool rays_count_lamp(const struct orl_material *lamp)
 {
     return !(lamp->focus > 0);
 }
@@ -160,7 +161,7 @@ static double share_of_lamp(const struct orl_world *world, const struct orl_hit 
         return 0;
     if (!isfinite(chance->pdf))
         return 1;
-    if (!is_for_rays(orl_world_material(world, lamp)))
+    if (!rays_count_lamp(orl_world_material(world, lamp)))
         return 0;
     const double pdf = orl_lamp_aim_pdf_of_hit(world, lamp, chance->from);
     return isfinite(pdf) ? chance->pdf / (chance->pdf + pdf) : 0;
@@ -270,12 +271,12 @@ struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl
 
 /* Returns the shadow ray's MIS weight for a lamp in that direction. The rest is left to rays
  * that are sampled from the query's lobes. */
-static double left_by_lobes(const struct orl_world *world, const struct orl_direct_query *query,
-                            const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
-                            struct orl_vec3 direction)
+static double shadow_ray_weight(const struct orl_world *world, const struct orl_direct_query *query,
+                                const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
+                                struct orl_vec3 direction)
 {
     const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
-    if (!query->lobes || !is_for_rays(&world->materials[material]))
+    if (!query->lobes || !rays_count_lamp(&world->materials[material]))
         return 1;
     return orl_lamp_aim_pdf(aim) /
            (orl_lamp_aim_pdf(aim) + lobe_pdf(query->lobes, query->hit, query->eye, direction));
@@ -294,18 +295,19 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
     const struct orl_rgb arriving =
         orl_lamp_arriving(world, emitter, query->point, &aim, query->through_ports);
     return orl_rgb_scale(orl_rgb_mul(arriving, seen),
-                         left_by_lobes(world, query, emitter, &aim, aim.light));
+                         shadow_ray_weight(world, query, emitter, &aim, aim.light));
 }
 
 /* Returns the transmittance from the query's point in that direction, by the mirror, to the
  * sampled point of the lamp. */
-static struct orl_rgb mirrored_way(const struct orl_world *world,
-                                   const struct orl_direct_query *query,
-                                   const struct orl_lamp_image *image,
-                                   const struct orl_lamp_aim *aim, struct orl_vec3 direction)
+static struct orl_rgb mirrored_transmittance(const struct orl_world *world,
+                                             const struct orl_direct_query *query,
+                                             const struct orl_lamp_image *image,
+                                             const struct orl_lamp_aim *aim,
+                                             struct orl_vec3 direction)
 {
     struct orl_hit hit;
-    const struct orl_rgb before = through_panes_to_mirror(
+    const struct orl_rgb before = panes_transmittance_to_mirror(
         world, query->point, direction, query->through_ports, image->mirror, &hit);
     if (!(orl_rgb_max(before) > 0))
         return orl_gray(0);
@@ -346,15 +348,15 @@ static struct orl_rgb mirrored_lamp(const struct orl_world *world,
     const struct orl_rgb shining = lamp_shining(world, emitter, from, &aim);
     if (!(orl_rgb_max(shining) > 0))
         return orl_gray(0);
-    const struct orl_rgb share = mirrored_way(world, query, image, &aim, direction);
+    const struct orl_rgb share = mirrored_transmittance(world, query, image, &aim, direction);
     return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(shining, share), seen),
-                         left_by_lobes(world, query, emitter, &aim, direction));
+                         shadow_ray_weight(world, query, emitter, &aim, direction));
 }
 
 /* Computes the random numbers for the n-th light. Those of the caller are shifted by n times the
  * inverse golden ratio and n times the inverse plastic number, modulo 1. */
-static void numbers_for(const struct orl_direct_query *query, size_t n, struct orl_random *random,
-                        double ret_u[2])
+static void light_numbers(const struct orl_direct_query *query, size_t n, struct orl_random *random,
+                          double ret_u[2])
 {
     for (int i = 0; i < 2; i++) {
         const double turn = (double)n * (i == 0 ? 0.6180339887498949 : 0.7548776662466927);
@@ -392,7 +394,7 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
     double u[2];
     for (size_t i = 0; i < world->n_suns; i++) {
         const struct orl_sun *sun = &world->suns[i];
-        numbers_for(query, i, random, u);
+        light_numbers(query, i, random, u);
         const struct orl_vec3 light = orl_sun_sample(sun, u);
         const struct orl_rgb seen = response(query, light);
         if (query->mirrored)
@@ -406,14 +408,14 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
     for (size_t i = 0; i < world->n_emitters; i++) {
         if (!world->emitters[i].direct)
             continue;
-        numbers_for(query, world->n_suns + i, random, u);
+        light_numbers(query, world->n_suns + i, random, u);
         sum = orl_rgb_add(sum, light_from_emitter(world, &world->emitters[i], query, u));
     }
     const size_t n_images =
         query->mirrored && world->n_emitters > 0 ? world->lamp_images.n_images : 0;
     for (size_t i = 0; i < n_images; i++) {
         const struct orl_lamp_image *image = &world->lamp_images.images[i];
-        numbers_for(query, world->n_suns + world->n_emitters + i, random, u);
+        light_numbers(query, world->n_suns + world->n_emitters + i, random, u);
         sum = orl_rgb_add(sum, mirrored_lamp(world, image, query, u));
     }
     return sum;
@@ -425,7 +427,7 @@ struct orl_rgb orl_direct_by_images(const struct orl_world *world,
     struct orl_rgb sum = orl_gray(0);
     double u[2];
     for (size_t i = 0; i < world->n_suns; i++) {
-        numbers_for(query, i, random, u);
+        light_numbers(query, i, random, u);
         sum = orl_rgb_add(sum, mirrored_sun(world, i, query, u));
     }
     return sum;

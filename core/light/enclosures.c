@@ -25,7 +25,7 @@ static int budget_error(const struct orl_ray_budget *budget)
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
 /* Returns true if a hit does not separate spaces: it is an indoor pane. */
-static bool lets_pass(const struct orl_scene *scene, const struct orl_hit *hit)
+static bool is_indoor_pane(const struct orl_scene *scene, const struct orl_hit *hit)
 {
     return orl_material_is_window(orl_scene_material(scene, hit->facet)) &&
            orl_scene_crossing(scene, hit) == ORL_CROSSING_NONE;
@@ -43,7 +43,7 @@ bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from,
         const struct orl_vec3 direction = orl_scale(line, 1 / length);
         if (!orl_geometry_intersect(g, from, direction, length, ret_hit))
             return false;
-        if (!lets_pass(scene, ret_hit))
+        if (!is_indoor_pane(scene, ret_hit))
             return true;
         from = orl_hit_leave(g, ret_hit, direction);
         if (!(orl_dot(orl_sub(to, from), direction) > 0))
@@ -52,7 +52,7 @@ bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from,
     return true;
 }
 
-static bool connects(struct search *s, struct orl_vec3 from, struct orl_vec3 to)
+static bool is_connected(struct search *s, struct orl_vec3 from, struct orl_vec3 to)
 {
     struct orl_hit hit;
     return orl_ray_budget_take(s->budget) && !orl_enclosures_between(s->scene, from, to, &hit);
@@ -72,7 +72,7 @@ static struct path path_from(const struct orl_outlook *place, struct orl_random 
 
 /* Traces one ray of a diffuse path, and counts it in the enclosure. Returns false if the path
  * leaves the scene, or no ray is left. */
-static bool advance(struct search *s, struct path *path, struct orl_enclosure *enclosure)
+static bool advance_path(struct search *s, struct path *path, struct orl_enclosure *enclosure)
 {
     const struct orl_scene *scene = s->scene;
     struct orl_hit hit;
@@ -84,7 +84,7 @@ static bool advance(struct search *s, struct path *path, struct orl_enclosure *e
         return false;
     }
     enclosure->windows += orl_scene_crossing(scene, &hit) == ORL_CROSSING_OUTWARDS;
-    if (!lets_pass(scene, &hit)) {
+    if (!is_indoor_pane(scene, &hit)) {
         const double u = orl_random_uniform(&s->random), v = orl_random_uniform(&s->random);
         path->direction = orl_hemisphere_about(orl_hit_facing(&hit), u, v);
     }
@@ -102,13 +102,13 @@ static void add_point(struct orl_enclosure *e, struct orl_vec3 point, struct orl
         e->points[half + (size_t)(orl_random_uniform(random) * (double)half)] = point;
 }
 
-static void explore(struct search *s, const struct orl_outlook *place,
-                    struct orl_enclosure *enclosure)
+static void explore_space(struct search *s, const struct orl_outlook *place,
+                          struct orl_enclosure *enclosure)
 {
     for (int i = 0; i < PATHS_OF_A_SPACE; i++) {
         struct path path = path_from(place, &s->random);
         for (int bounce = 0; bounce < BOUNCES; bounce++) {
-            if (!advance(s, &path, enclosure))
+            if (!advance_path(s, &path, enclosure))
                 break;
             add_point(enclosure, path.point, &s->random);
         }
@@ -121,7 +121,7 @@ int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outloo
     struct search s = {
         .scene = scene, .budget = budget, .random = orl_random_stream(3, ORL_PURPOSE_PILOT, 0)};
     *ret_enclosure = (struct orl_enclosure){.count = 0};
-    explore(&s, place, ret_enclosure);
+    explore_space(&s, place, ret_enclosure);
     return budget_error(budget);
 }
 
@@ -129,10 +129,10 @@ int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outloo
 
 static bool is_in_sight(struct search *s, const struct orl_enclosure *e, struct orl_vec3 point)
 {
-    if (connects(s, point, e->last))
+    if (is_connected(s, point, e->last))
         return true;
     for (size_t i = 0; i < e->n_points; i++)
-        if (connects(s, point, e->points[i]))
+        if (is_connected(s, point, e->points[i]))
             return true;
     return false;
 }
@@ -142,11 +142,11 @@ static bool is_in_sight(struct search *s, const struct orl_enclosure *e, struct 
 static bool is_near(struct search *s, const struct orl_enclosure *e, struct orl_vec3 point)
 {
     enum { TRIES = 3 };
-    if (connects(s, point, e->last))
+    if (is_connected(s, point, e->last))
         return true;
     for (int i = 0; i < TRIES && e->n_points > 0; i++) {
         const double u = orl_random_uniform(&s->random);
-        if (connects(s, point, e->points[(size_t)(u * (double)e->n_points)]))
+        if (is_connected(s, point, e->points[(size_t)(u * (double)e->n_points)]))
             return true;
     }
     return false;
@@ -161,7 +161,7 @@ static size_t search_by_paths(struct search *s, const struct orl_outlook *place,
     for (int i = 0; i < n_paths; i++) {
         struct path path = path_from(place, &s->random);
         for (int bounce = 0; bounce < BOUNCES; bounce++) {
-            if (!advance(s, &path, &unused))
+            if (!advance_path(s, &path, &unused))
                 break;
             for (size_t k = first; k < end; k++)
                 if (is_near(s, &s->found->at[k], path.point)) {
@@ -184,11 +184,11 @@ static size_t find_space(struct search *s, const struct orl_outlook *place, size
     return search_by_paths(s, place, PATHS_OF_A_PLACE, 0, found->n);
 }
 
-static size_t open_space(struct search *s, const struct orl_outlook *place, size_t index)
+static size_t add_space(struct search *s, const struct orl_outlook *place, size_t index)
 {
     struct orl_enclosure *e = &s->found->at[s->found->n];
     *e = (struct orl_enclosure){.first = index, .last = place->point};
-    explore(s, place, e);
+    explore_space(s, place, e);
     return s->found->n++;
 }
 
@@ -203,7 +203,7 @@ static int sort_places(struct search *s, const struct orl_outlook *places, size_
         if (space == s->found->n) {
             if (space == ORL_ENCLOSURES)
                 continue;
-            space = open_space(s, &places[i], i);
+            space = add_space(s, &places[i], i);
         }
         s->found->of[i] = (uint8_t)space;
         s->found->at[space].count++;
@@ -224,7 +224,7 @@ static size_t largest_of(const struct orl_enclosures *found)
     return largest;
 }
 
-static void join(struct orl_enclosures *found, size_t part, size_t whole, size_t n_places)
+static void join_spaces(struct orl_enclosures *found, size_t part, size_t whole, size_t n_places)
 {
     found->at[whole].count += found->at[part].count;
     found->at[part].count = 0;
@@ -246,7 +246,7 @@ static int join_largest(struct search *s, const struct orl_outlook *places, size
         if (search_by_paths(s, &places[found->at[k].first], PATHS_OF_A_SPACE, main, main + 1) ==
                 main ||
             search_by_paths(s, &places[e->first], PATHS_OF_A_SPACE, k, k + 1) == k)
-            join(found, k, main, n);
+            join_spaces(found, k, main, n);
     }
     return budget_error(s->budget);
 }

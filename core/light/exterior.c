@@ -45,7 +45,7 @@ static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hi
  * Returns true if this path counts light from behind the surface. First light has passed no port,
  * so light through a pane in front of another pane is excluded: that pane emits it.
  */
-static bool looks_behind(const struct outing *o, const struct orl_hit *hit)
+static bool counts_light_behind(const struct outing *o, const struct orl_hit *hit)
 {
     return o->ret_entry || orl_world_crossing(o->eye.world, hit) == ORL_CROSSING_NONE;
 }
@@ -62,7 +62,7 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
         sum = diffuse_direct(o, hit, normal, diffuse);
     if (orl_material_has_lobes(m))
         sum = orl_rgb_add(sum, lobes_of_side(o, hit, eye, normal));
-    if (orl_material_transmits_lobes(m) && looks_behind(o, hit))
+    if (orl_material_transmits_lobes(m) && counts_light_behind(o, hit))
         sum = orl_rgb_add(sum, lobes_of_side(o, hit, eye, orl_neg(normal)));
     return sum;
 }
@@ -73,7 +73,7 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
  * is kept and their shape is not: light is scattered diffusely, by the albedo for its direction of
  * incidence.
  */
-static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit *hit)
+static struct orl_rgb diffused_bsdf_direct(const struct outing *o, const struct orl_hit *hit)
 {
     const struct orl_world *world = o->eye.world;
     const struct orl_material *m = orl_world_material(world, hit);
@@ -82,7 +82,7 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
     for (size_t i = 0; i < world->n_suns; i++) {
         const struct orl_vec3 sun = world->suns[i].frame.n;
         const double cosine = orl_dot(sun, normal);
-        if (cosine == 0 || (cosine < 0 && !looks_behind(o, hit)))
+        if (cosine == 0 || (cosine < 0 && !counts_light_behind(o, hit)))
             continue;
         const struct orl_vec3 side = cosine > 0 ? normal : orl_neg(normal);
         const struct orl_rgb albedo = orl_material_albedo(
@@ -113,7 +113,8 @@ static struct orl_rgb unreflected_radiance(struct outing *o)
         }
         orl_eye_path_see(p, orl_shining(world, &p->hit, orl_path_back(&p->path), &p->chance));
         if (!orl_path_look_through(&p->path, orl_world_material(world, &p->hit), &p->hit) ||
-            !looks_behind(o, &p->hit) || orl_world_crossing(world, &p->hit) == ORL_CROSSING_INWARDS)
+            !counts_light_behind(o, &p->hit) ||
+            orl_world_crossing(world, &p->hit) == ORL_CROSSING_INWARDS)
             return p->seen;
         orl_path_pass(&p->path, world, &p->hit);
     }
@@ -148,8 +149,8 @@ static bool is_entry(const struct orl_eye_path *p)
     return orl_world_crossing(p->world, &p->hit) == ORL_CROSSING_INWARDS;
 }
 
-/* Returns true if sun light is scattered diffusely at the hit (folded_direct). */
-static bool is_folded(const struct outing *o, const struct orl_material *m)
+/* Returns true if sun light is scattered diffusely at the hit (diffused_bsdf_direct). */
+static bool is_diffused_bsdf(const struct outing *o, const struct orl_material *m)
 {
     return o->diffused && m->kind == ORL_MATERIAL_BSDF && is_entry(&o->eye);
 }
@@ -159,26 +160,27 @@ static void count_ray(struct orl_eye_path *p)
     outing_of(p)->health->rays++;
 }
 
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
     const struct outing *o = outing_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
     count_ray(p);
     orl_eye_path_see(p, orl_shining(p->world, &p->hit, eye, &p->chance));
-    orl_eye_path_see(p, is_folded(o, m) ? folded_direct(o, &p->hit)
-                                        : scattered_direct(o, &p->hit, eye));
-    return looks_behind(o, &p->hit) ? ORL_LOBE_ALL
-                                    : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
+    orl_eye_path_see(p, is_diffused_bsdf(o, m) ? diffused_bsdf_direct(o, &p->hit)
+                                               : scattered_direct(o, &p->hit, eye));
+    return counts_light_behind(o, &p->hit)
+               ? ORL_LOBE_ALL
+               : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
 }
 
 /* Russian roulette for long paths; hands paths that enter a building back to the caller. */
-static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
+static bool continue_path(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     struct outing *o = outing_of(p);
     if (p->bounce >= SURE_BOUNCES &&
         !orl_path_survives(&p->path, orl_smaller(orl_rgb_max(p->path.weight), 1), p->random))
         return false;
-    p->chance = is_folded(o, orl_world_material(p->world, &p->hit))
+    p->chance = is_diffused_bsdf(o, orl_world_material(p->world, &p->hit))
                     ? orl_chance_found()
                     : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
     o->diffused = o->diffused || s->event == ORL_EVENT_DIFFUSE;
@@ -189,10 +191,11 @@ static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return false;
 }
 
-static const struct orl_eye_sink sink = {.escaped = count_ray, .met = meet, .sent_on = goes_on};
+static const struct orl_eye_sink sink = {
+    .escaped = count_ray, .met = shade_hit, .sent_on = continue_path};
 
 /* Follows the path to its end, or to where it enters a building. */
-static struct orl_rgb follow(struct outing *o)
+static struct orl_rgb trace_path(struct outing *o)
 {
     o->health->paths++;
     orl_eye_path_follow(&o->eye, &sink, o->health);
@@ -203,8 +206,8 @@ static struct orl_rgb follow(struct outing *o)
 
 /* Sets all members but the path. Does not clear the struct first: most of it is the hit, which
  * is written later. */
-static void set_out(struct outing *o, const struct orl_world *world, struct orl_chance chance,
-                    struct orl_random *random, struct orl_health *health)
+static void init_outing(struct outing *o, const struct orl_world *world, struct orl_chance chance,
+                        struct orl_random *random, struct orl_health *health)
 {
     struct orl_eye_path *p = &o->eye;
     p->world = world;
@@ -223,10 +226,10 @@ struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct 
                                           struct orl_random *random, struct orl_health *health)
 {
     struct outing outing;
-    set_out(&outing, world, chance, random, health);
+    init_outing(&outing, world, chance, random, health);
     outing.eye.path = orl_path_from(orl_v3(0, 0, 0), direction);
     orl_eye_path_foresee(&outing.eye, first);
-    return follow(&outing);
+    return trace_path(&outing);
 }
 
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
@@ -235,12 +238,12 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_entry *ret_entry)
 {
     struct outing outing;
-    set_out(&outing, world, chance, random, health);
+    init_outing(&outing, world, chance, random, health);
     outing.eye.path = orl_path_from(origin, direction);
     outing.ret_entry = ret_entry;
     if (ret_entry)
         ret_entry->entered = false;
-    return world->omit.exterior ? unreflected_radiance(&outing) : follow(&outing);
+    return world->omit.exterior ? unreflected_radiance(&outing) : trace_path(&outing);
 }
 
 bool orl_exterior_pass(struct orl_eye_path *p, struct orl_health *health)

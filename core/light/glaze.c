@@ -75,8 +75,8 @@ static struct orl_random random_of(const struct candidate *c)
     return orl_random_stream(2, ORL_PURPOSE_PILOT, c->number);
 }
 
-static bool leaves(const struct search *search, const struct candidate *c, bool front,
-                   struct orl_random *random)
+static bool ray_leaves(const struct search *search, const struct candidate *c, bool front,
+                       struct orl_random *random)
 {
     const struct ray ray = draw_ray(c, front, random);
     return !orl_geometry_occluded(search->scene->geometry, ray.from, ray.direction, INFINITY) &&
@@ -89,7 +89,7 @@ static void find_shares(const struct search *search, struct candidate *c)
     uint32_t left[2] = {0, 0}, sent = 0;
     for (; sent < RAYS && !orl_escape_is_clear(left, sent); sent++)
         for (int side = 0; side < 2; side++)
-            left[side] += leaves(search, c, side == 0, &random[side]);
+            left[side] += ray_leaves(search, c, side == 0, &random[side]);
     for (int side = 0; side < 2; side++)
         c->shares[side] = (double)left[side] / sent;
 }
@@ -191,8 +191,8 @@ static bool is_cancelled(const struct orl_scene *scene)
 
 /* Moves the candidates that get panes to the front, in the order in which they were found.
  * Returns 0 or ORL_ERR_CANCELLED. */
-static int choose(const struct orl_scene *scene, struct candidate *candidates, size_t n,
-                  size_t *ret_n)
+static int choose_openings(const struct orl_scene *scene, struct candidate *candidates, size_t n,
+                           size_t *ret_n)
 {
     struct search search = {.scene = scene, .panes = candidates};
     for (size_t i = 0; i < n && !is_cancelled(scene); i++)
@@ -303,7 +303,7 @@ int orl_scene_glaze_openings(struct orl_scene *scene, struct orl_error *err)
     size_t n = 0;
     int code = candidates ? list_candidates(scene, candidates, &n) : ORL_ERR_NOMEM;
     if (code == 0)
-        code = choose(scene, candidates, n, &n);
+        code = choose_openings(scene, candidates, n, &n);
     if (code == 0 && n > 0)
         code = add_panes(d, candidates, n);
     free(candidates);

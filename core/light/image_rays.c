@@ -24,8 +24,8 @@ struct chains {
     struct chain stack[MOST_BRANCHES];
 };
 
-static void turn(struct chains *chains, const struct chain *c, const struct orl_hit *hit,
-                 const struct orl_material *m)
+static void push_reflection(struct chains *chains, const struct chain *c, const struct orl_hit *hit,
+                            const struct orl_material *m)
 {
     const struct orl_world *world = chains->world;
     const struct orl_images *images = &world->images;
@@ -59,7 +59,7 @@ static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
             return arrives ? c.path.weight : none;
         const struct orl_material *m = orl_world_material(world, &hit);
         const enum orl_crossing crossing = orl_world_crossing(world, &hit);
-        turn(chains, &c, &hit, m);
+        push_reflection(chains, &c, &hit, m);
         if (!orl_path_look_through(&c.path, m, &hit) ||
             (!chains->through_ports && crossing != ORL_CROSSING_NONE))
             return none;

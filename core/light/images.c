@@ -158,7 +158,7 @@ struct pilot {
     double fallen; /* flux on mirrors, of all suns */
 };
 
-static void note(struct pilot *pilot, const struct orl_frame *frame, double flux)
+static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, double flux)
 {
     size_t i = 0;
     while (i < pilot->n && orl_dot(pilot->frames[i].n, frame->n) <= same_place)
@@ -184,7 +184,7 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
     for (int step = 0; step < 4 * ORL_IMAGE_REFLECTIONS; step++) {
         struct orl_hit hit;
         if (reflections > 1)
-            note(pilot, &frame, flux);
+            add_candidate(pilot, &frame, flux);
         if (!orl_path_meet(world, &path, &hit))
             return;
         const struct orl_material *m = orl_world_material(world, &hit);
@@ -254,7 +254,7 @@ static int light_mirrors(struct pilot *pilot, const struct orl_crew *crew)
 }
 
 /* Makes the brightest candidates nodes that are shown. */
-static void take_brightest(struct orl_images *images, struct pilot *pilot)
+static void show_brightest(struct orl_images *images, struct pilot *pilot)
 {
     for (int taken = 0; taken < MOST_SHOWN_DEEP; taken++) {
         size_t best = 0;
@@ -272,7 +272,7 @@ static void take_brightest(struct orl_images *images, struct pilot *pilot)
 
 /* ---- Building -------------------------------------------------------------------------------- */
 
-static int connect(struct orl_images *images)
+static int connect_nodes(struct orl_images *images)
 {
     images->next = malloc((images->n_nodes * images->n_mirrors + 1) * sizeof *images->next);
     if (!images->next)
@@ -338,11 +338,11 @@ int orl_images_build(struct orl_images *images, const struct orl_world *world,
         }
         *pilot = (struct pilot){.world = world, .images = images, .sun = (uint32_t)s};
         code = light_mirrors(pilot, crew);
-        take_brightest(images, pilot);
+        show_brightest(images, pilot);
     }
     free(pilot);
     if (code == 0)
-        code = connect(images);
+        code = connect_nodes(images);
     return code == 0 ? find_columns(images, world) : code;
 }
 

@@ -81,7 +81,7 @@ static int index_of(struct way *way, const struct orl_material *mist)
     return way->n_mists++;
 }
 
-static void cross(struct way *way, const struct crossing *crossing)
+static void cross_surface(struct way *way, const struct crossing *crossing)
 {
     way->within[index_of(way, crossing->mist)].depth += crossing->change;
 }
@@ -92,7 +92,7 @@ static void find_start(struct way *way)
     int lowest[MOST_MISTS] = {0};
     for (int i = 0; i < way->n; i++) {
         const int which = index_of(way, way->crossings[i].mist);
-        cross(way, &way->crossings[i]);
+        cross_surface(way, &way->crossings[i]);
         if (way->within[which].depth < lowest[which])
             lowest[which] = way->within[which].depth;
     }
@@ -101,8 +101,8 @@ static void find_start(struct way *way)
 }
 
 /* Finds all crossings, also those beyond the ray's end, because they determine where it starts. */
-static void find_way(const struct orl_scene *scene, struct orl_vec3 origin,
-                     struct orl_vec3 direction, struct way *ret)
+static void find_crossings(const struct orl_scene *scene, struct orl_vec3 origin,
+                           struct orl_vec3 direction, struct way *ret)
 {
     double at = 0;
     *ret = (struct way){.n = 0};
@@ -142,7 +142,7 @@ static bool next_stretch(struct way *way, int i, double end, struct stretch *ret
     if (i > way->n)
         return false;
     if (i > 0)
-        cross(way, &way->crossings[i - 1]);
+        cross_surface(way, &way->crossings[i - 1]);
     ret->from = i > 0 ? way->crossings[i - 1].at : 0;
     if (!(ret->from < end))
         return false;
@@ -171,7 +171,7 @@ struct orl_rgb orl_mist_transmittance(const struct orl_scene *scene, struct orl_
     struct stretch s;
     if (!scene->mist)
         return share;
-    find_way(scene, origin, direction, &way);
+    find_crossings(scene, origin, direction, &way);
     for (int i = 0; next_stretch(&way, i, distance, &s); i++)
         share = dimmed(share, s.extinction, s.to - s.from);
     return share;
@@ -184,25 +184,25 @@ static double channel(struct orl_rgb c, int which)
     return which == 0 ? c.r : which == 1 ? c.g : c.b;
 }
 
-static double mean(struct orl_rgb c)
+static double mean_of(struct orl_rgb c)
 {
     return (c.r + c.g + c.b) / 3;
 }
 
 /* Samples one of the mists at the position, in proportion to its scattering coefficient. */
-static struct orl_mist_event scatter(const struct way *way, double at, struct orl_rgb left,
-                                     struct orl_rgb extinction, struct orl_random *random)
+static struct orl_mist_event scatter_in_mist(const struct way *way, double at, struct orl_rgb left,
+                                             struct orl_rgb extinction, struct orl_random *random)
 {
-    const double density = mean(orl_rgb_mul(left, extinction));
+    const double density = mean_of(orl_rgb_mul(left, extinction));
     double sum = 0, seen = 0;
     struct orl_mist_event event = {.scattered = true, .distance = at};
     for (int i = 0; i < way->n_mists; i++)
         if (way->within[i].depth > 0)
-            sum += mean(way->within[i].mist->scattered);
+            sum += mean_of(way->within[i].mist->scattered);
     const double drawn = orl_random_uniform(random) * sum;
     for (int i = 0; i < way->n_mists && seen <= drawn; i++)
         if (way->within[i].depth > 0) {
-            const double share = mean(way->within[i].mist->scattered);
+            const double share = mean_of(way->within[i].mist->scattered);
             seen += share;
             event.forward = way->within[i].mist->forward;
             if (share > 0)
@@ -221,7 +221,7 @@ struct orl_mist_event orl_mist_meet(const struct orl_scene *scene, struct orl_ve
     struct stretch s;
     if (!scene->mist)
         return (struct orl_mist_event){.weight = left};
-    find_way(scene, origin, direction, &way);
+    find_crossings(scene, origin, direction, &way);
     const int by = (int)(3 * orl_random_uniform(random));
     double to_go = -log(1 - orl_random_uniform(random));
     for (int i = 0; next_stretch(&way, i, distance, &s); i++) {
@@ -229,13 +229,13 @@ struct orl_mist_event orl_mist_meet(const struct orl_scene *scene, struct orl_ve
         const double here = depth_along(extinction, s.to - s.from);
         if (here > to_go) {
             const double length = to_go / extinction;
-            return scatter(&way, s.from + length, dimmed(left, s.extinction, length), s.extinction,
-                           random);
+            return scatter_in_mist(&way, s.from + length, dimmed(left, s.extinction, length),
+                                   s.extinction, random);
         }
         to_go -= here;
         left = dimmed(left, s.extinction, s.to - s.from);
     }
-    const double through = mean(left);
+    const double through = mean_of(left);
     return (struct orl_mist_event){.weight = through > 0 ? orl_rgb_scale(left, 1 / through)
                                                          : orl_gray(0)};
 }

@@ -20,7 +20,8 @@ static struct orl_vec3 direction_of(int ray)
 }
 
 /* Counts a hit of a port, also one that is closed for a while. Returns true if it is one. */
-static bool count(const struct orl_world *world, const struct orl_hit *hit, struct votes *votes)
+static bool count_port(const struct orl_world *world, const struct orl_hit *hit,
+                       struct votes *votes)
 {
     const enum orl_crossing crossing = orl_scene_crossing(world->scene, hit);
     votes->outside += crossing == ORL_CROSSING_INWARDS;
@@ -30,8 +31,8 @@ static bool count(const struct orl_world *world, const struct orl_hit *hit, stru
 
 /* Follows a diffuse path from the point. It stays on its side of the surfaces until it meets a
  * port or leaves the scene. Windows that are not ports let it through. */
-static void wander(const struct orl_world *world, struct orl_vec3 point, int ray,
-                   struct votes *votes)
+static void trace_walk(const struct orl_world *world, struct orl_vec3 point, int ray,
+                       struct votes *votes)
 {
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, (uint64_t)ray);
     struct orl_vec3 direction = direction_of(ray);
@@ -41,7 +42,7 @@ static void wander(const struct orl_world *world, struct orl_vec3 point, int ray
             votes->outside++;
             return;
         }
-        if (count(world, &hit, votes))
+        if (count_port(world, &hit, votes))
             return;
         if (!orl_material_is_window(orl_scene_material(world->scene, hit.facet))) {
             const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
@@ -64,9 +65,9 @@ bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
         struct orl_hit hit;
         if (!orl_geometry_intersect(world->geometry, point, direction_of(i), INFINITY, &hit))
             return true;
-        count(world, &hit, &votes);
+        count_port(world, &hit, &votes);
     }
     for (int i = 0; i < RAYS && abs(votes.outside - votes.inside) < MARGIN; i++)
-        wander(world, point, i, &votes);
+        trace_walk(world, point, i, &votes);
     return votes.outside > votes.inside;
 }

@@ -84,7 +84,7 @@ static bool is_behind_lenses(const struct search *search, const struct orl_port 
     return orl_focus_matters(&focus);
 }
 
-static void look_both_ways(void *arg, size_t index, uint32_t member)
+static void test_window(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
     const uint32_t facet = search->candidates[index];
@@ -111,7 +111,7 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
  * port. Ports block it. Windows that are not ports (curved ones, panes with the sky on both sides)
  * let it through.
  */
-static void try_to_escape(void *arg, size_t index, uint32_t member)
+static void trace_escape(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
     const struct orl_geometry *g = search->scene->geometry;
@@ -173,7 +173,7 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     search.rays = (uint32_t)(share > MOST_RAYS_A_FACE    ? MOST_RAYS_A_FACE
                              : share < LEAST_RAYS_A_FACE ? LEAST_RAYS_A_FACE
                                                          : share);
-    code = orl_crew_try(crew, n, look_both_ways, &search);
+    code = orl_crew_try(crew, n, test_window, &search);
     if (code < 0)
         goto done;
     for (size_t i = 0; i < n_facets; i++)
@@ -190,7 +190,7 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     search.ports = scene->ports;
     search.n_ports = scene->n_ports;
     if (scene->n_ports > 0)
-        code = orl_crew_try(crew, SEAL_PATHS, try_to_escape, &search);
+        code = orl_crew_try(crew, SEAL_PATHS, trace_escape, &search);
     if (code < 0)
         goto done;
     scene->open = scene->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;

@@ -141,7 +141,7 @@ static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3
 
 /* Records pairs of proxies for which the decision is uncertain: taken as a pair although neither
  * reaches the other, or as two although they nearly are a pair. */
-static void judge_pair(struct orl_scene *scene, const struct ways *ways, uint32_t self)
+static void record_uncertain_pair(struct orl_scene *scene, const struct ways *ways, uint32_t self)
 {
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_own(scene->geometry, self, &own);
@@ -199,7 +199,7 @@ int orl_proxies_part(struct orl_scene *scene, struct orl_error *err)
     }
     for (uint32_t i = 0; i < n && code == 0; i++)
         if (is_proxy(scene, i))
-            judge_pair(scene, &ways, i);
+            record_uncertain_pair(scene, &ways, i);
     for (uint32_t i = 0; i < n && code == 0; i++)
         keep[i] = !scene->hidden[i];
     if (code == 0)

@@ -44,7 +44,7 @@ static int list_shining(struct orl_scene *scene)
 
 /* Decides which of two coincident surfaces light meets. Mist is no such surface and is left as
  * it is. */
-static int settle(struct orl_description *d, struct orl_error *err)
+static int settle_coincident(struct orl_description *d, struct orl_error *err)
 {
     size_t n = 0, kept = 0;
     for (size_t i = 0; i < d->n_surfaces; i++)
@@ -107,7 +107,7 @@ int orl_scene_settle(struct orl_description *description, struct orl_error *err)
     d->n_read = orl_description_count_surfaces(d) + d->n_degenerate;
     int code = orl_description_must_part(d) ? orl_placements_expand(d, ORL_ALL_PLACES, err) : 0;
     if (code == 0)
-        code = settle(d, err);
+        code = settle_coincident(d, err);
     if (code == 0)
         code = settle_prototypes(d, err);
     if (code == ORL_ERR_NOMEM)

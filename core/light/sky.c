@@ -1,7 +1,7 @@
 #include "light/sky.h"
 
 /* Blends sky and ground near the horizon, with weights (z + 1.01)^10 and its inverse. */
-static double blend(double z, double sky, double ground)
+static double blend_at_horizon(double z, double sky, double ground)
 {
     const double t = z + 1.01, t2 = t * t, t4 = t2 * t2, t5 = t4 * t;
     const double weight = t5 * t5 * t5 * t5; /* the ratio of the two weights */
@@ -16,7 +16,7 @@ static double angle_of(double cosine)
 }
 
 /* Returns exp(x), or 0 for far too negative x, as rayinit.cal defines it; this is faster. */
-static double damped(double x)
+static double damped_exp(double x)
 {
     return x < -100.0 ? 0.0 : exp(x);
 }
@@ -27,9 +27,9 @@ static double perez(const double a[10], struct orl_vec3 d)
 {
     const double cos_gamma = d.x * a[7] + d.y * a[8] + d.z * a[9];
     const double gamma = angle_of(cos_gamma);
-    const double gradation = 1.0 + a[2] * damped(a[3] / orl_larger(d.z, 0.01));
-    const double indicatrix = 1.0 + a[4] * damped(a[5] * gamma) + a[6] * cos_gamma * cos_gamma;
-    return blend(d.z, a[0] * gradation * indicatrix, a[1]);
+    const double gradation = 1.0 + a[2] * damped_exp(a[3] / orl_larger(d.z, 0.01));
+    const double indicatrix = 1.0 + a[4] * damped_exp(a[5] * gamma) + a[6] * cos_gamma * cos_gamma;
+    return blend_at_horizon(d.z, a[0] * gradation * indicatrix, a[1]);
 }
 
 /* Parameters as in skybright.cal: A1 type, A2 zenith, A3 ground, A4 normalisation, A5..A7 the
@@ -63,7 +63,7 @@ static double cie(const double a[10], struct orl_vec3 d)
         sky = a[1];
     else
         sky = cie_intermediate(a, d);
-    return blend(d.z, sky, a[2]);
+    return blend_at_horizon(d.z, sky, a[2]);
 }
 
 double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction)

@@ -8,7 +8,7 @@
 #include "light/daylight.h"
 
 /* Returns true if a row has enough direct light to show where the sun is. */
-static bool tells(const struct orl_weather_row *row)
+static bool shows_sun(const struct orl_weather_row *row)
 {
     static const double bright_w_m2 = 100;
     return !row->missing && row->direct >= bright_w_m2 && row->global > 0;
@@ -21,15 +21,15 @@ static double height_of(const struct orl_weather *weather, struct orl_weather_ro
     return fmax(0, sin(orl_daylight_altitude_of_row(weather, &row) * ORL_DEG_TO_RAD));
 }
 
-/* Returns the mean difference of global irradiance over every stride-th row for which tells() is
- * true. */
+/* Returns the mean difference of global irradiance over every stride-th row for which shows_sun()
+ * is true. */
 static double mean_off(const struct orl_weather *weather, size_t stride, double shift_h)
 {
     double sum = 0;
     size_t seen = 0, n = 0;
     for (size_t i = 0; i < weather->n_rows; i++) {
         const struct orl_weather_row *row = &weather->rows[i];
-        if (!tells(row) || seen++ % stride != 0)
+        if (!shows_sun(row) || seen++ % stride != 0)
             continue;
         sum += fabs(row->global - row->diffuse - row->direct * height_of(weather, *row, shift_h));
         n++;
@@ -78,7 +78,7 @@ static void find_means(const struct orl_weather *weather, struct orl_time_shift 
     size_t n = 0;
     for (size_t i = 0; i < weather->n_rows; i++) {
         const struct orl_weather_row *row = &weather->rows[i];
-        if (!tells(row))
+        if (!shows_sun(row))
             continue;
         n++;
         shift->global_w_m2 += row->global;
@@ -109,7 +109,7 @@ struct orl_time_shift orl_time_shift_find(const struct orl_weather *weather)
     struct orl_time_shift shift = {.file_time_zone_h = weather->time_zone_h};
     size_t n = 0;
     for (size_t i = 0; i < weather->n_rows; i++)
-        n += tells(&weather->rows[i]);
+        n += shows_sun(&weather->rows[i]);
     if (weather->units != ORL_WEATHER_NORMAL_W || n < ENOUGH)
         return shift;
     const size_t stride = (n + SAMPLE - 1) / SAMPLE;

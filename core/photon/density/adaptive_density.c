@@ -183,7 +183,7 @@ static double curve_of(const struct shapes *shapes, const double values[RINGS], 
     return wide * narrow > 0 ? copysign(orl_smaller(fabs(wide), fabs(narrow)), wide) : 0;
 }
 
-static void move_on(struct blend *blend, const double values[RINGS], int to, double share)
+static void blend_towards(struct blend *blend, const double values[RINGS], int to, double share)
 {
     blend->value += share * (values[to] - blend->value);
     blend->radius += share * (exp2(-0.5 * to) - blend->radius);
@@ -200,12 +200,12 @@ static struct blend blend_discs(const struct sums *sums, const struct shapes *sh
     struct blend blend = {.value = 0};
     for (int i = 0; i < RINGS; i++)
         values[i] = value_of(&sums->discs[i], &shapes->discs[i], &blend.planes[i]);
-    move_on(&blend, values, at, 1);
+    blend_towards(&blend, values, at, 1);
     blend.curve = at == 0 ? curve_of(shapes, values, 0) : 0;
     for (double use = 1; at > 0 && use > 0; at--) {
         const double before = use;
         use *= agreement(sums, shapes, at - 1, step++);
-        move_on(&blend, values, at - 1, use);
+        blend_towards(&blend, values, at - 1, use);
         blend.bias += before * bias_of(shapes, values, at, at, at - 1);
         blend.curve += before * curve_of(shapes, values, at);
         blend.bias *= 1 - use;
@@ -235,8 +235,8 @@ static struct sums luma_of(const struct orl_nested_discs *rings)
 }
 
 /* Returns the sums of all batches but one, scaled to the whole. */
-static struct sums leave_out(const struct sums *all, const struct orl_nested_discs *rings,
-                             uint32_t batch)
+static struct sums sums_without_batch(const struct sums *all, const struct orl_nested_discs *rings,
+                                      uint32_t batch)
 {
     static const double factor = (double)ORL_MAP_BATCHES / (ORL_MAP_BATCHES - 1);
     struct sums sums;
@@ -277,7 +277,7 @@ static double channel_of(const struct orl_nested_discs *rings, const struct shap
  * Subtracts the significant part of the curve; the rest of the bias is reported. In a dark place
  * surrounded by bright ones, where even the smallest disc is wide, the curve is most of the bias.
  */
-static void take_curve_out(struct orl_density *density, const struct blend *whole,
+static void subtract_curve(struct orl_density *density, const struct blend *whole,
                            struct orl_batches *value, const struct orl_batches *curve)
 {
     const double square = whole->curve * whole->curve;
@@ -296,15 +296,15 @@ static void take_curve_out(struct orl_density *density, const struct blend *whol
  * Computes the parts by batch as Tukey's pseudovalues: the rest without a batch is the estimate
  * from the other batches, with its own choice of discs. The parts add up to the whole.
  */
-static void part_by_batch(const struct sums *all, const struct orl_nested_discs *rings,
-                          const struct shapes *shapes, const struct blend *whole,
-                          struct orl_density *density)
+static void compute_batch_parts(const struct sums *all, const struct orl_nested_discs *rings,
+                                const struct shapes *shapes, const struct blend *whole,
+                                struct orl_density *density)
 {
     static const double left = (ORL_MAP_BATCHES - 1.0) / ORL_MAP_BATCHES;
     struct orl_batches value, bias, curve;
     double mean_value = 0, mean_bias = 0, mean_curve = 0;
     for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
-        const struct sums others = leave_out(all, rings, i);
+        const struct sums others = sums_without_batch(all, rings, i);
         const struct blend without = blend_discs(&others, shapes);
         value.luma[i] = -left * without.value;
         bias.luma[i] = -left * without.bias;
@@ -319,7 +319,7 @@ static void part_by_batch(const struct sums *all, const struct orl_nested_discs 
         curve.luma[i] += whole->curve / ORL_MAP_BATCHES - mean_curve;
     }
     density->bias = orl_batches_beyond_scatter(&bias);
-    take_curve_out(density, whole, &value, &curve);
+    subtract_curve(density, whole, &value, &curve);
     density->parts = value;
 }
 
@@ -366,19 +366,19 @@ struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_densi
     density.radius = rings.radius * blend.radius;
     density.evenness = blend.radius;
     density.clear = orl_smaller(rings.clear, density.radius);
-    part_by_batch(&sums, &rings, &shapes, &blend, &density);
+    compute_batch_parts(&sums, &rings, &shapes, &blend, &density);
     scale_by(&density, h->flux_unit);
     return density;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_radii(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-static double reach_in(const struct orl_adaptive_density *adapt, double widest,
-                       struct orl_search *search)
+static double find_reach(const struct orl_adaptive_density *adapt, double widest,
+                         struct orl_search *search)
 {
     enum { PROBES = 128 };
     const struct orl_photon_map *map = adapt->sums.map;
@@ -398,7 +398,7 @@ static double reach_in(const struct orl_adaptive_density *adapt, double widest,
         const float first2 = orl_disc_search_first_radius2(&hunt, &adapt->order);
         radii[i] = sqrt((double)orl_disc_search_enough(&hunt, first2, (float)(most * most))) * cell;
     }
-    qsort(radii, PROBES, sizeof *radii, compare);
+    qsort(radii, PROBES, sizeof *radii, compare_radii);
     return orl_smaller(2 * radii[3 * PROBES / 4], widest);
 }
 
@@ -413,7 +413,7 @@ int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct o
         orl_adaptive_density_done(adapt);
         return code;
     }
-    adapt->reach = reach_in(adapt, widest, search);
+    adapt->reach = find_reach(adapt, widest, search);
     return 0;
 }
 

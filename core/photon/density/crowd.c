@@ -15,8 +15,8 @@ static const double reach = 2;
 
 /* Returns true if a ray hits an opaque surface. The rays carry equal shares of the light of a
  * uniform sky. */
-static bool meets(const struct orl_footing *footing, const struct orl_frame *frame, int ray,
-                  double length)
+static bool ray_is_blocked(const struct orl_footing *footing, const struct orl_frame *frame,
+                           int ray, double length)
 {
     const struct orl_world *world = footing->world;
     const double *azimuth = orl_footprint_azimuths[ray * TURN % ORL_FOOTPRINT_SECTORS];
@@ -37,6 +37,6 @@ bool orl_is_crowded(const struct orl_footing *footing, double radius)
     const struct orl_frame frame = orl_frame_about(footing->normal);
     int met = 0;
     for (int i = 0; i < RAYS && met < CROWD && (i < FIRST || met > 0); i++)
-        met += meets(footing, &frame, i * STEP % RAYS, reach * radius);
+        met += ray_is_blocked(footing, &frame, i * STEP % RAYS, reach * radius);
     return met == CROWD;
 }

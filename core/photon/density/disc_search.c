@@ -52,7 +52,7 @@ static bool in_footprint(const struct orl_disc_search *hunt, const float chord[3
                                orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
 }
 
-static void take_apart(struct orl_disc_search *hunt, uint32_t patch)
+static void split_patch(struct orl_disc_search *hunt, uint32_t patch)
 {
     const struct orl_photon_map *map = hunt->sums->map;
     const uint32_t leaf = patch / ORL_PATCHES;
@@ -89,8 +89,9 @@ struct sights {
  * point's sheet: nearly always on the same plane, within rounding. The loop tests that for eight at
  * once.
  */
-static inline void look_at(const struct orl_disc_search *hunt, const struct orl_patch_group *group,
-                           const struct orl_map_group *boxes, struct sights *ret_sights)
+static inline void classify_patches(const struct orl_disc_search *hunt,
+                                    const struct orl_patch_group *group,
+                                    const struct orl_map_group *boxes, struct sights *ret_sights)
 {
     const float radius = hunt->radius, radius2 = hunt->radius2, bound = hunt->bound;
     const float widest = hunt->widest, near_by = beyond2 * radius2;
@@ -125,8 +126,8 @@ static inline void look_at(const struct orl_disc_search *hunt, const struct orl_
 }
 
 /* Downgrades wholes that extend over a line of the footprint. */
-static inline void keep_within(const struct orl_disc_search *hunt,
-                               const struct orl_patch_group *group, struct sights *sights)
+static inline void downgrade_cut_patches(const struct orl_disc_search *hunt,
+                                         const struct orl_patch_group *group, struct sights *sights)
 {
     for (uint32_t k = 0; k < hunt->n_lines; k++) {
         const float nx = hunt->lines[k][0], ny = hunt->lines[k][1], nz = hunt->lines[k][2];
@@ -174,8 +175,8 @@ static inline void add_whole(struct orl_disc_search *hunt, const struct orl_patc
 
 /* Counts a narrow patch as a whole, or leaves it out. Returns false if it must be split into
  * photons. */
-static bool take_whole(struct orl_disc_search *hunt, const struct orl_patch_group *group,
-                       uint32_t lane, float d2, uint32_t patch)
+static bool add_if_within(struct orl_disc_search *hunt, const struct orl_patch_group *group,
+                          uint32_t lane, float d2, uint32_t patch)
 {
     const float chord[3] = {group->at[0][lane] - hunt->at[0], group->at[1][lane] - hunt->at[1],
                             group->at[2][lane] - hunt->at[2]};
@@ -189,20 +190,20 @@ static bool take_whole(struct orl_disc_search *hunt, const struct orl_patch_grou
     return side != ORL_SIDE_BOTH;
 }
 
-static void take_patch(struct orl_disc_search *hunt, const struct orl_patch_group *group,
-                       uint32_t lane, enum sight sight, float d2, uint32_t patch)
+static void add_patch(struct orl_disc_search *hunt, const struct orl_patch_group *group,
+                      uint32_t lane, enum sight sight, float d2, uint32_t patch)
 {
     const bool own =
         hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == patch / ORL_PATCHES;
     if (sight == WHOLE && !own)
         add_whole(hunt, group, lane, d2, patch);
-    else if (own || sight == APART || !take_whole(hunt, group, lane, d2, patch))
-        take_apart(hunt, patch);
+    else if (own || sight == APART || !add_if_within(hunt, group, lane, d2, patch))
+        split_patch(hunt, patch);
     hunt->full = hunt->patches + hunt->photons + ORL_MAP_LEAF > ROOM;
 }
 
-static inline void take_group(struct orl_disc_search *hunt, uint32_t node,
-                              const struct sights *sights)
+static inline void add_group(struct orl_disc_search *hunt, uint32_t node,
+                             const struct sights *sights)
 {
     const struct orl_patch_group *group = &hunt->sums->groups[node];
     uint32_t some = 0;
@@ -211,12 +212,12 @@ static inline void take_group(struct orl_disc_search *hunt, uint32_t node,
     for (; some != 0 && !hunt->full; some &= some - 1) {
         const uint32_t lane = (uint32_t)__builtin_ctz(some);
         const uint32_t patch = orl_patch_number(node, lane);
-        take_patch(hunt, group, lane, sights->what[lane], sights->distance2[lane], patch);
+        add_patch(hunt, group, lane, sights->what[lane], sights->distance2[lane], patch);
     }
 }
 
 /* Visits nodes in the order of the map; all of them are needed, so their order does not matter. */
-ORL_FOR_WIDE_VECTORS static void find_all(struct orl_disc_search *hunt)
+ORL_FOR_WIDE_VECTORS static void find_patches(struct orl_disc_search *hunt)
 {
     const struct orl_photon_map *map = hunt->sums->map;
     struct {
@@ -235,9 +236,9 @@ ORL_FOR_WIDE_VECTORS static void find_all(struct orl_disc_search *hunt)
         float distance2[ORL_MAP_FANOUT];
         struct sights sights;
         if (level == 0) {
-            look_at(hunt, &hunt->sums->groups[node], group, &sights);
-            keep_within(hunt, &hunt->sums->groups[node], &sights);
-            take_group(hunt, node, &sights);
+            classify_patches(hunt, &hunt->sums->groups[node], group, &sights);
+            downgrade_cut_patches(hunt, &hunt->sums->groups[node], &sights);
+            add_group(hunt, node, &sights);
             continue;
         }
         orl_box_distances(group, hunt->at, distance2);
@@ -282,7 +283,7 @@ float orl_disc_search_enough(struct orl_disc_search *hunt, float radius2, float 
     bool shrunk = false;
     hunt->radius2 = fminf(radius2, most2);
     for (int turn = 0; turn < MOST_TURNS; turn++) {
-        find_all(hunt);
+        find_patches(hunt);
         if (hunt->full) {
             shrunk = true;
             hunt->radius2 *= 0.5F;
@@ -304,7 +305,7 @@ float orl_disc_search_enough(struct orl_disc_search *hunt, float radius2, float 
     return hunt->radius2;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_floats(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
@@ -330,7 +331,7 @@ float orl_disc_search_first_radius2(const struct orl_disc_search *hunt,
         const struct orl_patch_group *group = orl_patch_find(hunt->sums, ORL_PATCHES * i, &lane);
         near2[n++] = group->ramp[lane] * group->ramp[lane] / (float)group->count[lane];
     }
-    qsort(near2, n, sizeof *near2, compare);
+    qsort(near2, n, sizeof *near2, compare_floats);
     return fmaxf((float)hunt->query->k * near2[n / 2], 4);
 }
 

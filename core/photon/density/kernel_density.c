@@ -215,7 +215,8 @@ struct ask {
 
 /* Returns true if a photon counts for the query. Photons nearer than flat2 must lie in the
  * footing's own plane, within rounding. */
-static bool counts(const struct ask *ask, uint32_t index, const float chord[3], float distance2)
+static bool photon_counts(const struct ask *ask, uint32_t index, const float chord[3],
+                          float distance2)
 {
     const struct orl_photon_map *map = ask->spread->map;
     const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
@@ -246,7 +247,7 @@ static inline void add_leaf(struct ask *ask, uint32_t leaf)
     }
     for (uint32_t i = 0; i < n; i++) {
         const float chord[3] = {dx[i], dy[i], dz[i]};
-        if (!(d2[i] < reach2) || !counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
+        if (!(d2[i] < reach2) || !photon_counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
             continue;
         const struct orl_rgb flux = orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]);
         sum = orl_rgb_add(sum, flux);
@@ -267,7 +268,7 @@ static inline void add_leaf(struct ask *ask, uint32_t leaf)
 }
 
 /* Adds every leaf whose discs reach the point. */
-ORL_FOR_WIDE_VECTORS static void add_all(struct ask *ask)
+ORL_FOR_WIDE_VECTORS static void add_leaves(struct ask *ask)
 {
     const struct orl_photon_map *map = ask->spread->map;
     struct orl_box_visit stack[ORL_BOX_STACK];
@@ -305,21 +306,21 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
     }
     struct orl_density_query all;
     struct ask whole = ask;
-    add_all(&whole);
+    add_leaves(&whole);
     const double widest = sqrt((double)whole.widest2) * h->cell;
     if (query->footing && whole.found > 0 && !orl_footing_is_free(query->footing, widest)) {
         orl_footprint_make(query->footing, widest, &footprint);
         ask.footprint = &footprint;
         clear = footprint.clear;
         whole = ask;
-        add_all(&whole);
+        add_leaves(&whole);
         patch = whole.found < whole_patch * spread->k;
         if (query->at_photon && patch) {
             all = *query;
             all.at_photon = false;
             whole = ask;
             whole.query = &all;
-            add_all(&whole);
+            add_leaves(&whole);
         }
     }
     search->health.estimates += whole.found > 0;

@@ -28,7 +28,7 @@ static float distance2(const float a[3], const float b[3])
     return d2;
 }
 
-static void insert(float sorted[ORL_MAP_LEAF], uint32_t n, float value)
+static void insert_sorted(float sorted[ORL_MAP_LEAF], uint32_t n, float value)
 {
     for (; n > 0 && sorted[n - 1] > value; n--)
         sorted[n] = sorted[n - 1];
@@ -42,7 +42,7 @@ static struct spread spread_about(places photons, uint32_t n, const float at[3])
     for (uint32_t i = 0; i < n; i++) {
         const float d2 = distance2(photons[i], at);
         spread.mean += d2 / (float)n;
-        insert(sorted, i, d2);
+        insert_sorted(sorted, i, d2);
     }
     spread.least = sorted[0];
     spread.median = sorted[n / 2];
@@ -106,7 +106,7 @@ static uint32_t closest_together(places photons, float *ret_reach2)
     for (uint32_t i = 0; i < ORL_MAP_LEAF; i++) {
         float sorted[ORL_MAP_LEAF];
         for (uint32_t j = 0; j < ORL_MAP_LEAF; j++)
-            insert(sorted, j, distance2(photons[i], photons[j]));
+            insert_sorted(sorted, j, distance2(photons[i], photons[j]));
         best = sorted[HALF - 1] < *ret_reach2 ? i : best;
         *ret_reach2 = fminf(*ret_reach2, sorted[HALF - 1]);
     }

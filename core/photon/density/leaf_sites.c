@@ -164,8 +164,9 @@ ORL_FOR_WIDE_VECTORS bool orl_leaf_sites_next(const struct orl_leaf_sites *all,
 }
 
 /* Finds a leaf and its neighbours, the nearest first; returns their number. */
-ORL_FOR_WIDE_VECTORS static uint32_t find_beside(const struct orl_leaf_sites *all, uint32_t leaf,
-                                                 struct orl_leaf_near ret_beside[BESIDE])
+ORL_FOR_WIDE_VECTORS static uint32_t find_neighbours(const struct orl_leaf_sites *all,
+                                                     uint32_t leaf,
+                                                     struct orl_leaf_near ret_beside[BESIDE])
 {
     const struct orl_photon_map *map = all->map;
     const struct orl_leaf_center *own = &all->sites[leaf];
@@ -201,13 +202,13 @@ ORL_FOR_WIDE_VECTORS static uint32_t find_beside(const struct orl_leaf_sites *al
 
 /* Returns the neighbours of a leaf, and searches them if that was not done. Two threads that
  * search at once find the same. */
-static struct beside *know_beside(const struct orl_leaf_sites *all, uint32_t leaf)
+static struct beside *get_neighbours(const struct orl_leaf_sites *all, uint32_t leaf)
 {
     struct beside *beside = &all->beside[leaf];
     struct orl_leaf_near found[BESIDE];
     if (atomic_load_explicit(&beside->leaf[0], memory_order_acquire) != 0)
         return beside;
-    uint32_t n = find_beside(all, leaf, found);
+    uint32_t n = find_neighbours(all, leaf, found);
     if (n == 0)
         found[n++] = (struct orl_leaf_near){0, leaf};
     for (uint32_t i = n; i-- > 0;) {
@@ -224,7 +225,7 @@ static struct beside *know_beside(const struct orl_leaf_sites *all, uint32_t lea
  * nearest leaf were used whatever its size, they would light the dark around them, half way to its
  * sparse leaves.
  */
-static bool covers(const struct orl_leaf_sites *all, struct orl_leaf_near leaf, float reach)
+static bool leaf_covers(const struct orl_leaf_sites *all, struct orl_leaf_near leaf, float reach)
 {
     return leaf.distance2 <= reach * reach * (all->sites[leaf.leaf].spread2 + 1);
 }
@@ -232,11 +233,11 @@ static bool covers(const struct orl_leaf_sites *all, struct orl_leaf_near leaf, 
 bool orl_leaf_sites_serve(const struct orl_leaf_sites *all, struct orl_leaf_near leaf,
                           const float at[3])
 {
-    if (covers(all, leaf, alone_reach_of_leaf))
+    if (leaf_covers(all, leaf, alone_reach_of_leaf))
         return true;
-    if (!covers(all, leaf, reach_of_leaf))
+    if (!leaf_covers(all, leaf, reach_of_leaf))
         return false;
-    const struct beside *beside = know_beside(all, leaf.leaf);
+    const struct beside *beside = get_neighbours(all, leaf.leaf);
     for (int i = 1; i < BESIDE; i++) {
         struct orl_leaf_near other = {0,
                                       atomic_load_explicit(&beside->leaf[i], memory_order_relaxed)};
@@ -244,7 +245,7 @@ bool orl_leaf_sites_serve(const struct orl_leaf_sites *all, struct orl_leaf_near
             const float off = atomic_load_explicit(&beside->at[k][i], memory_order_relaxed) - at[k];
             other.distance2 += off * off;
         }
-        if (other.leaf-- != 0 && covers(all, other, reach_of_leaf))
+        if (other.leaf-- != 0 && leaf_covers(all, other, reach_of_leaf))
             return true;
     }
     return false;
@@ -263,7 +264,7 @@ bool orl_leaf_sites_about(const struct orl_leaf_sites *all, struct orl_vec3 poin
     for (int k = 0; k < 3; k++)
         cell[k] = (uint32_t)fminf(fmaxf(at[k] + 0.5F, 0), ORL_PLACE_CELLS - 1);
     const uint64_t home = orl_zorder_find(&all->order, orl_zorder_code(cell, code));
-    struct beside *beside = know_beside(all, (uint32_t)home);
+    struct beside *beside = get_neighbours(all, (uint32_t)home);
     for (int i = 0; i < BESIDE; i++) {
         const uint32_t leaf = atomic_load_explicit(&beside->leaf[i], memory_order_relaxed);
         struct orl_leaf_near here = {0, leaf - 1};

@@ -129,8 +129,8 @@ double orl_leaves_made(const struct orl_leaves *leaves)
  * Also uses it if all photons are within about a cell, because their discs contribute nothing
  * beside it. Returns the distance from the site in metres.
  */
-static double ask_somewhere(const struct orl_leaves *leaves, uint32_t leaf,
-                            struct orl_density_query *query, struct orl_footing *footing)
+static double place_query(const struct orl_leaves *leaves, uint32_t leaf,
+                          struct orl_density_query *query, struct orl_footing *footing)
 {
     const struct orl_photon_map *map = leaves->map;
     const struct orl_leaf_center *site = orl_leaf_sites_of(leaves->sites, leaf);
@@ -157,7 +157,7 @@ static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_
 {
     struct orl_density_query query = query_at(leaves, orl_v3(0, 0, 0), orl_v3(0, 0, 1));
     struct orl_footing footing;
-    const double off = ask_somewhere(leaves, leaf, &query, &footing);
+    const double off = place_query(leaves, leaf, &query, &footing);
     struct orl_density density = orl_kernel_density_estimate(leaves->spread, &query, search);
     density.crowded = query.footing && orl_is_crowded(&footing, density.radius);
     density.clear = fmax(density.clear - off, 0); /* relative to the site */
@@ -252,9 +252,10 @@ static bool is_joined(const struct orl_leaves *leaves, struct orl_leaf_near leaf
 }
 
 /* Returns true if the leaf is used at the point, and its value. */
-static bool reads(struct orl_leaves *leaves, struct orl_leaf_near leaf, const float at[3],
-                  const struct orl_footing *footing, struct orl_search *search,
-                  struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts, bool *ret_crowded)
+static bool read_leaf(struct orl_leaves *leaves, struct orl_leaf_near leaf, const float at[3],
+                      const struct orl_footing *footing, struct orl_search *search,
+                      struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts,
+                      bool *ret_crowded)
 {
     if (!orl_leaf_sites_serve(leaves->sites, leaf, at))
         return false;
@@ -284,12 +285,12 @@ struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 
         *ret_crowded = false;
     orl_box_locate(leaves->map, point, at);
     if (orl_leaf_sites_about(leaves->sites, point, normal, &leaf) &&
-        reads(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
+        read_leaf(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
         return irradiance;
     leaf = (struct orl_leaf_near){-1, 0};
     for (int i = 0;
          i < MOST_TRIES && orl_leaf_sites_next(leaves->sites, point, normal, leaf, &leaf); i++)
-        if (reads(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
+        if (read_leaf(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
             return irradiance;
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;

@@ -40,8 +40,8 @@ static void add_row(float *restrict sum, const float *restrict mass, float share
         sum[i] += share * mass[i];
 }
 
-static void place(const struct orl_disc_search *hunt, const struct orl_frame *frame,
-                  const float at[3], float *ret_x, float *ret_y)
+static void project_offset(const struct orl_disc_search *hunt, const struct orl_frame *frame,
+                           const float at[3], float *ret_x, float *ret_y)
 {
     const struct orl_vec3 chord =
         orl_v3(at[0] - hunt->at[0], at[1] - hunt->at[1], at[2] - hunt->at[2]);
@@ -49,13 +49,13 @@ static void place(const struct orl_disc_search *hunt, const struct orl_frame *fr
     *ret_y = (float)(orl_dot(chord, frame->v) * hunt->cell);
 }
 
-static void place_patch(const struct orl_disc_search *hunt, const struct orl_frame *frame,
-                        uint32_t patch, float *ret_x, float *ret_y)
+static void project_patch(const struct orl_disc_search *hunt, const struct orl_frame *frame,
+                          uint32_t patch, float *ret_x, float *ret_y)
 {
     uint32_t lane;
     const struct orl_patch_group *group = orl_patch_find(hunt->sums, patch, &lane);
     const float at[3] = {group->at[0][lane], group->at[1][lane], group->at[2][lane]};
-    place(hunt, frame, at, ret_x, ret_y);
+    project_offset(hunt, frame, at, ret_x, ret_y);
 }
 
 ORL_FOR_WIDE_VECTORS static void add_wholes(const struct orl_disc_search *hunt,
@@ -70,7 +70,7 @@ ORL_FOR_WIDE_VECTORS static void add_wholes(const struct orl_disc_search *hunt,
         float disc = radius, x = 0, y = 0;
         struct share share = share_within(disc, distance2, ramp, frame != NULL);
         if (frame && share.area > 0)
-            place_patch(hunt, frame, wholes->patch[n], &x, &y);
+            project_patch(hunt, frame, wholes->patch[n], &x, &y);
         for (int i = 0; i < ORL_NESTED_DISCS && share.area > 0; i++) {
             struct share inside = {0, 0};
             disc *= narrower;
@@ -121,15 +121,15 @@ static void add_photons(const struct orl_disc_search *hunt, const struct orl_fra
         uint32_t cell[3];
         float x, y;
         orl_place_unpack(leaf[0], leaf[ORL_MAP_LEAF], cell);
-        place(hunt, frame, (const float[3]){(float)cell[0], (float)cell[1], (float)cell[2]}, &x,
-              &y);
+        project_offset(hunt, frame,
+                       (const float[3]){(float)cell[0], (float)cell[1], (float)cell[2]}, &x, &y);
         add_photon(ring->by_x, &flux, batch, x);
         add_photon(ring->by_y, &flux, batch, y);
     }
 }
 
-static void add_up(const struct orl_disc_search *hunt, float radius2,
-                   struct orl_nested_discs *rings)
+static void sum_rings(const struct orl_disc_search *hunt, float radius2,
+                      struct orl_nested_discs *rings)
 {
     const struct orl_frame *frame = hunt->footprint ? &hunt->footprint->frame : NULL;
     rings->radius = orl_larger(sqrt((double)radius2), 1) * hunt->cell;
@@ -202,7 +202,7 @@ void orl_nested_discs_gather(const struct orl_leaf_sums *sums, const struct orl_
         radius2 = find_in_footprint(&hunt, disc, least, &footprint);
         ret_rings->clear = footprint.clear;
     }
-    add_up(&hunt, radius2, ret_rings);
+    sum_rings(&hunt, radius2, ret_rings);
     ret_rings->clear = orl_smaller(ret_rings->clear, ret_rings->radius);
     ret_rings->disc = sqrt(ret_rings->discs[0].area / ORL_PI);
 }

@@ -97,8 +97,8 @@ static bool make_record(struct maker *m, size_t index, struct orl_search *search
  * within the disc that was found to be even, and not occluded. Beside walls the light must be very
  * even.
  */
-static bool speaks_for(const struct maker *m, uint64_t patch, const struct orl_footing *footing,
-                       const struct orl_density *density)
+static bool represents_patch(const struct maker *m, uint64_t patch,
+                             const struct orl_footing *footing, const struct orl_density *density)
 {
     const struct orl_leaf_sums *sums = &m->adapt.sums;
     const double cell = sums->map->header->cell;
@@ -138,14 +138,15 @@ static struct voice make_voice(struct maker *m, size_t index, struct orl_search 
 }
 
 /* Returns true if the record represents the leaves of all n records from `first`. */
-static bool speaks_for_all(const struct maker *m, const struct voice *voice, size_t first, size_t n)
+static bool represents_leaves(const struct maker *m, const struct voice *voice, size_t first,
+                              size_t n)
 {
     const struct orl_leaf_sums *sums = &m->adapt.sums;
     const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)first, end = leaf + LEAVES_A_RECORD * n;
     if (!voice->made || !(voice->density.evenness >= even) || end > sums->count)
         return false;
     for (uint64_t i = ORL_PATCHES * leaf; i < ORL_PATCHES * end; i++)
-        if (!speaks_for(m, i, &voice->footing, &voice->density))
+        if (!represents_patch(m, i, &voice->footing, &voice->density))
             return false;
     return true;
 }
@@ -163,7 +164,7 @@ static void make_group(struct maker *m, size_t first, size_t n, const struct voi
         own = make_voice(m, first + half, search, hint);
         voice = &own;
     }
-    if (n == 1 || speaks_for_all(m, voice, first, n))
+    if (n == 1 || represents_leaves(m, voice, first, n))
         return;
     const bool above = voice->index >= first + half;
     make_group(m, first + half, n - half, above ? voice : NULL, search, hint);
@@ -372,7 +373,7 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
  * spacing, and differ. If n points are spread evenly around the point, or around it at an end of
  * the surface, one in thirty has the nearest that far off: (1 - (nearest / farthest)^2)^(n - 1).
  */
-static bool tells_little(const struct fit *fit, const struct orl_density *density, double mean)
+static bool is_unreliable(const struct fit *fit, const struct orl_density *density, double mean)
 {
     static const double seldom = 1.0 / 30, uneven = 0.3, biased = 0.1;
     const double ratio = fit->farthest > 0 ? fit->nearest / fit->farthest : 0;
@@ -414,7 +415,7 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
     density.standard_error = sqrt(orl_batches_variance(&density.parts));
     const double mean = orl_luma(fit.value) / fit.weight;
     density.spread = sqrt(orl_larger(fit.squares / fit.weight - mean * mean, 0));
-    density.crowded = tells_little(&fit, &density, mean);
+    density.crowded = is_unreliable(&fit, &density, mean);
     return density;
 }
 

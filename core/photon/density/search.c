@@ -26,12 +26,12 @@ struct walk {
     uint32_t facing; /* mask of the bins of normals to visit */
 };
 
-static bool nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
+static bool is_nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
 {
     return a->distance2 < b->distance2 || (a->distance2 == b->distance2 && a->index < b->index);
 }
 
-static void swap(struct orl_search_candidate *a, struct orl_search_candidate *b)
+static void swap_candidates(struct orl_search_candidate *a, struct orl_search_candidate *b)
 {
     const struct orl_search_candidate t = *a;
     *a = *b;
@@ -47,12 +47,12 @@ static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t
         const struct orl_search_candidate pivot = list[low + (high - low) / 2];
         int64_t i = low, j = high;
         while (i <= j) {
-            while (nearer(&list[i], &pivot))
+            while (is_nearer(&list[i], &pivot))
                 i++;
-            while (nearer(&pivot, &list[j]))
+            while (is_nearer(&pivot, &list[j]))
                 j--;
             if (i <= j)
-                swap(&list[i++], &list[j--]);
+                swap_candidates(&list[i++], &list[j--]);
         }
         if (nth <= j)
             high = j;
@@ -151,7 +151,7 @@ static inline void scan_leaf(struct walk *walk, uint32_t leaf)
 }
 
 /* Prefetches the words and normals of a leaf that will be visited soon. */
-static inline void ask_for(const struct walk *walk, const struct orl_box_visit *visit)
+static inline void prefetch_leaf(const struct walk *walk, const struct orl_box_visit *visit)
 {
     const uint32_t *words = walk->map->places + (size_t)visit->node * ORL_LEAF_WORDS;
     if (visit->level > 0)
@@ -180,7 +180,7 @@ ORL_FOR_WIDE_VECTORS static void walk_boxes(struct walk *walk)
         const uint32_t below = depth;
         depth = orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
         for (uint32_t i = below; i < depth; i++)
-            ask_for(walk, &stack[i]);
+            prefetch_leaf(walk, &stack[i]);
     }
 }
 
@@ -330,8 +330,8 @@ static struct walk walk_of(const struct orl_photon_map *map, const struct orl_de
 }
 
 /* Searches the disc first, and if it is cut the footprint. Fills in all but the irradiance. */
-static struct orl_density find(struct walk *walk, struct orl_footprint *footprint,
-                               struct orl_health *health)
+static struct orl_density find_photons(struct walk *walk, struct orl_footprint *footprint,
+                                       struct orl_health *health)
 {
     const struct orl_density_query *query = walk->query;
     struct orl_density density = find_within(walk, query->max_radius);
@@ -351,7 +351,7 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
     struct walk walk = walk_of(map, query, search);
     walk.enough = (walk.k + 3) / 4;
     struct orl_footprint footprint;
-    struct orl_density density = find(&walk, &footprint, &search->health);
+    struct orl_density density = find_photons(&walk, &footprint, &search->health);
     const double cell = map->header->cell;
     if (density.found == 0)
         return density;

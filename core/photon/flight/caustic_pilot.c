@@ -53,7 +53,7 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
 }
 
 /* Returns true if the pane itself scatters, so that every point on it makes caustic photons. */
-static bool sends_on_itself(const struct orl_emission *e, const struct orl_stratum *s)
+static bool pane_scatters(const struct orl_emission *e, const struct orl_stratum *s)
 {
     const uint32_t facet = e->world->ports[s->port].facet;
     const uint32_t material = orl_facet_material(e->world->geometry, facet);
@@ -65,7 +65,7 @@ static bool sends_on_itself(const struct orl_emission *e, const struct orl_strat
  * the mirrors. The first misses small mirrors, the second light that reaches mirrors by way of
  * other surfaces.
  */
-static int seek(struct pilot *pilot, const struct orl_crew *crew)
+static int find_targets(struct pilot *pilot, const struct orl_crew *crew)
 {
     struct orl_emission *e = pilot->emission;
     int code = 0;
@@ -79,7 +79,7 @@ static int seek(struct pilot *pilot, const struct orl_crew *crew)
             continue;
         for (size_t k = 0; k < ORL_CAUSTIC_TARGET_CELLS; k++)
             sum += pilot->found[i][k];
-        if (!sends_on_itself(e, &e->strata[i]))
+        if (!pane_scatters(e, &e->strata[i]))
             code = orl_caustic_target_settle(&e->strata[i], pilot->found[i]);
         if (e->strata[i].place.weight)
             pilot->yield[i] = fmax(pilot->yield[i], sum);
@@ -109,7 +109,7 @@ static void allot_flights(struct pilot *pilot)
 }
 
 /* Distributes caustic photons by the flux that the pilot found, and a small share everywhere. */
-static int share_out(struct pilot *pilot, struct orl_crew *crew)
+static int set_caustic_shares(struct pilot *pilot, struct orl_crew *crew)
 {
     struct orl_emission *e = pilot->emission;
     double sum = 0, flux = 0, below = 0;
@@ -121,7 +121,7 @@ static int share_out(struct pilot *pilot, struct orl_crew *crew)
     allot_flights(pilot);
     int code = orl_crew_try(crew, e->n_strata, try_caustics, pilot);
     if (code == 0)
-        code = seek(pilot, crew);
+        code = find_targets(pilot, crew);
     if (code < 0)
         return code;
     for (size_t i = 0; i < e->n_strata; i++) {
@@ -144,7 +144,7 @@ static int share_out(struct pilot *pilot, struct orl_crew *crew)
 int orl_caustic_pilot(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew)
 {
     struct pilot pilot = {.emission = emission, .seed = seed};
-    const int code = share_out(&pilot, crew);
+    const int code = set_caustic_shares(&pilot, crew);
     for (size_t i = 0; pilot.found && i < emission->n_strata; i++)
         free(pilot.found[i]);
     free(pilot.found);

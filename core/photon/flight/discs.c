@@ -32,7 +32,8 @@ static double half_extent(const struct orl_disc *disc, int axis)
     return disc->radius * sqrt(fmax(0, 1 - n * n));
 }
 
-static void bound(const struct orl_discs *tree, struct node *node, uint32_t first, uint32_t count)
+static void bound_discs(const struct orl_discs *tree, struct node *node, uint32_t first,
+                        uint32_t count)
 {
     for (int axis = 0; axis < 3; axis++) {
         node->low[axis] = INFINITY;
@@ -69,10 +70,10 @@ static int compare_ranks(const void *a, const void *b)
 }
 
 /* Splits the discs in halves by their centers along the box's longest axis. */
-static void split(struct orl_discs *tree, struct rank *ranks, uint32_t first, uint32_t count)
+static void split_discs(struct orl_discs *tree, struct rank *ranks, uint32_t first, uint32_t count)
 {
     struct node *node = &tree->nodes[tree->n_nodes++];
-    bound(tree, node, first, count);
+    bound_discs(tree, node, first, count);
     if (count <= LEAF) {
         node->first = first;
         node->count = count;
@@ -87,9 +88,9 @@ static void split(struct orl_discs *tree, struct rank *ranks, uint32_t first, ui
     for (uint32_t i = 0; i < count; i++)
         tree->order[first + i] = ranks[i].disc;
     node->count = 0;
-    split(tree, ranks, first, count / 2);
+    split_discs(tree, ranks, first, count / 2);
     node->second = tree->n_nodes;
-    split(tree, ranks, first + count / 2, count - count / 2);
+    split_discs(tree, ranks, first + count / 2, count - count / 2);
 }
 
 int orl_discs_new(const struct orl_disc *discs, size_t count, struct orl_discs **ret_discs)
@@ -110,7 +111,7 @@ int orl_discs_new(const struct orl_disc *discs, size_t count, struct orl_discs *
     for (uint32_t i = 0; i < count; i++)
         tree->order[i] = i;
     if (count > 0)
-        split(tree, ranks, 0, (uint32_t)count);
+        split_discs(tree, ranks, 0, (uint32_t)count);
     free(ranks);
     *ret_discs = tree;
     return 0;
@@ -142,8 +143,8 @@ static void add_pass(struct orl_passes *passes, struct orl_pass pass)
 
 /* Records the pass if the stretch crosses the disc from its lit side, within its unobstructed
  * part. */
-static void note_disc(const struct orl_disc *disc, uint32_t index, const struct orl_stretch *s,
-                      struct orl_passes *passes)
+static void record_pass(const struct orl_disc *disc, uint32_t index, const struct orl_stretch *s,
+                        struct orl_passes *passes)
 {
     const double against = -orl_dot(s->direction, disc->frame.n);
     const double height = orl_dot(orl_sub(s->origin, disc->center), disc->frame.n);
@@ -169,7 +170,7 @@ static void note_disc(const struct orl_disc *disc, uint32_t index, const struct 
                                        .lamp = s->lamp});
 }
 
-static bool meets(const struct node *node, const struct orl_stretch *s)
+static bool crosses_box(const struct node *node, const struct orl_stretch *s)
 {
     double near = 0, far = s->distance;
     for (int axis = 0; axis < 3; axis++) {
@@ -196,11 +197,11 @@ void orl_discs_note(const struct orl_discs *discs, const struct orl_stretch *str
     while (depth > 0) {
         const uint32_t at = stack[--depth];
         const struct node *node = &discs->nodes[at];
-        if (!meets(node, stretch))
+        if (!crosses_box(node, stretch))
             continue;
         for (uint32_t i = 0; i < node->count; i++) {
             const uint32_t disc = discs->order[node->first + i];
-            note_disc(&discs->discs[disc], disc, stretch, passes);
+            record_pass(&discs->discs[disc], disc, stretch, passes);
         }
         if (node->count == 0) {
             stack[depth++] = node->second;

@@ -40,7 +40,7 @@ static bool find_first(const struct orl_world *world, const struct orl_flight *f
     return false;
 }
 
-static void look_ahead(void *arg, size_t index, uint32_t member)
+static void estimate_reflected(void *arg, size_t index, uint32_t member)
 {
     const struct pilot *pilot = arg;
     const struct orl_emission *e = pilot->emission;
@@ -76,6 +76,6 @@ int orl_first_reflection_prepare(struct orl_emission *emission, uint64_t seed,
     for (size_t i = 0; i < emission->n_strata; i++)
         emission->strata[i].reflected = 1;
     return emission->world->omit.counted_light
-               ? orl_crew_try(crew, emission->n_strata, look_ahead, &pilot)
+               ? orl_crew_try(crew, emission->n_strata, estimate_reflected, &pilot)
                : 0;
 }

@@ -42,8 +42,8 @@ bool orl_found_by_nobody(const struct orl_found *found, const struct orl_world *
 
 /* Handles a reflection by a mirror: updates the image. A lamp has images in its first mirror
  * only. */
-static enum orl_found_by mirrored(struct orl_found *found, const struct orl_world *world,
-                                  uint32_t facet)
+static enum orl_found_by found_after_mirror(struct orl_found *found, const struct orl_world *world,
+                                            uint32_t facet)
 {
     const struct orl_images *images = &world->images;
     const int16_t class = orl_images_class(images, facet);
@@ -60,24 +60,24 @@ static enum orl_found_by mirrored(struct orl_found *found, const struct orl_worl
 
 /* The first lobes on the light's path decide: backward paths that reach them sample lights from
  * there. */
-static enum orl_found_by by_paths(struct orl_found *found, const struct orl_world *world,
-                                  const struct orl_hit *hit, enum orl_event event)
+static enum orl_found_by found_by_paths(struct orl_found *found, const struct orl_world *world,
+                                        const struct orl_hit *hit, enum orl_event event)
 {
     if (found->by == ORL_FOUND_BY_LOBES || found->by == ORL_FOUND_BY_NOBODY)
         return found->by;
     if (event == ORL_EVENT_MIRROR)
-        return mirrored(found, world, hit->facet);
+        return found_after_mirror(found, world, hit->facet);
     return event == ORL_EVENT_GLOSSY && !orl_found_by_nobody(found, world) ? ORL_FOUND_BY_LOBES
                                                                            : ORL_FOUND_BY_NOBODY;
 }
 
-static enum orl_found_by by_sensor(struct orl_found *found, const struct orl_world *world,
-                                   const struct orl_hit *hit, enum orl_event event)
+static enum orl_found_by found_by_sensor(struct orl_found *found, const struct orl_world *world,
+                                         const struct orl_hit *hit, enum orl_event event)
 {
     const bool straight = found->by == ORL_FOUND_BY_SHADOW_RAYS && found->image >= 0;
     const bool lamp = found->lamp != ORL_FOUND_NO_LAMP;
     if (event == ORL_EVENT_MIRROR && (straight || lamp || found->by == ORL_FOUND_BY_IMAGES))
-        return mirrored(found, world, hit->facet);
+        return found_after_mirror(found, world, hit->facet);
     if (event == ORL_EVENT_GLOSSY && straight &&
         orl_material_transmits_lobes(orl_world_material(world, hit)))
         return ORL_FOUND_BY_LOBES;
@@ -87,6 +87,6 @@ static enum orl_found_by by_sensor(struct orl_found *found, const struct orl_wor
 void orl_found_next(struct orl_found *found, const struct orl_world *world,
                     const struct orl_hit *hit, enum orl_event event)
 {
-    found->by =
-        found->paths ? by_paths(found, world, hit, event) : by_sensor(found, world, hit, event);
+    found->by = found->paths ? found_by_paths(found, world, hit, event)
+                             : found_by_sensor(found, world, hit, event);
 }

@@ -57,8 +57,8 @@ static struct orl_vec3 patch_direction(uint32_t patch, struct orl_random *random
  * It is computed, not sampled: a pane mirrors a tenth, so of four photons most often none, and the
  * cell would look empty.
  */
-static double deflected(const struct orl_world *world, struct orl_vec3 origin,
-                        struct orl_vec3 direction)
+static double deflected_share(const struct orl_world *world, struct orl_vec3 origin,
+                              struct orl_vec3 direction)
 {
     struct orl_path path = orl_path_from(origin, direction);
     struct orl_hit hit;
@@ -85,8 +85,8 @@ static double deflected(const struct orl_world *world, struct orl_vec3 origin,
  * in rooms have about the same flux, whether they come by an opening or by a port. Density
  * estimates so do not depend on a few heavy photons.
  */
-static double worth(const struct orl_world *world, struct orl_vec3 origin,
-                    struct orl_vec3 direction, bool lamps, struct orl_random *random)
+static double ray_importance(const struct orl_world *world, struct orl_vec3 origin,
+                             struct orl_vec3 direction, bool lamps, struct orl_random *random)
 {
     struct orl_path path = orl_path_from(origin, direction);
     struct orl_hit hit;
@@ -127,8 +127,9 @@ static void probe_row(void *arg, size_t row, uint32_t member)
             const double u[2] = {x / pilot->side, y / pilot->side};
             struct orl_vec3 origin;
             orl_beam_point(world->geometry, towards, u, &origin);
-            sum += pilot->caustic ? deflected(world, origin, orl_neg(towards))
-                                  : worth(world, origin, orl_neg(towards), pilot->lamps, &random);
+            sum += pilot->caustic
+                       ? deflected_share(world, origin, orl_neg(towards))
+                       : ray_importance(world, origin, orl_neg(towards), pilot->lamps, &random);
         }
         const double least = pilot->caustic ? least_worth_caustic
                              : pilot->lamps ? least_worth_lamp
@@ -142,7 +143,7 @@ static void probe_row(void *arg, size_t row, uint32_t member)
  * a narrow contribution inside the cell. Photons that carry it would be hundreds of times as heavy
  * as others.
  */
-static double beside(const double *found, size_t side, size_t x, size_t y)
+static double largest_beside(const double *found, size_t side, size_t x, size_t y)
 {
     double most = 0;
     for (size_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < side; row++)
@@ -151,19 +152,19 @@ static double beside(const double *found, size_t side, size_t x, size_t y)
     return most;
 }
 
-static void spread_out(struct pilot *pilot, double *found)
+static void spread_values(struct pilot *pilot, double *found)
 {
     const size_t side = pilot->side;
     memcpy(found, pilot->values, side * side * sizeof *found);
     for (size_t y = 0; y < side; y++)
         for (size_t x = 0; x < side; x++)
             pilot->values[y * side + x] =
-                fmax(found[y * side + x], beside_others * beside(found, side, x, y));
+                fmax(found[y * side + x], beside_others * largest_beside(found, side, x, y));
 }
 
 /* Computes the summed-area table: sums of all cells above and left of a corner, (side + 1)
  * squared. */
-static void sum_up(const struct pilot *pilot, double *ret_sums)
+static void sum_areas(const struct pilot *pilot, double *ret_sums)
 {
     const size_t side = pilot->side, wide = side + 1;
     for (size_t i = 0; i < wide; i++)
@@ -192,11 +193,11 @@ static double mean_around(const double *sums, size_t side, size_t x, size_t y, s
  * photons estimate a small probability badly, so the largest mean of several neighbourhoods is
  * used.
  */
-static void weigh(struct pilot *pilot, double *sums)
+static void weigh_cells(struct pilot *pilot, double *sums)
 {
     static const size_t reaches[] = {1, 4, 13};
     const size_t side = pilot->side;
-    sum_up(pilot, sums);
+    sum_areas(pilot, sums);
     for (size_t y = 0; y < side; y++)
         for (size_t x = 0; x < side; x++) {
             double *value = &pilot->values[y * side + x];
@@ -213,9 +214,9 @@ static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_tab
     pilot->values = malloc(side * side * sizeof *pilot->values);
     int code = found && pilot->values ? orl_crew_try(crew, side, probe_row, pilot) : ORL_ERR_NOMEM;
     if (code == 0 && pilot->lamps && !pilot->caustic)
-        weigh(pilot, found);
+        weigh_cells(pilot, found);
     else if (code == 0)
-        spread_out(pilot, found);
+        spread_values(pilot, found);
     if (code == 0)
         code = orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
     free(found);

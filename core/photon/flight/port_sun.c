@@ -26,7 +26,7 @@ struct casting {
     struct orl_shades *shades;
 };
 
-static struct orl_shade nowhere(void)
+static struct orl_shade empty_shade(void)
 {
     return (struct orl_shade){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
 }
@@ -81,7 +81,7 @@ static void cast_curved(const struct casting *c, const struct orl_facet *facet,
 }
 
 /* Returns how far a facet extends beyond the plane. */
-static double reach(const struct casting *c, const struct orl_facet *facet)
+static double reach_beyond_plane(const struct casting *c, const struct orl_facet *facet)
 {
     const struct orl_vec3 o = c->outward;
     double most = -INFINITY;
@@ -100,7 +100,7 @@ static double reach(const struct casting *c, const struct orl_facet *facet)
 
 static struct orl_shade shade_of(const struct casting *c, const struct orl_facet *facet)
 {
-    struct orl_shade shade = nowhere();
+    struct orl_shade shade = empty_shade();
     if (facet->kind != ORL_SURFACE_POLYGON)
         cast_curved(c, facet, &shade);
     for (uint32_t i = 0; i < facet->n_triangles; i++)
@@ -112,7 +112,7 @@ static struct orl_shade shade_of(const struct casting *c, const struct orl_facet
 /* Returns the bounds of the pane itself, projected along its normal. */
 static struct orl_shade pane_of(const struct casting *c, const struct orl_facet *facet)
 {
-    struct orl_shade pane = nowhere();
+    struct orl_shade pane = empty_shade();
     struct casting still = *c;
     still.slide = still.outward;
     still.spread = 0;
@@ -125,7 +125,7 @@ static struct orl_shade pane_of(const struct casting *c, const struct orl_facet 
     return pane;
 }
 
-static bool overlap(const struct orl_shade *a, const struct orl_shade *b)
+static bool shades_overlap(const struct orl_shade *a, const struct orl_shade *b)
 {
     return a->low[0] <= b->high[0] && b->low[0] <= a->high[0] && a->low[1] <= b->high[1] &&
            b->low[1] <= a->high[1];
@@ -135,7 +135,7 @@ static bool overlap(const struct orl_shade *a, const struct orl_shade *b)
 static bool add_shade(struct orl_shades *shades, const struct orl_shade *shade,
                       const struct orl_shade *pane)
 {
-    if (!overlap(shade, pane))
+    if (!shades_overlap(shade, pane))
         return true;
     if (shades->count == ORL_MOST_SHADES)
         return false;
@@ -153,7 +153,7 @@ static bool cast_placed(const struct casting *c, const struct orl_shade *pane,
         const struct orl_vec3 low = g->placed[i].low, high = g->placed[i].high;
         const double most = fmax(low.x * o.x, high.x * o.x) + fmax(low.y * o.y, high.y * o.y) +
                             fmax(low.z * o.z, high.z * o.z) - c->plane;
-        struct orl_shade shade = nowhere();
+        struct orl_shade shade = empty_shade();
         if (most <= 0.1 * c->room)
             continue;
         cast_box(c, low, high, &shade);
@@ -187,14 +187,14 @@ static bool cast_shades(const struct orl_world *world, const struct orl_port *po
                         .spread = 2 * (sin_half / cos_half) / (least * least),
                         .room = margin * g->radius,
                         .shades = shades};
-    c.plane = reach(&c, facet);
+    c.plane = reach_beyond_plane(&c, facet);
     const struct orl_shade pane = pane_of(&c, facet);
     for (uint32_t i = 0; i < g->n_facets; i++) {
         if (i % 4096 == 0 && orl_crew_cancelled(crew))
             return false;
         struct orl_facet room;
         const struct orl_facet *const f = orl_facet_own(g, i, &room);
-        if (!(f->area > 0) || i == port->facet || reach(&c, f) <= 0.1 * c.room)
+        if (!(f->area > 0) || i == port->facet || reach_beyond_plane(&c, f) <= 0.1 * c.room)
             continue;
         const struct orl_shade shade = shade_of(&c, f);
         if (!add_shade(shades, &shade, &pane))

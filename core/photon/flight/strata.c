@@ -41,7 +41,7 @@ static double transmitted_luma(const struct orl_world *world, const struct orl_p
 }
 
 /* Fills one cell of one port's table with the mean of the transmitted light. */
-static void look_out(void *arg, size_t index, uint32_t member)
+static void fill_cell(void *arg, size_t index, uint32_t member)
 {
     struct pilot *pilot = arg;
     const struct orl_world *world = pilot->emission->world;
@@ -82,7 +82,7 @@ static int make_port_tables(struct pilot *pilot, struct orl_crew *crew)
     e->port_tables = calloc(n_ports + 1, sizeof *e->port_tables);
     if (!pilot->values || !e->port_tables)
         return ORL_ERR_NOMEM;
-    code = orl_crew_try(crew, n_ports * cells, look_out, pilot);
+    code = orl_crew_try(crew, n_ports * cells, fill_cell, pilot);
     for (size_t i = 0; i < n_ports && code == 0; i++)
         code = orl_table_init(&e->port_tables[i], pilot->side, pilot->side,
                               pilot->values + i * cells, floor_share);
@@ -318,7 +318,7 @@ static double share_of_sky(const struct orl_emission *e, double sky, double wort
 }
 
 /* Distributes global photons by flux. */
-static void share_out(struct orl_emission *e)
+static void set_shares(struct orl_emission *e)
 {
     double sky = 0, worthy = 0, rest = 0, below = 0;
     for (size_t i = 0; i < e->n_strata; i++) {
@@ -366,7 +366,7 @@ int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uin
     if (code == 0)
         code = orl_first_reflection_prepare(e, seed, crew);
     if (code == 0) {
-        share_out(e);
+        set_shares(e);
         code = orl_caustic_pilot(e, seed, crew);
     }
     free(pilot.values);

@@ -44,7 +44,7 @@ void orl_table_done(struct orl_table *table)
 }
 
 /* Bisection step without branches, because the result is unpredictable. */
-static inline uint32_t step_on(const double *below, uint32_t low, uint32_t half, double at)
+static inline uint32_t bisect_step(const double *below, uint32_t low, uint32_t half, double at)
 {
     return low + (below[low + half] <= at) * half;
 }
@@ -74,7 +74,7 @@ static inline void sample_few(const struct orl_table *table, const double (*u)[2
     /* Finds the last row that begins no later, then the last cell of it. */
     for (uint32_t left = table->side_y; left > 1; left -= left / 2)
         for (size_t i = 0; i < n; i++)
-            y[i] = step_on(table->row_below, y[i], left / 2, at[i]);
+            y[i] = bisect_step(table->row_below, y[i], left / 2, at[i]);
     for (size_t i = 0; i < n; i++) {
         rows[i] = table->cell_below + y[i] * stride;
         ret_points[i][1] = (y[i] + within_step(table->row_below, y[i], at[i])) / table->side_y;
@@ -82,7 +82,7 @@ static inline void sample_few(const struct orl_table *table, const double (*u)[2
     }
     for (uint32_t left = table->side_x; left > 1; left -= left / 2)
         for (size_t i = 0; i < n; i++)
-            x[i] = step_on(rows[i], x[i], left / 2, at[i]);
+            x[i] = bisect_step(rows[i], x[i], left / 2, at[i]);
     for (size_t i = 0; i < n; i++) {
         ret_points[i][0] = (x[i] + within_step(rows[i], x[i], at[i])) / table->side_x;
         ret_densities[i] =

@@ -34,7 +34,7 @@ struct course {
  * Russian roulette: returns false if the survival probability has fallen to the photon's fate.
  * spared: factor by which the flux is reduced in addition (first_reflection.h); or 1.
  */
-static bool survives(struct course *c, struct orl_rgb weight, double spared)
+static bool survives_roulette(struct course *c, struct orl_rgb weight, double spared)
 {
     const double chance = orl_smaller(orl_luma(weight) / spared, 1);
     c->alive *= chance;
@@ -57,7 +57,8 @@ static bool ends_here(const struct course *c, const struct orl_material *m, stru
 
 /* Applies the path to a hit: absorption by the medium, and the spread of a spotlight's beam
  * (lamp.c). Returns false if the photon ends. */
-static bool arrives(struct course *c, const struct orl_material *m, const struct orl_hit *hit)
+static bool attenuate_to_hit(struct course *c, const struct orl_material *m,
+                             const struct orl_hit *hit)
 {
     if (c->focus > 0) {
         const double before = c->spread;
@@ -66,11 +67,12 @@ static bool arrives(struct course *c, const struct orl_material *m, const struct
         c->path.weight = orl_rgb_scale(c->path.weight, c->spread / before);
     }
     const struct orl_rgb left = orl_material_dimming(m, hit, c->path.clarity);
-    return orl_is_clear(left) || survives(c, left, 1);
+    return orl_is_clear(left) || survives_roulette(c, left, 1);
 }
 
 /* Handles a ray that hits nothing; from inside a sealed building it is counted as a leak. */
-static void escape(const struct orl_world *world, const struct course *c, struct orl_health *health)
+static void count_leak(const struct orl_world *world, const struct course *c,
+                       struct orl_health *health)
 {
     if (world->open || !c->crossed || c->outside)
         return;
@@ -100,8 +102,8 @@ static bool is_sought(const struct tracing *t, const struct course *c)
 }
 
 /* Counts the photon in the discs on its way to the hit (NULL: none). */
-static void fly_by(const struct tracing *t, const struct course *c, const struct orl_hit *hit,
-                   struct orl_deposits *deposits)
+static void count_in_discs(const struct tracing *t, const struct course *c,
+                           const struct orl_hit *hit, struct orl_deposits *deposits)
 {
     const struct orl_stretch stretch = {.origin = c->path.origin,
                                         .direction = c->path.direction,
@@ -136,8 +138,8 @@ static struct tracing tracing_of(const struct orl_world *world, bool caustic)
 }
 
 /* Initialises a photon. Returns false if it is not wanted. */
-static bool set_out(const struct tracing *t, const struct orl_flight *flight, uint8_t batch,
-                    struct course *c, struct orl_deposits *deposits)
+static bool init_course(const struct tracing *t, const struct orl_flight *flight, uint8_t batch,
+                        struct course *c, struct orl_deposits *deposits)
 {
     const struct orl_deflection way = flight->way;
     /* Members are set one by one: clearing the whole struct first takes longer than the rest. */
@@ -172,20 +174,20 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
 
 /* Handles the hit of the photon's ray (NULL: none), and deposits a photon if one is wanted.
  * Returns false if the photon ends. */
-static bool land(const struct tracing *t, struct course *c, const struct orl_hit *hit,
-                 struct orl_deposits *deposits)
+static bool handle_hit(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                       struct orl_deposits *deposits)
 {
     const struct orl_world *world = t->world;
     const struct orl_deflection way = c->way;
     deposits->health.rays++;
     if (!hit) {
-        escape(world, c, &deposits->health);
+        count_leak(world, c, &deposits->health);
         return false;
     }
     const struct orl_material *m = orl_world_material(world, hit);
     const struct orl_rgb albedo = orl_material_diffuse(m, hit);
     const bool diffuse = orl_rgb_max(albedo) > 0;
-    if (!arrives(c, m, hit))
+    if (!attenuate_to_hit(c, m, hit))
         return false;
     c->unseen++;
     if (diffuse && !c->outside && !t->discs &&
@@ -200,13 +202,13 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
 
 /* Applies a scattering event. Returns false if the photon is absorbed, or is not wanted after
  * it. */
-static bool goes_on(const struct tracing *t, struct course *c, const struct orl_hit *hit,
-                    const struct orl_scatter *s, struct orl_deposits *deposits)
+static bool apply_scatter(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                          const struct orl_scatter *s, struct orl_deposits *deposits)
 {
     const double spared = c->class == ORL_PHOTON_REST ? 1 : c->reflected;
     if (s->event == ORL_EVENT_ABSORBED ||
-        !survives(c, orl_health_keep(&deposits->health, s->weight),
-                  s->event == ORL_EVENT_DIFFUSE ? spared : 1))
+        !survives_roulette(c, orl_health_keep(&deposits->health, s->weight),
+                           s->event == ORL_EVENT_DIFFUSE ? spared : 1))
         return false;
     if (s->transmitted) {
         const enum orl_crossing crossing = orl_world_crossing(t->world, hit);
@@ -239,15 +241,15 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
     struct orl_scatter s;
     struct orl_hit hit;
     struct course c;
-    if (!set_out(&t, flight, batch, &c, deposits))
+    if (!init_course(&t, flight, batch, &c, deposits))
         return;
     do {
         const bool met = orl_path_meet(world, &c.path, &hit);
-        if (!land(&t, &c, met ? &hit : NULL, deposits))
+        if (!handle_hit(&t, &c, met ? &hit : NULL, deposits))
             return;
         s = orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&c.path),
                                ORL_TRANSPORT_LIGHT, lobes_for(&t, &c), random);
-    } while (goes_on(&t, &c, &hit, &s, deposits));
+    } while (apply_scatter(&t, &c, &hit, &s, deposits));
 }
 
 /* ---- Many photons at once -------------------------------------------------------------------- */
@@ -295,8 +297,8 @@ static size_t scatter_all(struct wave *w)
         struct course *c = &w->courses[w->under_way[i]];
         struct orl_random *random = &w->randoms[w->under_way[i]];
         if (w->tracing.discs)
-            fly_by(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits);
-        if (!land(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits))
+            count_in_discs(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits);
+        if (!handle_hit(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits))
             continue;
         for (int k = 0; k < 3; k++)
             w->u[n][k] = orl_random_uniform(random);
@@ -309,21 +311,22 @@ static size_t scatter_all(struct wave *w)
     return n;
 }
 
-static void take_step(struct wave *w)
+static void advance_wave(struct wave *w)
 {
     size_t left = 0;
     trace_rays(w);
     const size_t n = scatter_all(w);
     for (size_t k = 0; k < n; k++) {
         const uint16_t i = w->scattered[k], photon = w->under_way[i];
-        if (goes_on(&w->tracing, &w->courses[photon], &w->hits[i], &w->scatters[k], w->deposits))
+        if (apply_scatter(&w->tracing, &w->courses[photon], &w->hits[i], &w->scatters[k],
+                          w->deposits))
             w->under_way[left++] = photon;
     }
     w->n = left;
 }
 
 /* Sorts the wave's deposits by photon, as if each had been traced alone, and sets their batches. */
-static void put_in_order(struct orl_deposits *deposits, size_t first)
+static void sort_deposits(struct orl_deposits *deposits, size_t first)
 {
     const size_t n = deposits->count - first;
     size_t next[AT_ONCE + 1] = {0};
@@ -357,7 +360,7 @@ void orl_trace_many(const struct orl_world *world, const struct orl_flight *flig
     uint16_t others[AT_ONCE];
     size_t n_others = 0;
     for (size_t i = 0; i < n; i++) {
-        if (!flies[i] || !set_out(&w.tracing, &flights[i], (uint8_t)i, &w.courses[i], deposits))
+        if (!flies[i] || !init_course(&w.tracing, &flights[i], (uint8_t)i, &w.courses[i], deposits))
             continue;
         if (flights[i].beam)
             w.under_way[w.n_beam++] = (uint16_t)i;
@@ -367,6 +370,6 @@ void orl_trace_many(const struct orl_world *world, const struct orl_flight *flig
     memcpy(w.under_way + w.n_beam, others, n_others * sizeof *others);
     w.n = w.n_beam + n_others;
     while (w.n > 0)
-        take_step(&w);
-    put_in_order(deposits, first);
+        advance_wave(&w);
+    sort_deposits(deposits, first);
 }

@@ -62,7 +62,7 @@ int orl_flux_least(double brightest)
 
 /* Codes mantissas with an exponent; a negative exponent becomes 0 by shifting the mantissas
  * right. */
-static uint32_t shifted(const uint32_t m[3], int exponent)
+static uint32_t shift_code(const uint32_t m[3], int exponent)
 {
     const int out = exponent >= 0 ? 0 : exponent < -MANTISSA_BITS ? MANTISSA_BITS : -exponent;
     const uint32_t left[3] = {m[0] >> out, m[1] >> out, m[2] >> out};
@@ -77,12 +77,12 @@ uint32_t orl_flux_pack_from(struct orl_rgb value, int least, double dither)
     const int exponent = exponent_of(most);
     uint32_t m[3];
     mantissas(value, exponent, dither, m);
-    return shifted(m, exponent - least);
+    return shift_code(m, exponent - least);
 }
 
 uint32_t orl_flux_coarsen(uint32_t code, int by)
 {
     const uint32_t m[3] = {code & MANTISSA_MASK, code >> MANTISSA_BITS & MANTISSA_MASK,
                            code >> 2 * MANTISSA_BITS & MANTISSA_MASK};
-    return code == 0 ? 0 : shifted(m, (int)(code >> 3 * MANTISSA_BITS) - by);
+    return code == 0 ? 0 : shift_code(m, (int)(code >> 3 * MANTISSA_BITS) - by);
 }

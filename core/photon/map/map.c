@@ -130,7 +130,7 @@ static int check_absent(const struct orl_photon_map *map, const char *path, stru
     return 0;
 }
 
-static void take_apart(struct orl_photon_map *map)
+static void set_block_pointers(struct orl_photon_map *map)
 {
     const char *base = map->file;
     const struct orl_map_layout l = orl_map_layout_of(map->header->count);
@@ -189,7 +189,7 @@ static int open_map(const char *path, bool verify, const atomic_bool *cancel,
     if (code == 0 && map->header)
         code = check_values(map->header, path, err);
     if (code == 0 && map->header) {
-        take_apart(map);
+        set_block_pointers(map);
         code = check_absent(map, path, err);
     }
     if (code < 0 || !map->header)
@@ -222,7 +222,7 @@ int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,
     map->file = file;
     map->size = size;
     map->header = file;
-    take_apart(map);
+    set_block_pointers(map);
     *ret_map = map;
     return 0;
 }

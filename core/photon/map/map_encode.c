@@ -49,7 +49,7 @@ static void place_of(const struct orl_map_encoder *p, size_t index, double ret_a
 }
 
 /* Positions are finite. */
-static void include(struct bounds *b, const double at[3])
+static void include_point(struct bounds *b, const double at[3])
 {
     for (int k = 0; k < 3; k++) {
         b->low[k] = at[k] < b->low[k] ? at[k] : b->low[k];
@@ -89,7 +89,8 @@ static void bound_chunk(void *arg, size_t chunk, uint32_t member)
 }
 
 /* Computes the bounds. Returns 0, ORL_ERR_NOMEM or an error of orl_crew_try. */
-static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct bounds *ret_bounds)
+static int bound_photons(const struct orl_map_encoder *p, struct orl_crew *crew,
+                         struct bounds *ret_bounds)
 {
     const size_t chunks = (new_photons(p) + CHUNK - 1) / CHUNK;
     struct survey survey = {p, malloc((chunks + 1) * sizeof *survey.chunks)};
@@ -98,8 +99,8 @@ static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct 
         return ORL_ERR_NOMEM;
     const int code = orl_crew_try(crew, chunks, bound_chunk, &survey);
     for (size_t i = 0; i < chunks && code == 0; i++) {
-        include(&b, survey.chunks[i].low);
-        include(&b, survey.chunks[i].high);
+        include_point(&b, survey.chunks[i].low);
+        include_point(&b, survey.chunks[i].high);
         b.brightest = fmax(b.brightest, survey.chunks[i].brightest);
     }
     free(survey.chunks);
@@ -112,7 +113,7 @@ static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct 
     for (size_t i = 0; i < p->n_earlier; i++) {
         double at[3];
         earlier_corner(p, i, at);
-        include(&b, at);
+        include_point(&b, at);
     }
     if (p->count == 0)
         b = (struct bounds){{0, 0, 0}, {0, 0, 0}, 0};
@@ -162,7 +163,7 @@ int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon
                                         .seed = seed,
                                         .unit = extent > 0 ? extent : 1};
     packing->count = packing->n_earlier + n;
-    const int code = bound(packing, crew, &bounds);
+    const int code = bound_photons(packing, crew, &bounds);
     if (code < 0)
         return code;
     choose_cells(packing, &bounds);

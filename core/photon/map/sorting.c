@@ -57,7 +57,8 @@ static inline size_t digit_of(const struct orl_sort_item *item, int shift)
  * Sorts items by one digit, in place (McIlroy, Bostic and McIlroy 1993, Computing Systems 6:
  * American flag sort): each item that is not in its bucket is swapped into it.
  */
-static void split(struct orl_sort_item *items, size_t n, int shift, size_t ret_starts[BUCKETS + 1])
+static void split_by_digit(struct orl_sort_item *items, size_t n, int shift,
+                           size_t ret_starts[BUCKETS + 1])
 {
     size_t next[BUCKETS] = {0}, sum = 0;
     for (size_t i = 0; i < n; i++)
@@ -95,7 +96,7 @@ static void sort_items(struct orl_sort_item *items, size_t n) // NOLINT(misc-no-
     const int shift = first_digit(items, n);
     if (shift < 0)
         return;
-    split(items, n, shift, starts);
+    split_by_digit(items, n, shift, starts);
     for (size_t b = 0; b < BUCKETS && shift > 0; b++)
         sort_items(items + starts[b], starts[b + 1] - starts[b]);
 }
@@ -207,7 +208,7 @@ int orl_sort_photons(struct orl_sort_item *items, size_t count,
     s.shift = count > 0 ? first_digit(items, count) : -1;
     int code = 0;
     if (s.shift >= 0) {
-        split(items, count, s.shift, s.starts);
+        split_by_digit(items, count, s.shift, s.starts);
         code = orl_crew_try(crew, BUCKETS, sort_bucket, &s);
     }
     if (code == 0)

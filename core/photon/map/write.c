@@ -49,7 +49,7 @@ static size_t chunk_end(const struct writer *w, size_t chunk)
 }
 
 /* Frees the pages of the new photons in the range. */
-static void let_go(const struct writer *w, size_t first, size_t end)
+static void free_photon_pages(const struct writer *w, size_t first, size_t end)
 {
     const struct orl_map_encoder *p = &w->packing;
     if (end > p->n_earlier)
@@ -91,7 +91,7 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
         make_items(w->words + begun, begun, i - begun, w->items + begun);
     }
     if (w->build->spend)
-        let_go(w, first, end);
+        free_photon_pages(w, first, end);
 }
 
 static void pack_chunk(void *arg, size_t chunk, uint32_t member)
@@ -238,8 +238,8 @@ static int create_in_memory(struct writer *w, struct orl_error *err)
 
 /* Builds the map. path: file to create, whose descriptor is returned in *ret_fd; NULL: in
  * memory. */
-static int make(struct writer *w, const char *path, const struct orl_photon *photons, size_t count,
-                struct orl_crew *crew, int *ret_fd, struct orl_error *err)
+static int build_map(struct writer *w, const char *path, const struct orl_photon *photons,
+                     size_t count, struct orl_crew *crew, int *ret_fd, struct orl_error *err)
 {
     const struct orl_map_build *build = w->build;
     const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
@@ -270,7 +270,7 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
 {
     struct writer w = {.build = build};
     int fd = -1;
-    const int code = make(&w, path, photons, count, crew, &fd, err);
+    const int code = build_map(&w, path, photons, count, crew, &fd, err);
     if (w.file)
         munmap(w.file, w.size);
     if (fd >= 0)
@@ -285,7 +285,7 @@ int orl_photon_map_make(const struct orl_photon *photons, size_t count,
                         struct orl_photon_map **ret_map, struct orl_error *err)
 {
     struct writer w = {.build = build};
-    int fd = -1, code = make(&w, NULL, photons, count, crew, &fd, err);
+    int fd = -1, code = build_map(&w, NULL, photons, count, crew, &fd, err);
     if (code == 0)
         return orl_photon_map_of(w.file, w.size, ret_map, err);
     if (w.file)

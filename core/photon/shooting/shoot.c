@@ -133,7 +133,7 @@ static size_t plan_round(const struct queue *queue, uint64_t target, size_t most
 }
 
 /* Allocates and clears the round's batches. Returns 0 or ORL_ERR_NOMEM. */
-static int make_room(struct queue *queue)
+static int prepare_batches(struct queue *queue)
 {
     if (queue->n_round > queue->room) {
         struct orl_deposits *grown =
@@ -156,7 +156,7 @@ static int make_room(struct queue *queue)
 }
 
 /* Reserves memory for a batch's photons. Returns 0 or ORL_ERR_NOMEM. */
-static int make_room_for(struct queue *queue, size_t count)
+static int reserve_batch(struct queue *queue, size_t count)
 {
     if (count <= queue->capacity - queue->count)
         return 0;
@@ -192,14 +192,14 @@ static bool is_finished(const struct queue *queue, uint64_t target)
 
 /* Keeps the round's batches up to the one that finishes, and drops the rest. Returns 0 or
  * ORL_ERR_NOMEM. */
-static int settle(struct queue *queue, uint64_t target, struct orl_crew *crew)
+static int keep_round(struct queue *queue, uint64_t target, struct orl_crew *crew)
 {
     size_t kept = 0;
     int code = 0;
     while (kept < queue->n_round && !queue->finished && code == 0) {
         const struct orl_deposits *batch = &queue->batches[kept];
         const struct orl_health health = orl_deposits_health(batch);
-        code = batch->out_of_memory ? ORL_ERR_NOMEM : make_room_for(queue, batch->count);
+        code = batch->out_of_memory ? ORL_ERR_NOMEM : reserve_batch(queue, batch->count);
         queue->places[kept++] = queue->count;
         queue->count += batch->count;
         orl_health_add(&queue->health, &health);
@@ -215,7 +215,7 @@ static int settle(struct queue *queue, uint64_t target, struct orl_crew *crew)
 }
 
 /* Drops the photons of a cancelled round, but keeps its counters. */
-static void break_off(struct queue *queue)
+static void drop_round(struct queue *queue)
 {
     for (size_t i = 0; i < queue->n_round; i++) {
         const struct orl_health health = orl_deposits_health(&queue->batches[i]);
@@ -224,7 +224,7 @@ static void break_off(struct queue *queue)
 }
 
 /* Moves the photons to the shot. */
-static void collect(struct queue *queue, struct orl_shot *shot)
+static void collect_photons(struct queue *queue, struct orl_shot *shot)
 {
     shot->photons = queue->photons;
     shot->count = queue->count;
@@ -258,7 +258,7 @@ static double rays_to_come(const struct queue *queue, const struct orl_shot *sho
 
 /* Reports progress by rays, because they take the time; the number of photons does not show how
  * many emissions the rest needs. */
-static void report(const struct shooting *shooting, const struct orl_shot *shots)
+static void report_progress(const struct shooting *shooting, const struct orl_shot *shots)
 {
     double done = 0, left = 0;
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
@@ -279,7 +279,7 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
             struct queue *queue = &shooting->queues[k];
             queue->n_round = plan_round(queue, shots[k].target, most);
             total += queue->n_round;
-            if (make_room(queue) < 0) {
+            if (prepare_batches(queue) < 0) {
                 queue->n_round = 0;
                 return ORL_ERR_NOMEM;
             }
@@ -289,13 +289,13 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
         orl_crew_for(shooting->env->crew, total, shoot_batch, shooting);
         if (atomic_load(shooting->env->cancel)) {
             for (int k = 0; k < ORL_SHOT_KINDS; k++)
-                break_off(&shooting->queues[k]);
+                drop_round(&shooting->queues[k]);
             return ORL_ERR_CANCELLED;
         }
         for (int k = 0; k < ORL_SHOT_KINDS; k++)
-            if (settle(&shooting->queues[k], shots[k].target, shooting->env->crew) < 0)
+            if (keep_round(&shooting->queues[k], shots[k].target, shooting->env->crew) < 0)
                 return ORL_ERR_NOMEM;
-        report(shooting, shots);
+        report_progress(shooting, shots);
     }
 }
 
@@ -303,7 +303,7 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
  * Reserves memory for all photons wanted and the surplus of the last batch. Pages are not used
  * before they are filled, while an array that grows is copied. If this fails, the array grows.
  */
-static void reserve(struct queue *queue, const struct orl_shot *shot)
+static void reserve_photons(struct queue *queue, const struct orl_shot *shot)
 {
     const uint64_t wanted = shot->target - queue->stored, spare = UINT64_C(2) * BATCH;
     if (queue->finished || wanted > ORL_LIMIT_PHOTONS)
@@ -322,7 +322,7 @@ static int set_up_queues(struct shooting *shooting, const struct orl_shot *shots
         queue->stored = shots[k].had;
         queue->finished = shots[k].target == 0 || is_finished(queue, shots[k].target) ||
                           (k == ORL_MAP_CAUSTIC && !shooting->env->emission->has_caustics);
-        reserve(queue, &shots[k]);
+        reserve_photons(queue, &shots[k]);
     }
     return 0;
 }
@@ -348,7 +348,7 @@ int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KI
         code = shoot_rounds(&shooting, shots);
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
         if (code == 0)
-            collect(&shooting.queues[k], &shots[k]);
+            collect_photons(&shooting.queues[k], &shots[k]);
         collect_health(&shooting.queues[k], &shots[k]);
     }
     free_queues(&shooting);

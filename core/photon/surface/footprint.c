@@ -219,7 +219,7 @@ static struct orl_vec3 point_at(const struct march *m, double length)
 }
 
 /* Returns true if photons of the current facet at that point count as on the footing's sheet. */
-static bool fits(const struct march *m, struct orl_vec3 point)
+static bool fits_sheet(const struct march *m, struct orl_vec3 point)
 {
     const struct orl_vec3 chord = orl_sub(point, m->footing->point);
     const struct orl_vec3 mean = orl_normalize(orl_add(m->footing->normal, m->normal));
@@ -241,7 +241,7 @@ static bool step_over(struct march *m, double length)
     m->facet = hit.facet;
     m->normal = orl_hit_facing(&hit);
     m->through = hit.point;
-    return fits(m, hit.point);
+    return fits_sheet(m, hit.point);
 }
 
 static void stop_at_edge(const struct march *m, double length, const struct orl_line *line,
@@ -269,7 +269,7 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
         if (flat && !isfinite(exit))
             exit = at;
         /* A facet that bends away before its far end is left out from its near end on. */
-        if (i > 0 && !fits(&m, point_at(&m, orl_smaller(exit, spoke->length))))
+        if (i > 0 && !fits_sheet(&m, point_at(&m, orl_smaller(exit, spoke->length))))
             break;
         if (exit >= spoke->length)
             return;
@@ -285,8 +285,8 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
 
 /* ---- Cuts ------------------------------------------------------------------------------------ */
 
-static bool is_there(const struct orl_footing *footing, const struct orl_frame *frame,
-                     const double direction[2], double length)
+static bool has_surface_at(const struct orl_footing *footing, const struct orl_frame *frame,
+                           const double direction[2], double length)
 {
     const double gap = clearance_of(footing);
     const struct orl_vec3 point = orl_madd(footing->point, in_plane(frame, direction), length);
@@ -304,11 +304,11 @@ static void stop_at_cuts(const struct orl_footing *footing, const struct orl_fra
         return;
     for (int i = 1; i < PROBES; i++) {
         double low = spoke->length * (i - 1) / PROBES, high = spoke->length * i / PROBES;
-        if (is_there(footing, frame, direction, high))
+        if (has_surface_at(footing, frame, direction, high))
             continue;
         for (int k = 0; k < HALVINGS; k++) {
             const double middle = 0.5 * (low + high);
-            if (is_there(footing, frame, direction, middle))
+            if (has_surface_at(footing, frame, direction, middle))
                 low = middle;
             else
                 high = middle;
@@ -320,8 +320,8 @@ static void stop_at_cuts(const struct orl_footing *footing, const struct orl_fra
 
 /* ---- Star of rays ---------------------------------------------------------------------------- */
 
-static void spread(const struct orl_footing *footing, const struct orl_frame *frame, double radius,
-                   struct spoke spokes[SECTORS], double *ret_clear)
+static void cast_spokes(const struct orl_footing *footing, const struct orl_frame *frame,
+                        double radius, struct spoke spokes[SECTORS], double *ret_clear)
 {
     double heights[2];
     heights_of(footing, radius, heights);
@@ -341,7 +341,8 @@ static void spread(const struct orl_footing *footing, const struct orl_frame *fr
 }
 
 /* Returns true if a spoke ends on the line, or the line is beyond the radius there. */
-static bool keeps_to(const struct spoke *spoke, const struct orl_line *line, double radius, int at)
+static bool ends_on_line(const struct spoke *spoke, const struct orl_line *line, double radius,
+                         int at)
 {
     const double *direction = orl_footprint_azimuths[at % SECTORS];
     const double slope = line->normal[0] * direction[0] + line->normal[1] * direction[1];
@@ -361,7 +362,7 @@ static struct orl_wedge wedge_between(const struct spoke *a, const struct spoke 
     for (int i = 0; i < 2; i++) {
         const struct orl_line *line = &both[i]->line;
         if (both[i]->ended && (line->normal[0] != 0 || line->normal[1] != 0) &&
-            keeps_to(both[1 - i], line, radius, at + 1 - i)) {
+            ends_on_line(both[1 - i], line, radius, at + 1 - i)) {
             wedge.border = *line;
             return wedge;
         }
@@ -377,7 +378,7 @@ void orl_footprint_make(const struct orl_footing *footing, double radius,
 {
     struct spoke spokes[SECTORS];
     ret_footprint->frame = frame_of(footing);
-    spread(footing, &ret_footprint->frame, radius, spokes, &ret_footprint->clear);
+    cast_spokes(footing, &ret_footprint->frame, radius, spokes, &ret_footprint->clear);
     for (int i = 0; i < SECTORS; i++)
         ret_footprint->wedges[i] = wedge_between(&spokes[i], &spokes[(i + 1) % SECTORS], radius, i);
 }

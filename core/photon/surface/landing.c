@@ -26,8 +26,8 @@ static bool is_on(const struct orl_planes *planes, uint32_t facet, const struct 
 }
 
 /* Returns a recent facet that the photon lies on; or ORL_NOWHERE. */
-static uint32_t recall(const struct orl_planes *planes, struct recent *recent,
-                       const struct orl_landed *photon, double rounding)
+static uint32_t find_recent(const struct orl_planes *planes, struct recent *recent,
+                            const struct orl_landed *photon, double rounding)
 {
     for (uint32_t i = 0; i < recent->count; i++)
         if (recent->codes[i] == photon->code && is_on(planes, recent->facets[i], photon, rounding))
@@ -35,7 +35,7 @@ static uint32_t recall(const struct orl_planes *planes, struct recent *recent,
     return ORL_NOWHERE;
 }
 
-static void remember(struct recent *recent, uint32_t facet, uint16_t code)
+static void add_recent(struct recent *recent, uint32_t facet, uint16_t code)
 {
     if (recent->count < RECENT)
         recent->count++;
@@ -48,7 +48,8 @@ static void remember(struct recent *recent, uint32_t facet, uint16_t code)
 }
 
 /* Returns the facet that a ray from above the photon hits; or ORL_NOWHERE. */
-static uint32_t ask(const struct orl_geometry *g, const struct orl_landed *photon, double rounding)
+static uint32_t trace_facet(const struct orl_geometry *g, const struct orl_landed *photon,
+                            double rounding)
 {
     const struct orl_vec3 start = orl_madd(photon->point, photon->normal, 4 * rounding);
     struct orl_hit hit;
@@ -80,10 +81,10 @@ static uint32_t facet_of(const struct orl_landing *landing, const struct orl_lan
 {
     const struct orl_planes *planes = landing->planes;
     const double rounding = 2 * landing->map->header->cell + planes->geometry->radius * 0x1p-20;
-    const uint32_t known = recall(planes, recent, photon, rounding);
+    const uint32_t known = find_recent(planes, recent, photon, rounding);
     if (known != ORL_NOWHERE && !sure)
         return known;
-    const uint32_t met = ask(planes->geometry, photon, rounding);
+    const uint32_t met = trace_facet(planes->geometry, photon, rounding);
     if (met == ORL_NOWHERE)
         return known;
     if (known != ORL_NOWHERE && met != known) {
@@ -92,7 +93,7 @@ static uint32_t facet_of(const struct orl_landing *landing, const struct orl_lan
             atomic_store_explicit(&landing->doubtful[met], true, memory_order_relaxed);
     }
     if (met != known && orl_planes_have(planes, met))
-        remember(recent, met, photon->code);
+        add_recent(recent, met, photon->code);
     return met;
 }
 
