@@ -49,7 +49,7 @@ static const double half_disc_rad = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
 
 /*
  * Returns the sun at the middle of the part of an interval in which it is up; of several parts, the
- * longest. `at` is its position at the middle of the interval, which is returned if it is never up.
+ * longest. If it is never up, returns `at`, its position at the middle of the interval.
  */
 static struct orl_sun_position sun_in_part(const struct orl_location *site,
                                            const struct orl_moment *middle, double interval_h,
@@ -150,7 +150,7 @@ static int find_cie(const struct orl_sky_request *request, const struct orl_sun_
 
 /* ---- Normalisation --------------------------------------------------------------------------- */
 
-/* Returns the index of the sky's brightness in the pattern; the ground's is the next. */
+/* Returns the index of the sky's brightness in pattern->a; the ground's is the next. */
 static int brightness_argument(const struct orl_sky *pattern)
 {
     return pattern->kind == ORL_SKY_PEREZ ? 0 : 1;

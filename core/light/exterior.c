@@ -149,7 +149,7 @@ static bool is_entry(const struct orl_eye_path *p)
     return orl_world_crossing(p->world, &p->hit) == ORL_CROSSING_INWARDS;
 }
 
-/* Returns true if sun light is scattered diffusely at the hit (diffused_bsdf_direct). */
+/* Returns true if sunlight is scattered diffusely at the hit (diffused_bsdf_direct). */
 static bool is_diffused_bsdf(const struct outing *o, const struct orl_material *m)
 {
     return o->diffused && m->kind == ORL_MATERIAL_BSDF && is_entry(&o->eye);

@@ -14,8 +14,7 @@
  *
  * An opening gets a pane if rays leave the scene from one of its sides several times as often as
  * from the other (escape.h). Rays past panes of other openings are not counted. It gets none if
- * - it stands before windows that are ports themselves, as the opening of a frame or of a courtyard
- * does
+ * - it stands before windows that are ports themselves (the opening of a frame or a courtyard)
  * - curved mirrors or lenses stand before it outdoors, whose light ports do not send in
  * - the scene has mist
  */

@@ -7,7 +7,7 @@
  * stands for are removed. There the proxy scatters as any BSDF does, on both sides. Rays that leave
  * it to the side of the geometry start beyond it, because partly covered surfaces may remain there.
  *
- * Of two proxies that stand for the same geometry, one to each side, the first serves both. They
+ * If two proxies stand for the same geometry, one to each side, the first serves both. They
  * are such a pair if they face opposite ways and their two thicknesses together span the distance
  * between them. (In Radiance each scatters only light from its outer side, at any distance, with
  * the same result. Files have pairs a little further apart than either is thick.)

@@ -14,8 +14,8 @@
 #include "photon/surface/footprint.h"
 
 /*
- * Returns true if surfaces nearer than twice `radius` would block more than a fixed share of the
- * light of a uniform sky on the footing. Panes do not block.
+ * Returns true if surfaces nearer than twice `radius` block at least 3/16 of the light of a uniform
+ * sky on the footing, as sampled by rays. Panes do not block.
  */
 bool orl_is_crowded(const struct orl_footing *footing, double radius);
 

@@ -16,7 +16,7 @@
 
 /* Layout of the sums of photons' fluxes, in one row for vectorised loops. */
 enum {
-    ORL_MASS_FLUX = ORL_MAP_BATCHES,      /* after luma by batch: red, green, blue */
+    ORL_MASS_FLUX = ORL_MAP_BATCHES, /* red, green, blue; the entries before are luma by batch */
     ORL_MASS_SQUARES = ORL_MASS_FLUX + 3, /* squares of the photons' luma */
     ORL_MASS_COUNT,                       /* number of photons */
     ORL_MASS = 24                         /* the rest is 0 */

@@ -371,7 +371,8 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
  * photons, they are biased, or the point lies beyond them. Photons, and so records, end where
  * little light arrives. Then the nearest records lie to one side, far away relative to their
  * spacing, and differ. If n points are spread evenly around the point, or around it at an end of
- * the surface, one in thirty has the nearest that far off: (1 - (nearest / farthest)^2)^(n - 1).
+ * the surface, the nearest is that far off in one of thirty cases: (1 - (nearest / farthest)^2)^(n
+ * - 1).
  */
 static bool is_unreliable(const struct fit *fit, const struct orl_density *density, double mean)
 {

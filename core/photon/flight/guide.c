@@ -82,8 +82,8 @@ static double deflected_share(const struct orl_world *world, struct orl_vec3 ori
 /*
  * Returns 1 if light along that ray hits further surfaces, 0 if it leaves. For maps it must hit
  * several in a row, as light in a room does, and light on the ground outside does not. Then photons
- * in rooms have about the same flux, whether they come by an opening or by a port. Density
- * estimates so do not depend on a few heavy photons.
+ * in rooms have about the same flux, whether they come by an opening or by a port, and density
+ * estimates do not depend on a few heavy ones.
  */
 static double ray_importance(const struct orl_world *world, struct orl_vec3 origin,
                              struct orl_vec3 direction, bool lamps, struct orl_random *random)
