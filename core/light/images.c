@@ -155,7 +155,7 @@ struct pilot {
     size_t n;
     struct orl_frame frames[MOST_CANDIDATES];
     double flux[MOST_CANDIDATES];
-    double fallen; /* flux on mirrors, of all suns */
+    double fallen; /* flux of this sun on mirrors */
 };
 
 static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, double flux)

@@ -19,7 +19,7 @@ static struct orl_vec3 direction_of(int ray)
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* Counts a hit of a port, also one that is closed for a while. Returns true if it is one. */
+/* Counts a hit of a port, also of one that is closed temporarily. Returns true if it is one. */
 static bool count_port(const struct orl_world *world, const struct orl_hit *hit,
                        struct votes *votes)
 {

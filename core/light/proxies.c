@@ -120,8 +120,8 @@ static bool is_hidden(const struct orl_scene *scene, const struct orl_geometry *
     return covered >= hidden_share * POINTS;
 }
 
-/* Returns the nearest proxy in that direction from a point that faces the same way; UINT32_MAX:
- * none. */
+/* Returns the nearest proxy in a direction from a point, if that is its own direction across;
+ * UINT32_MAX: none. */
 static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3 point,
                              struct orl_vec3 way, double reach, double *ret_apart)
 {

@@ -52,9 +52,10 @@ static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
 }
 
 /*
- * Returns true if a path that meets no surface escapes through a hole. Rays have float coordinates:
- * one in ten million leaves a hit slightly beyond the edge where two walls meet, and so escapes. A
- * ray that also escapes from slightly before that hit has found a hole.
+ * Returns true if there is a sun or a dome, and a ray that met no surface escapes through a hole.
+ * Rays have float coordinates: one in ten million leaves a hit slightly beyond the edge where two
+ * walls meet, and so escapes. A ray that also escapes from slightly before that hit has found a
+ * hole.
  */
 static bool is_real_escape(const struct orl_world *world, struct orl_vec3 before,
                            struct orl_vec3 direction)

@@ -75,7 +75,8 @@ static int settle_coincident(struct orl_description *d, struct orl_error *err)
     return code;
 }
 
-/* Decides the same within each prototype; surfaces of different prototypes are not compared. */
+/* Decides about coincident surfaces within each prototype; surfaces of different prototypes are
+ * not compared. */
 static int settle_prototypes(struct orl_description *d, struct orl_error *err)
 {
     const struct orl_description whole = *d;

@@ -37,7 +37,8 @@ static double mean_off(const struct orl_weather *weather, size_t stride, double 
     return n > 0 ? sum / (double)n : 0;
 }
 
-/* Returns 1 less the correlation of global irradiance with the sine of the sun's altitude. */
+/* Returns 1 minus the correlation (not centred) of global irradiance with the sine of the sun's
+ * altitude. */
 static double global_off(const struct orl_weather *weather, size_t stride, double shift_h)
 {
     double products = 0, squares = 0, heights = 0;

@@ -18,7 +18,7 @@ struct reader {
     int first_year, last_year; /* first and last year of the file's rows; 0: rows have no year */
     bool has_rows;             /* the file has rows, of any year */
     int first_date;            /* date in the EPW's header: days since 1 January */
-    /* EPW: rows an hour, and number of rows so far in the hour of the last row */
+    /* EPW: rows an hour, and index of the last row within its hour */
     int an_hour, n_of_hour;
     struct orl_weather_row last;
     short years[12][31][24]; /* years of rows by month, day and hour; 0: none */

@@ -44,7 +44,7 @@ static void carry_hours(struct orl_weather *weather)
 
 /* ---- Order ----------------------------------------------------------------------------------- */
 
-/* Hours since the year began. */
+/* Returns the hours since the year began, counted as in a leap year. */
 static double time_of(const struct orl_weather_row *row)
 {
     return orl_weather_days_before(row->month, row->day, true) * day_h + row->hour;
