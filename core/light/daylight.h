@@ -57,9 +57,9 @@ struct orl_daylight_sun orl_daylight_sun_of_row(const struct orl_weather *weathe
                                                 const struct orl_weather_row *row);
 
 /*
- * Returns the brightness of sky and ground in the pattern's terms for a diffuse irradiance
- * `diffuse`, W/m2. per_sky and per_ground are the irradiance from the sky's upper half if either
- * brightness is 1. Sun and sky light the ground.
+ * Returns the brightness of sky and ground in the pattern's terms that gives a diffuse irradiance
+ * `diffuse`, W/m2. per_sky and per_ground are the irradiance from the sky's upper half for
+ * brightness 1 of the sky or of the ground. Sun and sky light the ground.
  */
 struct orl_sky_balance {
     double sky, ground;

@@ -1,7 +1,7 @@
 /*
- * Paths from eyes and sensors against the light: one loop for all techniques, which say by a sink
- * (callbacks) what they add. The radiance that a path has seen is a sum; each part is weighted by
- * the path's throughput where it was found:
+ * Paths from eyes and sensors against the light: one loop for all techniques, which define by a
+ * sink (callbacks) what they add. The radiance that a path has seen is a sum; each part is weighted
+ * by the path's throughput where it was found:
  * - the domes, where the ray meets no surface: added here
  * - light of suns and lamps that mist scatters: added here
  * - light outdoors, where the path leaves a sealed building: the sink's `outdoors`

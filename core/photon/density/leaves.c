@@ -124,10 +124,10 @@ double orl_leaves_made(const struct orl_leaves *leaves)
 /*
  * Places the query at a random point among those where the leaf is used, on its own surface. The
  * leaf's value is then right on average, whatever the shapes of leaves. At the centre of its
- * photons it would be low by half a percent in even light, an effect of the order in which the
- * map's squares hold photons. Uses the site itself if that is a photon, or if no point is found.
- * Also uses it if all photons are within about a cell, because their discs contribute nothing
- * beside it. Returns the distance from the site in metres.
+ * photons it would be low by half a percent in even light, because of the way in which Morton order
+ * groups sixteen photons. Uses the site itself if that is a photon, or if no point is found. Also
+ * uses it if all photons are within about a cell, because their discs contribute nothing beside it.
+ * Returns the distance from the site in metres.
  */
 static double place_query(const struct orl_leaves *leaves, uint32_t leaf,
                           struct orl_density_query *query, struct orl_footing *footing)

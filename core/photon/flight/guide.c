@@ -139,9 +139,9 @@ static void probe_row(void *arg, size_t row, uint32_t member)
 }
 
 /*
- * Returns the largest value around a cell; the cell gets a share of it. So few photons easily miss
- * a narrow contribution inside the cell. Photons that carry it would be hundreds of times as heavy
- * as others.
+ * Returns the largest value around a cell; the cell gets a share of it. The few photons of a cell
+ * easily miss a narrow contribution inside it. Photons that carry it would be hundreds of times as
+ * heavy as others.
  */
 static double largest_beside(const double *found, size_t side, size_t x, size_t y)
 {

@@ -31,8 +31,7 @@ int orl_flux_least(double brightest);
 uint32_t orl_flux_pack_from(struct orl_rgb value, int least, double dither);
 uint32_t orl_flux_coarsen(uint32_t code, int by); /* by >= 0: increase of `least` */
 
-/* Returns the caller's unit for the values that orl_flux_unpack returns for codes with this
- * `least`. */
+/* Returns the factor from values of orl_flux_unpack to fluxes, for codes with this `least`. */
 static inline double orl_flux_unit(int least)
 {
     return ldexp(1, least + 15);

@@ -18,7 +18,8 @@ static const double most_emitted_per_photon = 64, emitted_anyway = 2e6;
 
 /*
  * Batches of one kind. Before the next round the photons of a round's batches are moved to one
- * array. The next round's batches then reuse the same memory, which so remains in the cache.
+ * array. The next round's batches then reuse the same memory, so its pages are touched once and
+ * remain in the cache.
  */
 struct queue {
     struct orl_deposits *batches; /* batches of a round */

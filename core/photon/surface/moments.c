@@ -32,7 +32,8 @@ static void add_triangle(struct orl_moments *m, const struct orl_line *line, con
 
 /* Computes the azimuth (cosine and sine) where a line meets the circle, on one side of its
  * normal. */
-static void meet_circle(const struct orl_line *line, double radius, int side, double ret_azimuth[2])
+static void intersect_circle(const struct orl_line *line, double radius, int side,
+                             double ret_azimuth[2])
 {
     const double c = line->offset / radius, s = side * sqrt(orl_larger(1 - c * c, 0));
     ret_azimuth[0] = line->normal[0] * c - line->normal[1] * s;
@@ -62,11 +63,11 @@ static void add_wedge(struct orl_moments *m, const struct orl_wedge *wedge, doub
         return;
     }
     if (from > turned) {
-        meet_circle(line, r, -1, first);
+        intersect_circle(line, r, -1, first);
         add_part(m, r, from - turned, begin, first);
     }
     if (to < turned + width) {
-        meet_circle(line, r, 1, last);
+        intersect_circle(line, r, 1, last);
         add_part(m, r, turned + width - to, last, end);
     }
     add_triangle(m, line, first, last);

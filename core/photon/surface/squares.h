@@ -28,8 +28,8 @@ static inline uint32_t orl_squares_index(const struct orl_squares *squares, stru
 void orl_squares_add(const struct orl_squares *squares, const struct orl_flat *flats,
                      uint32_t triangles, float *areas);
 
-/* Returns the number of the one of a square's four neighbours with the most surface, or the
- * square's own if none has more. */
+/* Returns the number of the square with the most surface, among a square and its four
+ * neighbours. */
 uint32_t orl_squares_fullest(const struct orl_squares *squares, const float *areas, uint32_t x,
                              uint32_t y);
 
