@@ -9,9 +9,9 @@
 #include "light/sky.h"
 #include "scene/generate/generate.h"
 
-/* ---- The words of the command that would give the same sky ---- */
+/* ---- Command line of the program that would give the same sky -------------------------------- */
 
-/* Every double comes back from 17 digits as it was. */
+/* Adds a number with 17 digits, from which every double is read back unchanged. */
 static void add_number(struct orl_phrase *command, double value)
 {
     orl_phrase_add(command, "%.17g", value);
@@ -23,7 +23,7 @@ static void add_option(struct orl_phrase *command, const char *option, double va
     add_number(command, value);
 }
 
-/* Time and site, or the sun's place; where a sky needs neither, any place does. */
+/* Adds time and site, or the sun's position. If a sky needs neither, adds an arbitrary position. */
 static void add_when(struct orl_phrase *command, const struct orl_sky_request *request)
 {
     if (!request->time_given) {
@@ -33,7 +33,7 @@ static void add_when(struct orl_phrase *command, const struct orl_sky_request *r
     }
     add_number(command, request->month);
     add_number(command, request->day);
-    orl_phrase_add(command, "%.12f", request->hour); /* gensky takes no exponent here */
+    orl_phrase_add(command, "%.12f", request->hour); /* gensky does not read exponents here */
     add_option(command, "-a", request->latitude_deg);
     add_option(command, "-o", -request->longitude_deg);
     add_option(command, "-m", -15.0 * request->time_zone_h);
@@ -44,19 +44,19 @@ const char *orl_sun_method_name(enum orl_sun_method method)
     return method == ORL_SUN_ACCURATE ? "accurate" : "radiance";
 }
 
-/* Half the sun's disc: so far below the horizon its centre is when the last of it sets. */
+/* Half the sun's diameter: the depth of its centre below the horizon when the disc has just set. */
 static const double half_disc_rad = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
 
 /*
- * The sun in the middle of the part of an interval that it is up in, which is the longest where
- * there are several; at, its place in the middle of the interval, where there is none.
+ * Returns the sun at the middle of the part of an interval in which it is up; of several parts, the
+ * longest. If it is never up, returns `at`, its position at the middle of the interval.
  */
 static struct orl_sun_position sun_in_part(const struct orl_location *site,
                                            const struct orl_moment *middle, double interval_h,
                                            struct orl_sun_position at)
 {
     enum { STEPS = 60 };
-    static const double fastest_rad = 15 * ORL_DEG_TO_RAD; /* in an hour */
+    static const double fastest_rad = 15 * ORL_DEG_TO_RAD; /* change of altitude in an hour */
     struct orl_moment moment = *middle;
     int length = 0, longest = 0, end = 0;
     if (at.altitude_rad + 0.5 * interval_h * fastest_rad <= -half_disc_rad)
@@ -117,7 +117,7 @@ static int find_perez(const struct orl_sky_request *request, const struct orl_su
     return orl_gendaylit_numbers(command.words, command.count, placed, text, ret_numbers, err);
 }
 
-/* The solid angle of a disc, without cancellation. */
+/* Returns the solid angle of a disc, without cancellation. */
 static double disc_sr(double angle_deg)
 {
     const double quarter = sin(0.25 * angle_deg * ORL_DEG_TO_RAD);
@@ -148,16 +148,16 @@ static int find_cie(const struct orl_sky_request *request, const struct orl_sun_
     return orl_gensky_numbers(command.words, command.count, placed, text, ret_numbers, err);
 }
 
-/* ---- Normalisation ---- */
+/* ---- Normalisation --------------------------------------------------------------------------- */
 
-/* Where a pattern keeps the sky's brightness; the ground's is the next. */
+/* Returns the index of the sky's brightness in pattern->a; the ground's is the next. */
 static int brightness_argument(const struct orl_sky *pattern)
 {
     return pattern->kind == ORL_SKY_PEREZ ? 0 : 1;
 }
 
-/* What the pattern's upper half gives with these two brightnesses. */
-static double horizontal_with(const struct orl_sky *pattern, double sky, double ground)
+/* Returns the irradiance from the pattern's upper half with these two brightnesses. */
+static double horizontal_irradiance(const struct orl_sky *pattern, double sky, double ground)
 {
     struct orl_sky changed = *pattern;
     const int at = brightness_argument(pattern);
@@ -180,17 +180,17 @@ struct orl_sky_balance orl_daylight_balance(const struct orl_daylight *daylight,
 }
 
 /*
- * Scales the sky to the flux it was given, if it was, and sets the ground to what sun and sky throw
- * onto it. The ground shines a little above the horizon, too (skybright blends the two there), so
- * one depends on the other, linearly but where the model's negative values are cut off; hence a
- * last step that takes up what is left.
+ * Scales the sky to its given diffuse flux, if there is one (diffuse >= 0), and sets the ground to
+ * what sun and sky reflect from it. The ground also shines a little above the horizon, because
+ * skybright blends the two there. So one depends on the other, linearly except where the model's
+ * negative values are clamped. A last step therefore corrects the remaining difference.
  */
 static void normalise(struct orl_daylight *daylight, double diffuse, double reflectance)
 {
     struct orl_sky *pattern = &daylight->pattern;
     double *sky = pattern->a + brightness_argument(pattern), *ground = sky + 1;
-    const double per_sky = horizontal_with(pattern, 1, 0);
-    const double per_ground = horizontal_with(pattern, 0, 1);
+    const double per_sky = horizontal_irradiance(pattern, 1, 0);
+    const double per_ground = horizontal_irradiance(pattern, 0, 1);
     const double direct = orl_daylight_normal(daylight) * fmax(0.0, daylight->sun.z);
     const double share = reflectance / ORL_PI;
     if (!(per_sky > 0))
@@ -201,26 +201,26 @@ static void normalise(struct orl_daylight *daylight, double diffuse, double refl
         orl_daylight_balance(daylight, diffuse, reflectance, per_sky, per_ground);
     *ground = balance.ground;
     *sky = balance.sky;
-    *sky += (diffuse - horizontal_with(pattern, *sky, *ground)) / per_sky;
+    *sky += (diffuse - horizontal_irradiance(pattern, *sky, *ground)) / per_sky;
     *sky = fmax(*sky, 0.0);
 }
 
-/* Conventions have one disc of the sun; gensky has a smaller one, of the same flux. */
+/* Gives the sun the disc of our conventions with the same flux; gensky's is smaller. */
 static void widen_sun(struct orl_daylight *daylight)
 {
     daylight->sun_radiance *= disc_sr(daylight->sun_angle_deg) / disc_sr(ORL_SUN_DIAMETER_DEG);
     daylight->sun_angle_deg = ORL_SUN_DIAMETER_DEG;
 }
 
-/* ---- The horizon ---- */
+/* ---- Horizon --------------------------------------------------------------------------------- */
 
 static double altitude_of(struct orl_vec3 sun)
 {
     return atan2(sun.z, hypot(sun.x, sun.y));
 }
 
-/* The same azimuth at another height. */
-static struct orl_vec3 raised(struct orl_vec3 sun, double altitude_rad)
+/* Returns the direction with the same azimuth and another altitude. */
+static struct orl_vec3 sun_at_altitude(struct orl_vec3 sun, double altitude_rad)
 {
     const double level = hypot(sun.x, sun.y);
     if (!(level > 0))
@@ -230,10 +230,10 @@ static struct orl_vec3 raised(struct orl_vec3 sun, double altitude_rad)
 }
 
 /*
- * What the horizon leaves of the sun's disc, as a smaller disc of the same radiance, area and
- * centre of gravity: light, where it comes from, and so (to first order) the light on level ground
- * are those of the segment. With the sun's centre h radii above the horizon, the share of the disc
- * above it is 1 - (acos h - h sqrt(1 - h^2)) / pi, its moment 2/3 (1 - h^2)^(3/2).
+ * Replaces the sun's disc by the part above the horizon: a smaller disc of the same radiance, area
+ * and centroid. So the flux, its direction, and (to first order) the irradiance of level ground are
+ * those of the segment. With the sun's centre h radii above the horizon, the share of the disc
+ * above it is 1 - (acos h - h sqrt(1 - h^2)) / pi, and its moment is 2/3 (1 - h^2)^(3/2).
  */
 static void cut_by_horizon(struct orl_daylight *daylight)
 {
@@ -248,19 +248,20 @@ static void cut_by_horizon(struct orl_daylight *daylight)
         daylight->sun_radiance = 0;
         return;
     }
-    daylight->sun = raised(daylight->sun,
-                           altitude + radius * 2.0 / 3.0 * side2 * sqrt(side2) / (ORL_PI * share));
+    daylight->sun = sun_at_altitude(daylight->sun, altitude + radius * 2.0 / 3.0 * side2 *
+                                                                  sqrt(side2) / (ORL_PI * share));
     daylight->sun_angle_deg *= sqrt(share);
 }
 
-/* Its centre has set, its rim has not. The models take it for set a little early: they round. */
+/* Returns true if the sun's centre has set and its rim has not. The models round, and let it set
+ * a little early. */
 static bool is_half_set(struct orl_vec3 sun)
 {
     const double rounding = 1e-5;
     return sun.z <= rounding && altitude_of(sun) > -half_disc_rad;
 }
 
-/* ---- Entry points ---- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 static void warn_site(const struct orl_sky_request *request, struct orl_text *text)
 {
@@ -276,7 +277,7 @@ static bool needs_sun(const struct orl_sky *pattern)
     return pattern->kind == ORL_SKY_PEREZ || pattern->n_args == 7;
 }
 
-/* placed: where the sun stands; NULL: where the programs place it. */
+/* Computes the sky's numbers. placed: the sun's position; NULL: as the programs compute it. */
 static int find_numbers(const struct orl_sky_request *request,
                         const struct orl_sun_position *placed, struct orl_text *text,
                         struct orl_sky_numbers *ret_numbers, struct orl_error *err)
@@ -290,8 +291,8 @@ static int find_numbers(const struct orl_sky_request *request,
 }
 
 /*
- * The models know no sun below the horizon. Until the last of it has set, the sky is that of a sun
- * on the horizon; the sun itself stays where it is.
+ * Computes the numbers for a half-set sun. The models have no sun below the horizon, so until the
+ * whole disc has set the sky is that of a sun on the horizon. The sun itself keeps its position.
  */
 static int find_half_set(const struct orl_sky_request *request,
                          const struct orl_sun_position *placed, struct orl_text *text,
@@ -300,19 +301,19 @@ static int find_half_set(const struct orl_sky_request *request,
     const struct orl_vec3 sun = numbers->sun;
     struct orl_sun_position risen = *placed;
     risen.altitude_rad = 1e-6 * ORL_DEG_TO_RAD;
-    text->warnings[0] = '\0'; /* what the setting sun had the models say */
+    text->warnings[0] = '\0'; /* discards the models' warnings about a setting sun */
     const int code = find_numbers(request, &risen, text, numbers, err);
     numbers->sun = sun;
     return code;
 }
 
 /*
- * Where the Perez model grows without bound towards the horizon (a strong sun low in a bright sky)
- * gendaylit's sky is black. What was measured is not: sun and flux stay, and what is left of the
- * pattern, its glow about the sun, is scaled to them.
+ * Handles a Perez model that grows without bound towards the horizon (a strong sun low in a bright
+ * sky), for which gendaylit's sky is black. With a measured flux the sky is not black. Sun and flux
+ * are kept, and the rest of the pattern, its glow around the sun, is scaled to them.
  */
-static void do_without_gradation(struct orl_sky_numbers *numbers, bool by_flux,
-                                 struct orl_text *text)
+static void replace_missing_gradation(struct orl_sky_numbers *numbers, bool by_flux,
+                                      struct orl_text *text)
 {
     if (!numbers->no_gradation)
         return;
@@ -324,7 +325,7 @@ static void do_without_gradation(struct orl_sky_numbers *numbers, bool by_flux,
                                 : "the model of the sky has no answer here: it is black");
 }
 
-/* The sun is down: of light that the request has all the same, how much is left out. */
+/* Warns that the sun is below the horizon, and how much of the requested light is left out. */
 static void warn_night(const struct orl_sky_request *request, struct orl_vec3 sun,
                        struct orl_text *text)
 {
@@ -351,7 +352,8 @@ static void warn_night(const struct orl_sky_request *request, struct orl_vec3 su
                             "in EPW, west in WEA) and whether times are shifted");
 }
 
-/* All but the balance of sky and ground, which is for *ret_diffuse. */
+/* Computes all but the balance of sky and ground; *ret_diffuse is the diffuse irradiance for
+ * that. */
 static int find_unbalanced(const struct orl_sky_request *request, struct orl_text *text,
                            struct orl_daylight *daylight, double *ret_diffuse,
                            struct orl_error *err)
@@ -368,7 +370,7 @@ static int find_unbalanced(const struct orl_sky_request *request, struct orl_tex
     if (code < 0)
         return code;
     warn_site(request, text);
-    do_without_gradation(&numbers, by_flux, text);
+    replace_missing_gradation(&numbers, by_flux, text);
     daylight->pattern = numbers.pattern;
     daylight->sun = numbers.sun;
     daylight->sun_radiance = numbers.sun_radiance;
@@ -388,8 +390,8 @@ static int find_unbalanced(const struct orl_sky_request *request, struct orl_tex
     return 0;
 }
 
-static int find(const struct orl_sky_request *request, struct orl_text *text,
-                struct orl_daylight *daylight, struct orl_error *err)
+static int find_daylight(const struct orl_sky_request *request, struct orl_text *text,
+                         struct orl_daylight *daylight, struct orl_error *err)
 {
     double diffuse;
     const int code = find_unbalanced(request, text, daylight, &diffuse, err);
@@ -414,8 +416,9 @@ double orl_daylight_altitude_of_row(const struct orl_weather *weather,
     return sun_of(&request).altitude_rad / ORL_DEG_TO_RAD;
 }
 
-/* Limits direct normal light of a low sun to what the sun has, with a warning: programs divide by
- * the sine of its altitude. What a high sun cannot have is left, and refused. */
+/* Limits the direct normal light of a low sun to the solar constant, with a warning: programs
+ * divide by the sine of its altitude. An impossible value of a high sun is left, and refused
+ * later. */
 static void limit_low_sun(const struct orl_weather *weather, const struct orl_weather_row *row,
                           struct orl_sky_request *request, struct orl_text *text)
 {
@@ -432,9 +435,10 @@ static void limit_low_sun(const struct orl_weather *weather, const struct orl_we
     request->first = most;
 }
 
-/* A weather row as the Perez sky that it stands for, at the middle of its interval. */
-static int take_row(const struct orl_weather *weather, const struct orl_weather_row *row,
-                    struct orl_sky_request *request, struct orl_text *text, struct orl_error *err)
+/* Converts a weather row to the Perez sky that it stands for, at the middle of its interval. */
+static int fill_request_from_row(const struct orl_weather *weather,
+                                 const struct orl_weather_row *row, struct orl_sky_request *request,
+                                 struct orl_text *text, struct orl_error *err)
 {
     static const enum orl_sky_input inputs[] = {[ORL_WEATHER_NORMAL_W] = ORL_SKY_NORMAL_W,
                                                 [ORL_WEATHER_HORIZONTAL_W] = ORL_SKY_HORIZONTAL_W,
@@ -481,7 +485,7 @@ static int request_of_row(const struct orl_sky_request *request, const struct or
         return ORL_ERR_NOT_FOUND;
     }
     *ret_request = *request;
-    const int code = take_row(weather, row, ret_request, text, err);
+    const int code = fill_request_from_row(weather, row, ret_request, text, err);
     if (code == 0 && fabs(row->hour - request->hour) > 1e-6)
         orl_text_warn(text, "the weather file's row for hour %g is taken for hour %g", row->hour,
                       request->hour);
@@ -497,7 +501,7 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
     struct orl_sky_request request;
     orl_sky_request_init(&request);
     request.sun_method = weather->sun_method;
-    int code = take_row(weather, row, &request, &text, err);
+    int code = fill_request_from_row(weather, row, &request, &text, err);
     if (code == 0)
         code = find_unbalanced(&request, &text, &daylight, ret_diffuse, err);
     if (code == 0) {
@@ -508,7 +512,7 @@ int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weat
     return code;
 }
 
-/* Of a bright sky: sun and disc are the place's and the time's alone. */
+/* Uses a bright sky, because sun and disc depend only on place and time. */
 struct orl_daylight_sun orl_daylight_sun_of_row(const struct orl_weather *weather,
                                                 const struct orl_weather_row *row)
 {
@@ -538,7 +542,7 @@ int orl_daylight_find(const struct orl_sky_request *request, const struct orl_we
         request = &row;
     }
     if (code == 0)
-        code = find(request, &text, &daylight, err);
+        code = find_daylight(request, &text, &daylight, err);
     if (code == 0) {
         snprintf(daylight.warnings, sizeof daylight.warnings, "%s", text.warnings);
         *ret_daylight = daylight;

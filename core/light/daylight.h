@@ -1,10 +1,10 @@
 /*
- * From a job's request (oriel/sky.h) to sun, sky and ground as the rest of the core knows them.
+ * Conversion of a job's request (oriel/sky.h) to sun, sky and ground for the rest of the core.
  *
- * The numbers are those of gendaylit and gensky for the same input, in full precision; with
+ * The numbers are those of gendaylit and gensky for the same input, in full precision. With
  * ORL_SKY_FLUX they are then scaled, and the horizon cuts the sun's disc: a setting sun is a
- * smaller one, higher up. A sky that cannot shine (night, no light measured) is black and says so
- * in warnings.
+ * smaller one, higher up. A sky that cannot shine (night, no measured light) is black and adds a
+ * warning.
  *
  * Threads: pure functions. Errors: ORL_ERR_INVALID, _RANGE, _NOT_FOUND (no such row), _NOMEM.
  */
@@ -17,48 +17,49 @@
 #include "light/weather.h"
 #include "scene/description.h"
 
-/* The most direct normal light, as gendaylit has it: the solar constant. */
+/* Maximum direct normal light, as in gendaylit: the solar constant. */
 #define ORL_DAYLIGHT_MOST_W 1367.0
 #define ORL_DAYLIGHT_MOST_LX 127500.0
 
 struct orl_daylight {
     struct orl_sky pattern; /* sky above, ground below */
-    bool black;             /* nothing shines */
-    struct orl_vec3 sun;    /* towards its centre */
+    bool black;             /* no light at all */
+    struct orl_vec3 sun;    /* unit, towards the centre of the disc */
     double sun_radiance;    /* W/sr/m2 per channel; 0: no sun */
     double sun_angle_deg;
     char warnings[640]; /* sentences joined by "; ", or "" */
 };
 
-/* Checks what can be checked without a weather file. A request for no sky is fine. */
+/* Checks all that can be checked without a weather file. A request for no sky is valid. */
 int orl_daylight_check(const struct orl_sky_request *request, struct orl_error *err);
 
 /*
- * The sky of a weather file's row, which is not missing, with its flux not seen to yet: pattern's
- * brightness is to be scaled, and its ground set, by who works out what the pattern gives
- * (orl_daylight_balance), to *ret_diffuse W/m2. The rest is as orl_daylight_find has it with
+ * Makes the sky of a weather file's row, which must not be missing, without balancing its flux. The
+ * caller scales the pattern's brightness and sets its ground (orl_daylight_balance) so that the
+ * diffuse irradiance is *ret_diffuse, W/m2. The rest is as orl_daylight_find returns it with
  * ORL_SKY_FLUX.
  */
 int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weather_row *row,
                         struct orl_daylight *ret_daylight, double *ret_diffuse,
                         struct orl_error *err);
 
-/* In degrees: of the sun's centre, as a row's sky has it. */
+/* Returns the altitude of the sun's centre for a row's sky, degrees. */
 double orl_daylight_altitude_of_row(const struct orl_weather *weather,
                                     const struct orl_weather_row *row);
 
-/* Where the sun stands at a row of a weather file, whatever was measured there, as that row's sky
- * has it where it has a sun. */
+/* The position of the sun at a row of a weather file, whatever was measured there. It is that of
+ * the row's sky if that has a sun. */
 struct orl_daylight_sun {
     struct orl_vec3 towards;
-    double angle_deg; /* 0: it has set */
+    double angle_deg; /* diameter of the disc; 0: the sun has set */
 };
 struct orl_daylight_sun orl_daylight_sun_of_row(const struct orl_weather *weather,
                                                 const struct orl_weather_row *row);
 
 /*
- * The brightness of sky and ground, as the pattern has them, by which a sky whose upper half gives
- * per_sky and per_ground, each of brightness 1, W/m2, gives diffuse; sun and sky light the ground.
+ * Returns the brightness of sky and ground in the pattern's terms that gives a diffuse irradiance
+ * `diffuse`, W/m2. per_sky and per_ground are the irradiance from the sky's upper half for
+ * brightness 1 of the sky or of the ground. Sun and sky light the ground.
  */
 struct orl_sky_balance {
     double sky, ground;
@@ -66,10 +67,11 @@ struct orl_sky_balance {
 struct orl_sky_balance orl_daylight_balance(const struct orl_daylight *daylight, double diffuse,
                                             double reflectance, double per_sky, double per_ground);
 
-/* Irradiance by the sun's disc of a plane that faces it, W/m2 per channel. */
+/* Returns the irradiance from the sun's disc of a plane that faces it, W/m2 per channel. */
 double orl_daylight_normal(const struct orl_daylight *daylight);
 
-/* weather: the parsed file for ORL_SKY_BY_WEATHER, else NULL. The request has been checked. */
+/* Makes the sky of a checked request. weather: the parsed file for ORL_SKY_BY_WEATHER, else
+ * NULL. */
 int orl_daylight_find(const struct orl_sky_request *request, const struct orl_weather *weather,
                       struct orl_daylight *ret_daylight, struct orl_error *err);
 

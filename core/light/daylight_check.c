@@ -1,4 +1,4 @@
-/* What a sky request may say. Messages use the names of the job document. */
+/* Checks of a sky request. Messages use the names of the job document. */
 #include <math.h>
 #include <stddef.h>
 
@@ -9,7 +9,7 @@ struct range {
     double value, low, high;
 };
 
-/* Of NaN, too, it is true that it does not lie within. */
+/* Checks that values are in their ranges; NaN is in none. */
 static int check_ranges(const struct range *ranges, size_t count, struct orl_error *err)
 {
     for (size_t i = 0; i < count; i++) {
@@ -24,7 +24,8 @@ static int check_ranges(const struct range *ranges, size_t count, struct orl_err
     return 0;
 }
 
-/* An hour before midnight: 24 is the next day's 0, and said so. */
+/* Checks the hour, which must be before midnight. 24 is refused with a hint that it is the next
+ * day's 0. */
 static int check_hour(double hour, struct orl_error *err)
 {
     if (hour >= 0 && hour < 24)
@@ -37,7 +38,7 @@ static int check_hour(double hour, struct orl_error *err)
     return ORL_ERR_RANGE;
 }
 
-static int fail(struct orl_error *err, const char *what)
+static int set_invalid_error(struct orl_error *err, const char *what)
 {
     orl_error_set(err, ORL_ERR_INVALID, "%s", what);
     orl_error_at(err, NULL, 0, "sky");
@@ -56,7 +57,7 @@ static int check_time(const struct orl_sky_request *r, struct orl_error *err)
     if (code == 0)
         code = check_hour(r->hour, err);
     if (code == 0 && r->day > days[r->month - 1])
-        return fail(err, "the sky's month has no such day");
+        return set_invalid_error(err, "the sky's month has no such day");
     return code;
 }
 
@@ -65,20 +66,22 @@ static int check_sun(const struct orl_sky_request *r, bool needed, struct orl_er
     const struct range angles[] = {{"sun_altitude", r->sun_altitude_deg, -90, 90},
                                    {"sun_azimuth", r->sun_azimuth_deg, -360, 360}};
     if (r->sun_given && r->time_given)
-        return fail(err, "the sky's sun is given twice: by its place, and by time and site");
+        return set_invalid_error(
+            err, "the sky's sun is given twice: by its place, and by time and site");
     if (r->sun_given)
         return check_ranges(angles, 2, err);
     if (r->time_given)
         return check_time(r, err);
     if (!needed)
         return 0;
-    fail(err, "the sky's sun has no place");
+    set_invalid_error(err, "the sky's sun has no place");
     orl_error_hint(err, "give month, day, hour, latitude, longitude and time_zone, or sun_altitude "
                         "and sun_azimuth");
     return ORL_ERR_INVALID;
 }
 
-/* Above the solar constant gendaylit's sky is black; the other bounds are its model's own. */
+/* The upper limits of irradiance are the solar constant, above which gendaylit's sky is black.
+ * The other limits are those of its model. */
 static int check_perez(const struct orl_sky_request *r, struct orl_error *err)
 {
     struct range ranges[2] = {{"direct_normal_w_m2", r->first, 0, ORL_DAYLIGHT_MOST_W},
@@ -103,7 +106,7 @@ static int check_perez(const struct orl_sky_request *r, struct orl_error *err)
         ranges[1] = (struct range){"brightness", r->second, 0.01, 0.6};
         break;
     default:
-        return fail(err, "a Perez sky cannot be made from that");
+        return set_invalid_error(err, "a Perez sky cannot be made from that");
     }
     const int code = check_ranges(ranges, count, err);
     return code < 0 ? code : check_sun(r, true, err);
@@ -116,12 +119,12 @@ static int check_cie(const struct orl_sky_request *r, struct orl_error *err)
                                    {"direct_normal_lx", r->direct_normal_lx, -1, 200000},
                                    {"brightness", r->first, 0, 1e6}};
     if (!even && r->cie_type != ORL_SKY_CLEAR && r->cie_type != ORL_SKY_INTERMEDIATE)
-        return fail(err, "the sky is of no known CIE type");
+        return set_invalid_error(err, "the sky is of no known CIE type");
     if (r->input != ORL_SKY_TYPICAL && r->input != ORL_SKY_ZENITH_CD_M2 &&
         r->input != ORL_SKY_DIFFUSE_LX)
-        return fail(err, "a CIE sky cannot be made from that");
+        return set_invalid_error(err, "a CIE sky cannot be made from that");
     if (even && r->direct_normal_lx > 0)
-        return fail(err, "an overcast or uniform sky has no sun");
+        return set_invalid_error(err, "an overcast or uniform sky has no sun");
     const int code = check_ranges(ranges, sizeof ranges / sizeof *ranges, err);
     return code < 0 ? code : check_sun(r, !even || r->input == ORL_SKY_TYPICAL, err);
 }
@@ -140,6 +143,6 @@ int orl_daylight_check(const struct orl_sky_request *request, struct orl_error *
     if (request->model == ORL_SKY_BY_CIE)
         return check_cie(request, err);
     if (!request->weather_file || !request->time_given)
-        return fail(err, "a sky by weather needs a file, month, day and hour");
+        return set_invalid_error(err, "a sky by weather needs a file, month, day and hour");
     return check_time(request, err);
 }

@@ -11,9 +11,11 @@ struct way {
     struct orl_vec3 origin, direction;
     double max_distance;
     bool through_ports;
-    bool to_surface; /* it goes to neither sun nor lamp: the front of an illum blocks it */
-    uint32_t target; /* the facet that it goes to, which does not block it; or no_target */
-    int32_t *port;   /* of orl_transmittance_by; or NULL */
+    /* its target is neither sun nor lamp: the front of an illum blocks it */
+    bool to_surface;
+    /* the facet that it is traced to, which does not block it; or no_target */
+    uint32_t target;
+    int32_t *port; /* in and out as in orl_transmittance_by; or NULL */
 };
 
 static struct way way_to(struct orl_vec3 origin, struct orl_vec3 direction, double max_distance,
@@ -32,7 +34,7 @@ static bool is_hidden(const struct way *way, const struct orl_material *m,
     return way->to_surface && m->kind == ORL_MATERIAL_ILLUM && hit->front;
 }
 
-static struct orl_rgb through_panes(const struct orl_world *world, const struct way *way)
+static struct orl_rgb panes_transmittance(const struct orl_world *world, const struct way *way)
 {
     struct orl_path path = orl_path_from(way->origin, way->direction);
     double max_distance = way->max_distance;
@@ -52,7 +54,7 @@ static struct orl_rgb through_panes(const struct orl_world *world, const struct 
             *way->port = orl_world_port_of(world, hit.facet);
         if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
             return path.weight;
-        /* The ray sets out again a little further on: it is to end where it was to. */
+        /* The ray starts again a little further on, but its end stays the same. */
         const struct orl_vec3 before = path.origin;
         orl_path_pass(&path, world, &hit);
         max_distance -= orl_dot(orl_sub(path.origin, before), way->direction);
@@ -60,11 +62,12 @@ static struct orl_rgb through_panes(const struct orl_world *world, const struct 
     return orl_gray(0);
 }
 
-/* Transmittance of panes on the way to a mirror, whose hit it returns; zero where something opaque
- * is met before. */
-static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, struct orl_vec3 origin,
-                                              struct orl_vec3 direction, bool through_ports,
-                                              uint32_t mirror, struct orl_hit *ret_hit)
+/* Returns the transmittance of panes on the way to a mirror, and the hit on the mirror. Returns
+ * zero if the ray meets anything opaque before it. */
+static struct orl_rgb panes_transmittance_to_mirror(const struct orl_world *world,
+                                                    struct orl_vec3 origin,
+                                                    struct orl_vec3 direction, bool through_ports,
+                                                    uint32_t mirror, struct orl_hit *ret_hit)
 {
     struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
@@ -82,7 +85,7 @@ static struct orl_rgb through_panes_to_mirror(const struct orl_world *world, str
 
 static struct orl_rgb transmittance_of(const struct orl_world *world, const struct way *way)
 {
-    const struct orl_rgb share = through_panes(world, way);
+    const struct orl_rgb share = panes_transmittance(world, way);
     if (!world->scene->mist || !(orl_rgb_max(share) > 0))
         return share;
     return orl_rgb_mul(share, orl_mist_transmittance(world->scene, way->origin, way->direction,
@@ -113,7 +116,8 @@ struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_ve
     return transmittance_of(world, &way);
 }
 
-/* cos as irradiance, or lobes towards the eye as radiance. */
+/* Returns the cosine for irradiance, or the lobes' value times the cosine for radiance towards
+ * the eye. */
 static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
 {
     if (query->mist)
@@ -128,8 +132,9 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
 }
 
 /*
- * What rays may be drawn by where suns and lamps are looked for by way of a material's lobes. Both
- * shares are worked out from this, whatever a path then allows: they must add up to one.
+ * Returns the pdf with which rays are sampled from a material's lobes, where shadow rays also
+ * sample suns and lamps. Both MIS weights use this pdf, whatever lobes a path then allows: they
+ * must add up to one.
  */
 static double lobe_pdf(const struct orl_material *material, const struct orl_hit *hit,
                        struct orl_vec3 eye, struct orl_vec3 towards)
@@ -138,13 +143,14 @@ static double lobe_pdf(const struct orl_material *material, const struct orl_hit
                            (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), towards);
 }
 
-/* A spotlight's focus is known to shadow rays alone. */
-static bool is_for_rays(const struct orl_material *lamp)
+/* Returns true if rays count the lamp's light: a spotlight's focus is implemented for shadow
+ * rays only. */
+static bool rays_count_lamp(const struct orl_material *lamp)
 {
     return !(lamp->focus > 0);
 }
 
-/* The ray's share of the light of a lamp at that hit. */
+/* Returns the ray's MIS weight for the light of a lamp at that hit. */
 static double share_of_lamp(const struct orl_world *world, const struct orl_hit *lamp,
                             const struct orl_chance *chance)
 {
@@ -155,7 +161,7 @@ static double share_of_lamp(const struct orl_world *world, const struct orl_hit 
         return 0;
     if (!isfinite(chance->pdf))
         return 1;
-    if (!is_for_rays(orl_world_material(world, lamp)))
+    if (!rays_count_lamp(orl_world_material(world, lamp)))
         return 0;
     const double pdf = orl_lamp_aim_pdf_of_hit(world, lamp, chance->from);
     return isfinite(pdf) ? chance->pdf / (chance->pdf + pdf) : 0;
@@ -174,7 +180,8 @@ struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *
     return share > 0 ? orl_rgb_scale(orl_material_emission(m, hit, eye), share) : orl_gray(0);
 }
 
-/* After a reflection by that facet: of the lamps that it shows, as much as before. */
+/* Returns the MIS state after a reflection by a mirror: unchanged for lamps that have images in
+ * it. */
 static struct orl_chance chance_after_mirror(const struct orl_world *world, uint32_t facet,
                                              struct orl_chance before)
 {
@@ -205,7 +212,8 @@ struct orl_chance orl_chance_after(const struct orl_world *world, const struct o
         orl_hit_leave(world->geometry, hit, scatter->direction), ORL_MIRROR_NONE};
 }
 
-/* What a patterned emitter sends from where the ray goes; others: the same from everywhere. */
+/* Returns the radiance towards `from`: at the sampled point for emitters whose radiance varies,
+ * the mean for others. */
 static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
                                   const struct orl_material *material,
                                   const struct orl_lamp_aim *aim, struct orl_vec3 from)
@@ -224,7 +232,7 @@ static bool is_flat(const struct orl_facet *facet)
     return facet->kind == ORL_SURFACE_RING || (facet->kind == ORL_SURFACE_POLYGON && !facet->bent);
 }
 
-/* Radiance times solid angle of what an aim from there is at, as if nothing were in the way. */
+/* Returns radiance times solid angle for a sampled point of a lamp, without occlusion. */
 static struct orl_rgb lamp_shining(const struct orl_world *world, const struct orl_emitter *emitter,
                                    struct orl_vec3 from, const struct orl_lamp_aim *aim)
 {
@@ -237,7 +245,7 @@ static struct orl_rgb lamp_shining(const struct orl_world *world, const struct o
     return orl_rgb_scale(radiance_of(emitter, m, aim, from), aim->measure_sr * spread);
 }
 
-/* Transmittance to a point of a lamp, so far away. */
+/* Returns the transmittance to a point of a lamp at a distance. */
 static struct orl_rgb transmittance_to_lamp(const struct orl_world *world, struct orl_vec3 origin,
                                             struct orl_vec3 light, double distance, uint32_t lamp,
                                             bool through_ports)
@@ -261,14 +269,14 @@ struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl
                                                       emitter->facet, through_ports));
 }
 
-/* The shadow ray's share of a lamp in that direction; the rest is for rays that the query's lobes
- * draw. */
-static double left_by_lobes(const struct orl_world *world, const struct orl_direct_query *query,
-                            const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
-                            struct orl_vec3 direction)
+/* Returns the shadow ray's MIS weight for a lamp in that direction. The rest is left to rays
+ * that are sampled from the query's lobes. */
+static double shadow_ray_weight(const struct orl_world *world, const struct orl_direct_query *query,
+                                const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
+                                struct orl_vec3 direction)
 {
     const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
-    if (!query->lobes || !is_for_rays(&world->materials[material]))
+    if (!query->lobes || !rays_count_lamp(&world->materials[material]))
         return 1;
     return orl_lamp_aim_pdf(aim) /
            (orl_lamp_aim_pdf(aim) + lobe_pdf(query->lobes, query->hit, query->eye, direction));
@@ -287,17 +295,19 @@ static struct orl_rgb light_from_emitter(const struct orl_world *world,
     const struct orl_rgb arriving =
         orl_lamp_arriving(world, emitter, query->point, &aim, query->through_ports);
     return orl_rgb_scale(orl_rgb_mul(arriving, seen),
-                         left_by_lobes(world, query, emitter, &aim, aim.light));
+                         shadow_ray_weight(world, query, emitter, &aim, aim.light));
 }
 
-/* Transmittance from the query's point by way of the mirror, in that direction, to the aim. */
-static struct orl_rgb mirrored_way(const struct orl_world *world,
-                                   const struct orl_direct_query *query,
-                                   const struct orl_lamp_image *image,
-                                   const struct orl_lamp_aim *aim, struct orl_vec3 direction)
+/* Returns the transmittance from the query's point in that direction, by the mirror, to the
+ * sampled point of the lamp. */
+static struct orl_rgb mirrored_transmittance(const struct orl_world *world,
+                                             const struct orl_direct_query *query,
+                                             const struct orl_lamp_image *image,
+                                             const struct orl_lamp_aim *aim,
+                                             struct orl_vec3 direction)
 {
     struct orl_hit hit;
-    const struct orl_rgb before = through_panes_to_mirror(
+    const struct orl_rgb before = panes_transmittance_to_mirror(
         world, query->point, direction, query->through_ports, image->mirror, &hit);
     if (!(orl_rgb_max(before) > 0))
         return orl_gray(0);
@@ -315,7 +325,8 @@ static struct orl_rgb mirrored_way(const struct orl_world *world,
                               aim->distance - distance, image->lamp, query->through_ports));
 }
 
-/* A lamp in a mirror: aimed at from the query's point as the mirror shows it (lamp_images.h). */
+/* Returns the light of a lamp in a mirror, sampled from the mirror image of the query's point
+ * (lamp_images.h). */
 static struct orl_rgb mirrored_lamp(const struct orl_world *world,
                                     const struct orl_lamp_image *image,
                                     const struct orl_direct_query *query, const double u[2])
@@ -337,14 +348,15 @@ static struct orl_rgb mirrored_lamp(const struct orl_world *world,
     const struct orl_rgb shining = lamp_shining(world, emitter, from, &aim);
     if (!(orl_rgb_max(shining) > 0))
         return orl_gray(0);
-    const struct orl_rgb share = mirrored_way(world, query, image, &aim, direction);
+    const struct orl_rgb share = mirrored_transmittance(world, query, image, &aim, direction);
     return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(shining, share), seen),
-                         left_by_lobes(world, query, emitter, &aim, direction));
+                         shadow_ray_weight(world, query, emitter, &aim, direction));
 }
 
-/* The numbers for the n-th light: random, or the caller's even ones turned by the golden ratio. */
-static void numbers_for(const struct orl_direct_query *query, size_t n, struct orl_random *random,
-                        double ret_u[2])
+/* Computes the random numbers for the n-th light. Those of the caller are shifted by n times the
+ * inverse golden ratio and n times the inverse plastic number, modulo 1. */
+static void light_numbers(const struct orl_direct_query *query, size_t n, struct orl_random *random,
+                          double ret_u[2])
 {
     for (int i = 0; i < 2; i++) {
         const double turn = (double)n * (i == 0 ? 0.6180339887498949 : 0.7548776662466927);
@@ -353,7 +365,8 @@ static void numbers_for(const struct orl_direct_query *query, size_t n, struct o
     }
 }
 
-/* The suns' images in the scene's mirrors; u is of the disc. */
+/* Returns the light of a sun's images in the scene's mirrors. u: numbers for the point of the
+ * disc. */
 static struct orl_rgb mirrored_sun(const struct orl_world *world, size_t sun,
                                    const struct orl_direct_query *query, const double u[2])
 {
@@ -381,7 +394,7 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
     double u[2];
     for (size_t i = 0; i < world->n_suns; i++) {
         const struct orl_sun *sun = &world->suns[i];
-        numbers_for(query, i, random, u);
+        light_numbers(query, i, random, u);
         const struct orl_vec3 light = orl_sun_sample(sun, u);
         const struct orl_rgb seen = response(query, light);
         if (query->mirrored)
@@ -395,14 +408,14 @@ struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_
     for (size_t i = 0; i < world->n_emitters; i++) {
         if (!world->emitters[i].direct)
             continue;
-        numbers_for(query, world->n_suns + i, random, u);
+        light_numbers(query, world->n_suns + i, random, u);
         sum = orl_rgb_add(sum, light_from_emitter(world, &world->emitters[i], query, u));
     }
     const size_t n_images =
         query->mirrored && world->n_emitters > 0 ? world->lamp_images.n_images : 0;
     for (size_t i = 0; i < n_images; i++) {
         const struct orl_lamp_image *image = &world->lamp_images.images[i];
-        numbers_for(query, world->n_suns + world->n_emitters + i, random, u);
+        light_numbers(query, world->n_suns + world->n_emitters + i, random, u);
         sum = orl_rgb_add(sum, mirrored_lamp(world, image, query, u));
     }
     return sum;
@@ -414,7 +427,7 @@ struct orl_rgb orl_direct_by_images(const struct orl_world *world,
     struct orl_rgb sum = orl_gray(0);
     double u[2];
     for (size_t i = 0; i < world->n_suns; i++) {
-        numbers_for(query, i, random, u);
+        light_numbers(query, i, random, u);
         sum = orl_rgb_add(sum, mirrored_sun(world, i, query, u));
     }
     return sum;

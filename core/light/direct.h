@@ -1,6 +1,7 @@
 /*
- * Light that comes straight from suns and lamps: shadow rays, through thin panes and by way of flat
- * mirrors; and who counts a lamp that shadow rays and rays drawn by a lobe can both find.
+ * Light that arrives straight from suns and lamps, estimated by shadow rays: through thin panes and
+ * by way of flat mirrors. MIS weights for lamps that both shadow rays and BSDF-sampled rays can
+ * find.
  */
 #ifndef ORL_LIGHT_DIRECT_H
 #define ORL_LIGHT_DIRECT_H
@@ -9,8 +10,8 @@
 #include "light/world.h"
 
 /*
- * Share of light that comes straight from `direction`, from within max_distance, thin glass on the
- * way included. With through_ports false ports block.
+ * Returns the share of light that arrives straight from `direction`, from up to max_distance,
+ * through thin glass on the way. If through_ports is false, ports block.
  */
 struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance,
@@ -21,77 +22,89 @@ struct orl_rgb orl_transmittance_to_surface(const struct orl_world *world, struc
                                             struct orl_vec3 direction, double max_distance,
                                             bool through_ports);
 /* Returns orl_transmittance for an infinite distance, through ports. If *port is ORL_NO_PORT, it
- * becomes the first port by which the ray leaves the building; else the path has left it before,
- * and it stays. */
+ * becomes the first port by which the ray leaves the building. Otherwise the path has left the
+ * building before, and *port is unchanged. */
 struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
                                     struct orl_vec3 direction, int32_t *port);
 
 /*
- * Irradiance at a point with that (unit) normal from suns and lights sampled directly: one shadow
- * ray each. With lobes not NULL, weighted by that hit's lobes towards eye instead of counted
- * whole: the result is then radiance, of lamps the share that rays drawn by those lobes leave.
+ * A query for the irradiance at a point with a unit normal, from suns and lamps that are sampled
+ * directly, with one shadow ray each. If lobes is not NULL, the light is weighted by the lobes of
+ * `hit` towards eye. The result is then radiance; of lamps it holds the shadow rays' share, and
+ * rays sampled from the lobes add the rest.
  */
 struct orl_direct_query {
     struct orl_vec3 point;          /* clear of the surface */
-    struct orl_vec3 normal;         /* towards the side that is lit */
-    const struct orl_vec3 *shading; /* the cosine is to this one; NULL: to the normal */
+    struct orl_vec3 normal;         /* unit, towards the side that is lit */
+    const struct orl_vec3 *shading; /* unit normal for the cosine; NULL: `normal` */
     bool through_ports;
     const struct orl_material *lobes;
     const struct orl_hit *hit;
     struct orl_vec3 eye;
-    bool mist; /* not a surface: scattered towards eye by the phase function (mist.h) of */
+    /* the point is in a volume, not on a surface: light is scattered towards eye by the phase
+     * function (mist.h) with parameter forward */
+    bool mist;
     double forward;
-    bool mirrored;   /* with the suns' images in flat mirrors */
-    const double *u; /* two numbers in [0,1) from an even sequence, or NULL for random ones */
+    bool mirrored; /* true to add the suns' and lamps' images in flat mirrors */
+    /* two numbers in [0,1) of a low-discrepancy sequence; NULL: random ones */
+    const double *u;
 };
 struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
                                 struct orl_random *random);
 
-/* The lamp's radiance from there towards where the aim was taken, times the transmittance on the
- * way and the solid angle: with a cosine, irradiance. With through_ports false ports block. */
+/* Returns the lamp's radiance from the sampled point towards `from`, times the transmittance on
+ * the way and the solid angle. Times a cosine it is irradiance. If through_ports is false, ports
+ * block. */
 struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl_emitter *emitter,
                                  struct orl_vec3 from, const struct orl_lamp_aim *aim,
                                  bool through_ports);
 
-/* Of that, with query.mirrored, the part of the suns' images in flat mirrors alone. */
+/* Returns the part of orl_direct_light that comes from the suns' images in flat mirrors;
+ * query.mirrored is ignored. */
 struct orl_rgb orl_direct_by_images(const struct orl_world *world,
                                     const struct orl_direct_query *query,
                                     struct orl_random *random);
 
-/* Radiance of suns and lamps that mist scatters there, by that phase function (mist.h), towards an
- * eye whose ray goes along that direction: one shadow ray each. */
+/* Returns the radiance of suns and lamps that mist scatters at a point towards an eye, whose ray
+ * has the direction `along`. The phase function has the parameter forward (mist.h). Traces one
+ * shadow ray for each light. */
 struct orl_rgb orl_direct_in_mist(const struct orl_world *world, struct orl_vec3 point,
                                   struct orl_vec3 along, double forward, struct orl_random *random);
 
 /*
- * Radiance of suns (images in flat mirrors included) and lights that the lobes of material at that
- * hit send towards eye, from both sides where it transmits: one shadow ray each. The rest of the
- * light of lamps is for rays drawn by the lobes (orl_chance_after).
+ * Returns the radiance of suns (their images in flat mirrors included) and lamps that the
+ * material's lobes at a hit send towards eye. Both sides count if the material transmits. Traces
+ * one shadow ray for each light. The rest of the lamps' light is left to rays sampled from the
+ * lobes (orl_chance_after).
  */
 struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random);
 
 /*
- * How a ray came by its direction, for the lamps that it may meet: shadow rays may have looked for
- * them too. Where both can find a lamp, each counts a share: rays count more in a narrow lobe,
- * shadow rays in a wide one. (Veach 1997, chapter 9: the balance heuristic.) After one reflection
- * by a flat mirror that shows lamps (lamp_images.h) that holds of the lamps shown.
+ * The pdf with which a ray's direction was sampled, for the MIS weight of lamps that the ray hits:
+ * shadow rays may have sampled the same lamps. The weights are the balance heuristic (Veach 1997,
+ * chapter 9), so rays count more in a narrow lobe, and shadow rays in a wide one. After one
+ * reflection by a flat mirror with lamp images (lamp_images.h), the weights hold for the lamps of
+ * these images.
  */
 enum { ORL_MIRROR_NONE = 0, ORL_MIRROR_UNKNOWN = -1 };
 struct orl_chance {
-    double pdf;           /* 1/sr; 0: shadow rays have found all lamps; infinite: there were none */
-    struct orl_vec3 from; /* the lobe that the ray was drawn by, or its mirror image */
-    int64_t mirror;       /* 1 + the facet that has mirrored it since, or ORL_MIRROR_NONE; after
-                             ORL_MIRROR_UNKNOWN only rays find lamps */
+    /* 1/sr; 0: shadow rays have sampled all lamps; infinite: no shadow rays were traced */
+    double pdf;
+    /* the point where the ray was sampled from a lobe, or the point's mirror image */
+    struct orl_vec3 from;
+    /* 1 + the facet of the mirror that reflected the ray since, or ORL_MIRROR_NONE. After
+     * ORL_MIRROR_UNKNOWN only rays find lamps. */
+    int64_t mirror;
 };
 
-/* Shadow rays have looked for lamps, seen straight and in mirrors. */
+/* Returns the state of a ray whose lamps shadow rays have sampled, both straight and in mirrors. */
 static inline struct orl_chance orl_chance_found(void)
 {
     return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_NONE};
 }
-/* Only for lamps seen straight. */
+/* Returns the state of a ray whose lamps shadow rays have sampled straight only. */
 static inline struct orl_chance orl_chance_found_straight(void)
 {
     return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_UNKNOWN};
@@ -101,11 +114,13 @@ static inline struct orl_chance orl_chance_unsought(void)
     return (struct orl_chance){.pdf = INFINITY, .mirror = ORL_MIRROR_UNKNOWN};
 }
 
-/* Radiance that the surface there shines towards eye: of a lamp, the ray's share. */
+/* Returns the radiance that the surface at a hit emits towards eye; for lamps it is multiplied
+ * by the ray's MIS weight. */
 struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *hit,
                            struct orl_vec3 eye, const struct orl_chance *chance);
 
-/* What holds after the event at a surface; suns and lamps were looked for by way of its lobes. */
+/* Returns the MIS state after the event at a surface, where shadow rays have sampled suns and
+ * lamps by way of its lobes. */
 struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,
                                    struct orl_vec3 eye, const struct orl_scatter *scatter,
                                    struct orl_chance before);

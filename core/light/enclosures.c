@@ -24,8 +24,8 @@ static int budget_error(const struct orl_ray_budget *budget)
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
-/* Panes indoors separate nothing. */
-static bool lets_pass(const struct orl_scene *scene, const struct orl_hit *hit)
+/* Returns true if a hit does not separate spaces: it is an indoor pane. */
+static bool is_indoor_pane(const struct orl_scene *scene, const struct orl_hit *hit)
 {
     return orl_material_is_window(orl_scene_material(scene, hit->facet)) &&
            orl_scene_crossing(scene, hit) == ORL_CROSSING_NONE;
@@ -43,7 +43,7 @@ bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from,
         const struct orl_vec3 direction = orl_scale(line, 1 / length);
         if (!orl_geometry_intersect(g, from, direction, length, ret_hit))
             return false;
-        if (!lets_pass(scene, ret_hit))
+        if (!is_indoor_pane(scene, ret_hit))
             return true;
         from = orl_hit_leave(g, ret_hit, direction);
         if (!(orl_dot(orl_sub(to, from), direction) > 0))
@@ -52,7 +52,7 @@ bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from,
     return true;
 }
 
-static bool connects(struct search *s, struct orl_vec3 from, struct orl_vec3 to)
+static bool is_connected(struct search *s, struct orl_vec3 from, struct orl_vec3 to)
 {
     struct orl_hit hit;
     return orl_ray_budget_take(s->budget) && !orl_enclosures_between(s->scene, from, to, &hit);
@@ -70,9 +70,9 @@ static struct path path_from(const struct orl_outlook *place, struct orl_random 
     return (struct path){place->point, orl_hemisphere_about(place->normal, u, v)};
 }
 
-/* One ray of a diffuse path, counted into the enclosure. Returns false when the path leaves the
- * scene, or no ray is left. */
-static bool advance(struct search *s, struct path *path, struct orl_enclosure *enclosure)
+/* Traces one ray of a diffuse path, and counts it in the enclosure. Returns false if the path
+ * leaves the scene, or no ray is left. */
+static bool advance_path(struct search *s, struct path *path, struct orl_enclosure *enclosure)
 {
     const struct orl_scene *scene = s->scene;
     struct orl_hit hit;
@@ -84,7 +84,7 @@ static bool advance(struct search *s, struct path *path, struct orl_enclosure *e
         return false;
     }
     enclosure->windows += orl_scene_crossing(scene, &hit) == ORL_CROSSING_OUTWARDS;
-    if (!lets_pass(scene, &hit)) {
+    if (!is_indoor_pane(scene, &hit)) {
         const double u = orl_random_uniform(&s->random), v = orl_random_uniform(&s->random);
         path->direction = orl_hemisphere_about(orl_hit_facing(&hit), u, v);
     }
@@ -92,7 +92,7 @@ static bool advance(struct search *s, struct path *path, struct orl_enclosure *e
     return true;
 }
 
-/* Once the list is full, a point replaces one of its second half. */
+/* Adds a point. If the list is full, it replaces a random one of the second half. */
 static void add_point(struct orl_enclosure *e, struct orl_vec3 point, struct orl_random *random)
 {
     const size_t half = ORL_ENCLOSURE_POINTS / 2;
@@ -102,13 +102,13 @@ static void add_point(struct orl_enclosure *e, struct orl_vec3 point, struct orl
         e->points[half + (size_t)(orl_random_uniform(random) * (double)half)] = point;
 }
 
-static void explore(struct search *s, const struct orl_outlook *place,
-                    struct orl_enclosure *enclosure)
+static void explore_space(struct search *s, const struct orl_outlook *place,
+                          struct orl_enclosure *enclosure)
 {
     for (int i = 0; i < PATHS_OF_A_SPACE; i++) {
         struct path path = path_from(place, &s->random);
         for (int bounce = 0; bounce < BOUNCES; bounce++) {
-            if (!advance(s, &path, enclosure))
+            if (!advance_path(s, &path, enclosure))
                 break;
             add_point(enclosure, path.point, &s->random);
         }
@@ -121,7 +121,7 @@ int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outloo
     struct search s = {
         .scene = scene, .budget = budget, .random = orl_random_stream(3, ORL_PURPOSE_PILOT, 0)};
     *ret_enclosure = (struct orl_enclosure){.count = 0};
-    explore(&s, place, ret_enclosure);
+    explore_space(&s, place, ret_enclosure);
     return budget_error(budget);
 }
 
@@ -129,30 +129,31 @@ int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outloo
 
 static bool is_in_sight(struct search *s, const struct orl_enclosure *e, struct orl_vec3 point)
 {
-    if (connects(s, point, e->last))
+    if (is_connected(s, point, e->last))
         return true;
     for (size_t i = 0; i < e->n_points; i++)
-        if (connects(s, point, e->points[i]))
+        if (is_connected(s, point, e->points[i]))
             return true;
     return false;
 }
 
-/* The last place and a few points by lot. */
+/* Returns true if the point is connected to the space's last place, or to one of a few random
+ * points of it. */
 static bool is_near(struct search *s, const struct orl_enclosure *e, struct orl_vec3 point)
 {
     enum { TRIES = 3 };
-    if (connects(s, point, e->last))
+    if (is_connected(s, point, e->last))
         return true;
     for (int i = 0; i < TRIES && e->n_points > 0; i++) {
         const double u = orl_random_uniform(&s->random);
-        if (connects(s, point, e->points[(size_t)(u * (double)e->n_points)]))
+        if (is_connected(s, point, e->points[(size_t)(u * (double)e->n_points)]))
             return true;
     }
     return false;
 }
 
-/* Follows paths from the place until a point of one is connected to a known space; among those
- * from `first` to `end`. Returns its number, or end. */
+/* Follows paths from the place until a point on one is connected to a known space with an index
+ * from `first` up to `end`. Returns the index, or `end`. */
 static size_t search_by_paths(struct search *s, const struct orl_outlook *place, int n_paths,
                               size_t first, size_t end)
 {
@@ -160,7 +161,7 @@ static size_t search_by_paths(struct search *s, const struct orl_outlook *place,
     for (int i = 0; i < n_paths; i++) {
         struct path path = path_from(place, &s->random);
         for (int bounce = 0; bounce < BOUNCES; bounce++) {
-            if (!advance(s, &path, &unused))
+            if (!advance_path(s, &path, &unused))
                 break;
             for (size_t k = first; k < end; k++)
                 if (is_near(s, &s->found->at[k], path.point)) {
@@ -183,11 +184,11 @@ static size_t find_space(struct search *s, const struct orl_outlook *place, size
     return search_by_paths(s, place, PATHS_OF_A_PLACE, 0, found->n);
 }
 
-static size_t open_space(struct search *s, const struct orl_outlook *place, size_t index)
+static size_t add_space(struct search *s, const struct orl_outlook *place, size_t index)
 {
     struct orl_enclosure *e = &s->found->at[s->found->n];
     *e = (struct orl_enclosure){.first = index, .last = place->point};
-    explore(s, place, e);
+    explore_space(s, place, e);
     return s->found->n++;
 }
 
@@ -202,7 +203,7 @@ static int sort_places(struct search *s, const struct orl_outlook *places, size_
         if (space == s->found->n) {
             if (space == ORL_ENCLOSURES)
                 continue;
-            space = open_space(s, &places[i], i);
+            space = add_space(s, &places[i], i);
         }
         s->found->of[i] = (uint8_t)space;
         s->found->at[space].count++;
@@ -223,7 +224,7 @@ static size_t largest_of(const struct orl_enclosures *found)
     return largest;
 }
 
-static void join(struct orl_enclosures *found, size_t part, size_t whole, size_t n_places)
+static void join_spaces(struct orl_enclosures *found, size_t part, size_t whole, size_t n_places)
 {
     found->at[whole].count += found->at[part].count;
     found->at[part].count = 0;
@@ -232,7 +233,8 @@ static void join(struct orl_enclosures *found, size_t part, size_t whole, size_t
             found->of[i] = (uint8_t)whole;
 }
 
-/* Few paths may have missed a door: the spaces beside the largest are tried by more. */
+/* Joins spaces to the largest, after a search with more paths: the few paths before may have
+ * missed a door. */
 static int join_largest(struct search *s, const struct orl_outlook *places, size_t n)
 {
     struct orl_enclosures *found = s->found;
@@ -244,7 +246,7 @@ static int join_largest(struct search *s, const struct orl_outlook *places, size
         if (search_by_paths(s, &places[found->at[k].first], PATHS_OF_A_SPACE, main, main + 1) ==
                 main ||
             search_by_paths(s, &places[e->first], PATHS_OF_A_SPACE, k, k + 1) == k)
-            join(found, k, main, n);
+            join_spaces(found, k, main, n);
     }
     return budget_error(s->budget);
 }

@@ -1,13 +1,13 @@
 /*
- * Enclosures: which places lie in one space, and which are separated by surfaces.
+ * Enclosures: finds which points lie in one space, and which are separated by surfaces.
  *
- * Two places lie in one space when a chain of straight lines connects them that crosses no surface
- * but panes indoors. Panes to the outside (ports) separate, as walls do. The chains are found by
- * rays: from one place to the next in the list, to points that diffuse paths from the space's
- * places have reached, and from points of such paths of the place's own. Places that are in one
- * space but connected by a tiny opening alone may be reported as separate.
+ * Two places lie in one space if a chain of straight lines connects them that crosses no surface
+ * but indoor panes. Panes to the outside (ports) separate, as walls do. Rays search the chains in
+ * three ways: from one place to the next in the list; to points that diffuse paths from the space's
+ * places have reached; and from points on such paths of the place itself. Places that are connected
+ * by a tiny opening only may be reported as separate.
  *
- * The answer depends on the scene, the places and the budget alone. Threads: the caller's; nothing
+ * The result depends only on the scene, the places and the budget. Threads: the caller's; nothing
  * is shared.
  */
 #ifndef ORL_LIGHT_ENCLOSURES_H
@@ -18,9 +18,9 @@
 
 enum { ORL_ENCLOSURES = 64, ORL_ENCLOSURE_POINTS = 48, ORL_ENCLOSURE_UNKNOWN = 255 };
 
-/* Rays that the searches of one job may trace. A search that uses the last one has no result. */
+/* Rays that the searches of one job may trace. A search that uses up the last one has no result. */
 struct orl_ray_budget {
-    const struct orl_crew *crew; /* polled for cancellation, which takes what is left; or NULL */
+    const struct orl_crew *crew; /* polled for cancellation, which sets `left` to 0; or NULL */
     uint64_t left, traced;
     bool cancelled;
 };
@@ -40,12 +40,13 @@ static inline bool orl_ray_budget_take(struct orl_ray_budget *budget)
 }
 
 struct orl_enclosure {
-    size_t count;              /* places in it */
-    size_t first;              /* the first of them */
-    uint64_t rays;             /* of the paths that explored it */
-    uint64_t escaped, windows; /* of these, rays that met nothing, or a port's inner face */
-    struct orl_vec3 last;      /* the last place found in it */
-    struct orl_vec3 points[ORL_ENCLOSURE_POINTS]; /* reached by paths */
+    size_t count;  /* number of places in it */
+    size_t first;  /* index of its first place */
+    uint64_t rays; /* rays of the paths that explored it */
+    /* escaped: rays that met nothing; windows: rays that met a port's inner face */
+    uint64_t escaped, windows;
+    struct orl_vec3 last;                         /* the last place found in it */
+    struct orl_vec3 points[ORL_ENCLOSURE_POINTS]; /* points that paths have reached */
     size_t n_points;
 };
 
@@ -53,29 +54,32 @@ struct orl_enclosures {
     struct orl_enclosure at[ORL_ENCLOSURES];
     size_t n;
     size_t largest; /* the one with the most places */
-    uint8_t *of; /* of each place; ORL_ENCLOSURE_UNKNOWN: left out, or there are too many spaces */
+    /* enclosure of each place; ORL_ENCLOSURE_UNKNOWN: left out, or there are too many spaces */
+    uint8_t *of;
 };
 
-/* Windows seen and no way out: a room. A way out for a five-hundredth of the rays: open. */
+/* Returns true if more than 1 in 500 rays escaped. A space whose rays meet windows and do not
+ * escape is a room. */
 static inline bool orl_enclosure_is_open(const struct orl_enclosure *enclosure)
 {
     return 500 * enclosure->escaped > enclosure->rays;
 }
 
-/* Places are in moved coordinates, clear of surfaces (orl_stand); one without a normal is left out.
- * Returns 0 and enclosures that the caller frees, or ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or
- * ORL_ERR_LIMIT when the budget is used up. */
+/* Finds the enclosures of places, which are in moved coordinates and clear of surfaces
+ * (orl_stand). A place without a normal is left out. Returns 0 and enclosures that the caller
+ * frees, or ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT if the budget is used up. */
 int orl_enclosures_new(const struct orl_scene *scene, const struct orl_outlook *places,
                        size_t n_places, struct orl_ray_budget *budget,
                        struct orl_enclosures **ret_enclosures);
 void orl_enclosures_free(struct orl_enclosures *enclosures); /* NULL is allowed */
 
-/* Explores the space that a place lies in, by diffuse paths from there; ret: its rays alone.
- * Returns 0, or ORL_ERR_CANCELLED or ORL_ERR_LIMIT as above. */
+/* Explores the space around a place by diffuse paths. *ret_enclosure holds only the results of
+ * these rays. Returns 0, or ORL_ERR_CANCELLED or ORL_ERR_LIMIT as above. */
 int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outlook *place,
                           struct orl_ray_budget *budget, struct orl_enclosure *ret_enclosure);
 
-/* The first surface on the straight line between two places that separates them. */
+/* Finds the first surface on the straight line between two points that separates them. Returns
+ * false if there is none. */
 bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from, struct orl_vec3 to,
                             struct orl_hit *ret_hit);
 

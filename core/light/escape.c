@@ -3,11 +3,10 @@
 #include "scene/material/hemisphere.h"
 
 enum { AT_ONCE = 64 };
-static const double least_seen =
-    1e-3; /* share of escaping rays that makes a face an outside face */
-static const double least_contrast = 4; /* and how many times the other face's it must be */
+static const double least_seen = 1e-3;  /* minimum share of escaping rays for an outside face */
+static const double least_contrast = 4; /* minimum ratio of its share to the other face's */
 
-/* Returns how many of n rays, AT_ONCE at most, leave from a side. */
+/* Returns how many of n rays (at most AT_ONCE) leave from a side. */
 static uint32_t count_leaving(const struct orl_geometry *g, uint32_t facet, bool front, uint32_t n,
                               struct orl_random *random)
 {

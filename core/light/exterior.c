@@ -2,16 +2,17 @@
 
 enum { SURE_BOUNCES = 3, MOST_PANES = 64 };
 
-/* A path outdoors. */
+/* State of a path outdoors. */
 struct outing {
-    struct orl_eye_path eye;     /* first: what sinks are given */
-    struct orl_entry *ret_entry; /* it may pass ports, as light may that it meets; NULL: it looks
-                                    for first light */
+    struct orl_eye_path eye; /* first member: sinks cast its address to the outing */
+    /* set: the path may pass ports and finds light that has passed ports; NULL: first light only */
+    struct orl_entry *ret_entry;
     bool diffused;
     struct orl_health *health;
 };
 
-/* Suns and lights on one side of the surface, as its lobes send them towards the eye. */
+/* Returns the light of suns and lamps on one side of the surface that its lobes scatter towards
+ * the eye. */
 static struct orl_rgb lobes_of_side(const struct outing *o, const struct orl_hit *hit,
                                     struct orl_vec3 eye, struct orl_vec3 side)
 {
@@ -26,7 +27,8 @@ static struct orl_rgb lobes_of_side(const struct outing *o, const struct orl_hit
     return orl_direct_light(o->eye.world, &query, o->eye.random);
 }
 
-/* Lambertian reflection of suns and lights by a surface of that albedo, on the side of the eye. */
+/* Returns the light of suns and lamps that a surface of that albedo reflects diffusely, on the
+ * eye's side. */
 static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hit *hit,
                                      struct orl_vec3 normal, struct orl_rgb albedo)
 {
@@ -40,15 +42,15 @@ static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hi
 }
 
 /*
- * Whether light from behind the surface is this path's to find. First light has passed no port: not
- * that of a pane in front of another one either, which sends it in itself.
+ * Returns true if this path counts light from behind the surface. First light has passed no port,
+ * so light through a pane in front of another pane is excluded: that pane emits it.
  */
-static bool looks_behind(const struct outing *o, const struct orl_hit *hit)
+static bool counts_light_behind(const struct outing *o, const struct orl_hit *hit)
 {
     return o->ret_entry || orl_world_crossing(o->eye.world, hit) == ORL_CROSSING_NONE;
 }
 
-/* What suns and lights send towards the eye by way of this surface. */
+/* Returns the light of suns and lamps that this surface scatters towards the eye. */
 static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_hit *hit,
                                        struct orl_vec3 eye)
 {
@@ -60,17 +62,18 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
         sum = diffuse_direct(o, hit, normal, diffuse);
     if (orl_material_has_lobes(m))
         sum = orl_rgb_add(sum, lobes_of_side(o, hit, eye, normal));
-    if (orl_material_transmits_lobes(m) && looks_behind(o, hit))
+    if (orl_material_transmits_lobes(m) && counts_light_behind(o, hit))
         sum = orl_rgb_add(sum, lobes_of_side(o, hit, eye, orl_neg(normal)));
     return sum;
 }
 
 /*
- * A BSDF port met from outside after a diffuse bounce. Its sharp lobes would put the sun on the
- * ground as sparks that hardly any path finds, so their flux is kept and their shape is not: light
- * is sent on evenly, by the reflectance or transmittance for the direction it comes from.
+ * Returns the light of suns by a BSDF port that is met from outside after a diffuse bounce. Its
+ * sharp lobes would put the sun on the ground as sparks that hardly any path finds. So their flux
+ * is kept and their shape is not: light is scattered diffusely, by the albedo for its direction of
+ * incidence.
  */
-static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit *hit)
+static struct orl_rgb diffused_bsdf_direct(const struct outing *o, const struct orl_hit *hit)
 {
     const struct orl_world *world = o->eye.world;
     const struct orl_material *m = orl_world_material(world, hit);
@@ -79,7 +82,7 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
     for (size_t i = 0; i < world->n_suns; i++) {
         const struct orl_vec3 sun = world->suns[i].frame.n;
         const double cosine = orl_dot(sun, normal);
-        if (cosine == 0 || (cosine < 0 && !looks_behind(o, hit)))
+        if (cosine == 0 || (cosine < 0 && !counts_light_behind(o, hit)))
             continue;
         const struct orl_vec3 side = cosine > 0 ? normal : orl_neg(normal);
         const struct orl_rgb albedo = orl_material_albedo(
@@ -94,8 +97,8 @@ static struct orl_rgb folded_direct(const struct outing *o, const struct orl_hit
 }
 
 /*
- * The domes where nothing stands before them, and what shines there: surfaces outside let light
- * through or stop it, and send none back.
+ * Returns the radiance of unobstructed domes and of lights. Surfaces outside transmit or block
+ * light, and reflect none.
  */
 static struct orl_rgb unreflected_radiance(struct outing *o)
 {
@@ -110,7 +113,8 @@ static struct orl_rgb unreflected_radiance(struct outing *o)
         }
         orl_eye_path_see(p, orl_shining(world, &p->hit, orl_path_back(&p->path), &p->chance));
         if (!orl_path_look_through(&p->path, orl_world_material(world, &p->hit), &p->hit) ||
-            !looks_behind(o, &p->hit) || orl_world_crossing(world, &p->hit) == ORL_CROSSING_INWARDS)
+            !counts_light_behind(o, &p->hit) ||
+            orl_world_crossing(world, &p->hit) == ORL_CROSSING_INWARDS)
             return p->seen;
         orl_path_pass(&p->path, world, &p->hit);
     }
@@ -133,7 +137,7 @@ struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl
     return orl_world_dome_radiance(world, direction);
 }
 
-/* ---- A path by every kind of reflection ------------------------------------------------------ */
+/* ---- Path tracing ---------------------------------------------------------------------------- */
 
 static struct outing *outing_of(struct orl_eye_path *p)
 {
@@ -145,8 +149,8 @@ static bool is_entry(const struct orl_eye_path *p)
     return orl_world_crossing(p->world, &p->hit) == ORL_CROSSING_INWARDS;
 }
 
-/* Whether light is sent on evenly there. */
-static bool is_folded(const struct outing *o, const struct orl_material *m)
+/* Returns true if sunlight is scattered diffusely at the hit (diffused_bsdf_direct). */
+static bool is_diffused_bsdf(const struct outing *o, const struct orl_material *m)
 {
     return o->diffused && m->kind == ORL_MATERIAL_BSDF && is_entry(&o->eye);
 }
@@ -156,26 +160,27 @@ static void count_ray(struct orl_eye_path *p)
     outing_of(p)->health->rays++;
 }
 
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
     const struct outing *o = outing_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
     count_ray(p);
     orl_eye_path_see(p, orl_shining(p->world, &p->hit, eye, &p->chance));
-    orl_eye_path_see(p, is_folded(o, m) ? folded_direct(o, &p->hit)
-                                        : scattered_direct(o, &p->hit, eye));
-    return looks_behind(o, &p->hit) ? ORL_LOBE_ALL
-                                    : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
+    orl_eye_path_see(p, is_diffused_bsdf(o, m) ? diffused_bsdf_direct(o, &p->hit)
+                                               : scattered_direct(o, &p->hit, eye));
+    return counts_light_behind(o, &p->hit)
+               ? ORL_LOBE_ALL
+               : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
 }
 
-/* Long paths end by roulette, and those that enter are handed back. */
-static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
+/* Russian roulette for long paths; hands paths that enter a building back to the caller. */
+static bool continue_path(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     struct outing *o = outing_of(p);
     if (p->bounce >= SURE_BOUNCES &&
         !orl_path_survives(&p->path, orl_smaller(orl_rgb_max(p->path.weight), 1), p->random))
         return false;
-    p->chance = is_folded(o, orl_world_material(p->world, &p->hit))
+    p->chance = is_diffused_bsdf(o, orl_world_material(p->world, &p->hit))
                     ? orl_chance_found()
                     : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
     o->diffused = o->diffused || s->event == ORL_EVENT_DIFFUSE;
@@ -186,21 +191,23 @@ static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return false;
 }
 
-static const struct orl_eye_sink sink = {.escaped = count_ray, .met = meet, .sent_on = goes_on};
+static const struct orl_eye_sink sink = {
+    .escaped = count_ray, .met = shade_hit, .sent_on = continue_path};
 
-/* To its end, or to where it enters. */
-static struct orl_rgb follow(struct outing *o)
+/* Follows the path to its end, or to where it enters a building. */
+static struct orl_rgb trace_path(struct outing *o)
 {
     o->health->paths++;
     orl_eye_path_follow(&o->eye, &sink, o->health);
     return o->eye.seen;
 }
 
-/* ---- Whoever asks ---------------------------------------------------------------------------- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
-/* All but where it goes. Not by clearing it first: what it meets is most of it. */
-static void set_out(struct outing *o, const struct orl_world *world, struct orl_chance chance,
-                    struct orl_random *random, struct orl_health *health)
+/* Sets all members but the path. Does not clear the struct first: most of it is the hit, which
+ * is written later. */
+static void init_outing(struct outing *o, const struct orl_world *world, struct orl_chance chance,
+                        struct orl_random *random, struct orl_health *health)
 {
     struct orl_eye_path *p = &o->eye;
     p->world = world;
@@ -219,10 +226,10 @@ struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct 
                                           struct orl_random *random, struct orl_health *health)
 {
     struct outing outing;
-    set_out(&outing, world, chance, random, health);
+    init_outing(&outing, world, chance, random, health);
     outing.eye.path = orl_path_from(orl_v3(0, 0, 0), direction);
     orl_eye_path_foresee(&outing.eye, first);
-    return follow(&outing);
+    return trace_path(&outing);
 }
 
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
@@ -231,12 +238,12 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_entry *ret_entry)
 {
     struct outing outing;
-    set_out(&outing, world, chance, random, health);
+    init_outing(&outing, world, chance, random, health);
     outing.eye.path = orl_path_from(origin, direction);
     outing.ret_entry = ret_entry;
     if (ret_entry)
         ret_entry->entered = false;
-    return world->omit.exterior ? unreflected_radiance(&outing) : follow(&outing);
+    return world->omit.exterior ? unreflected_radiance(&outing) : trace_path(&outing);
 }
 
 bool orl_exterior_pass(struct orl_eye_path *p, struct orl_health *health)

@@ -1,14 +1,14 @@
 /*
- * Radiance found by paths alone: no photon map, explicit shadow rays to suns and lights, one
- * bounce after another until the path leaves, is absorbed or dies by roulette. Suns in flat mirrors
- * and panes are found by their images (images.h); suns reflected by curved mirrors, or refracted,
- * are left out, and what BSDF ports send outdoors after a diffuse bounce keeps its flux but not its
- * shape.
+ * Radiance by path tracing alone, without a photon map. It traces shadow rays to suns and lamps at
+ * each bounce, until the path leaves, is absorbed or ends by Russian roulette. Suns in flat mirrors
+ * and panes are found by their images (images.h). Suns that are refracted, or reflected by curved
+ * mirrors, are left out. Light that BSDF ports send outdoors after a diffuse bounce keeps its flux
+ * but not its shape.
  *
- * It is what photon ports see when they look out (so that every photon carries the radiance that
- * arrives, the ground's and the neighbours' included), and what views, sensors and rays from inside
- * see of surfaces outside. To these the rooms behind the neighbours' panes shine too: a path that
- * comes to one is handed back where it enters.
+ * Photon ports use it for the radiance outwards, so that every photon carries the radiance that
+ * arrives, the ground's and the neighbours' included. Views, sensors and rays from inside use it
+ * for outdoor surfaces. For these, rooms behind the neighbours' panes shine, too: a path that
+ * enters one is handed back to the caller.
  */
 #ifndef ORL_LIGHT_EXTERIOR_H
 #define ORL_LIGHT_EXTERIOR_H
@@ -16,21 +16,23 @@
 #include "light/eye_path.h"
 
 /*
- * Where a path has passed a port inwards, and goes on: what it sees from there, times the weight,
- * is to be added by whoever asked, who knows how the inside is lit.
+ * A path that has passed a port inwards. The caller adds the radiance inside, times the path's
+ * weight: it knows how the inside is lit.
  */
 struct orl_entry {
     bool entered;
-    struct orl_path path; /* from inside the port on */
+    struct orl_path path; /* the path from the inner side of the port */
     struct orl_chance chance;
 };
 
 /*
- * One estimate of the radiance arriving at origin from direction, suns seen straight excluded.
- * ret_entry: where the path ends in a building, if it does; NULL: paths do not pass ports, and
- * light that has passed one is left out (what ports send in is first light: light/world.h). Of
- * lamps seen straight or through panes it is the share of that chance. Counts into health. With
- * omit.exterior surfaces reflect nothing: what is left is what comes straight.
+ * Returns one estimate of the radiance that arrives at origin from direction, without suns seen
+ * straight.
+ *
+ * ret_entry: set to the path if it enters a building. NULL: paths do not pass ports, and light that
+ * has passed one is left out, because ports emit first light only (light/world.h). Lamps seen
+ * straight or through panes are weighted by `chance` (MIS). Counts rays and paths in health. With
+ * omit.exterior surfaces reflect nothing: the result is the light that arrives straight.
  */
 struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
                                      struct orl_vec3 direction, struct orl_chance chance,
@@ -38,28 +40,29 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
                                      struct orl_entry *ret_entry);
 
 /*
- * An eye's path that has left a building sees what is outdoors. True: it has come in again, and is
- * where it goes on; false: it ended there.
+ * Adds the outdoor radiance to an eye path that has left a building. Returns true if the path has
+ * entered again, with its state set to continue inside; false if it ended outdoors.
  */
 bool orl_exterior_pass(struct orl_eye_path *p, struct orl_health *health);
 
 /*
- * The same without entry, where it is known what is met first (NULL: nothing), and nothing is left
- * out.
+ * As orl_exterior_radiance without entry, for a known first hit (NULL: none). omit.exterior must be
+ * false.
  */
 struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
                                           const struct orl_hit *first, struct orl_chance chance,
                                           struct orl_random *random, struct orl_health *health);
 
 /*
- * Radiance for a path that leaves a port outwards, without the lamps that it sees straight; beyond
- * a clear port no ray is needed.
+ * Returns the radiance for a path that leaves a port outwards, without lamps seen straight. Beyond
+ * a clear port it needs no ray.
  */
 struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl_port *port,
                                  struct orl_vec3 origin, struct orl_vec3 direction,
                                  struct orl_random *random, struct orl_health *health);
 
-/* Returns true if that is orl_exterior_radiance_from of what a ray meets first. */
+/* Returns true if orl_port_radiance equals orl_exterior_radiance_from for the first hit of a
+ * ray. */
 bool orl_port_looks(const struct orl_world *world, const struct orl_port *port);
 
 #endif

@@ -1,14 +1,14 @@
 /*
- * Paths from eyes and sensors against the light: one loop for all who follow them, who say by a
- * sink what they add. What a path has seen is a sum of radiance, each part by the path's weight
- * where it was found:
- *   - the domes, where nothing is met any more; here
- *   - in mist, what suns and lamps send there; here
- *   - light outdoors, where a sealed building is left: the sink's `outdoors`
- *   - at each surface what it shines and reflects: the sink's `met`
- * Lamps are counted twice where shadow rays look for them too; chance (direct.h) says what is left.
+ * Paths from eyes and sensors against the light: one loop for all techniques, which define by a
+ * sink (callbacks) what they add. The radiance that a path has seen is a sum; each part is weighted
+ * by the path's throughput where it was found:
+ * - the domes, where the ray meets no surface: added here
+ * - light of suns and lamps that mist scatters: added here
+ * - light outdoors, where the path leaves a sealed building: the sink's `outdoors`
+ * - emission and reflection of each surface: the sink's `met`
+ * Shadow rays find lamps, too; chance (direct.h) has the MIS weight of the path's own share.
  *
- * The loop is inlined with a sink that is constant where it is called, so that neither costs a
+ * The loop is inlined with a sink that is constant at the call, so that neither costs a function
  * call.
  */
 #ifndef ORL_LIGHT_EYE_PATH_H
@@ -20,34 +20,38 @@
 #include "light/mist.h"
 #include "light/path.h"
 
-enum { ORL_EYE_PATH_MOST = 64 }; /* surfaces; what goes on then is cut, and counted as capped */
+enum { ORL_EYE_PATH_MOST = 64 }; /* surfaces; longer paths are cut and counted as paths_capped */
 
 struct orl_eye_path {
     const struct orl_world *world;
     struct orl_random *random;
     struct orl_path path;
     struct orl_rgb seen;
-    struct orl_chance chance; /* of lamps met now, what is left to count */
+    struct orl_chance chance; /* MIS state for lamps that the path hits next */
     int bounce;
-    bool outside;       /* of a sealed building, not looked at yet */
-    bool clear;         /* nothing is in its way to the domes */
-    bool looked, met;   /* what lies ahead is known; is there anything? */
-    struct orl_hit hit; /* what was met, or lies ahead */
+    /* the path is outside a sealed building, and `outdoors` has not been called yet */
+    bool outside;
+    bool clear;         /* nothing lies between the path and the domes */
+    bool looked, met;   /* looked: the next hit is known already; met: there is one */
+    struct orl_hit hit; /* the current hit, or the next one if looked */
 };
 
 struct orl_eye_sink {
-    /* Outdoors: true when the path has come in again. NULL: it never is. */
+    /* Called outdoors. Returns true if the path has entered a building again. NULL: it never
+     * does. */
     bool (*outdoors)(struct orl_eye_path *p);
-    /* Nothing is met: the domes have been seen. NULL: nothing to add. */
+    /* Called when the ray meets no surface, after the domes were added. NULL: nothing to add. */
     void (*escaped)(struct orl_eye_path *p);
-    /* A surface, at hit. Which of its lobes may send the path on; 0: it ends here. */
+    /* Called for a surface, at hit. Returns the lobes that may continue the path; 0 ends it. */
     enum orl_lobes (*met)(struct orl_eye_path *p, const struct orl_material *material);
-    /* Draws a way on; NULL: by the path's own random numbers. */
+    /* Samples the next direction. NULL: samples with the path's own random numbers. */
     struct orl_scatter (*draw)(struct orl_eye_path *p, const struct orl_material *material,
                                enum orl_lobes lobes);
-    /* Scattered by mist, and on its new way. False: it ends here. NULL: it goes on. */
+    /* Called after mist has scattered the path and set its new direction. Returns false to end
+     * the path. NULL: it continues. */
     bool (*scattered)(struct orl_eye_path *p);
-    /* Drawn, weighed, and not yet on its way. Sets what it may still count; false: it ends here. */
+    /* Called when a direction is sampled and the weight multiplied, before the path moves on.
+     * Sets p->chance; returns false to end the path. */
     bool (*sent_on)(struct orl_eye_path *p, const struct orl_scatter *scatter);
 };
 
@@ -56,7 +60,7 @@ static inline void orl_eye_path_see(struct orl_eye_path *p, struct orl_rgb radia
     p->seen = orl_rgb_add(p->seen, orl_rgb_mul(p->path.weight, radiance));
 }
 
-/* A path that knows what lies ahead: nothing, when hit is NULL. */
+/* Sets the next hit of the path, if it is known already; NULL: the ray meets nothing. */
 static inline void orl_eye_path_foresee(struct orl_eye_path *p, const struct orl_hit *hit)
 {
     p->looked = true;
@@ -65,14 +69,15 @@ static inline void orl_eye_path_foresee(struct orl_eye_path *p, const struct orl
         p->hit = *hit;
 }
 
-/* Sent on through a port, maybe. */
+/* Updates `outside` and `clear` if the scattering event crosses a port. */
 static inline void orl_eye_path_cross(struct orl_eye_path *p, const struct orl_scatter *scatter)
 {
     p->outside = orl_world_outside_after(p->world, &p->hit, scatter->transmitted, p->outside);
     p->clear = scatter->transmitted && orl_world_leaves_clear(p->world, &p->hit);
 }
 
-/* What mist makes of its way ahead: true when it is scattered, and on another. */
+/* Samples scattering in mist on the way to the next hit. Returns true if the path is scattered,
+ * with its new origin and direction set. */
 static inline bool orl_eye_path_scatters(struct orl_eye_path *p)
 {
     const struct orl_world *const world = p->world;
@@ -91,7 +96,7 @@ static inline bool orl_eye_path_scatters(struct orl_eye_path *p)
     return true;
 }
 
-/* Follows it to its end; paths that are cut are counted into health. */
+/* Follows the path to its end. Counts paths that are cut in health->paths_capped. */
 static inline __attribute__((always_inline)) void
 orl_eye_path_follow(struct orl_eye_path *p, const struct orl_eye_sink *sink,
                     struct orl_health *health)

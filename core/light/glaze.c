@@ -11,17 +11,19 @@
 #include "scene/geometry/unglazed.h"
 #include "scene/material/hemisphere.h"
 
-enum { RAYS = 1024 };      /* of each side of an opening */
-enum { PROBES = 16 };      /* along each edge of an opening */
-enum { MOST_WINDOWS = 8 }; /* that rays from an opening meet, of which is asked where outside is */
-enum { OFTEN = 11 };       /* rays that meet a window, of those */
+enum { RAYS = 1024 }; /* for each side of an opening */
+enum { PROBES = 16 }; /* along each edge of an opening */
+/* sides of windows per opening that are tested for being outer sides */
+enum { MOST_WINDOWS = 8 };
+enum { OFTEN = 11 }; /* rays that must hit a window before it is tested */
 enum { NAME = 128 };
 
 struct candidate {
-    size_t number; /* in the order of orl_unglazed_find */
+    size_t number; /* index in the order of orl_unglazed_find */
     struct orl_unglazed opening;
-    struct orl_vec3 corner; /* in geometry's coordinates, which are moved */
-    double shares[2]; /* of rays that leave the scene: from the normal's side, from the other */
+    struct orl_vec3 corner; /* in the geometry's moved coordinates */
+    /* shares of rays that leave the scene on the normal's side and on the other one */
+    double shares[2];
 };
 
 struct search {
@@ -54,7 +56,7 @@ static bool passes_pane(const struct search *search, struct orl_vec3 from,
     return false;
 }
 
-/* A ray of an opening: from a point of it, to one of its sides, by the cosine. */
+/* A ray from a random point of an opening to one of its sides, cosine-weighted. */
 struct ray {
     struct orl_vec3 from, direction;
 };
@@ -73,8 +75,8 @@ static struct orl_random random_of(const struct candidate *c)
     return orl_random_stream(2, ORL_PURPOSE_PILOT, c->number);
 }
 
-static bool leaves(const struct search *search, const struct candidate *c, bool front,
-                   struct orl_random *random)
+static bool ray_leaves(const struct search *search, const struct candidate *c, bool front,
+                       struct orl_random *random)
 {
     const struct ray ray = draw_ray(c, front, random);
     return !orl_geometry_occluded(search->scene->geometry, ray.from, ray.direction, INFINITY) &&
@@ -87,13 +89,13 @@ static void find_shares(const struct search *search, struct candidate *c)
     uint32_t left[2] = {0, 0}, sent = 0;
     for (; sent < RAYS && !orl_escape_is_clear(left, sent); sent++)
         for (int side = 0; side < 2; side++)
-            left[side] += leaves(search, c, side == 0, &random[side]);
+            left[side] += ray_leaves(search, c, side == 0, &random[side]);
     for (int side = 0; side < 2; side++)
         c->shares[side] = (double)left[side] / sent;
 }
 
-/* Returns true if nothing lies in the opening: round surfaces and instances are in none of the
- * planes that were searched. */
+/* Returns true if nothing lies in the opening. orl_unglazed_find searches planes only, so round
+ * surfaces and instances have to be excluded here. */
 static bool is_free(const struct orl_geometry *g, const struct candidate *c)
 {
     const struct orl_vec3 normal = c->opening.normal;
@@ -107,7 +109,7 @@ static bool is_free(const struct orl_geometry *g, const struct candidate *c)
     return true;
 }
 
-/* A side of a window that rays from an opening meet. */
+/* A side of a window that rays from an opening hit. */
 struct met {
     uint32_t facet;
     bool front;
@@ -124,8 +126,8 @@ static bool is_outer_side(const struct orl_geometry *g, const struct met *met)
 }
 
 /*
- * Returns true if the opening stands before windows, as that of a frame does, or of a courtyard:
- * its rays inwards often meet the outer side of one. Those windows are ports, and are to stay so.
+ * Returns true if the opening stands before windows, as that of a frame or of a courtyard does: its
+ * rays inwards often hit the outer side of a window. Those windows are ports, and must remain so.
  */
 static bool is_before_windows(const struct orl_scene *scene, const struct candidate *c)
 {
@@ -167,7 +169,7 @@ static double larger_share(const struct candidate *c)
     return fmax(c->shares[0], c->shares[1]);
 }
 
-/* The most open first. */
+/* Sorts by the larger share, in descending order. */
 static int compare_shares(const void *a, const void *b)
 {
     const struct candidate *x = a, *y = b;
@@ -187,10 +189,10 @@ static bool is_cancelled(const struct orl_scene *scene)
     return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
 }
 
-/* Moves those that get panes to the front, in the order in which they were found. Returns 0 or
- * ORL_ERR_CANCELLED. */
-static int choose(const struct orl_scene *scene, struct candidate *candidates, size_t n,
-                  size_t *ret_n)
+/* Moves the candidates that get panes to the front, in the order in which they were found.
+ * Returns 0 or ORL_ERR_CANCELLED. */
+static int choose_openings(const struct orl_scene *scene, struct candidate *candidates, size_t n,
+                           size_t *ret_n)
 {
     struct search search = {.scene = scene, .panes = candidates};
     for (size_t i = 0; i < n && !is_cancelled(scene); i++)
@@ -230,7 +232,7 @@ static int add_material(struct orl_description *d, uint32_t *ret_index)
     return grown[*ret_index].name ? 0 : ORL_ERR_NOMEM;
 }
 
-/* Appends a pane. Its name and its place in the files are those of a surface about the opening. */
+/* Appends a pane. Its name, file and line are those of a surface around the opening. */
 static int add_pane(struct orl_description *d, const struct orl_unglazed *o, uint32_t material)
 {
     const struct orl_surface *about = &d->surfaces[o->surface];
@@ -301,7 +303,7 @@ int orl_scene_glaze_openings(struct orl_scene *scene, struct orl_error *err)
     size_t n = 0;
     int code = candidates ? list_candidates(scene, candidates, &n) : ORL_ERR_NOMEM;
     if (code == 0)
-        code = choose(scene, candidates, n, &n);
+        code = choose_openings(scene, candidates, n, &n);
     if (code == 0 && n > 0)
         code = add_panes(d, candidates, n);
     free(candidates);

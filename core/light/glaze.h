@@ -1,7 +1,7 @@
 /*
- * Unglazed openings (scene/geometry/unglazed.h) that let daylight in: each gets a pane that changes
+ * Unglazed openings (scene/geometry/unglazed.h) that let daylight in. Each gets a pane that changes
  * no light, glass of index 1, so that it is a port (scene.h) as a glazed window is. Photons then
- * start at it, and rays from inside are aimed at it.
+ * start at it, and rays from inside are sampled towards it.
  */
 #ifndef ORL_LIGHT_GLAZE_H
 #define ORL_LIGHT_GLAZE_H
@@ -9,12 +9,14 @@
 #include "light/scene.h"
 
 /*
- * Adds the panes to a scene whose geometry is built; the geometry is built anew if there are any.
+ * Adds the panes to a scene whose geometry is built; the geometry is rebuilt if there are any.
+ * Returns 0 or ORL_ERR_NOMEM, _LIMIT, _CANCELLED.
+ *
  * An opening gets a pane if rays leave the scene from one of its sides several times as often as
- * from the other (escape.h), rays past panes of other openings not counted, and if it does not
- * stand before windows that are ports themselves, as the opening of a frame or of a courtyard does.
- * An opening gets none if curved mirrors or lenses stand before it outdoors, whose light ports do
- * not send in, and scenes with mist get none. Returns 0 or ORL_ERR_NOMEM, _LIMIT, _CANCELLED.
+ * from the other (escape.h). Rays past panes of other openings are not counted. It gets none if
+ * - it stands before windows that are ports themselves (the opening of a frame or a courtyard)
+ * - curved mirrors or lenses stand before it outdoors, whose light ports do not send in
+ * - the scene has mist
  */
 int orl_scene_glaze_openings(struct orl_scene *scene, struct orl_error *err);
 

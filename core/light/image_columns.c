@@ -2,9 +2,10 @@
 
 #include <math.h>
 
-static const double rounding = 1e-5; /* of the scene's radius: places are floats to the tracer */
+/* share of the scene's radius: Embree has coordinates as floats */
+static const double rounding = 1e-5;
 
-/* A box in the image's frame: across, across, along. */
+/* A box in the image's frame; axes: u, v (across), n (along). */
 struct box {
     double low[3], high[3];
 };
@@ -21,7 +22,7 @@ static void add_point(struct box *box, const struct orl_frame *frame, struct orl
     }
 }
 
-static void grow(struct box *box, double by)
+static void grow_box(struct box *box, double by)
 {
     for (int i = 0; i < 3; i++) {
         box->low[i] -= by;
@@ -37,7 +38,7 @@ static void add_box(struct box *box, const struct box *other)
     }
 }
 
-/* What is drawn: mirrors one after the other, by a callback for the boxes of their parts. */
+/* State for passing the boxes of the mirrors' parts to a callback, one mirror after the other. */
 struct drawing {
     const struct orl_geometry *geometry;
     const struct orl_frame *frame;
@@ -47,7 +48,7 @@ struct drawing {
     struct orl_image_columns *columns;
 };
 
-static void measure(struct drawing *d, const struct box *part)
+static void add_to_bounds(struct drawing *d, const struct box *part)
 {
     add_box(&d->all, part);
 }
@@ -58,7 +59,7 @@ static int column_of(const struct orl_image_columns *columns, int axis, double a
     return x < 0 ? 0 : x >= ORL_COLUMNS_ACROSS ? ORL_COLUMNS_ACROSS - 1 : (int)x;
 }
 
-static void mark(struct drawing *d, const struct box *part)
+static void mark_columns(struct drawing *d, const struct box *part)
 {
     struct orl_image_columns *columns = d->columns;
     const int x0 = column_of(columns, 0, part->low[0]), x1 = column_of(columns, 0, part->high[0]);
@@ -69,14 +70,14 @@ static void mark(struct drawing *d, const struct box *part)
             columns->farthest[y][x] = fmaxf(columns->farthest[y][x], far);
 }
 
-static void draw_facet(struct drawing *d, const struct orl_facet *f,
-                       void (*take)(struct drawing *, const struct box *))
+static void visit_facet_parts(struct drawing *d, const struct orl_facet *f,
+                              void (*visit)(struct drawing *, const struct box *))
 {
     if (f->kind != ORL_SURFACE_POLYGON) {
         struct box part = nothing;
         add_point(&part, d->frame, f->round->center[0]);
-        grow(&part, fmax(f->round->radius[0], f->round->radius[1]) + d->margin);
-        take(d, &part);
+        grow_box(&part, fmax(f->round->radius[0], f->round->radius[1]) + d->margin);
+        visit(d, &part);
         return;
     }
     for (uint32_t i = 0; i < f->n_triangles; i++) {
@@ -85,24 +86,25 @@ static void draw_facet(struct drawing *d, const struct orl_facet *f,
         add_point(&part, d->frame, t.a);
         add_point(&part, d->frame, t.b);
         add_point(&part, d->frame, t.c);
-        grow(&part, d->margin);
-        take(d, &part);
+        grow_box(&part, d->margin);
+        visit(d, &part);
     }
 }
 
-static void draw(struct drawing *d, void (*take)(struct drawing *, const struct box *))
+static void visit_parts(struct drawing *d, void (*visit)(struct drawing *, const struct box *))
 {
     for (size_t i = 0; i < d->geometry->n_facets; i++) {
         struct orl_facet own;
         if (d->shows[i])
-            draw_facet(d, orl_facet_own(d->geometry, i, &own), take);
+            visit_facet_parts(d, orl_facet_own(d->geometry, i, &own), visit);
     }
 }
 
 void orl_image_columns_build(struct orl_image_columns *columns, const struct orl_geometry *geometry,
                              const struct orl_frame *frame, double half_angle, const bool *shows)
 {
-    /* A ray in the disc leaves its column by that much, at most, on its way through the scene. */
+    /* A ray within the disc leaves its column by at most this distance on its way through the
+     * scene. */
     const double margin = 2 * geometry->radius * (tan(half_angle) + rounding);
     struct drawing d = {.geometry = geometry,
                         .frame = frame,
@@ -113,11 +115,11 @@ void orl_image_columns_build(struct orl_image_columns *columns, const struct orl
     for (int y = 0; y < ORL_COLUMNS_ACROSS; y++)
         for (int x = 0; x < ORL_COLUMNS_ACROSS; x++)
             columns->farthest[y][x] = -INFINITY;
-    draw(&d, measure);
+    visit_parts(&d, add_to_bounds);
     for (int i = 0; i < 2; i++) {
         columns->low[i] = d.all.low[i];
         columns->per_unit[i] = ORL_COLUMNS_ACROSS / (d.all.high[i] - d.all.low[i]);
     }
     if (d.all.high[0] > d.all.low[0])
-        draw(&d, mark);
+        visit_parts(&d, mark_columns);
 }

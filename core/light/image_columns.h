@@ -1,10 +1,12 @@
 /*
- * From where a sun's image may be seen at all. Whoever looks towards an image looks along one
- * direction; so the mirrors that show it are put on a plane across that direction, cut into square
- * columns, and each column keeps how far along it the farthest mirror lies. A place sees the image
- * only where its column has a mirror before it: where not, no shadow ray is needed.
+ * Bounds on the points from which a sun's image may be visible. All rays towards an image have one
+ * direction. So the mirrors that show it are projected onto a plane across that direction, which is
+ * cut into square columns. Each column holds how far along the direction its farthest mirror lies.
+ * A point can see the image only if its column has a mirror before it; otherwise no shadow ray is
+ * needed.
  *
- * Never denies what a ray might find: mirrors are grown by what the sun's disc and rounding make.
+ * Conservative: mirrors are enlarged by the sun's disc and by rounding errors, so no visible image
+ * is missed.
  */
 #ifndef ORL_LIGHT_IMAGE_COLUMNS_H
 #define ORL_LIGHT_IMAGE_COLUMNS_H
@@ -18,17 +20,19 @@
 enum { ORL_COLUMNS_ACROSS = 64 };
 
 struct orl_image_columns {
-    double low[2], per_unit[2]; /* of the plane that all mirrors lie on */
+    /* origin and columns per unit of length on the plane that the mirrors are projected onto */
+    double low[2], per_unit[2];
     float farthest[ORL_COLUMNS_ACROSS]
-                  [ORL_COLUMNS_ACROSS]; /* along the direction; -INFINITY: none */
+                  /* position of the farthest mirror along the direction; -INFINITY: none */
+                  [ORL_COLUMNS_ACROSS];
 };
 
-/* frame.n: the direction that the image is seen in; half_angle: of its disc, radians. shows: by
- * facet, which mirrors show it. */
+/* Builds the columns. frame.n: the direction in which the image is seen; half_angle: that of its
+ * disc, radians; shows: per facet, true if it is a mirror that shows the image. */
 void orl_image_columns_build(struct orl_image_columns *columns, const struct orl_geometry *geometry,
                              const struct orl_frame *frame, double half_angle, const bool *shows);
 
-/* Whether the image may be seen from there. */
+/* Returns true if the image may be visible from a point. */
 static inline bool orl_image_columns_may_show(const struct orl_image_columns *columns,
                                               const struct orl_frame *frame, struct orl_vec3 point)
 {

@@ -1,4 +1,5 @@
-/* Shadow rays to the suns' images, and suns that other rays have happened on. */
+/* Shadow rays to the suns' images, and the test whether they cover a ray that hit a sun by
+ * chance. */
 #include "light/images.h"
 
 #include "light/path.h"
@@ -7,7 +8,7 @@ enum { MOST_BRANCHES = 16, MOST_STEPS = 256 };
 
 /* ---- Shadow rays ----------------------------------------------------------------------------- */
 
-/* A ray on its way to an image, or what a mirror has made of it. */
+/* A ray towards an image, or its continuation after mirrors. */
 struct chain {
     struct orl_path path;
     int16_t node;
@@ -23,8 +24,8 @@ struct chains {
     struct chain stack[MOST_BRANCHES];
 };
 
-static void turn(struct chains *chains, const struct chain *c, const struct orl_hit *hit,
-                 const struct orl_material *m)
+static void push_reflection(struct chains *chains, const struct chain *c, const struct orl_hit *hit,
+                            const struct orl_material *m)
 {
     const struct orl_world *world = chains->world;
     const struct orl_images *images = &world->images;
@@ -45,7 +46,8 @@ static void turn(struct chains *chains, const struct chain *c, const struct orl_
     chains->stack[chains->depth++] = on;
 }
 
-/* To the end of one way; the others are put on the stack. Returns what comes along it. */
+/* Follows one branch to its end, and pushes the others on the stack. Returns the branch's
+ * transmittance if it arrives at the sun, else zero. */
 static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
 {
     const struct orl_world *world = chains->world;
@@ -57,7 +59,7 @@ static struct orl_rgb follow_chain(struct chains *chains, struct chain c)
             return arrives ? c.path.weight : none;
         const struct orl_material *m = orl_world_material(world, &hit);
         const enum orl_crossing crossing = orl_world_crossing(world, &hit);
-        turn(chains, &c, &hit, m);
+        push_reflection(chains, &c, &hit, m);
         if (!orl_path_look_through(&c.path, m, &hit) ||
             (!chains->through_ports && crossing != ORL_CROSSING_NONE))
             return none;
@@ -96,7 +98,7 @@ struct orl_rgb orl_image_transmittance(const struct orl_world *world, struct orl
     return sum;
 }
 
-/* ---- Suns that rays have happened on --------------------------------------------------------- */
+/* ---- Suns hit by chance ---------------------------------------------------------------------- */
 
 void orl_image_trail_add(struct orl_image_trail *trail, const struct orl_images *images,
                          uint32_t facet)
@@ -109,7 +111,7 @@ void orl_image_trail_add(struct orl_image_trail *trail, const struct orl_images 
     trail->classes[trail->reflections++] = class;
 }
 
-/* Whether the mirrors of a trail turn the node's light into the sun's. */
+/* Returns true if the mirrors of a trail lead from the node to the sun itself. */
 static bool leads_to_sun(const struct orl_images *images, size_t node,
                          const struct orl_image_trail *trail)
 {
@@ -126,7 +128,7 @@ bool orl_images_cover(const struct orl_world *world, const struct orl_image_trai
         return false;
     for (size_t i = 0; i < images->n_nodes; i++) {
         const struct orl_image *image = &images->nodes[i];
-        /* The disc, and what classes take as one besides. */
+        /* The disc, widened by the tolerance of a class. */
         const double nearest = world->suns[image->sun].cos_half_angle - 1e-5;
         if (image->shown && orl_dot(image->frame.n, trail->start) > nearest &&
             leads_to_sun(images, i, trail))

@@ -11,18 +11,21 @@
 enum { MOST_CLASSES = 256 };
 enum { PILOT_RAYS = 1 << 14, MOST_CANDIDATES = 256, MOST_SHOWN_DEEP = 32 };
 
-static const double alike = 1 - 5e-7;      /* cosine between normals of a class: a milliradian */
-static const double same_place = 1 - 2e-6; /* between directions of a node */
-static const double least_share = 1e-3;    /* of the light on mirrors, for an image by several */
+/* cosine of the largest angle between normals of a class: a milliradian */
+static const double alike = 1 - 5e-7;
+/* cosine of the largest angle between directions of a node */
+static const double same_place = 1 - 2e-6;
+/* share of the light on mirrors that an image by several reflections needs */
+static const double least_share = 1e-3;
 
 /* ---- Classes of mirrors ---------------------------------------------------------------------- */
 
 struct class
 {
     struct orl_vec3 normal;
-    double weight; /* area times what is mirrored at 60 degrees */
+    double weight; /* area times reflectance at 60 degrees */
     size_t facets;
-    int16_t index; /* among those kept, or -1 */
+    int16_t index; /* index among the classes kept; -1: not kept */
 };
 
 static const struct orl_material *material_of(const struct orl_world *world, size_t facet)
@@ -37,7 +40,7 @@ static bool is_flat_mirror(const struct orl_world *world, const struct orl_facet
     return flat && f->area > 0 && !m->texture && orl_material_is_mirror(m);
 }
 
-/* What stands in several places faces as many ways. */
+/* Counts mirrors in instances, which have as many orientations as they have instances. */
 static size_t count_placed_mirrors(const struct orl_world *world)
 {
     size_t n = 0;
@@ -58,7 +61,7 @@ static size_t find_class(struct class *classes, size_t n, struct orl_vec3 normal
     return k;
 }
 
-/* The heaviest stay, in the order in which they came. */
+/* Keeps the classes of largest weight, in their original order. */
 static void keep_heaviest(struct orl_images *images, struct class *classes, size_t n)
 {
     for (size_t kept = 0; kept < ORL_MOST_MIRRORS && kept < n; kept++) {
@@ -117,7 +120,7 @@ static int find_mirrors(struct orl_images *images, const struct orl_world *world
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */
 
-/* The node of a sun in that direction, or -1. */
+/* Returns the node of a sun in that direction; -1: none. */
 static int find_node(const struct orl_images *images, uint32_t sun, struct orl_vec3 direction)
 {
     for (size_t i = 0; i < images->n_nodes; i++)
@@ -142,9 +145,9 @@ static int add_node(struct orl_images *images, struct orl_frame frame, uint32_t 
     return (int)images->n_nodes++;
 }
 
-/* ---- The pilot: what comes by several reflections -------------------------------------------- */
+/* ---- Pilot: images by several reflections ---------------------------------------------------- */
 
-/* Directions that light comes from after several, by flux. */
+/* Directions from which light arrives after several reflections, with its flux. */
 struct pilot {
     const struct orl_world *world;
     const struct orl_images *images;
@@ -152,10 +155,10 @@ struct pilot {
     size_t n;
     struct orl_frame frames[MOST_CANDIDATES];
     double flux[MOST_CANDIDATES];
-    double fallen; /* on mirrors, of all suns */
+    double fallen; /* flux of this sun on mirrors */
 };
 
-static void note(struct pilot *pilot, const struct orl_frame *frame, double flux)
+static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, double flux)
 {
     size_t i = 0;
     while (i < pilot->n && orl_dot(pilot->frames[i].n, frame->n) <= same_place)
@@ -170,8 +173,8 @@ static void note(struct pilot *pilot, const struct orl_frame *frame, double flux
     pilot->flux[i] += flux;
 }
 
-/* Light under way between mirrors, against the frame it comes from: one way at each pane, by lot.
- */
+/* Follows light between mirrors; it travels against frame.n. At each pane it randomly takes one
+ * of two branches. */
 static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl_frame frame,
                          double flux, struct orl_random *random)
 {
@@ -181,7 +184,7 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
     for (int step = 0; step < 4 * ORL_IMAGE_REFLECTIONS; step++) {
         struct orl_hit hit;
         if (reflections > 1)
-            note(pilot, &frame, flux);
+            add_candidate(pilot, &frame, flux);
         if (!orl_path_meet(world, &path, &hit))
             return;
         const struct orl_material *m = orl_world_material(world, &hit);
@@ -202,7 +205,7 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
     }
 }
 
-/* Light of the pilot's sun on one mirror: so many rays of flux. */
+/* Traces light of the pilot's sun onto one mirror, divided into `rays` rays. */
 static void light_mirror(struct pilot *pilot, uint32_t facet, uint32_t rays)
 {
     const struct orl_world *world = pilot->world;
@@ -250,8 +253,8 @@ static int light_mirrors(struct pilot *pilot, const struct orl_crew *crew)
     return 0;
 }
 
-/* The brightest candidates become nodes that are shown. */
-static void take_brightest(struct orl_images *images, struct pilot *pilot)
+/* Makes the brightest candidates nodes that are shown. */
+static void show_brightest(struct orl_images *images, struct pilot *pilot)
 {
     for (int taken = 0; taken < MOST_SHOWN_DEEP; taken++) {
         size_t best = 0;
@@ -267,9 +270,9 @@ static void take_brightest(struct orl_images *images, struct pilot *pilot)
     }
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Building -------------------------------------------------------------------------------- */
 
-static int connect(struct orl_images *images)
+static int connect_nodes(struct orl_images *images)
 {
     images->next = malloc((images->n_nodes * images->n_mirrors + 1) * sizeof *images->next);
     if (!images->next)
@@ -282,7 +285,7 @@ static int connect(struct orl_images *images)
     return 0;
 }
 
-/* The facets whose classes have an edge from the node. */
+/* Marks the facets whose classes have an edge from the node. */
 static void mark_mirrors(const struct orl_images *images, size_t node, size_t n_facets,
                          bool *ret_shows)
 {
@@ -335,11 +338,11 @@ int orl_images_build(struct orl_images *images, const struct orl_world *world,
         }
         *pilot = (struct pilot){.world = world, .images = images, .sun = (uint32_t)s};
         code = light_mirrors(pilot, crew);
-        take_brightest(images, pilot);
+        show_brightest(images, pilot);
     }
     free(pilot);
     if (code == 0)
-        code = connect(images);
+        code = connect_nodes(images);
     return code == 0 ? find_columns(images, world) : code;
 }
 

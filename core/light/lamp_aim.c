@@ -1,6 +1,6 @@
 #include "light/lamp_aim.h"
 
-/* A sphere from outside: uniform over the cone it fills. */
+/* Samples a sphere from outside, uniformly over the cone that it fills. */
 static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, const double u[2],
                           struct orl_lamp_aim *ret_aim)
 {
@@ -13,7 +13,8 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
     const double sine = sqrt(fmax(0, down * (2 - down))), phi = 2 * ORL_PI * u[1], d = sqrt(d2);
     const struct orl_frame frame = orl_frame_about(orl_scale(way, 1 / d));
     ret_aim->light = orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), cosine));
-    /* As far as a sphere a little larger: a ray to the rim is a float, and must not meet it. */
+    /* Shortens the distance to that of a slightly larger sphere: a ray to the rim has float
+     * coordinates and must not hit the lamp itself. */
     const double room = 2 * facet->round->radius[0] * (d * 0x1p-20 + facet->offset);
     ret_aim->distance = d * cosine - sqrt(fmax(0, r2 - d2 * sine * sine) + room);
     ret_aim->normal = orl_normalize(
@@ -23,8 +24,8 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
 }
 
 /*
- * How much a ray that is a float may meet a tube or cone before the point that it is aimed at,
- * which near the rim is much: as far as to one a little thicker, as with spheres.
+ * Returns how far before the sampled point a ray with float coordinates may hit a tube or cone,
+ * which is far near the rim. As for spheres, it is the distance to a slightly thicker surface.
  */
 static double float_room(const struct orl_facet *facet, const struct orl_lamp_aim *aim)
 {
@@ -34,14 +35,14 @@ static double float_room(const struct orl_facet *facet, const struct orl_lamp_ai
     const double r = orl_larger(round->radius[0], round->radius[1]);
     const struct orl_vec3 axis = orl_sub(round->center[1], round->center[0]);
     const double length2 = orl_dot(axis, axis), along = orl_dot(aim->light, axis);
-    const double across2 = /* of the ray, where there is an axis */
+    const double across2 = /* squared sine of the ray's angle to the axis; 1 if there is none */
         facet->kind == ORL_SURFACE_BUBBLE || !(length2 > 0) ? 1 : 1 - along * along / length2;
     const double room = 2 * r * (aim->distance * 0x1p-20 + facet->offset);
     const double rc = -r * orl_dot(aim->light, aim->normal);
     return room / (rc + sqrt(rc * rc + orl_larger(across2, 0) * room));
 }
 
-/* Any other surface: uniform by area. */
+/* Samples any other surface uniformly by area. */
 static bool aim_by_area(const struct orl_world *world, const struct orl_emitter *emitter,
                         struct orl_vec3 from, const double u[2], struct orl_lamp_aim *ret_aim)
 {

@@ -6,29 +6,30 @@
 #include "light/world.h"
 #include "scene/material/bounds.h"
 
-/* Pairs beyond this number are left out: looking at so many takes some tenths of a second. */
+/* Limit of pairs, beyond which they are left out: testing that many takes some tenths of a
+ * second. */
 static const uint64_t most_pairs = 4000000;
-/* Mirrors beyond this number are left out, too: rays have to tell whether each is inside. */
+/* Limit of mirrors for which rays test whether they are inside. Mirrors beyond it are left out. */
 enum { MOST_MIRRORS_LOOKED_AT = 4096 };
 /* LEAST_PAIRS pairs are kept, or PAIRS_A_LAMP for each lamp if that is more, up to MOST_PAIRS. */
 enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
-/* Mirrors that light is followed between. With more of them pairs are left out (images->left_out).
- */
+/* Limit of mirrors for the estimate of light by two mirrors. Scenes with more of them have pairs
+ * left out, too (images->left_out). */
 enum { MOST_TWICE = 64 };
 
 /* A lamp and a mirror. */
 struct pair {
     struct orl_lamp_image image;
-    double strength; /* the most flux of the lamp that the mirror may reflect */
+    double strength; /* upper bound of the lamp's flux that the mirror reflects */
 };
 
-/* A heap of the strongest pairs so far, the weakest first. */
+/* A min-heap of the strongest pairs so far. */
 struct pairs {
     struct pair kept[MOST_PAIRS];
     size_t n, most;
     double left_out;  /* sum of the strengths of pairs that are not kept */
-    bool overflown;   /* there are pairs that were not looked at */
-    size_t looked_at; /* mirrors that rays were sent from */
+    bool overflown;   /* there are pairs that were not tested */
+    size_t looked_at; /* mirrors from which rays were traced */
 };
 
 /* ---- Mirrors --------------------------------------------------------------------------------- */
@@ -45,7 +46,7 @@ static bool is_flat_mirror(const struct orl_world *world, const struct orl_facet
     return is_plane(f) && !m->texture && orl_material_is_mirror(m);
 }
 
-/* The sphere about a polygon's corners or a ring. */
+/* Computes the bounding sphere of a polygon or a ring. */
 static void find_sphere(const struct orl_geometry *g, const struct orl_facet *f,
                         struct orl_lamp_image *image)
 {
@@ -73,14 +74,14 @@ static void find_sphere(const struct orl_geometry *g, const struct orl_facet *f,
 
 /* ---- Pairs ----------------------------------------------------------------------------------- */
 
-/* A lamp, taken for a point. */
+/* A lamp, approximated by a point. */
 struct spot {
     uint32_t emitter, facet;
     struct orl_vec3 middle;
     double area, power; /* power: area times radiance */
 };
 
-/* Lists the lamps that shadow rays sample; returns how many. */
+/* Lists the lamps that shadow rays sample; returns their number. */
 static size_t list_spots(const struct orl_world *world, struct spot *ret_spots)
 {
     static const double half[2] = {0.5, 0.5};
@@ -100,13 +101,13 @@ static size_t list_spots(const struct orl_world *world, struct spot *ret_spots)
     return n;
 }
 
-/* A mirror, with its reflectance at 60 degrees of incidence, of its front and its back. */
+/* A mirror, with its reflectance at 60 degrees of incidence for its front and its back. */
 struct mirror {
     struct orl_lamp_image image;
     double area, reflectance[2];
 };
 
-/* Returns the flux of the lamp, times the share of it that may meet the mirror, times the
+/* Returns the flux of the lamp, times the share of it that may hit the mirror, times the
  * mirror's reflectance. */
 static double strength_of(const struct spot *spot, const struct mirror *mirror)
 {
@@ -116,7 +117,7 @@ static double strength_of(const struct spot *spot, const struct mirror *mirror)
     return spot->power * fmin(mirror->area / (ORL_PI * d2), 1) * mirror->reflectance[!front];
 }
 
-/* Moves the pair at a place of the heap down, until those below it are stronger. */
+/* Moves a pair down the heap, until the pairs below it are stronger. */
 static void sift_down(struct pairs *pairs, size_t at)
 {
     const struct pair moved = pairs->kept[at];
@@ -131,7 +132,7 @@ static void sift_down(struct pairs *pairs, size_t at)
     pairs->kept[at] = moved;
 }
 
-/* Moves the last pair of the heap up, until the one above it is weaker. */
+/* Moves the last pair of the heap up, until the pair above it is weaker. */
 static void sift_up(struct pairs *pairs)
 {
     size_t at = pairs->n - 1;
@@ -147,7 +148,7 @@ static bool is_strong(const struct pairs *pairs, double strength)
     return strength > 0 && (pairs->n < pairs->most || strength > pairs->kept[0].strength);
 }
 
-/* Adds a pair that is_strong, in place of the weakest where there is no more room. */
+/* Adds a pair for which is_strong is true; in a full heap it replaces the weakest. */
 static void add_pair(struct pairs *pairs, const struct orl_lamp_image *image, double strength)
 {
     if (pairs->n < pairs->most) {
@@ -160,8 +161,8 @@ static void add_pair(struct pairs *pairs, const struct orl_lamp_image *image, do
     sift_down(pairs, 0);
 }
 
-/* In a sealed scene only mirrors inside count: on one side of the surface at least. Paths outdoors
- * look for no lamps in mirrors. */
+/* Returns true if at least one side of a mirror is inside, or the scene is open. Paths outdoors
+ * do not use images of lamps. */
 static bool is_inside(const struct orl_world *world, uint32_t facet)
 {
     static const double middle[2] = {0.5, 0.5};
@@ -187,7 +188,7 @@ static struct mirror mirror_of(const struct orl_world *world, const struct orl_f
     return mirror;
 }
 
-/* Pairs a mirror with the lamps. Rays tell whether the mirror is inside, once a pair of it is
+/* Pairs a mirror with the lamps. Rays test whether the mirror is inside once one of its pairs is
  * strong. */
 static void pair_mirror(struct pairs *pairs, const struct orl_world *world,
                         const struct mirror *mirror, const struct spot *spots, size_t n_spots)
@@ -268,11 +269,11 @@ static int keep_images(struct orl_lamp_images *images, const struct pairs *pairs
 /* The image of a lamp in a mirror: a spot behind the mirror. */
 struct mirrored_spot {
     const struct orl_lamp_image *image;
-    struct spot spot; /* its power is the lamp's times the mirror's reflectance */
+    struct spot spot; /* power: the lamp's times the mirror's reflectance */
 };
 
-/* Returns true if the mirror may reflect the lamp's light to the other mirror: a ray from the image
- * of the lamp to the other's middle passes the mirror, and meets nothing after it. */
+/* Returns true if a mirror may reflect the lamp's light to another mirror. The ray from the
+ * image of the lamp to the other's middle must pass the mirror and meet nothing after it. */
 static bool reaches_mirror(const struct orl_world *world, const struct mirrored_spot *from,
                            const struct mirror *to)
 {
@@ -293,7 +294,8 @@ static bool reaches_mirror(const struct orl_world *world, const struct mirrored_
                                   length - 4 * offset);
 }
 
-/* Lists the mirrors that have images, each once, in the order of the images; returns how many. */
+/* Lists the mirrors that have images, each once, in the order of the images; returns their
+ * number. */
 static size_t list_mirrors(const struct orl_lamp_images *images, const struct orl_world *world,
                            struct mirror *ret_mirrors)
 {
@@ -379,7 +381,8 @@ void orl_lamp_images_done(struct orl_lamp_images *images)
     *images = (struct orl_lamp_images){.n_images = 0};
 }
 
-/* Returns the index of the first image of that mirror and lamp or of a later one; or n_images. */
+/* Returns the index of the first image that is not before the given mirror and lamp; n_images if
+ * there is none. */
 static size_t find_image(const struct orl_lamp_images *images, uint32_t mirror, uint32_t lamp)
 {
     const struct orl_lamp_image wanted = {.mirror = mirror, .lamp = lamp};

@@ -14,9 +14,9 @@
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
 static const double widest_sun_deg = 10.0;
 
-enum { OF_A_SKY = 2 }; /* domes: the sky and the ground */
+enum { OF_A_SKY = 2 }; /* number of domes: the sky and the ground */
 
-/* A distant light, wherever it comes from. */
+/* A distant light of the scene or of a job's sky. */
 struct distant {
     enum orl_material_kind kind; /* LIGHT or GLOW */
     struct orl_rgb radiance;
@@ -35,7 +35,7 @@ struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 di
     return orl_rgb_scale(dome->radiance, pattern);
 }
 
-static void add(struct orl_lights *lights, const struct distant *d)
+static void add_distant(struct orl_lights *lights, const struct distant *d)
 {
     const double half = 0.5 * d->angle_deg * ORL_DEG_TO_RAD;
     if (d->kind != ORL_MATERIAL_LIGHT || d->angle_deg > widest_sun_deg) {
@@ -48,7 +48,7 @@ static void add(struct orl_lights *lights, const struct distant *d)
                                                              .seen_alone = d->seen_alone};
         return;
     }
-    /* 1 - cos without cancellation: the disc is half a degree across. */
+    /* 1 - cos without cancellation: the sun's disc is only half a degree wide. */
     const double solid = 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
     const double pattern = d->sky ? orl_sky_brightness(d->sky, d->direction) : 1.0;
     struct orl_sun sun = {.frame = orl_frame_about(d->direction),
@@ -62,23 +62,23 @@ static void add(struct orl_lights *lights, const struct distant *d)
         lights->suns[lights->n_suns++] = sun;
 }
 
-static void add_of_scene(struct orl_lights *lights)
+static void add_scene_lights(struct orl_lights *lights)
 {
     const struct orl_description *d = &lights->scene->description;
     for (size_t i = 0; i < d->n_distants; i++) {
         const struct orl_material *m = &d->materials[d->distants[i].material];
-        add(lights, &(struct distant){.kind = m->kind,
-                                      .radiance = m->color,
-                                      .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
-                                      .pattern = m->pattern,
-                                      .direction = d->distants[i].direction,
-                                      .angle_deg = d->distants[i].angle_deg,
-                                      .seen_alone =
-                                          m->kind == ORL_MATERIAL_GLOW && !orl_material_glows(m)});
+        add_distant(lights, &(struct distant){.kind = m->kind,
+                                              .radiance = m->color,
+                                              .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
+                                              .pattern = m->pattern,
+                                              .direction = d->distants[i].direction,
+                                              .angle_deg = d->distants[i].angle_deg,
+                                              .seen_alone = m->kind == ORL_MATERIAL_GLOW &&
+                                                            !orl_material_glows(m)});
     }
 }
 
-static void add_of_sky(struct orl_lights *lights, const struct orl_daylight *sky)
+static void add_sky_lights(struct orl_lights *lights, const struct orl_daylight *sky)
 {
     const struct orl_vec3 up = {0, 0, 1};
     struct distant d = {.kind = ORL_MATERIAL_GLOW,
@@ -90,16 +90,17 @@ static void add_of_sky(struct orl_lights *lights, const struct orl_daylight *sky
         return;
     lights->pattern = sky->pattern;
     if (sky->sun_radiance > 0)
-        add(lights, &(struct distant){.kind = ORL_MATERIAL_LIGHT,
-                                      .radiance = orl_gray(sky->sun_radiance),
-                                      .direction = orl_normalize(sky->sun),
-                                      .angle_deg = sky->sun_angle_deg});
-    add(lights, &d);
+        add_distant(lights, &(struct distant){.kind = ORL_MATERIAL_LIGHT,
+                                              .radiance = orl_gray(sky->sun_radiance),
+                                              .direction = orl_normalize(sky->sun),
+                                              .angle_deg = sky->sun_angle_deg});
+    add_distant(lights, &d);
     d.direction = orl_neg(up);
-    add(lights, &d);
+    add_distant(lights, &d);
 }
 
-/* Few glows at most, each so small a share of a sphere about the scene. */
+/* Limits for sampling glows as lamps: their number, and the area of each as a share of that of a
+ * sphere around the scene. */
 enum { MOST_AIMED_GLOWS = 64 };
 static const double most_of_sphere = 0.02;
 
@@ -167,9 +168,9 @@ int orl_lights_new(struct orl_scene *scene, const struct orl_daylight *sky,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for lights");
     }
     if (sky)
-        add_of_sky(lights, sky);
+        add_sky_lights(lights, sky);
     else
-        add_of_scene(lights);
+        add_scene_lights(lights);
     add_emitters(lights);
     *ret_lights = lights;
     return 0;

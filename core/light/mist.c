@@ -4,8 +4,7 @@
 
 enum { MOST_CROSSINGS = 64, MOST_MISTS = 16 };
 
-/* ---- A scene's mist ---------------------------------------------------------------------------
- */
+/* ---- Geometry of mist ------------------------------------------------------------------------ */
 
 static bool is_mist(const struct orl_scene *scene, size_t facet)
 {
@@ -52,23 +51,22 @@ int orl_mist_part(struct orl_scene *scene, struct orl_error *err)
     return 0;
 }
 
-/* ---- The way through --------------------------------------------------------------------------
- */
+/* ---- Crossings ------------------------------------------------------------------------------- */
 
-/* A ray enters (1) or leaves (-1) mist. */
+/* A crossing of a mist's surface; change: 1 for entering, -1 for leaving. */
 struct crossing {
     double at;
     const struct orl_material *mist;
     int change;
 };
 
-/* A ray's way, from one crossing to the next; which mists it starts in. */
+/* The crossings of a ray with mists, in order, and the mists around the current position. */
 struct way {
     struct crossing crossings[MOST_CROSSINGS];
     int n;
     struct {
         const struct orl_material *mist;
-        int depth; /* how many of its volumes the place is in */
+        int depth; /* number of this mist's volumes that contain the position */
     } within[MOST_MISTS];
     int n_mists;
 };
@@ -83,18 +81,18 @@ static int index_of(struct way *way, const struct orl_material *mist)
     return way->n_mists++;
 }
 
-static void cross(struct way *way, const struct crossing *crossing)
+static void cross_surface(struct way *way, const struct crossing *crossing)
 {
     way->within[index_of(way, crossing->mist)].depth += crossing->change;
 }
 
-/* What a ray leaves without having entered it, it started in. */
+/* Computes the mists in which the ray starts: those that it leaves without having entered them. */
 static void find_start(struct way *way)
 {
     int lowest[MOST_MISTS] = {0};
     for (int i = 0; i < way->n; i++) {
         const int which = index_of(way, way->crossings[i].mist);
-        cross(way, &way->crossings[i]);
+        cross_surface(way, &way->crossings[i]);
         if (way->within[which].depth < lowest[which])
             lowest[which] = way->within[which].depth;
     }
@@ -102,9 +100,9 @@ static void find_start(struct way *way)
         way->within[i].depth = -lowest[i];
 }
 
-/* All crossings, those beyond the ray's end too: they tell where it starts. */
-static void find_way(const struct orl_scene *scene, struct orl_vec3 origin,
-                     struct orl_vec3 direction, struct way *ret)
+/* Finds all crossings, also those beyond the ray's end, because they determine where it starts. */
+static void find_crossings(const struct orl_scene *scene, struct orl_vec3 origin,
+                           struct orl_vec3 direction, struct way *ret)
 {
     double at = 0;
     *ret = (struct way){.n = 0};
@@ -123,7 +121,7 @@ static void find_way(const struct orl_scene *scene, struct orl_vec3 origin,
     find_start(ret);
 }
 
-/* One stretch of a way: the same mist all along. */
+/* A part of a ray with constant extinction. */
 struct stretch {
     double from, to;
     struct orl_rgb extinction;
@@ -138,13 +136,13 @@ static struct orl_rgb extinction_of(const struct way *way)
     return sum;
 }
 
-/* The i-th stretch, 0 and on in order; false beyond the end. */
+/* Computes the i-th part; i counts up from 0. Returns false beyond the end. */
 static bool next_stretch(struct way *way, int i, double end, struct stretch *ret)
 {
     if (i > way->n)
         return false;
     if (i > 0)
-        cross(way, &way->crossings[i - 1]);
+        cross_surface(way, &way->crossings[i - 1]);
     ret->from = i > 0 ? way->crossings[i - 1].at : 0;
     if (!(ret->from < end))
         return false;
@@ -173,39 +171,38 @@ struct orl_rgb orl_mist_transmittance(const struct orl_scene *scene, struct orl_
     struct stretch s;
     if (!scene->mist)
         return share;
-    find_way(scene, origin, direction, &way);
+    find_crossings(scene, origin, direction, &way);
     for (int i = 0; next_stretch(&way, i, distance, &s); i++)
         share = dimmed(share, s.extinction, s.to - s.from);
     return share;
 }
 
-/* ---- Scattering -------------------------------------------------------------------------------
- */
+/* ---- Scattering ------------------------------------------------------------------------------ */
 
 static double channel(struct orl_rgb c, int which)
 {
     return which == 0 ? c.r : which == 1 ? c.g : c.b;
 }
 
-static double mean(struct orl_rgb c)
+static double mean_of(struct orl_rgb c)
 {
     return (c.r + c.g + c.b) / 3;
 }
 
-/* Of the mists at hand one, drawn by how much each scatters. */
-static struct orl_mist_event scatter(const struct way *way, double at, struct orl_rgb left,
-                                     struct orl_rgb extinction, struct orl_random *random)
+/* Samples one of the mists at the position, in proportion to its scattering coefficient. */
+static struct orl_mist_event scatter_in_mist(const struct way *way, double at, struct orl_rgb left,
+                                             struct orl_rgb extinction, struct orl_random *random)
 {
-    const double density = mean(orl_rgb_mul(left, extinction));
+    const double density = mean_of(orl_rgb_mul(left, extinction));
     double sum = 0, seen = 0;
     struct orl_mist_event event = {.scattered = true, .distance = at};
     for (int i = 0; i < way->n_mists; i++)
         if (way->within[i].depth > 0)
-            sum += mean(way->within[i].mist->scattered);
+            sum += mean_of(way->within[i].mist->scattered);
     const double drawn = orl_random_uniform(random) * sum;
     for (int i = 0; i < way->n_mists && seen <= drawn; i++)
         if (way->within[i].depth > 0) {
-            const double share = mean(way->within[i].mist->scattered);
+            const double share = mean_of(way->within[i].mist->scattered);
             seen += share;
             event.forward = way->within[i].mist->forward;
             if (share > 0)
@@ -224,7 +221,7 @@ struct orl_mist_event orl_mist_meet(const struct orl_scene *scene, struct orl_ve
     struct stretch s;
     if (!scene->mist)
         return (struct orl_mist_event){.weight = left};
-    find_way(scene, origin, direction, &way);
+    find_crossings(scene, origin, direction, &way);
     const int by = (int)(3 * orl_random_uniform(random));
     double to_go = -log(1 - orl_random_uniform(random));
     for (int i = 0; next_stretch(&way, i, distance, &s); i++) {
@@ -232,13 +229,13 @@ struct orl_mist_event orl_mist_meet(const struct orl_scene *scene, struct orl_ve
         const double here = depth_along(extinction, s.to - s.from);
         if (here > to_go) {
             const double length = to_go / extinction;
-            return scatter(&way, s.from + length, dimmed(left, s.extinction, length), s.extinction,
-                           random);
+            return scatter_in_mist(&way, s.from + length, dimmed(left, s.extinction, length),
+                                   s.extinction, random);
         }
         to_go -= here;
         left = dimmed(left, s.extinction, s.to - s.from);
     }
-    const double through = mean(left);
+    const double through = mean_of(left);
     return (struct orl_mist_event){.weight = through > 0 ? orl_rgb_scale(left, 1 / through)
                                                          : orl_gray(0)};
 }

@@ -13,8 +13,8 @@ static double light_of(const struct orl_weather_row *row)
     return row->missing ? 0 : fmax(row->direct, 0) + fmax(row->diffuse, 0);
 }
 
-/* Sums up the rows with the sun down, after a shift of all times by shift_h. */
-static struct orl_night_light count(const struct orl_weather *weather, double shift_h)
+/* Sums up the rows with the sun below the horizon, with all times shifted by shift_h. */
+static struct orl_night_light sum_night_light(const struct orl_weather *weather, double shift_h)
 {
     struct orl_night_light night = {.units = weather->units, .shift_h = shift_h};
     for (size_t i = 0; i < weather->n_rows; i++) {
@@ -31,7 +31,7 @@ static struct orl_night_light count(const struct orl_weather *weather, double sh
     return night;
 }
 
-/* Keeps the cause that leaves less radiation at night. */
+/* Replaces *least if the cause leaves less radiation at night. */
 static void try_cause(struct orl_night_light *least, enum orl_night_cause cause,
                       struct orl_night_light found)
 {
@@ -43,17 +43,17 @@ static void try_cause(struct orl_night_light *least, enum orl_night_cause cause,
 struct orl_night_light orl_night_light_find(const struct orl_weather *weather)
 {
     static const double shifts_h[] = {-0.5, 0.5, -1, 1}, clear = 0.2;
-    struct orl_night_light night = count(weather, 0), least = night;
+    struct orl_night_light night = sum_night_light(weather, 0), least = night;
     struct orl_weather other = *weather;
     if (!(night.lost > 0))
         return night;
     other.longitude_deg = -weather->longitude_deg;
-    try_cause(&least, ORL_NIGHT_LONGITUDE, count(&other, 0));
+    try_cause(&least, ORL_NIGHT_LONGITUDE, sum_night_light(&other, 0));
     other.longitude_deg = weather->longitude_deg;
     other.time_zone_h = -weather->time_zone_h;
-    try_cause(&least, ORL_NIGHT_TIME_ZONE, count(&other, 0));
+    try_cause(&least, ORL_NIGHT_TIME_ZONE, sum_night_light(&other, 0));
     for (size_t i = 0; i < sizeof shifts_h / sizeof *shifts_h; i++)
-        try_cause(&least, ORL_NIGHT_SHIFT, count(weather, shifts_h[i]));
+        try_cause(&least, ORL_NIGHT_SHIFT, sum_night_light(weather, shifts_h[i]));
     if (least.lost <= clear * night.lost) {
         night.cause = least.cause;
         night.shift_h = least.shift_h;

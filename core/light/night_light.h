@@ -1,7 +1,7 @@
 /*
  * Radiation that a weather file has while the sun is below the horizon. No sky model takes it, so a
- * year omits it. A little is usual: twilight, and refraction, which raises the sun by its own width
- * at the horizon. A lot of it shows that the site and the times of the file do not match.
+ * year omits it. A small amount is usual: twilight, and refraction, which raises the sun by its own
+ * width at the horizon. A large amount shows that the site and the times of the file do not match.
  */
 #ifndef ORL_LIGHT_NIGHT_LIGHT_H
 #define ORL_LIGHT_NIGHT_LIGHT_H

@@ -1,4 +1,4 @@
-/* Whether a point is outside a sealed building: by what rays from there come to. */
+/* Test whether a point is outside a sealed building, by tracing rays from it. */
 #include <stdlib.h>
 
 #include "base/random.h"
@@ -7,7 +7,7 @@
 
 enum { RAYS = 32, BOUNCES = 64, MARGIN = 2 };
 
-/* Ports that were met, by their outer and by their inner faces. */
+/* Numbers of ports that rays met by their outer and by their inner faces. */
 struct votes {
     int outside, inside;
 };
@@ -19,8 +19,9 @@ static struct orl_vec3 direction_of(int ray)
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* Whether it is a port's: of those, too, that are closed for a while. */
-static bool count(const struct orl_world *world, const struct orl_hit *hit, struct votes *votes)
+/* Counts a hit of a port, also of one that is closed temporarily. Returns true if it is one. */
+static bool count_port(const struct orl_world *world, const struct orl_hit *hit,
+                       struct votes *votes)
 {
     const enum orl_crossing crossing = orl_scene_crossing(world->scene, hit);
     votes->outside += crossing == ORL_CROSSING_INWARDS;
@@ -28,10 +29,10 @@ static bool count(const struct orl_world *world, const struct orl_hit *hit, stru
     return crossing != ORL_CROSSING_NONE;
 }
 
-/* A path between surfaces stays on their side, until it meets a port or leaves the scene. Windows
- * that are no ports let it through. */
-static void wander(const struct orl_world *world, struct orl_vec3 point, int ray,
-                   struct votes *votes)
+/* Follows a diffuse path from the point. It stays on its side of the surfaces until it meets a
+ * port or leaves the scene. Windows that are not ports let it through. */
+static void trace_walk(const struct orl_world *world, struct orl_vec3 point, int ray,
+                       struct votes *votes)
 {
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, (uint64_t)ray);
     struct orl_vec3 direction = direction_of(ray);
@@ -41,7 +42,7 @@ static void wander(const struct orl_world *world, struct orl_vec3 point, int ray
             votes->outside++;
             return;
         }
-        if (count(world, &hit, votes))
+        if (count_port(world, &hit, votes))
             return;
         if (!orl_material_is_window(orl_scene_material(world->scene, hit.facet))) {
             const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
@@ -52,8 +53,8 @@ static void wander(const struct orl_world *world, struct orl_vec3 point, int ray
 }
 
 /*
- * Nothing inside sees past the walls, and most of what is outside does. What is outside and does
- * not, between slats and the pane behind them, comes to a pane's outer face.
+ * No point inside sees past the walls, and most points outside do. Points outside that do not,
+ * between slats and the pane behind them, see a pane's outer face.
  */
 bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
 {
@@ -64,9 +65,9 @@ bool orl_world_is_outside(const struct orl_world *world, struct orl_vec3 point)
         struct orl_hit hit;
         if (!orl_geometry_intersect(world->geometry, point, direction_of(i), INFINITY, &hit))
             return true;
-        count(world, &hit, &votes);
+        count_port(world, &hit, &votes);
     }
     for (int i = 0; i < RAYS && abs(votes.outside - votes.inside) < MARGIN; i++)
-        wander(world, point, i, &votes);
+        trace_walk(world, point, i, &votes);
     return votes.outside > votes.inside;
 }

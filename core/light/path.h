@@ -1,17 +1,17 @@
 /*
- * A path of light through the scene, with it (photons) or against it (from eyes and sensors), and
- * the step that all of them take:
- *   meet      what the ray comes to first                              orl_path_meet
- *   dim       by what the medium on the way to it absorbs              orl_path_arrive, _escape
- *   shade     what is met adds light, or takes a photon: each technique's own
- *   choose    one way on, of the material's                            orl_scatter_sample
- *   weigh     by what was chosen; dim paths end by lot                 orl_path_survives
- *   go on     from beyond the surface                                  orl_path_leave,
- * _look_through Who follows rays both ways where they split (views, suns' images) does so by
- * several paths.
+ * A path of light through the scene, with the light (photons) or against it (from eyes and
+ * sensors), and the steps that all paths have:
+ *   intersect    find the next hit                                  orl_path_meet
+ *   attenuate    absorption of the medium on the way to it          orl_path_arrive, _escape
+ *   shade        add light, or store a photon: each technique's own
+ *   scatter      sample one direction from the material             orl_scatter_sample
+ *   weigh        multiply by the sample's weight, Russian roulette  orl_path_survives
+ *   move on      start the next ray beyond the surface              orl_path_leave, _look_through
  *
- * Directions are unit, places in moved coordinates (scene/geometry/geometry.h). Steps allocate
- * nothing and keep nothing. Eyes' paths have a loop of their own, eye_path.h.
+ * Callers that split rays (views, suns' images) keep one orl_path for each branch.
+ *
+ * Directions are unit vectors, points are in moved coordinates (scene/geometry/geometry.h). Steps
+ * allocate nothing and keep no state. Eye paths have their own loop, eye_path.h.
  */
 #ifndef ORL_LIGHT_PATH_H
 #define ORL_LIGHT_PATH_H
@@ -20,8 +20,8 @@
 
 struct orl_path {
     struct orl_vec3 origin, direction;
-    struct orl_rgb weight;  /* a photon's flux, W; of an eye's path, its share in what it is for */
-    struct orl_rgb clarity; /* transmissivity of a unit of length of what it goes through */
+    struct orl_rgb weight;  /* photons: flux, W; eye paths: throughput */
+    struct orl_rgb clarity; /* transmissivity of the current medium for a unit of length */
 };
 
 static inline struct orl_path orl_path_from(struct orl_vec3 origin, struct orl_vec3 direction)
@@ -29,7 +29,7 @@ static inline struct orl_path orl_path_from(struct orl_vec3 origin, struct orl_v
     return (struct orl_path){origin, direction, .weight = {1, 1, 1}, .clarity = {1, 1, 1}};
 }
 
-/* What it comes to first; false: nothing. */
+/* Finds the next hit; returns false if there is none. */
 static inline bool orl_path_meet(const struct orl_world *world, const struct orl_path *path,
                                  struct orl_hit *ret_hit)
 {
@@ -37,13 +37,13 @@ static inline bool orl_path_meet(const struct orl_world *world, const struct orl
                                   ret_hit);
 }
 
-/* Where it came from, as seen from what it meets. */
+/* Returns the unit direction from the next hit back to the path's origin. */
 static inline struct orl_vec3 orl_path_back(const struct orl_path *path)
 {
     return orl_neg(path->direction);
 }
 
-/* The way to a hit, or beyond all surfaces, takes its share. */
+/* Multiply the weight by the transmittance to a hit, or to infinity if the ray meets no surface. */
 static inline void orl_path_arrive(struct orl_path *path, const struct orl_material *material,
                                    const struct orl_hit *hit)
 {
@@ -54,8 +54,8 @@ static inline void orl_path_escape(struct orl_path *path)
     path->weight = orl_rgb_mul(path->weight, orl_clarity_after(path->clarity, INFINITY));
 }
 
-/* Russian roulette by one random number: it ends (false), or its weight stands for those that do.
- */
+/* Russian roulette with survival probability `chance`. Returns false if the path ends; otherwise
+ * divides its weight by `chance`. */
 static inline bool orl_path_survives(struct orl_path *path, double chance,
                                      struct orl_random *random)
 {
@@ -65,7 +65,7 @@ static inline bool orl_path_survives(struct orl_path *path, double chance,
     return true;
 }
 
-/* Sent on by what it has met; its weight has been seen to. */
+/* Moves the path to the start of the ray after a scattering event. The weight is the caller's. */
 static inline void orl_path_leave(struct orl_path *path, const struct orl_world *world,
                                   const struct orl_hit *hit, const struct orl_scatter *scatter)
 {
@@ -74,14 +74,15 @@ static inline void orl_path_leave(struct orl_path *path, const struct orl_world 
     path->direction = scatter->direction;
 }
 
-/* Straight on from a hit, as if nothing were there. */
+/* Moves the path straight through a hit, as if there were no surface. */
 static inline void orl_path_pass(struct orl_path *path, const struct orl_world *world,
                                  const struct orl_hit *hit)
 {
     path->origin = orl_hit_leave(world->geometry, hit, path->direction);
 }
 
-/* Weighed by what a thin pane lets straight through; false: nothing. */
+/* Multiplies the weight by the straight transmittance of a thin pane; returns false if that is
+ * zero. */
 static inline bool orl_path_look_through(struct orl_path *path, const struct orl_material *material,
                                          const struct orl_hit *hit)
 {
@@ -91,8 +92,8 @@ static inline bool orl_path_look_through(struct orl_path *path, const struct orl
 }
 
 /*
- * Whether what a surface sends on is outside then, if what came to it was or was not: ports tell,
- * in sealed scenes. In others nothing is outside.
+ * Returns true if the path is outside a sealed scene after a scattering event, given where it was
+ * before. Only ports change this. In open scenes nothing is outside.
  */
 static inline bool orl_world_outside_after(const struct orl_world *world, const struct orl_hit *hit,
                                            bool transmitted, bool outside)

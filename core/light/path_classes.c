@@ -25,16 +25,16 @@ enum {
     }
 
 /*
- * By class, then technique: plain path tracing, backward, gather, direct, precomputed.
+ * Strategies by class, then technique: plain path tracing, backward, gather, direct, precomputed.
  *
- * Where a cell has several of RAYS, PORTS, SHADOW, IMAGES and BEAMS they sample one variable, the
- * direction at the receiver, and are combined by the balance heuristic (Veach 1997, 9.2). Photons
- * are not combined with them: those of light that these find are not counted
+ * RAYS, PORTS, SHADOW, IMAGES and BEAMS sample the same variable, the direction at the receiver. If
+ * a cell has several of them they are combined by the balance heuristic (Veach 1997, 9.2). Photons
+ * are not combined with them: photons of light that these strategies find are not counted
  * (photon/flight/found.h).
  */
 static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL_RECEIVERS] = {
-    /* Global photons start at windows, with the radiance that arrives there: where the map is read
-     * at the receiver itself they bring the sky. */
+    /* Global photons start at windows with the radiance that arrives there. If the map is read
+     * at the receiver itself, they contain the sky. */
     [ORL_PATHS_SKY] = {BOTH(RAYS), BOTH(RAYS | PORTS), BOTH(RAYS | PORTS),
                        AIR_SURFACE(RAYS | PORTS, GLOBAL), AIR_SURFACE(RAYS | PORTS, GLOBAL)},
     [ORL_PATHS_DIRECT] = {BOTH(SHADOW | RAYS), BOTH(SHADOW | RAYS), BOTH(SHADOW | RAYS),
@@ -42,7 +42,7 @@ static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL
     [ORL_PATHS_FLAT_MIRRORS] = {BOTH(IMAGES | RAYS), BOTH(IMAGES | RAYS),
                                 AIR_SURFACE(IMAGES, CAUSTIC), AIR_SURFACE(IMAGES, CAUSTIC),
                                 AIR_SURFACE(IMAGES, CAUSTIC)},
-    /* Plain paths meet a sun by way of a lobe in few directions. */
+    /* Plain paths hit a sun by way of a lobe from few directions only. */
     [ORL_PATHS_LOBES] = {BOTH(CHANCE), BOTH(RAYS | BEAMS), AIR_SURFACE(BEAMS | CAUSTIC, CAUSTIC),
                          AIR_SURFACE(BEAMS | CAUSTIC, CAUSTIC),
                          AIR_SURFACE(BEAMS | CAUSTIC, CAUSTIC)},
@@ -50,7 +50,7 @@ static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL
     [ORL_PATHS_NARROW_LOBES] = {BOTH(CHANCE), BOTH(SHADOW), BOTH(CHANCE), BOTH(CHANCE),
                                 BOTH(CHANCE)},
     [ORL_PATHS_CURVED] = {BOTH(CHANCE), BOTH(CHANCE), BOTH(CAUSTIC), BOTH(CAUSTIC), BOTH(CAUSTIC)},
-    /* Plain paths are too few for what a lens shows of a window. */
+    /* Plain paths are too few for the image of a window in a lens. */
     [ORL_PATHS_SKY_CURVED] = {BOTH(CHANCE), BOTH(RAYS), BOTH(RAYS), AIR_SURFACE(RAYS, GLOBAL),
                               AIR_SURFACE(RAYS, GLOBAL)},
     [ORL_PATHS_MANY_SUN_MIRRORS] = {BOTH(CHANCE), BOTH(CHANCE), BOTH(CAUSTIC), BOTH(CAUSTIC),
@@ -59,12 +59,12 @@ static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL
                                      BOTH(CAUSTIC)},
     [ORL_PATHS_TWO_LAMP_MIRRORS] = {BOTH(CHANCE), BOTH(CHANCE), BOTH(CAUSTIC), BOTH(CAUSTIC),
                                     BOTH(CAUSTIC)},
-    /* Paths connect to virtual lamps, which are global photons; rays of a final gather read their
-     * density where they end. */
+    /* Paths connect to virtual lamps, which are global photons. Rays of a final gather read the
+     * photon density where they end. */
     [ORL_PATHS_DIFFUSE] = {BOTH(RAYS), BOTH(RAYS | PORTS | GLOBAL), BOTH(RAYS | PORTS | GLOBAL),
                            AIR_SURFACE(RAYS | PORTS | GLOBAL, GLOBAL),
                            AIR_SURFACE(RAYS | PORTS | GLOBAL, GLOBAL)},
-    /* Photons are not scattered by mist. */
+    /* Mist does not scatter photons. */
     [ORL_PATHS_MIST] = {BOTH(RAYS), BOTH(RAYS), BOTH(0), BOTH(0), BOTH(0)},
 };
 

@@ -9,11 +9,11 @@
 #include "scene/material/hemisphere.h"
 
 /*
- * A window is a port when rays leaving one of its faces, with everything taken as opaque, reach
- * open space much more often than rays leaving the other. Panes inside a building see open space
- * from neither side (the outer panes block), panes standing free see it from both. Windows that
- * lenses or curved mirrors stand before are none (focus.h): the scene is open then, and photons
- * from suns and sky pass them.
+ * Search for photon ports. Rays are traced from both faces of a window, with all surfaces opaque.
+ * The window is a port if rays from one face reach open space much more often than rays from the
+ * other. Panes inside a building see open space from neither side (the outer panes block), and
+ * panes that stand free see it from both. Windows behind lenses or curved mirrors are not ports
+ * (focus.h): the scene is then open, and photons from suns and sky pass them.
  */
 enum { OWNER_PROBES = 128 };
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
@@ -30,8 +30,8 @@ struct search {
     atomic_uint escapes;
 };
 
-/* A cosine-weighted direction about normal: above a point of the disc, which the first of the
- * square about it that lies in it is. */
+/* Returns a cosine-weighted direction about normal. It projects a point of the unit disc, which
+ * is sampled by rejection from the square around it. */
 static struct orl_vec3 cosine_direction(struct orl_vec3 normal, struct orl_random *random)
 {
     const struct orl_frame frame = orl_frame_about(normal);
@@ -49,7 +49,7 @@ bool orl_port_owns_shared(const struct orl_geometry *g, const struct orl_port *p
 {
     const double offset = orl_facet_offset(g, port->facet);
     struct orl_hit hit;
-    /* A ray that slips past the rim has met nobody else's surface either. */
+    /* No hit means that the ray passed the rim: no other surface is there either. */
     return !orl_geometry_intersect(g, orl_madd(point, port->outward, offset),
                                    orl_neg(port->outward), 2 * offset, &hit) ||
            hit.facet == port->facet;
@@ -84,7 +84,7 @@ static bool is_behind_lenses(const struct search *search, const struct orl_port 
     return orl_focus_matters(&focus);
 }
 
-static void look_both_ways(void *arg, size_t index, uint32_t member)
+static void test_window(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
     const uint32_t facet = search->candidates[index];
@@ -107,10 +107,11 @@ static void look_both_ways(void *arg, size_t index, uint32_t member)
 }
 
 /*
- * A diffuse path from a port's inner face: does it get out by any way but a port? Ports are walls
- * to it; windows that are no ports (curved ones, panes with the sky on both sides) let it through.
+ * Follows a diffuse path from a port's inner face, and counts it if it escapes without crossing a
+ * port. Ports block it. Windows that are not ports (curved ones, panes with the sky on both sides)
+ * let it through.
  */
-static void try_to_escape(void *arg, size_t index, uint32_t member)
+static void trace_escape(void *arg, size_t index, uint32_t member)
 {
     struct search *search = arg;
     const struct orl_geometry *g = search->scene->geometry;
@@ -159,7 +160,7 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     int code = ORL_ERR_NOMEM;
     if (!candidates)
         goto done;
-    /* Light is split by windows where there is nothing but surfaces to follow it to. */
+    /* Scenes with mist have no ports: the split of light by ports holds only between surfaces. */
     const size_t n = scene->mist ? 0 : list_candidates(scene, candidates);
     found = calloc(n + 1, sizeof *found);
     scene->port_of_facet = malloc((n_facets + 1) * sizeof *scene->port_of_facet);
@@ -172,7 +173,7 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     search.rays = (uint32_t)(share > MOST_RAYS_A_FACE    ? MOST_RAYS_A_FACE
                              : share < LEAST_RAYS_A_FACE ? LEAST_RAYS_A_FACE
                                                          : share);
-    code = orl_crew_try(crew, n, look_both_ways, &search);
+    code = orl_crew_try(crew, n, test_window, &search);
     if (code < 0)
         goto done;
     for (size_t i = 0; i < n_facets; i++)
@@ -189,7 +190,7 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct 
     search.ports = scene->ports;
     search.n_ports = scene->n_ports;
     if (scene->n_ports > 0)
-        code = orl_crew_try(crew, SEAL_PATHS, try_to_escape, &search);
+        code = orl_crew_try(crew, SEAL_PATHS, trace_escape, &search);
     if (code < 0)
         goto done;
     scene->open = scene->n_ports == 0 || atomic_load(&search.escapes) >= SEAL_ESCAPES;

@@ -7,10 +7,12 @@
 
 enum { POINTS = 32, FIRST_POINTS = 6, LOOKS = 5, MOST_WAYS = 256, MOST_PANES = 64 };
 static const double hidden_share = 0.75;
-static const double near_pair = 1.5; /* so many times what two reach: maybe they were to be one */
-static const double aside_of_thickness = 0.01; /* how far aside one looks */
+/* multiple of the summed reach within which two proxies may be meant as a pair */
+static const double near_pair = 1.5;
+/* lateral offset of the extra rays, as a share of the largest thickness */
+static const double aside_of_thickness = 0.01;
 
-/* The ways across proxies: distinct directions from what they stand for towards them. */
+/* Directions across proxies: the distinct ones from the hidden geometry towards its proxy. */
 struct ways {
     struct orl_vec3 way[MOST_WAYS];
     size_t count;
@@ -31,7 +33,7 @@ static struct orl_vec3 way_across(const struct orl_geometry *geometry, uint32_t 
     return orl_facet_beyond(geometry, facet) > 0 ? normal : orl_neg(normal);
 }
 
-/* False: there are too many. */
+/* Returns false if there are too many. */
 static bool add_way(struct ways *ways, const struct orl_geometry *geometry, uint32_t facet)
 {
     const struct orl_vec3 way = way_across(geometry, facet);
@@ -46,8 +48,8 @@ static bool add_way(struct ways *ways, const struct orl_geometry *geometry, uint
     return true;
 }
 
-/* How far from one that a proxy reaches: what lies at `self`, or a proxy that looks the other way
- * and reaches for the same things from there. */
+/* Returns how far a proxy reaches towards `self`: its thickness. If `self` is a proxy that faces
+ * it and stands for the same geometry, adds the thickness of `self`. */
 static double reach_to(const struct orl_scene *scene, uint32_t proxy, uint32_t self)
 {
     const struct orl_geometry *const g = scene->geometry;
@@ -56,7 +58,8 @@ static double reach_to(const struct orl_scene *scene, uint32_t proxy, uint32_t s
     return fabs(orl_facet_beyond(g, proxy)) + (faces ? fabs(orl_facet_beyond(g, self)) : 0);
 }
 
-/* Looks from a point along a way: is a proxy there that stands for what is at the point? */
+/* Returns true if a ray from a point along a direction meets a proxy that stands for the surface
+ * at the point. */
 static bool is_covered(const struct orl_scene *scene, const struct orl_geometry *proxies,
                        struct orl_vec3 point, struct orl_vec3 way, double reach, uint32_t self)
 {
@@ -68,7 +71,7 @@ static bool is_covered(const struct orl_scene *scene, const struct orl_geometry 
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_own(proxies, hit.facet, &own);
         at += hit.distance;
-        /* Of proxies that stand for each other only the first is one. */
+        /* If proxies stand for each other, only the first is kept. */
         if (orl_dot(way_across(proxies, hit.facet), way) > 1 - 1e-3 &&
             at <= reach_to(scene, hit.facet, self) + 4 * f->offset && hit.facet != self &&
             (!is_proxy(scene, self) || (hit.facet < self && !scene->hidden[hit.facet])))
@@ -78,7 +81,8 @@ static bool is_covered(const struct orl_scene *scene, const struct orl_geometry 
     return false;
 }
 
-/* The same a little to all sides, from just behind the point: it may lie in the proxy's plane. */
+/* Returns true if is_covered holds at the point and at small offsets to all sides. Rays start
+ * just behind the point, because it may lie in the proxy's plane. */
 static bool is_well_covered(const struct orl_scene *scene, const struct orl_geometry *proxies,
                             const struct ways *ways, struct orl_vec3 way, struct orl_vec3 point,
                             uint32_t self)
@@ -116,7 +120,8 @@ static bool is_hidden(const struct orl_scene *scene, const struct orl_geometry *
     return covered >= hidden_share * POINTS;
 }
 
-/* The nearest proxy on that side of a point which looks that way; UINT32_MAX: none. */
+/* Returns the nearest proxy in a direction from a point, if that is its own direction across;
+ * UINT32_MAX: none. */
 static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3 point,
                              struct orl_vec3 way, double reach, double *ret_apart)
 {
@@ -134,8 +139,9 @@ static uint32_t find_partner(const struct orl_geometry *proxies, struct orl_vec3
     return UINT32_MAX;
 }
 
-/* Notes of a proxy that it and another are one though neither reaches the other, or nearly so. */
-static void judge_pair(struct orl_scene *scene, const struct ways *ways, uint32_t self)
+/* Records pairs of proxies for which the decision is uncertain: taken as a pair although neither
+ * reaches the other, or as two although they nearly are a pair. */
+static void record_uncertain_pair(struct orl_scene *scene, const struct ways *ways, uint32_t self)
 {
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_own(scene->geometry, self, &own);
@@ -193,7 +199,7 @@ int orl_proxies_part(struct orl_scene *scene, struct orl_error *err)
     }
     for (uint32_t i = 0; i < n && code == 0; i++)
         if (is_proxy(scene, i))
-            judge_pair(scene, &ways, i);
+            record_uncertain_pair(scene, &ways, i);
     for (uint32_t i = 0; i < n && code == 0; i++)
         keep[i] = !scene->hidden[i];
     if (code == 0)

@@ -15,7 +15,8 @@ struct quest {
     atomic_bool found;
 };
 
-static struct orl_vec3 set_out(const struct orl_outlook *outlook, struct orl_random *random)
+static struct orl_vec3 sample_direction(const struct orl_outlook *outlook,
+                                        struct orl_random *random)
 {
     const double u = orl_random_uniform(random), v = orl_random_uniform(random);
     if (orl_dot(outlook->normal, outlook->normal) > 0)
@@ -24,7 +25,7 @@ static struct orl_vec3 set_out(const struct orl_outlook *outlook, struct orl_ran
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* Whether a point of some lamp, any one, is in sight; windows are no obstacle. */
+/* Returns true if a random point of a random lamp is visible; windows do not block. */
 static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
                       struct orl_random *random)
 {
@@ -51,12 +52,13 @@ static bool sees_lamp(const struct orl_world *world, struct orl_vec3 point,
 }
 
 /*
- * Rays are floats: one in ten million leaves a hit that lies a hair beyond the edge where two walls
- * meet, and so gets out. What also gets out when it starts a little before that hit has found a
+ * Returns true if there is a sun or a dome, and a ray that met no surface escapes through a hole.
+ * Rays have float coordinates: one in ten million leaves a hit slightly beyond the edge where two
+ * walls meet, and so escapes. A ray that also escapes from slightly before that hit has found a
  * hole.
  */
-static bool gets_out(const struct orl_world *world, struct orl_vec3 before,
-                     struct orl_vec3 direction)
+static bool is_real_escape(const struct orl_world *world, struct orl_vec3 before,
+                           struct orl_vec3 direction)
 {
     struct orl_hit hit;
     return world->n_suns + world->n_domes > 0 &&
@@ -70,13 +72,13 @@ static bool finds_light(const struct quest *quest, size_t number)
     const double little = 1e-4 * world->geometry->radius;
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_PILOT, number);
     struct orl_vec3 before = outlook->point;
-    struct orl_path path = orl_path_from(before, set_out(outlook, &random));
+    struct orl_path path = orl_path_from(before, sample_direction(outlook, &random));
     for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
         struct orl_hit hit;
         if (sees_lamp(world, path.origin, &random))
             return true;
         if (!orl_path_meet(world, &path, &hit))
-            return gets_out(world, before, path.direction);
+            return is_real_escape(world, before, path.direction);
         before = orl_madd(hit.point, path.direction, -fmin(little, 0.5 * hit.distance));
         const bool window = orl_material_is_window(orl_world_material(world, &hit));
         if (!window) {
@@ -90,13 +92,13 @@ static bool finds_light(const struct quest *quest, size_t number)
     return false;
 }
 
-static void try_chunk(void *arg, size_t chunk, uint32_t member)
+static void trace_chunk(void *arg, size_t chunk, uint32_t member)
 {
     struct quest *quest = arg;
     const size_t end = (chunk + 1) * CHUNK < quest->paths ? (chunk + 1) * CHUNK : quest->paths;
     (void)member;
     for (size_t path = chunk * CHUNK; path < end; path++) {
-        /* Whoever finds light first: the answer is the same. */
+        /* The result does not depend on which path finds light first. */
         if (atomic_load_explicit(&quest->found, memory_order_relaxed))
             return;
         if (finds_light(quest, path))
@@ -110,6 +112,6 @@ bool orl_light_reaches(const struct orl_world *world, const struct orl_outlook *
     struct quest quest = {.world = world, .outlooks = outlooks, .count = count, .paths = paths};
     atomic_init(&quest.found, false);
     const int code =
-        count > 0 ? orl_crew_try(crew, (paths + CHUNK - 1) / CHUNK, try_chunk, &quest) : 0;
+        count > 0 ? orl_crew_try(crew, (paths + CHUNK - 1) / CHUNK, trace_chunk, &quest) : 0;
     return code < 0 || atomic_load(&quest.found);
 }

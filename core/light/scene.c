@@ -14,8 +14,8 @@
 #include "scene/material/pattern.h"
 
 /*
- * Of a couple of triangles, a corner of some and a facet, with their share of the hierarchy. With
- * the labels, and what is round twice, this is near what polygons hold (make bench-polygons).
+ * Sizes per pair of triangles, corner and facet, with their share of the hierarchy. With the labels
+ * and the quadrics (twice), the sum is close to the memory of polygons (make bench-polygons).
  */
 enum {
     BYTES_A_COUPLE = 102,
@@ -42,8 +42,9 @@ static int list_shining(struct orl_scene *scene)
     return 0;
 }
 
-/* Which of two surfaces in one place light meets; mist, which is none, stays as it is. */
-static int settle(struct orl_description *d, struct orl_error *err)
+/* Decides which of two coincident surfaces light meets. Mist is no such surface and is left as
+ * it is. */
+static int settle_coincident(struct orl_description *d, struct orl_error *err)
 {
     size_t n = 0, kept = 0;
     for (size_t i = 0; i < d->n_surfaces; i++)
@@ -74,7 +75,8 @@ static int settle(struct orl_description *d, struct orl_error *err)
     return code;
 }
 
-/* Each by itself: surfaces of one and of another, or of others, are not looked at together. */
+/* Decides about coincident surfaces within each prototype; surfaces of different prototypes are
+ * not compared. */
 static int settle_prototypes(struct orl_description *d, struct orl_error *err)
 {
     const struct orl_description whole = *d;
@@ -106,7 +108,7 @@ int orl_scene_settle(struct orl_description *description, struct orl_error *err)
     d->n_read = orl_description_count_surfaces(d) + d->n_degenerate;
     int code = orl_description_must_part(d) ? orl_placements_expand(d, ORL_ALL_PLACES, err) : 0;
     if (code == 0)
-        code = settle(d, err);
+        code = settle_coincident(d, err);
     if (code == 0)
         code = settle_prototypes(d, err);
     if (code == ORL_ERR_NOMEM)
@@ -115,7 +117,7 @@ int orl_scene_settle(struct orl_description *description, struct orl_error *err)
     return code;
 }
 
-/* Which antimatter is lined. */
+/* Decides which linings of antimatter apply. */
 static int settle_linings(struct orl_scene *scene)
 {
     const struct orl_description *const d = &scene->description;
@@ -202,7 +204,7 @@ static int by_address(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Materials may share a BSDF: each counts once. */
+/* Returns the size of all BSDFs. Materials may share a BSDF, which is counted once. */
 static uint64_t bsdf_bytes(const struct orl_description *d)
 {
     struct orl_bsdf **found = malloc((d->n_materials + 1) * sizeof(struct orl_bsdf *));

@@ -1,10 +1,9 @@
 /*
- * A scene without its lights: what the files say, the surfaces that light and views meet, the
- * windows that let light in. All of it is the same under every sky and for every plan, so that jobs
- * share it.
+ * A scene without its lights: the parsed files, the surfaces that light and views meet, and the
+ * windows that let light in. It is independent of sky and plan, so jobs share it.
  *
- * Immutable once its ports are found, and shared by all threads; held by whoever uses it
- * (orl_scene_hold), and gone with the last of them.
+ * Immutable once its ports are found, and shared by all threads. Reference-counted (orl_scene_hold,
+ * orl_scene_release).
  */
 #ifndef ORL_LIGHT_SCENE_H
 #define ORL_LIGHT_SCENE_H
@@ -26,62 +25,71 @@ struct orl_port {
     bool outside_is_front; /* the declared normal points outdoors */
     struct orl_vec3 outward;
     double area;
-    bool shared; /* other surfaces lie in its plane, across it: see orl_port_owns */
-    /* What the planner finds out, of its world's own; false, all is found by rays. */
-    bool clear;  /* nothing lies beyond its plane: whoever looks out sees domes and suns alone */
-    bool silent; /* no light comes to it from outside: it sends no photons */
+    bool shared; /* other surfaces overlap it in its plane: see orl_port_owns */
+    /* Findings of the planner, in a world's own ports; if false, rays find all light. */
+    /* nothing lies beyond its plane: rays outwards see domes and suns only */
+    bool clear;
+    bool silent; /* no light arrives at it from outside: it emits no photons */
 };
 
-/* Proxies (proxies.h) of which it is not plain that they are a pair, or none. */
+/* Proxies (proxies.h) for which it is uncertain whether they are a pair: count and first
+ * example. */
 struct orl_pairing {
     size_t count;
-    /* Of the first: */
+    /* The first example. */
     uint32_t facets[2];
-    double apart, thick; /* the thicker one */
+    /* apart: distance between the two; thick: thickness of the thicker one */
+    double apart, thick;
 };
 
 struct orl_scene {
     struct orl_description description; /* owned */
-    struct orl_geometry *geometry;      /* owned; what light meets */
-    struct orl_geometry *seen;          /* owned: what views meet, or NULL for the same */
-    struct orl_geometry *proxies;       /* owned: BSDFs that stand for geometry, or NULL */
-    struct orl_geometry *mist;          /* owned: the surfaces of mist.h's volumes, or NULL */
-    bool *hidden; /* per facet of its own: there for views alone; or NULL. proxies.h */
+    struct orl_geometry *geometry;      /* owned; surfaces that light meets */
+    struct orl_geometry *seen;    /* owned; surfaces that views meet; NULL: the same as geometry */
+    struct orl_geometry *proxies; /* owned; BSDFs that stand for geometry; NULL: none */
+    struct orl_geometry *mist;    /* owned; surfaces of mist.h's volumes; NULL: none */
+    /* per facet of the scene's own (not instanced): true if it exists for views only
+     * (proxies.h); or NULL */
+    bool *hidden;
     size_t n_hidden;
-    struct orl_pairing paired, not_paired; /* taken as one though neither reaches the other; as two
-                                              though little is missing */
-    uint32_t *shining;                     /* facets that are lamps, or glow */
+    /* paired: taken as a pair although neither reaches the other; not_paired: taken as two
+     * although they nearly are a pair */
+    struct orl_pairing paired, not_paired;
+    uint32_t *shining; /* facets that are lamps or glow */
     size_t n_shining;
     struct orl_port *ports;
     size_t n_ports;
-    int32_t *port_of_facet; /* of its own: index into ports or ORL_NO_PORT */
-    size_t n_openings;      /* unglazed ones that were given panes (glaze.h) */
-    bool open;              /* light can get in without crossing a port */
+    /* index into ports, or ORL_NO_PORT, per facet of the scene's own (not instanced) */
+    int32_t *port_of_facet;
+    size_t n_openings; /* unglazed openings that were given panes (glaze.h) */
+    bool open;         /* light can enter without crossing a port */
     atomic_uint holders;
 };
 
 /*
- * Settles which of surfaces in one place light meets, once: what rays are to meet is all that is
- * left. ORL_ERR_NOMEM, _LIMIT, _RANGE, _CANCELLED.
+ * Decides which of several coincident surfaces light meets, and removes the others. Called once.
+ * Returns 0 or ORL_ERR_NOMEM, _LIMIT, _RANGE, _CANCELLED.
  */
 int orl_scene_settle(struct orl_description *description, struct orl_error *err);
 
 /*
- * Takes the description over (it is emptied, also on failure), settles it unless it is, and builds
- * all but the ports. Returns 0, and a scene that the caller holds, or ORL_ERR_NOMEM, _UNSUPPORTED,
- * _LIMIT, _CANCELLED.
+ * Takes the description over (it is emptied, also on failure), calls orl_scene_settle unless that
+ * was done, and builds all but the ports. Returns 0 and a scene that the caller holds, or
+ * ORL_ERR_NOMEM, _UNSUPPORTED, _LIMIT, _CANCELLED.
  */
 int orl_scene_new(struct orl_description *description, struct orl_scene **ret_scene,
                   struct orl_error *err);
 
-/* Finds the ports, and whether the scene is open; to be called once, before lights are added. */
+/* Finds the ports, and whether the scene is open. Called once, before lights are added. Returns
+ * 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_scene_find_ports(struct orl_scene *scene, struct orl_crew *crew, struct orl_error *err);
 
 struct orl_scene *orl_scene_hold(struct orl_scene *scene);
 /* NULL is allowed. */
 void orl_scene_release(struct orl_scene *scene);
 
-/* What it holds in memory, roughly: surfaces, geometry with its hierarchy, each BSDF once. */
+/* Returns the scene's size in memory, roughly: surfaces, geometry with its hierarchy, each BSDF
+ * once. */
 uint64_t orl_scene_bytes(const struct orl_scene *scene);
 
 static inline const struct orl_material *orl_scene_material(const struct orl_scene *scene,
@@ -91,13 +99,14 @@ static inline const struct orl_material *orl_scene_material(const struct orl_sce
 }
 
 /*
- * What its files do not say of how rays meet it: where triangles are many, those that pass through
- * an edge may meet the other side of it (orl_geometry_is_vast), and numbers are packed (packed.h),
- * which is the third recipe of that; and a lining may be left away (linings.h).
+ * Adds to the hash how rays meet the scene beyond what its files say. In scenes with many
+ * triangles, rays through an edge may hit its other side (orl_geometry_is_vast), and numbers are
+ * packed (packed.h): that is the third recipe for these scenes. A lining may be removed
+ * (linings.h), and openings may have been given panes (glaze.h).
  */
 void orl_scene_digest_recipe(const struct orl_scene *scene, struct orl_sha256 *hash);
 
-/* Which port a facet is, or ORL_NO_PORT; which it is, too, before ports are sought. */
+/* Returns the index of the port that a facet is, or ORL_NO_PORT, also before ports are searched. */
 static inline int32_t orl_scene_port_of(const struct orl_scene *scene, uint32_t facet)
 {
     return scene->port_of_facet && !orl_facet_is_placed(scene->geometry, facet)
@@ -105,23 +114,25 @@ static inline int32_t orl_scene_port_of(const struct orl_scene *scene, uint32_t 
                : ORL_NO_PORT;
 }
 
-/* Whether a path through this hit passes a port, and to which side. */
+/* The side to which a path through a hit passes a port, if it passes one. */
 enum orl_crossing { ORL_CROSSING_NONE, ORL_CROSSING_INWARDS, ORL_CROSSING_OUTWARDS };
 enum orl_crossing orl_scene_crossing(const struct orl_scene *scene, const struct orl_hit *hit);
 
-/* What the files say of it, for messages; where it stands in several places, of the first. */
+/* Return what the files say of a facet, for messages; for an instanced one, of its first
+ * instance. */
 struct orl_surface_label orl_scene_label_of(const struct orl_scene *scene, uint32_t facet);
 
 const char *orl_scene_name_of(const struct orl_scene *scene, uint32_t facet);
-/* Whether that is its surface's name, or its modifier's. */
+/* Returns true if `name` is the name of the facet's surface, or of its modifier. */
 bool orl_scene_has_name(const struct orl_scene *scene, uint32_t facet, const char *name);
 
 /*
- * Whether a place on a port is the port's own. Where two surfaces lie in one plane a ray meets one
- * of them and is past both: so must be what the ports send in, or light would be counted twice.
+ * Returns true if light at a point of a port belongs to that port. Of two surfaces that overlap in
+ * a plane, a ray meets one and is then past both. Ports emit light by the same rule, or it would be
+ * counted twice.
  */
 bool orl_port_owns_shared(const struct orl_geometry *geometry, const struct orl_port *port,
-                          struct orl_vec3 point); /* of a plane that is shared */
+                          struct orl_vec3 point); /* for ports that share their plane */
 static inline bool orl_port_owns(const struct orl_geometry *geometry, const struct orl_port *port,
                                  struct orl_vec3 point)
 {

@@ -1,36 +1,39 @@
 #include "light/sky.h"
 
-/* Near the horizon sky and ground blend: weights (z + 1.01)^10 and its inverse. */
-static double blend(double z, double sky, double ground)
+/* Blends sky and ground near the horizon, with weights (z + 1.01)^10 and its inverse. */
+static double blend_at_horizon(double z, double sky, double ground)
 {
     const double t = z + 1.01, t2 = t * t, t4 = t2 * t2, t5 = t4 * t;
-    const double weight = t5 * t5 * t5 * t5; /* the ratio of the two */
+    const double weight = t5 * t5 * t5 * t5; /* the ratio of the two weights */
     return (weight * sky + ground) / (weight + 1.0);
 }
 
-/* The angle between unit vectors, one of which may be rounded. */
+/* Returns the angle between unit vectors from their cosine, which rounding may have taken beyond
+ * 1. */
 static double angle_of(double cosine)
 {
     return acos(orl_smaller(orl_larger(cosine, -1.0), 1.0));
 }
 
-/* exp, that a far too negative argument does not slow down; so defined in rayinit.cal. */
-static double damped(double x)
+/* Returns exp(x), or 0 for far too negative x, as rayinit.cal defines it; this is faster. */
+static double damped_exp(double x)
 {
     return x < -100.0 ? 0.0 : exp(x);
 }
 
-/* perezlum.cal: A1 normalisation, A2 ground, A3..A7 the model's a..e, A8..A10 the sun. */
+/* Parameters as in perezlum.cal: A1 normalisation, A2 ground, A3..A7 the model's a..e, A8..A10
+ * the sun. */
 static double perez(const double a[10], struct orl_vec3 d)
 {
     const double cos_gamma = d.x * a[7] + d.y * a[8] + d.z * a[9];
     const double gamma = angle_of(cos_gamma);
-    const double gradation = 1.0 + a[2] * damped(a[3] / orl_larger(d.z, 0.01));
-    const double indicatrix = 1.0 + a[4] * damped(a[5] * gamma) + a[6] * cos_gamma * cos_gamma;
-    return blend(d.z, a[0] * gradation * indicatrix, a[1]);
+    const double gradation = 1.0 + a[2] * damped_exp(a[3] / orl_larger(d.z, 0.01));
+    const double indicatrix = 1.0 + a[4] * damped_exp(a[5] * gamma) + a[6] * cos_gamma * cos_gamma;
+    return blend_at_horizon(d.z, a[0] * gradation * indicatrix, a[1]);
 }
 
-/* skybright.cal: A1 type, A2 zenith, A3 ground, A4 normalisation, A5..A7 the sun. */
+/* Parameters as in skybright.cal: A1 type, A2 zenith, A3 ground, A4 normalisation, A5..A7 the
+ * sun. */
 static double cie_clear(const double a[10], struct orl_vec3 d)
 {
     const double cos_gamma = d.x * a[4] + d.y * a[5] + d.z * a[6];
@@ -60,7 +63,7 @@ static double cie(const double a[10], struct orl_vec3 d)
         sky = a[1];
     else
         sky = cie_intermediate(a, d);
-    return blend(d.z, sky, a[2]);
+    return blend_at_horizon(d.z, sky, a[2]);
 }
 
 double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction)
@@ -70,11 +73,12 @@ double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction)
     return orl_larger(value, 0.0);
 }
 
-/* ---- Over the upper half ---- */
+/* ---- Irradiance from the upper half ---------------------------------------------------------- */
 
 enum { GAUSS = 24 };
 
-/* Gauss-Legendre on [0, 1]: the roots of P_n by Newton's steps from Tricomi's guess. */
+/* Computes Gauss-Legendre nodes and weights on [0, 1]: roots of P_n by Newton steps from
+ * Tricomi's initial values. */
 static void gauss_legendre(double ret_at[GAUSS], double ret_weights[GAUSS])
 {
     for (int i = 0; i < GAUSS; i++) {
@@ -94,7 +98,7 @@ static void gauss_legendre(double ret_at[GAUSS], double ret_weights[GAUSS])
     }
 }
 
-/* Straight up where the pattern knows of no sun. */
+/* Returns the direction of the sun; straight up if the pattern has none. */
 static struct orl_vec3 sun_of(const struct orl_sky *sky)
 {
     const double *a = sky->a + (sky->kind == ORL_SKY_PEREZ ? 7 : 4);
@@ -103,9 +107,10 @@ static struct orl_vec3 sun_of(const struct orl_sky *sky)
 }
 
 /*
- * Heights in three pieces, that part where the formulas have a corner (0.01) and where they have
- * their peak (the sun's height); azimuths from the sun's on, over half the circle, as the other
- * half is alike. Both are denser at the peak, and heights at the zenith, where r has no slope.
+ * Heights are integrated in three parts, separated where the formulas have a corner (0.01) and
+ * where they have their peak (the sun's height). Azimuths start at the sun's and cover half the
+ * circle, as the other half is symmetric. Nodes are denser at the peak; those of heights also at
+ * the zenith, where r has no slope.
  */
 double orl_sky_horizontal(const struct orl_sky *sky)
 {

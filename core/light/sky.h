@@ -7,12 +7,13 @@
 
 #include "scene/description.h"
 
-/* skybright(direction) as Radiance's perezlum.cal / skybright.cal define it; direction is unit. */
+/* Returns skybright(direction) as Radiance's perezlum.cal / skybright.cal define it; direction
+ * is unit. */
 double orl_sky_brightness(const struct orl_sky *sky, struct orl_vec3 direction);
 
 /*
- * The irradiance that the sky's upper half gives a horizontal surface, W/m2 per channel, by
- * quadrature: good to 1e-6 of itself, wherever the sun stands.
+ * Returns the irradiance of a horizontal surface from the sky's upper half, W/m2 per channel, by
+ * quadrature. Its relative error is at most 1e-6 for any position of the sun.
  */
 double orl_sky_horizontal(const struct orl_sky *sky);
 

@@ -7,8 +7,8 @@
 
 #include "light/daylight.h"
 
-/* Rows without much direct light do not tell where the sun is. */
-static bool tells(const struct orl_weather_row *row)
+/* Returns true if a row has enough direct light to show where the sun is. */
+static bool shows_sun(const struct orl_weather_row *row)
 {
     static const double bright_w_m2 = 100;
     return !row->missing && row->direct >= bright_w_m2 && row->global > 0;
@@ -21,14 +21,15 @@ static double height_of(const struct orl_weather *weather, struct orl_weather_ro
     return fmax(0, sin(orl_daylight_altitude_of_row(weather, &row) * ORL_DEG_TO_RAD));
 }
 
-/* Returns the mean difference of global irradiance, of every stride-th of the rows that tell. */
+/* Returns the mean difference of global irradiance over every stride-th row for which shows_sun()
+ * is true. */
 static double mean_off(const struct orl_weather *weather, size_t stride, double shift_h)
 {
     double sum = 0;
     size_t seen = 0, n = 0;
     for (size_t i = 0; i < weather->n_rows; i++) {
         const struct orl_weather_row *row = &weather->rows[i];
-        if (!tells(row) || seen++ % stride != 0)
+        if (!shows_sun(row) || seen++ % stride != 0)
             continue;
         sum += fabs(row->global - row->diffuse - row->direct * height_of(weather, *row, shift_h));
         n++;
@@ -36,7 +37,8 @@ static double mean_off(const struct orl_weather *weather, size_t stride, double 
     return n > 0 ? sum / (double)n : 0;
 }
 
-/* Returns 1 less the correlation of global irradiance with the sine of the sun's altitude. */
+/* Returns 1 minus the correlation (not centred) of global irradiance with the sine of the sun's
+ * altitude. */
 static double global_off(const struct orl_weather *weather, size_t stride, double shift_h)
 {
     double products = 0, squares = 0, heights = 0;
@@ -52,7 +54,7 @@ static double global_off(const struct orl_weather *weather, size_t stride, doubl
     return squares > 0 && heights > 0 ? 1 - products / sqrt(squares * heights) : 0;
 }
 
-/* Returns the best of 2 n + 1 shifts about a middle. */
+/* Returns the best of 2 n + 1 shifts around middle_h. */
 static double best_shift(double (*off_by)(const struct orl_weather *, size_t, double),
                          const struct orl_weather *weather, size_t stride, double middle_h,
                          double step_h, int n, double *ret_off)
@@ -77,7 +79,7 @@ static void find_means(const struct orl_weather *weather, struct orl_time_shift 
     size_t n = 0;
     for (size_t i = 0; i < weather->n_rows; i++) {
         const struct orl_weather_row *row = &weather->rows[i];
-        if (!tells(row))
+        if (!shows_sun(row))
             continue;
         n++;
         shift->global_w_m2 += row->global;
@@ -89,9 +91,9 @@ static void find_means(const struct orl_weather *weather, struct orl_time_shift 
     shift->horizontal_w_m2 /= (double)n;
 }
 
-/* Returns true if the times are right although the shift makes the numbers agree: global irradiance
- * follows the sun at the file's times, and someone derived direct irradiance from it with a wrong
- * sun. */
+/* Returns true if the file's times are right although the shift makes the numbers agree. Global
+ * irradiance then follows the sun at the file's times, and direct irradiance was derived from it
+ * with a wrong sun. */
 static bool is_doubtful(const struct orl_weather *weather, double shift_h)
 {
     static const double closer = 0.7;
@@ -108,7 +110,7 @@ struct orl_time_shift orl_time_shift_find(const struct orl_weather *weather)
     struct orl_time_shift shift = {.file_time_zone_h = weather->time_zone_h};
     size_t n = 0;
     for (size_t i = 0; i < weather->n_rows; i++)
-        n += tells(&weather->rows[i]);
+        n += shows_sun(&weather->rows[i]);
     if (weather->units != ORL_WEATHER_NORMAL_W || n < ENOUGH)
         return shift;
     const size_t stride = (n + SAMPLE - 1) / SAMPLE;
@@ -128,7 +130,7 @@ struct orl_time_shift orl_time_shift_find(const struct orl_weather *weather)
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
-/* Writes what is wrong with numbers that agree by no shift. Returns false if they do agree. */
+/* Describes numbers that agree for no shift. Returns false if they do agree. */
 static bool describe_numbers(const struct orl_time_shift *shift, char *text, size_t size)
 {
     static const double usual = 0.1, close = 0.02;

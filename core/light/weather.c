@@ -14,24 +14,25 @@ struct reader {
     struct orl_scanner scanner;
     struct orl_weather weather;
     size_t room;
-    int year;                  /* of the rows that count; 0: all do */
-    int first_year, last_year; /* of the file's rows; 0: they have none */
-    bool has_rows;             /* of any year */
-    int first_date;            /* of the EPW's header: days since 1 January */
-    int an_hour, n_of_hour;    /* an EPW's rows; those of the last one's hour before it */
+    int year;                  /* year of the rows to keep; 0: all */
+    int first_year, last_year; /* first and last year of the file's rows; 0: rows have no year */
+    bool has_rows;             /* the file has rows, of any year */
+    int first_date;            /* date in the EPW's header: days since 1 January */
+    /* EPW: rows an hour, and index of the last row within its hour */
+    int an_hour, n_of_hour;
     struct orl_weather_row last;
-    short years[12][31][24]; /* of rows by month, day and hour, where they have any */
+    short years[12][31][24]; /* years of rows by month, day and hour; 0: none */
     struct orl_error *err;
 };
 
-static int fail(struct reader *reader, int code, const char *what)
+static int fail_at_line(struct reader *reader, int code, const char *what)
 {
     return orl_scanner_fail(&reader->scanner, code, reader->err, "%s", what);
 }
 
 /* ---- Lines and fields ------------------------------------------------------------------------ */
 
-/* The next line that is not blank. */
+/* Returns the next line that is not blank. */
 static bool next_line(struct reader *reader, struct orl_slice *ret_line)
 {
     do {
@@ -42,8 +43,8 @@ static bool next_line(struct reader *reader, struct orl_slice *ret_line)
     return true;
 }
 
-static int number(struct reader *reader, struct orl_slice field, const char *what, double low,
-                  double high, double *ret_value)
+static int read_number(struct reader *reader, struct orl_slice field, const char *what, double low,
+                       double high, double *ret_value)
 {
     double value = 0;
     const int code = orl_scanner_number(&reader->scanner, field, what, &value, reader->err);
@@ -58,33 +59,34 @@ static int number(struct reader *reader, struct orl_slice field, const char *wha
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-static const double missing = 9999; /* as both formats mark it */
-/* Some files mark it by -999. At night instruments may read less than 0, but by a few W/m2. */
+static const double missing = 9999; /* marks missing values in both formats */
+/* Values at or below this are missing: some files use -999. Instruments may read below 0 at
+ * night, but only by a few W/m2. */
 static const double missing_below = -90;
 
-/* Month, day, hour, direct, diffuse as five fields; the hour as the file has it. */
+/* Reads month, day, hour, direct and diffuse from five fields; the hour stays as in the file. */
 static int read_row(struct reader *reader, const struct orl_slice fields[5], double first_hour,
                     double last_hour, struct orl_weather_row *ret_row)
 {
     static const signed char days[12] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     double month = 0, day = 0;
     struct orl_weather_row row = {.line = reader->scanner.line, .global = NAN};
-    int code = number(reader, fields[0], "the month", 1, 12, &month);
+    int code = read_number(reader, fields[0], "the month", 1, 12, &month);
     if (code == 0)
-        code = number(reader, fields[1], "the day", 1, days[(int)month - 1], &day);
+        code = read_number(reader, fields[1], "the day", 1, days[(int)month - 1], &day);
     if (code == 0)
-        code = number(reader, fields[2], "the hour", first_hour, last_hour, &row.hour);
+        code = read_number(reader, fields[2], "the hour", first_hour, last_hour, &row.hour);
     if (code == 0)
-        code = number(reader, fields[3], "direct light", -1e6, 1e6, &row.direct);
+        code = read_number(reader, fields[3], "direct light", -1e6, 1e6, &row.direct);
     if (code == 0)
-        code = number(reader, fields[4], "diffuse light", -1e6, 1e6, &row.diffuse);
+        code = read_number(reader, fields[4], "diffuse light", -1e6, 1e6, &row.diffuse);
     if (code < 0)
         return code;
     if (month != floor(month) || day != floor(day))
-        return fail(reader, ORL_ERR_SYNTAX, "month and day are whole numbers");
+        return fail_at_line(reader, ORL_ERR_SYNTAX, "month and day are whole numbers");
     row.month = (int)month;
     row.day = (int)day;
-    if (reader->weather.units == ORL_WEATHER_NORMAL_LX) /* lux may well be more than 9999 */
+    if (reader->weather.units == ORL_WEATHER_NORMAL_LX) /* lux may exceed 9999 */
         row.missing = row.direct >= 100 * missing || row.diffuse >= 100 * missing;
     else
         row.missing = row.direct >= missing || row.diffuse >= missing;
@@ -93,7 +95,7 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
     return 0;
 }
 
-/* Global irradiance is only for checks: NaN where the field has no value. */
+/* Returns the global irradiance, which is used for checks only; NaN if the field has no value. */
 static double global_of(struct orl_slice field)
 {
     double value = 0;
@@ -107,12 +109,12 @@ static int keep_row(struct reader *reader, const struct orl_weather_row *row)
 {
     struct orl_weather *weather = &reader->weather;
     if (weather->n_rows >= ORL_LIMIT_WEATHER_ROWS)
-        return fail(reader, ORL_ERR_LIMIT, "there are more rows than a year has minutes");
+        return fail_at_line(reader, ORL_ERR_LIMIT, "there are more rows than a year has minutes");
     if (weather->n_rows == reader->room) {
         const size_t room = reader->room ? 2 * reader->room : 1024;
         void *grown = realloc(weather->rows, room * sizeof *weather->rows);
         if (!grown)
-            return fail(reader, ORL_ERR_NOMEM, "out of memory");
+            return fail_at_line(reader, ORL_ERR_NOMEM, "out of memory");
         weather->rows = grown;
         reader->room = room;
     }
@@ -124,7 +126,7 @@ static int keep_row(struct reader *reader, const struct orl_weather_row *row)
 
 enum { EPW_FIELDS_READ = 16, EPW_FIELDS = 35, EPW_HEADER_LINES = 8 };
 
-/* LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation */
+/* Line format: LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation */
 static int read_location(struct reader *reader, struct orl_slice line)
 {
     struct orl_weather *weather = &reader->weather;
@@ -132,12 +134,12 @@ static int read_location(struct reader *reader, struct orl_slice line)
     int code;
     for (int i = 0; i < 9; i++)
         if (!orl_slice_take_cell(&line, ',', &fields[i]))
-            return fail(reader, ORL_ERR_SYNTAX, "LOCATION ends before the time zone");
-    code = number(reader, fields[6], "the latitude", -90, 90, &weather->latitude_deg);
+            return fail_at_line(reader, ORL_ERR_SYNTAX, "LOCATION ends before the time zone");
+    code = read_number(reader, fields[6], "the latitude", -90, 90, &weather->latitude_deg);
     if (code == 0)
-        code = number(reader, fields[7], "the longitude", -180, 180, &weather->longitude_deg);
+        code = read_number(reader, fields[7], "the longitude", -180, 180, &weather->longitude_deg);
     if (code == 0)
-        code = number(reader, fields[8], "the time zone", -14, 14, &weather->time_zone_h);
+        code = read_number(reader, fields[8], "the time zone", -14, 14, &weather->time_zone_h);
     return code;
 }
 
@@ -150,7 +152,7 @@ static int find_name(struct orl_slice field, const char *const *names, int n)
     return i;
 }
 
-/* Reads a date of the header: "7/ 1", or "1-Jul" and "Jul-01", which spreadsheets make of it.
+/* Reads a date of the header: "7/ 1", or "1-Jul" and "Jul-01" as spreadsheets rewrite it.
  * Returns the days since 1 January, or -1. */
 static int days_of_date(struct orl_slice date)
 {
@@ -175,8 +177,8 @@ static int days_of_date(struct orl_slice date)
     return orl_weather_days_before((int)month, (int)day, false);
 }
 
-/* Returns the weekday of 1 January from that of another date of a year of 365 days, and how many
- * days lie between; -1 if either cannot be read. */
+/* Returns the weekday of 1 January from that of another date, in a year of 365 days; -1 if
+ * either cannot be read. *ret_days: the days between the two. */
 static int weekday_of_new_year(struct orl_slice name, struct orl_slice date, int *ret_days)
 {
     static const char *const names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun"};
@@ -187,7 +189,8 @@ static int weekday_of_new_year(struct orl_slice name, struct orl_slice date, int
     return (weekday + 7 * 53 - days) % 7;
 }
 
-/* DATA PERIODS,how many,records an hour,name,weekday of the first date,first date,last date */
+/* Line format: DATA PERIODS,how many,records an hour,name,weekday of the first date,first
+ * date,last date */
 static int read_periods(struct reader *reader, struct orl_slice line)
 {
     struct orl_slice field, name, weekday = {NULL, 0}, date = {NULL, 0};
@@ -195,23 +198,24 @@ static int read_periods(struct reader *reader, struct orl_slice line)
     int code;
     if (!orl_slice_take_cell(&line, ',', &field) || !orl_slice_take_cell(&line, ',', &field) ||
         !orl_slice_take_cell(&line, ',', &field))
-        return fail(reader, ORL_ERR_SYNTAX, "DATA PERIODS ends before the records an hour");
+        return fail_at_line(reader, ORL_ERR_SYNTAX, "DATA PERIODS ends before the records an hour");
     if (orl_slice_take_cell(&line, ',', &name) && orl_slice_take_cell(&line, ',', &weekday) &&
         orl_slice_take_cell(&line, ',', &date))
         reader->weather.first_weekday = weekday_of_new_year(weekday, date, &reader->first_date);
-    code = number(reader, field, "the records an hour", 1, 60, &an_hour);
+    code = read_number(reader, field, "the records an hour", 1, 60, &an_hour);
     if (code == 0 && an_hour != floor(an_hour))
-        return fail(reader, ORL_ERR_RANGE, "the records an hour are no whole number");
+        return fail_at_line(reader, ORL_ERR_RANGE, "the records an hour are no whole number");
     if (code == 0 && fmod(60, an_hour) != 0)
-        return fail(reader, ORL_ERR_RANGE, "the records an hour are no whole number of minutes");
+        return fail_at_line(reader, ORL_ERR_RANGE,
+                            "the records an hour are no whole number of minutes");
     reader->an_hour = code == 0 ? (int)an_hour : 1;
     return code;
 }
 
-/* Replaces the row's hour by the middle of its interval. Rows of an hour follow each other, and
- * their minutes are not heeded, as in EnergyPlus: files give the beginning of an interval, its end,
- * or nothing. */
-static int place_row(struct reader *reader, struct orl_weather_row *row)
+/* Replaces the row's hour by the middle of its interval. Rows of an hour are consecutive. Their
+ * minutes are ignored, as in EnergyPlus: files give the beginning of an interval, its end, or
+ * nothing. */
+static int set_row_middle(struct reader *reader, struct orl_weather_row *row)
 {
     const struct orl_weather_row *last = &reader->last;
     const bool same = last->year == row->year && last->month == row->month &&
@@ -226,7 +230,7 @@ static int place_row(struct reader *reader, struct orl_weather_row *row)
                             reader->an_hour);
 }
 
-/* Files of no particular year leave the field empty or write 0. */
+/* Returns the year. Files of no particular year leave the field empty or write 0. */
 static int year_of(struct orl_slice field)
 {
     double year = 0;
@@ -265,7 +269,8 @@ static int check_fields(struct reader *reader, struct orl_slice rest)
     for (size_t i = 0; i < rest.length; i++) {
         n += rest.text[i] == ',';
         if (n >= EPW_FIELDS && rest.text[i] != ',') {
-            fail(reader, ORL_ERR_SYNTAX, "the row has more than the 35 fields of an EPW file");
+            fail_at_line(reader, ORL_ERR_SYNTAX,
+                         "the row has more than the 35 fields of an EPW file");
             orl_error_hint(reader->err, "decimal commas would do that: write 21.5, not 21,5");
             return ORL_ERR_SYNTAX;
         }
@@ -286,8 +291,9 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
     int code;
     for (int i = 0; i < EPW_FIELDS_READ; i++)
         if (!orl_slice_take_cell(&line, ',', &fields[i]))
-            return fail(reader, ORL_ERR_SYNTAX,
-                        "the row ends before the diffuse horizontal irradiance, its 16th field");
+            return fail_at_line(
+                reader, ORL_ERR_SYNTAX,
+                "the row ends before the diffuse horizontal irradiance, its 16th field");
     code = check_fields(reader, line);
     if (code < 0)
         return code;
@@ -303,7 +309,7 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
     reader->has_rows = true;
     code = check_year(reader, &row);
     if (code == 0)
-        code = place_row(reader, &row);
+        code = set_row_middle(reader, &row);
     if (code < 0 || (reader->year != 0 && row.year != reader->year))
         return code;
     return keep_row(reader, &row);
@@ -315,7 +321,7 @@ static int read_epw(struct reader *reader, struct orl_slice line)
     reader->weather.units = ORL_WEATHER_NORMAL_W;
     while (code == 0 && !orl_slice_begins_nocase(line, "DATA PERIODS,")) {
         if (lines++ == EPW_HEADER_LINES || !next_line(reader, &line))
-            return fail(reader, ORL_ERR_SYNTAX, "the header has no line DATA PERIODS");
+            return fail_at_line(reader, ORL_ERR_SYNTAX, "the header has no line DATA PERIODS");
     }
     if (code == 0)
         code = read_periods(reader, line);
@@ -347,13 +353,13 @@ static int read_wea_header(struct reader *reader)
                                     "'%s' and its value are expected here", keys[i].key);
         value =
             (struct orl_slice){line.text + strlen(keys[i].key), line.length - strlen(keys[i].key)};
-        code = number(reader, orl_slice_trim(value), keys[i].key, keys[i].low, keys[i].high,
-                      &values[i]);
+        code = read_number(reader, orl_slice_trim(value), keys[i].key, keys[i].low, keys[i].high,
+                           &values[i]);
         if (code < 0)
             return code;
     }
     if (values[WEA_UNITS] != floor(values[WEA_UNITS]))
-        return fail(reader, ORL_ERR_RANGE, "weather_data_file_units is 1, 2 or 3");
+        return fail_at_line(reader, ORL_ERR_RANGE, "weather_data_file_units is 1, 2 or 3");
     reader->weather.latitude_deg = values[WEA_LATITUDE];
     reader->weather.longitude_deg = -values[WEA_LONGITUDE];
     reader->weather.time_zone_h = -values[WEA_TIME_ZONE] / 15.0;
@@ -369,8 +375,8 @@ static int read_wea_row(struct reader *reader, struct orl_slice line)
     for (int i = 0; i < 5; i++) {
         fields[i] = orl_slice_take_word(&line);
         if (fields[i].length == 0)
-            return fail(reader, ORL_ERR_SYNTAX,
-                        "a row is: month, day, hour, direct and diffuse light");
+            return fail_at_line(reader, ORL_ERR_SYNTAX,
+                                "a row is: month, day, hour, direct and diffuse light");
     }
     code = read_row(reader, fields, 0, 25, &row);
     return code < 0 ? code : keep_row(reader, &row);
@@ -381,7 +387,8 @@ static int read_wea(struct reader *reader)
     struct orl_slice line;
     int code = read_wea_header(reader);
     if (code == 0 && reader->year != 0) {
-        fail(reader, ORL_ERR_INVALID, "\"year\" is given, and rows of WEA files have no year");
+        fail_at_line(reader, ORL_ERR_INVALID,
+                     "\"year\" is given, and rows of WEA files have no year");
         orl_error_hint(reader->err, "leave \"year\" out, or take the EPW file");
         return ORL_ERR_INVALID;
     }
@@ -392,11 +399,12 @@ static int read_wea(struct reader *reader)
 
 /* ---- Intervals ------------------------------------------------------------------------------- */
 
-/* Returns the least time between successive rows of a day, at most an hour: files may omit nights.
- * The times of 10-minute rows are rounded: the hour's part is taken that they mean. */
+/* Returns the least time between successive rows of a day, at most an hour, because files may
+ * omit nights. Times of 10-minute rows are rounded in files: returns the exact fraction of an
+ * hour. */
 static double find_interval(const struct orl_weather *weather)
 {
-    static const double rounded = 0.07; /* 0.016 h of 1/60 h */
+    static const double rounded = 0.07; /* error of 0.016 h for 1/60 h */
     double least = 1;
     for (size_t i = 1; i < weather->n_rows; i++) {
         const struct orl_weather_row *a = &weather->rows[i - 1], *b = &weather->rows[i];
@@ -410,15 +418,16 @@ static double find_interval(const struct orl_weather *weather)
 
 /* ---- Years ----------------------------------------------------------------------------------- */
 
-/* The weekday of 1 January in the Gregorian calendar; that of the year 1 was a Monday. */
+/* Returns the weekday of 1 January in the Gregorian calendar; that of year 1 was a Monday. */
 static int weekday_of_year(int year)
 {
     const int before = year - 1;
     return (365 * before + before / 4 - before / 100 + before / 400) % 7;
 }
 
-/* If the year goes on over 31 December, the header's date is in the year before 1 January. */
-static void place_weekday(struct reader *reader)
+/* Sets the weekday of 1 January. If the file continues over 31 December, the header's date is in
+ * the year before. */
+static void set_first_weekday(struct reader *reader)
 {
     struct orl_weather *weather = &reader->weather;
     if (reader->year != 0 && reader->first_year != reader->last_year)
@@ -445,26 +454,27 @@ static int refuse_year(struct reader *reader)
 
 /* ---- Entry points ---------------------------------------------------------------------------- */
 
-/* Checks that there are rows, and puts them in order. */
-static int finish(struct reader *reader)
+/* Checks that there are rows, and sorts them. */
+static int finish_rows(struct reader *reader)
 {
     int code = 0;
     if (reader->weather.n_rows == 0 && reader->has_rows) {
         code = refuse_year(reader);
         orl_error_at(reader->err, reader->scanner.name, 0, NULL);
     } else if (reader->weather.n_rows == 0) {
-        code = fail(reader, ORL_ERR_SYNTAX, "the weather file has no rows");
+        code = fail_at_line(reader, ORL_ERR_SYNTAX, "the weather file has no rows");
     } else {
         code = orl_weather_arrange(&reader->weather, reader->scanner.name, reader->err);
     }
     if (code < 0)
         return code;
-    place_weekday(reader);
+    set_first_weekday(reader);
     reader->weather.interval_h = find_interval(&reader->weather);
     return 0;
 }
 
-/* TMY2 files begin with a station's number, its city, state, time zone, and N or S. */
+/* Detects TMY2 files, which begin with a station's number, its city, state, time zone, and N or
+ * S. */
 static bool is_tmy2(struct orl_slice line)
 {
     struct orl_slice word, last = {NULL, 0};
@@ -485,7 +495,8 @@ static bool is_tmy2(struct orl_slice line)
 static int refuse_head(struct reader *reader, struct orl_slice line)
 {
     static const char convert[] = "take the EPW file of the place, or convert this one to EPW";
-    fail(reader, ORL_ERR_SYNTAX, "a weather file begins with LOCATION (EPW) or place (WEA)");
+    fail_at_line(reader, ORL_ERR_SYNTAX,
+                 "a weather file begins with LOCATION (EPW) or place (WEA)");
     if (orl_slice_begins_nocase(line, "LOCATION;"))
         orl_error_hint(reader->err, "this EPW file has semicolons: save it with commas between its "
                                     "fields and points in its numbers");
@@ -519,7 +530,7 @@ int orl_weather_parse(const char *name, const char *text, size_t size, int year,
     else
         code = refuse_head(&reader, line);
     if (code == 0)
-        code = finish(&reader);
+        code = finish_rows(&reader);
     if (code < 0) {
         orl_weather_done(&reader.weather);
         return code;

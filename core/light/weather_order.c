@@ -44,13 +44,14 @@ static void carry_hours(struct orl_weather *weather)
 
 /* ---- Order ----------------------------------------------------------------------------------- */
 
-/* Hours since the year began. */
+/* Returns the hours since the year began, counted as in a leap year. */
 static double time_of(const struct orl_weather_row *row)
 {
     return orl_weather_days_before(row->month, row->day, true) * day_h + row->hour;
 }
 
-/* Counts the rows that are not after the one before; *ret_last is the last of them. */
+/* Counts the rows that are not later than the one before; *ret_last is the index of the last of
+ * them. */
 static size_t count_steps_back(const struct orl_weather *weather, size_t *ret_last)
 {
     size_t count = 0;
@@ -62,7 +63,7 @@ static size_t count_steps_back(const struct orl_weather *weather, size_t *ret_la
     return count;
 }
 
-/* Puts the rows from `from` on in front of the others. */
+/* Moves the rows from index `from` on to the front. */
 static bool move_to_front(struct orl_weather *weather, size_t from)
 {
     const size_t n = weather->n_rows - from;
@@ -96,7 +97,7 @@ static int refuse_same_times(const char *name, const struct orl_weather_row *fir
     return ORL_ERR_RANGE;
 }
 
-/* Looks for two rows of one time, in any order of the rows. */
+/* Checks that no two rows have the same time, in any order of the rows. */
 static int check_times(const struct orl_weather *weather, const char *name, struct orl_error *err)
 {
     const size_t n = weather->n_rows;

@@ -13,7 +13,7 @@ static void *copy_of(const void *from, size_t count, size_t size)
     return copy;
 }
 
-/* Returns false when out of memory. */
+/* Returns false if out of memory. */
 static bool copy_parts(struct orl_world *world)
 {
     const struct orl_scene *scene = world->scene;

@@ -6,60 +6,63 @@
 #include "photon/map/facing.h"
 
 /*
- * The smallest disc is one that would hold twice 256 photons or so, were light even. It is not
- * chosen by the photons found in it, for that would choose those with too many. Only where it is
- * all but empty, beside something far brighter, the next one is taken.
+ * The smallest disc is one that would hold about twice 256 photons in even light. It is not chosen
+ * by its own count, because that would select discs with too many photons. Only if it is almost
+ * empty, beside something far brighter, the next larger one is used.
  */
 enum { RINGS = ORL_NESTED_DISCS, SMALLEST = 256, LEAST = 8 };
-/* With fewer photons within reach there is no smaller disc to tell whether light is even. */
+/* With fewer photons in reach there is no smaller disc to test whether light is even. */
 enum { FEW = 2 * SMALLEST };
 
-/* In standard deviations of ring minus disc: full agreement up to the first, none from the last. */
+/* Differences between ring and disc, in standard deviations: full agreement up to the first,
+ * none from the second. */
 static const double agrees = 1.25, differs = 3.25;
 
-/* A curve is taken out in so far as it is beyond that many standard deviations of its own... */
+/* The curve is subtracted as far as it exceeds this many of its own standard deviations... */
 static const double surely = 2;
-/* ... and up to this share of what there is. */
+/* ... and up to this share of the value. */
 static const double most_taken = 1.0 / 3;
 
 /*
- * Of the smallest discs a picture holds thousands, so that some disagree by chance alone and would
- * be left alone with their noise, as specks. The first comparisons ask for so many times that much.
+ * Factors on the standard deviation in the first comparisons. A picture has thousands of smallest
+ * discs; some would disagree by chance and keep their noise as specks.
  */
 enum { DOUBTED = 2 };
 static const double doubt[DOUBTED] = {1.4, 1.2};
 
 /*
- * How the photons of a disc or ring are weighed, by where it has room alone. A mean is their sum
- * over `level`. The value at the point of the plane that fits best is that of (1 - a x - b y) times
- * them over `plane`, weights without a first moment; in even light it scatters as a mean over an
- * area of `plane` does. Where there is no room to tell a slope the plane is held level.
+ * Weights for the photons of a disc or ring, which depend only on its area inside the footprint.
+ * The mean is the sum of fluxes over `level`. The value at the point of the best-fit plane is the
+ * sum of (1 - a x - b y) times the fluxes over `plane`; these weights have no first moment. In even
+ * light it scatters as a mean over an area `plane` does. If the area is too small to determine a
+ * slope, the plane is kept level.
  */
 struct shape {
     double room, level, plane, a, b;
 };
 
-/* A disc's or ring's photons: sums of luma, and of luma times both coordinates. */
+/* Sums over the photons of a disc or ring: luma, luma times either coordinate, squared luma. */
 struct sum {
     double all, x, y, squares;
 };
 
-/* The parts of one estimate: by all photons, or by all batches but one. */
+/* The sums for one estimate: of all photons, or of all batches but one. */
 struct sums {
     struct sum rings[RINGS], discs[RINGS];
 };
 
 struct shapes {
     struct shape rings[RINGS], discs[RINGS];
-    int first, narrowest; /* the discs to begin with, and the smallest that is not all but empty */
+    /* first: the disc to begin with; narrowest: the smallest one that is not almost empty */
+    int first, narrowest;
 };
 
 struct blend {
     double value;
-    double bias;   /* of it */
-    double curve;  /* what of that is a curve of the light's, if it is */
-    double radius; /* over that of the widest disc */
-    /* By disc: its part in the value, and how much of that is by a plane. */
+    double bias;   /* bias of the value */
+    double curve;  /* the part of the bias that is a curve of the light */
+    double radius; /* relative to the radius of the widest disc */
+    /* Per disc: its weight in the value, and the plane's share in its own value. */
     double weights[RINGS], planes[RINGS];
 };
 
@@ -91,7 +94,7 @@ static struct shapes shapes_of(const struct orl_nested_discs *r, double least_ar
             shapes.narrowest = i > 0 ? i - 1 : 0;
     }
     while (shapes.first < shapes.narrowest && r->found >= ldexp(2 * SMALLEST, (int)shapes.first))
-        shapes.first++; /* each disc has half of the one before, where light is even */
+        shapes.first++; /* in even light each disc holds half of the one before */
     return shapes;
 }
 
@@ -111,8 +114,8 @@ static double plane_of(const struct sum *sum, const struct shape *shape)
 }
 
 /*
- * How far ring and disc agree, from 1 to 0: as two draws of one density, by the scatter of both.
- * Step is how many comparisons came before.
+ * Returns how far ring and disc agree, from 1 to 0, as two samples of one density with the scatter
+ * of both. step: number of comparisons before this one.
  */
 static double agreement(const struct sums *sums, const struct shapes *shapes, int at, int step)
 {
@@ -132,8 +135,9 @@ static double agreement(const struct sums *sums, const struct shapes *shapes, in
 }
 
 /*
- * From mean to plane by how far the two are apart, against what chance does: where light is even
- * the mean is far quieter, and where it falls off towards a wall it is off.
+ * Returns a value between the disc's mean and its plane, by their difference relative to its
+ * scatter. In even light the mean is far less noisy; where light falls off towards a wall it is
+ * biased.
  */
 static double value_of(const struct sum *disc, const struct shape *shape, double *ret_plane)
 {
@@ -148,11 +152,11 @@ static double value_of(const struct sum *disc, const struct shape *shape, double
     return orl_larger(level + *ret_plane * off, 0);
 }
 
-/* ---- From disc to disc ----------------------------------------------------------------------- */
+/* ---- Comparison of discs --------------------------------------------------------------------- */
 
 /*
- * The bias of a disc is taken to be in proportion to its area: then what a pair of others, or it
- * and another, differ by tells it.
+ * Returns the bias of a disc from the difference of two discs, on the assumption that bias is
+ * proportional to area.
  */
 static double bias_of(const struct shapes *shapes, const double values[RINGS], int disc, int one,
                       int other)
@@ -164,10 +168,10 @@ static double bias_of(const struct shapes *shapes, const double values[RINGS], i
 }
 
 /*
- * The same where light is curved about the point: then two pairs of neighbours among three discs,
- * this one the narrowest if there are two wider, tell it alike. Beside an edge, or where a disc is
- * off by chance, one of the pairs sees little: the lesser is taken, and nothing where they
- * contradict each other.
+ * Returns the bias if light is curved around the point. Then two pairs of neighbours among three
+ * discs give similar values; this disc is the narrowest if there are two wider ones. Beside an
+ * edge, or where a disc is off by chance, one of the pairs gives a small value: the lesser is
+ * returned, and 0 if they have opposite signs.
  */
 static double curve_of(const struct shapes *shapes, const double values[RINGS], int at)
 {
@@ -179,7 +183,7 @@ static double curve_of(const struct shapes *shapes, const double values[RINGS], 
     return wide * narrow > 0 ? copysign(orl_smaller(fabs(wide), fabs(narrow)), wide) : 0;
 }
 
-static void move_on(struct blend *blend, const double values[RINGS], int to, double share)
+static void blend_towards(struct blend *blend, const double values[RINGS], int to, double share)
 {
     blend->value += share * (values[to] - blend->value);
     blend->radius += share * (exp2(-0.5 * to) - blend->radius);
@@ -188,7 +192,7 @@ static void move_on(struct blend *blend, const double values[RINGS], int to, dou
     blend->weights[to] += share;
 }
 
-/* From the smallest disc that is trusted outwards, as far as rings agree. */
+/* Starts with the smallest disc that is trusted, and moves outwards as far as rings agree. */
 static struct blend blend_discs(const struct sums *sums, const struct shapes *shapes)
 {
     double values[RINGS];
@@ -196,12 +200,12 @@ static struct blend blend_discs(const struct sums *sums, const struct shapes *sh
     struct blend blend = {.value = 0};
     for (int i = 0; i < RINGS; i++)
         values[i] = value_of(&sums->discs[i], &shapes->discs[i], &blend.planes[i]);
-    move_on(&blend, values, at, 1);
+    blend_towards(&blend, values, at, 1);
     blend.curve = at == 0 ? curve_of(shapes, values, 0) : 0;
     for (double use = 1; at > 0 && use > 0; at--) {
         const double before = use;
         use *= agreement(sums, shapes, at - 1, step++);
-        move_on(&blend, values, at - 1, use);
+        blend_towards(&blend, values, at - 1, use);
         blend.bias += before * bias_of(shapes, values, at, at, at - 1);
         blend.curve += before * curve_of(shapes, values, at);
         blend.bias *= 1 - use;
@@ -230,9 +234,9 @@ static struct sums luma_of(const struct orl_nested_discs *rings)
     return sums;
 }
 
-/* What these would be by all batches but one, which the others stand for. */
-static struct sums leave_out(const struct sums *all, const struct orl_nested_discs *rings,
-                             uint32_t batch)
+/* Returns the sums of all batches but one, scaled to the whole. */
+static struct sums sums_without_batch(const struct sums *all, const struct orl_nested_discs *rings,
+                                      uint32_t batch)
 {
     static const double factor = (double)ORL_MAP_BATCHES / (ORL_MAP_BATCHES - 1);
     struct sums sums;
@@ -248,9 +252,9 @@ static struct sums leave_out(const struct sums *all, const struct orl_nested_dis
     return sums;
 }
 
-/* ---- The estimate ---------------------------------------------------------------------------- */
+/* ---- Estimate -------------------------------------------------------------------------------- */
 
-/* The blend of one channel. */
+/* Returns the blend of discs for one colour channel. */
 static double channel_of(const struct orl_nested_discs *rings, const struct shapes *shapes,
                          const struct blend *blend, int channel)
 {
@@ -270,10 +274,10 @@ static double channel_of(const struct orl_nested_discs *rings, const struct shap
 }
 
 /*
- * Takes out what chance can hardly have made of the curve; the rest of the bias is told. In a dark
- * place amid bright ones, where even the smallest disc is wide, it is most of it.
+ * Subtracts the significant part of the curve; the rest of the bias is reported. In a dark place
+ * surrounded by bright ones, where even the smallest disc is wide, the curve is most of the bias.
  */
-static void take_curve_out(struct orl_density *density, const struct blend *whole,
+static void subtract_curve(struct orl_density *density, const struct blend *whole,
                            struct orl_batches *value, const struct orl_batches *curve)
 {
     const double square = whole->curve * whole->curve;
@@ -289,18 +293,18 @@ static void take_curve_out(struct orl_density *density, const struct blend *whol
 }
 
 /*
- * The batches' parts, such that what is left without one of them is what the others alone would
- * make of it, choice of discs and all (Tukey's pseudovalues), and their sum the whole.
+ * Computes the parts by batch as Tukey's pseudovalues: the rest without a batch is the estimate
+ * from the other batches, with its own choice of discs. The parts add up to the whole.
  */
-static void part_by_batch(const struct sums *all, const struct orl_nested_discs *rings,
-                          const struct shapes *shapes, const struct blend *whole,
-                          struct orl_density *density)
+static void compute_batch_parts(const struct sums *all, const struct orl_nested_discs *rings,
+                                const struct shapes *shapes, const struct blend *whole,
+                                struct orl_density *density)
 {
     static const double left = (ORL_MAP_BATCHES - 1.0) / ORL_MAP_BATCHES;
     struct orl_batches value, bias, curve;
     double mean_value = 0, mean_bias = 0, mean_curve = 0;
     for (uint32_t i = 0; i < ORL_MAP_BATCHES; i++) {
-        const struct sums others = leave_out(all, rings, i);
+        const struct sums others = sums_without_batch(all, rings, i);
         const struct blend without = blend_discs(&others, shapes);
         value.luma[i] = -left * without.value;
         bias.luma[i] = -left * without.bias;
@@ -315,11 +319,11 @@ static void part_by_batch(const struct sums *all, const struct orl_nested_discs 
         curve.luma[i] += whole->curve / ORL_MAP_BATCHES - mean_curve;
     }
     density->bias = orl_batches_beyond_scatter(&bias);
-    take_curve_out(density, whole, &value, &curve);
+    subtract_curve(density, whole, &value, &curve);
     density->parts = value;
 }
 
-/* From the map's unit of flux to W. */
+/* Converts from the map's unit of flux to W. */
 static void scale_by(struct orl_density *density, double unit)
 {
     density->irradiance = orl_rgb_scale(density->irradiance, unit);
@@ -362,19 +366,19 @@ struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_densi
     density.radius = rings.radius * blend.radius;
     density.evenness = blend.radius;
     density.clear = orl_smaller(rings.clear, density.radius);
-    part_by_batch(&sums, &rings, &shapes, &blend, &density);
+    compute_batch_parts(&sums, &rings, &shapes, &blend, &density);
     scale_by(&density, h->flux_unit);
     return density;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_radii(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-static double reach_in(const struct orl_adaptive_density *adapt, double widest,
-                       struct orl_search *search)
+static double find_reach(const struct orl_adaptive_density *adapt, double widest,
+                         struct orl_search *search)
 {
     enum { PROBES = 128 };
     const struct orl_photon_map *map = adapt->sums.map;
@@ -394,7 +398,7 @@ static double reach_in(const struct orl_adaptive_density *adapt, double widest,
         const float first2 = orl_disc_search_first_radius2(&hunt, &adapt->order);
         radii[i] = sqrt((double)orl_disc_search_enough(&hunt, first2, (float)(most * most))) * cell;
     }
-    qsort(radii, PROBES, sizeof *radii, compare);
+    qsort(radii, PROBES, sizeof *radii, compare_radii);
     return orl_smaller(2 * radii[3 * PROBES / 4], widest);
 }
 
@@ -409,7 +413,7 @@ int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct o
         orl_adaptive_density_done(adapt);
         return code;
     }
-    adapt->reach = reach_in(adapt, widest, search);
+    adapt->reach = find_reach(adapt, widest, search);
     return 0;
 }
 

@@ -2,19 +2,21 @@
 
 enum { RAYS = 16, CROWD = 3 };
 
-/* Most places are open: when none of the first meets anything, the rest is not asked. By that step
- * the first are as spread as all. */
+/* Most places are open: if none of the first rays hits anything, the others are not traced. With
+ * this step the first rays are distributed as evenly as all of them. */
 enum { FIRST = 6, STEP = 5 };
 
-/* Sectors from one ray's azimuth to the next one's: about the golden section of them all. */
+/* Sectors between the azimuths of successive rays: about the golden section of all sectors. */
 enum { TURN = 13 };
 
-/* Radii: what stands farther away blurs shadows, and sight, over more than the estimate does. */
+/* Length of the rays in radii. Farther objects blur shadows and sight over more than the
+ * estimate's width. */
 static const double reach = 2;
 
-/* Of rays that an even sky would send to the footing as many light each. */
-static bool meets(const struct orl_footing *footing, const struct orl_frame *frame, int ray,
-                  double length)
+/* Returns true if a ray hits an opaque surface. The rays carry equal shares of the light of a
+ * uniform sky. */
+static bool ray_is_blocked(const struct orl_footing *footing, const struct orl_frame *frame,
+                           int ray, double length)
 {
     const struct orl_world *world = footing->world;
     const double *azimuth = orl_footprint_azimuths[ray * TURN % ORL_FOOTPRINT_SECTORS];
@@ -35,6 +37,6 @@ bool orl_is_crowded(const struct orl_footing *footing, double radius)
     const struct orl_frame frame = orl_frame_about(footing->normal);
     int met = 0;
     for (int i = 0; i < RAYS && met < CROWD && (i < FIRST || met > 0); i++)
-        met += meets(footing, &frame, i * STEP % RAYS, reach * radius);
+        met += ray_is_blocked(footing, &frame, i * STEP % RAYS, reach * radius);
     return met == CROWD;
 }

@@ -1,10 +1,10 @@
 /*
- * Crowded places: between slats, in a mug, under a shelf so low that a density estimate is as wide
- * as the gap. There what is in the way of the light is also in the way of who looks, and at the
- * same scale: of a slat's underside one sees the edge alone, which is darker, or brighter, than the
- * slat, and an estimate that means over the slat is off by as much, whatever the photons' number
- * says of it. No light is lost or made, but what is seen is not what was meant over. Whoever reads
- * densities is to look on from there instead.
+ * Near-field occlusion test: places between slats, in a mug, or under a low shelf, where a density
+ * estimate is as wide as the gap. There the same objects occlude both the light and the viewer, at
+ * the same scale. For example, only the edge of a slat's underside is visible; it is darker or
+ * brighter than the slat. An estimate averages over the whole slat and is wrong by that difference,
+ * whatever its number of photons. Light is neither created nor lost, but the visible part is not
+ * the averaged part. Readers of densities must continue the path from there instead.
  *
  * Threads: a pure function of its arguments.
  */
@@ -14,8 +14,8 @@
 #include "photon/surface/footprint.h"
 
 /*
- * Whether, of the light that would come to the footing from an even sky, more than a share is from
- * what is nearer than twice that radius. Panes are not in the way.
+ * Returns true if surfaces nearer than twice `radius` block at least 3/16 of the light of a uniform
+ * sky on the footing, as sampled by rays. Panes do not block.
  */
 bool orl_is_crowded(const struct orl_footing *footing, double radius);
 

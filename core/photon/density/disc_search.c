@@ -9,14 +9,15 @@
 enum { ROOM = ORL_DISC_SEARCH_ROOM, BINS = 512, MOST_TURNS = 32 };
 
 /*
- * A leaf is taken apart where its ramp is wider than that share of the smallest disc's radius: with
- * wider ones the shares within a disc would not add up to its area, or, of a cut one, its moments.
+ * A leaf is split into photons if its ramp is wider than this share of the smallest disc's radius.
+ * With wider ramps the shares within a disc would not add up to its area, or to its moments if it
+ * is cut.
  */
 static const float widest_ramp = 0.5F, widest_in_cut = 0.3F;
-/* Over the radius asked about: as far, squared, as leaves are looked for, lest their near ends be
- * missed. */
+/* Factor on the squared search radius for boxes of leaves, so that the near ends of wide leaves
+ * are not missed. */
 static const float beyond2 = 1.15F;
-/* Of cells, across a plane: less than sheet.h allows. */
+/* In cells, across a plane: less than sheet.h allows. */
 static const float rounding = 3.9F;
 
 static uint32_t photons_of(const struct orl_disc_search *hunt, uint32_t patch)
@@ -28,7 +29,7 @@ static uint32_t photons_of(const struct orl_disc_search *hunt, uint32_t patch)
 static bool on_sheet(const struct orl_disc_search *hunt, uint16_t normal, const float chord[3],
                      float distance2)
 {
-    /* Nearly always: the same plane, within rounding (sheet.h). */
+    /* Most common case: the same plane, within rounding (sheet.h). */
     const float *own = hunt->direction;
     if (normal == hunt->normal &&
         fabsf(chord[0] * own[0] + chord[1] * own[1] + chord[2] * own[2]) < rounding)
@@ -51,7 +52,7 @@ static bool in_footprint(const struct orl_disc_search *hunt, const float chord[3
                                orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
 }
 
-static void take_apart(struct orl_disc_search *hunt, uint32_t patch)
+static void split_patch(struct orl_disc_search *hunt, uint32_t patch)
 {
     const struct orl_photon_map *map = hunt->sums->map;
     const uint32_t leaf = patch / ORL_PATCHES;
@@ -75,7 +76,7 @@ static void take_apart(struct orl_disc_search *hunt, uint32_t patch)
     }
 }
 
-/* What a leaf is, at first sight. */
+/* Classification of a patch. */
 enum sight { NOTHING, WHOLE, DOUBTFUL, APART };
 
 struct sights {
@@ -84,11 +85,13 @@ struct sights {
 };
 
 /*
- * Leaves are wholes that are narrow, and of the point's sheet: nearly always of the same plane,
- * within rounding. Those are told from others by eight at once.
+ * Classifies the patches of a group. A patch can count as a whole if it is narrow and on the
+ * point's sheet: nearly always on the same plane, within rounding. The loop tests that for eight at
+ * once.
  */
-static inline void look_at(const struct orl_disc_search *hunt, const struct orl_patch_group *group,
-                           const struct orl_map_group *boxes, struct sights *ret_sights)
+static inline void classify_patches(const struct orl_disc_search *hunt,
+                                    const struct orl_patch_group *group,
+                                    const struct orl_map_group *boxes, struct sights *ret_sights)
 {
     const float radius = hunt->radius, radius2 = hunt->radius2, bound = hunt->bound;
     const float widest = hunt->widest, near_by = beyond2 * radius2;
@@ -109,7 +112,7 @@ static inline void look_at(const struct orl_disc_search *hunt, const struct orl_
         const float far = radius + reach, within = bound - reach;
         const uint32_t near = (box2[i] < near_by) & (faces[i] != 0);
         const uint32_t parallel = group->normal[i] == normal;
-        /* Further off than the slopes of a sheet reach (sheet.h). */
+        /* Farther off than the slopes of a sheet allow (sheet.h). */
         const uint32_t other = parallel & (off > 0.05F * far + 2 * rounding);
         const uint32_t level = parallel & (off < rounding);
         const uint32_t whole = level & (within > 0) & (d2 < within * within);
@@ -122,9 +125,9 @@ static inline void look_at(const struct orl_disc_search *hunt, const struct orl_
     }
 }
 
-/* Wholes that reach over a line of the footprint's are so no longer. */
-static inline void keep_within(const struct orl_disc_search *hunt,
-                               const struct orl_patch_group *group, struct sights *sights)
+/* Downgrades wholes that extend over a line of the footprint. */
+static inline void downgrade_cut_patches(const struct orl_disc_search *hunt,
+                                         const struct orl_patch_group *group, struct sights *sights)
 {
     for (uint32_t k = 0; k < hunt->n_lines; k++) {
         const float nx = hunt->lines[k][0], ny = hunt->lines[k][1], nz = hunt->lines[k][2];
@@ -170,9 +173,10 @@ static inline void add_whole(struct orl_disc_search *hunt, const struct orl_patc
     wholes->patch[at] = patch;
 }
 
-/* A narrow leaf: takes it as a whole, or leaves it out; false: it has to be taken apart. */
-static bool take_whole(struct orl_disc_search *hunt, const struct orl_patch_group *group,
-                       uint32_t lane, float d2, uint32_t patch)
+/* Counts a narrow patch as a whole, or leaves it out. Returns false if it must be split into
+ * photons. */
+static bool add_if_within(struct orl_disc_search *hunt, const struct orl_patch_group *group,
+                          uint32_t lane, float d2, uint32_t patch)
 {
     const float chord[3] = {group->at[0][lane] - hunt->at[0], group->at[1][lane] - hunt->at[1],
                             group->at[2][lane] - hunt->at[2]};
@@ -186,20 +190,20 @@ static bool take_whole(struct orl_disc_search *hunt, const struct orl_patch_grou
     return side != ORL_SIDE_BOTH;
 }
 
-static void take_patch(struct orl_disc_search *hunt, const struct orl_patch_group *group,
-                       uint32_t lane, enum sight sight, float d2, uint32_t patch)
+static void add_patch(struct orl_disc_search *hunt, const struct orl_patch_group *group,
+                      uint32_t lane, enum sight sight, float d2, uint32_t patch)
 {
     const bool own =
         hunt->query->at_photon && hunt->query->skip / ORL_MAP_LEAF == patch / ORL_PATCHES;
     if (sight == WHOLE && !own)
         add_whole(hunt, group, lane, d2, patch);
-    else if (own || sight == APART || !take_whole(hunt, group, lane, d2, patch))
-        take_apart(hunt, patch);
+    else if (own || sight == APART || !add_if_within(hunt, group, lane, d2, patch))
+        split_patch(hunt, patch);
     hunt->full = hunt->patches + hunt->photons + ORL_MAP_LEAF > ROOM;
 }
 
-static inline void take_group(struct orl_disc_search *hunt, uint32_t node,
-                              const struct sights *sights)
+static inline void add_group(struct orl_disc_search *hunt, uint32_t node,
+                             const struct sights *sights)
 {
     const struct orl_patch_group *group = &hunt->sums->groups[node];
     uint32_t some = 0;
@@ -208,12 +212,12 @@ static inline void take_group(struct orl_disc_search *hunt, uint32_t node,
     for (; some != 0 && !hunt->full; some &= some - 1) {
         const uint32_t lane = (uint32_t)__builtin_ctz(some);
         const uint32_t patch = orl_patch_number(node, lane);
-        take_patch(hunt, group, lane, sights->what[lane], sights->distance2[lane], patch);
+        add_patch(hunt, group, lane, sights->what[lane], sights->distance2[lane], patch);
     }
 }
 
-/* In the order of the map: whatever comes first, all of it is looked at. */
-ORL_FOR_WIDE_VECTORS static void find_all(struct orl_disc_search *hunt)
+/* Visits nodes in the order of the map; all of them are needed, so their order does not matter. */
+ORL_FOR_WIDE_VECTORS static void find_patches(struct orl_disc_search *hunt)
 {
     const struct orl_photon_map *map = hunt->sums->map;
     struct {
@@ -232,9 +236,9 @@ ORL_FOR_WIDE_VECTORS static void find_all(struct orl_disc_search *hunt)
         float distance2[ORL_MAP_FANOUT];
         struct sights sights;
         if (level == 0) {
-            look_at(hunt, &hunt->sums->groups[node], group, &sights);
-            keep_within(hunt, &hunt->sums->groups[node], &sights);
-            take_group(hunt, node, &sights);
+            classify_patches(hunt, &hunt->sums->groups[node], group, &sights);
+            downgrade_cut_patches(hunt, &hunt->sums->groups[node], &sights);
+            add_group(hunt, node, &sights);
             continue;
         }
         orl_box_distances(group, hunt->at, distance2);
@@ -256,7 +260,7 @@ uint32_t orl_disc_search_count(const struct orl_disc_search *hunt)
     return count;
 }
 
-/* The squared radius that holds k of what was found, which is more. */
+/* Returns the squared radius that holds k of the photons found, which are more. */
 static float radius2_of(const struct orl_disc_search *hunt, uint32_t k)
 {
     uint32_t bins[BINS + 1] = {0}, sum = 0, bin = 0;
@@ -279,7 +283,7 @@ float orl_disc_search_enough(struct orl_disc_search *hunt, float radius2, float 
     bool shrunk = false;
     hunt->radius2 = fminf(radius2, most2);
     for (int turn = 0; turn < MOST_TURNS; turn++) {
-        find_all(hunt);
+        find_patches(hunt);
         if (hunt->full) {
             shrunk = true;
             hunt->radius2 *= 0.5F;
@@ -301,15 +305,15 @@ float orl_disc_search_enough(struct orl_disc_search *hunt, float radius2, float 
     return hunt->radius2;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_floats(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
 }
 
 /*
- * Where to begin: as if about the point photons lay as they do in the leaf it falls in, by the
- * median of that and its neighbours, on an even disc.
+ * Assumes that photons around the point are as dense as in its leaf, on a uniform disc: takes the
+ * median of that leaf and its neighbours.
  */
 float orl_disc_search_first_radius2(const struct orl_disc_search *hunt,
                                     const struct orl_zorder *order)
@@ -327,7 +331,7 @@ float orl_disc_search_first_radius2(const struct orl_disc_search *hunt,
         const struct orl_patch_group *group = orl_patch_find(hunt->sums, ORL_PATCHES * i, &lane);
         near2[n++] = group->ramp[lane] * group->ramp[lane] / (float)group->count[lane];
     }
-    qsort(near2, n, sizeof *near2, compare);
+    qsort(near2, n, sizeof *near2, compare_floats);
     return fmaxf((float)hunt->query->k * near2[n / 2], 4);
 }
 

@@ -1,6 +1,6 @@
 /*
- * Looking for the photons about a point, whole leaves of them where that will do: the first half of
- * nested_discs.h, which see.
+ * Search for the photons around a point, by whole leaves where possible: the first half of
+ * nested_discs.h, which explains it.
  */
 #ifndef ORL_PHOTON_DENSITY_DISC_SEARCH_H
 #define ORL_PHOTON_DENSITY_DISC_SEARCH_H
@@ -16,41 +16,44 @@ struct orl_disc_search {
     const struct orl_leaf_sums *sums;
     const struct orl_density_query *query;
     const struct orl_footprint *footprint; /* NULL: the whole disc */
-    struct orl_search_wholes *wholes;      /* patches (leaf_sums.h) */
-    struct orl_search_candidate *single;   /* and photons */
+    struct orl_search_wholes *wholes;      /* patches found (leaf_sums.h) */
+    struct orl_search_candidate *single;   /* single photons found */
     double cell;
-    float at[3];           /* cells */
+    float at[3];           /* query point, in cells */
     float direction[3];    /* the query's normal */
     float radius2, radius; /* cells */
-    float flat2;           /* nearer than this photons lie in the footing's plane */
-    /* Cells: within this radius, and these lines (sides.h), photons are in the footprint. */
+    float flat2;           /* squared cells: photons nearer than this lie in the footing's plane */
+    /* In cells: photons within this radius and within these lines (sides.h) are in the
+     * footprint. */
     float bound, lines[ORL_BOUND_LINES][3], offsets[ORL_BOUND_LINES];
     uint32_t n_lines;
-    float widest; /* cells: leaves with wider ramps are taken apart */
+    float widest; /* cells: leaves with wider ramps are split into photons */
     uint32_t patches, photons, facing;
     uint16_t normal;
     bool full;
 };
 
-/* Of whole discs. Borrows all. */
+/* Returns a search of whole discs. Borrows its arguments. */
 struct orl_disc_search orl_disc_search_of(const struct orl_leaf_sums *sums,
                                           const struct orl_density_query *query,
                                           struct orl_search *search);
 
-/* From now on it looks for photons of the footprint alone, which it borrows. */
+/* Restricts the search to photons of the footprint, which it borrows. */
 void orl_disc_search_keep_to(struct orl_disc_search *hunt, const struct orl_footprint *footprint);
 
-/* What the leaf the point falls in, and those next to it, tell of the radius that holds k. */
+/* Returns an initial squared radius for k photons, from the leaf around the point and those next
+ * to it. */
 float orl_disc_search_first_radius2(const struct orl_disc_search *hunt,
                                     const struct orl_zorder *order);
 
 /*
- * Finds k within the radius allowed, or all. radius2: where to begin. What was found reaches not
- * much further than the radius returned, so that leaves are as narrow as they should be for it.
+ * Finds k photons within the maximum radius, or all there are. radius2: initial squared radius. The
+ * photons found extend little beyond the returned squared radius, so that leaves are narrow enough
+ * for it.
  */
 float orl_disc_search_enough(struct orl_disc_search *hunt, float radius2, float most2);
 
-/* Photons within the radius looked at last. */
+/* Returns the number of photons within the radius of the last search. */
 uint32_t orl_disc_search_count(const struct orl_disc_search *hunt);
 
 #endif

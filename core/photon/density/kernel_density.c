@@ -13,29 +13,31 @@ struct orl_kernel_density {
     const struct orl_photon_map *map;
     uint32_t k;
     float *
-        reach2[ORL_MAP_LEVELS + 1]; /* cells: per leaf, then the most of a node's, level by level */
+        /* squared cells: radius per leaf, then the maximum of each node, level by level */
+        reach2[ORL_MAP_LEVELS + 1];
 };
 
 enum { CHUNK = 1 << 12 };
 
 /*
- * Where walls and edges leave less than this share of the k photons, the estimate takes in a small
- * patch as a whole, and is the same wherever on it one asks. Then a photon that one asks at counts
- * too: it would be missing from its patch, and those on which nobody asks at a photon have none to
- * spare. So small facets, of few photons each, would be darker by one photon in a leaf of sixteen.
+ * If walls and edges leave less than this share of the k photons, a small patch counts as a whole,
+ * and the estimate is the same anywhere on it. Then a photon at the query point counts, too. It
+ * would be missing from its patch, and patches without a query at a photon have no surplus to
+ * compensate. Otherwise small facets with few photons would be darker by one photon in a leaf of
+ * sixteen.
  */
 static const double whole_patch = 0.5;
 
-/* What there is only while leaves are measured. */
+/* Temporary data while radii are computed. */
 struct measuring {
     struct orl_kernel_density *spread;
-    float *medians; /* per leaf, of squared distances */
+    float *medians; /* per leaf: median of squared distances */
     uint64_t leaves;
     uint32_t k;
     double max_radius;
 };
 
-/* Of a few values, which are put in order. */
+/* Returns the median of a few values, and sorts them. */
 static float median_of(float *values, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
@@ -48,7 +50,8 @@ static float median_of(float *values, uint32_t n)
     return values[n / 2];
 }
 
-/* The same of a full leaf's, without a branch: the one that half of them come before. */
+/* Returns the median of a full leaf's values without branches: the value that half of them
+ * precede. */
 static float median_of_leaf(const float values[ORL_MAP_LEAF])
 {
     float median = values[0];
@@ -61,7 +64,8 @@ static float median_of_leaf(const float values[ORL_MAP_LEAF])
     return median;
 }
 
-/* The median of squared distances from the middle: a few strays do not move it. */
+/* Returns the median of squared distances from the centre, which is robust against a few
+ * outliers. */
 static inline float median2(const struct orl_photon_map *map, uint64_t leaf, uint32_t n)
 {
     const uint32_t *a = map->places + leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
@@ -96,9 +100,9 @@ ORL_FOR_WIDE_VECTORS static void measure_medians(void *arg, size_t chunk, uint32
 }
 
 /*
- * A radius from 16 photons alone is noisy, and what it spreads with it: the median of a leaf and
- * its neighbours in Morton order is less so. Half of an even disc lies within the median of squared
- * distances, and a leaf takes its share of the k photons' area.
+ * Computes the radii of leaves. A radius from 16 photons alone is noisy, and so is its kernel; the
+ * median over a leaf and its neighbours in Morton order is less so. Half of a uniform disc lies
+ * within the median of squared distances, and a leaf takes its share of the k photons' area.
  */
 static void measure_leaves(void *arg, size_t chunk, uint32_t member)
 {
@@ -196,7 +200,7 @@ double orl_kernel_density_radius(const struct orl_kernel_density *spread, uint32
                          : INFINITY;
 }
 
-/* One question: what is summed up so far. */
+/* State of one query: sums so far. */
 struct ask {
     const struct orl_kernel_density *spread;
     const struct orl_density_query *query;
@@ -204,13 +208,15 @@ struct ask {
     float at[3], flat2;
     uint16_t normal;
     uint32_t facing, found;
-    float widest2;      /* cells: of the discs that count */
+    float widest2;      /* squared cells: largest radius of the discs that count */
     struct orl_rgb sum; /* flux over area */
     struct orl_batches parts;
 };
 
-/* Nearer than flat2 photons lie in the footing's own plane, within rounding. */
-static bool counts(const struct ask *ask, uint32_t index, const float chord[3], float distance2)
+/* Returns true if a photon counts for the query. Photons nearer than flat2 must lie in the
+ * footing's own plane, within rounding. */
+static bool photon_counts(const struct ask *ask, uint32_t index, const float chord[3],
+                          float distance2)
 {
     const struct orl_photon_map *map = ask->spread->map;
     const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
@@ -241,7 +247,7 @@ static inline void add_leaf(struct ask *ask, uint32_t leaf)
     }
     for (uint32_t i = 0; i < n; i++) {
         const float chord[3] = {dx[i], dy[i], dz[i]};
-        if (!(d2[i] < reach2) || !counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
+        if (!(d2[i] < reach2) || !photon_counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
             continue;
         const struct orl_rgb flux = orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]);
         sum = orl_rgb_add(sum, flux);
@@ -261,8 +267,8 @@ static inline void add_leaf(struct ask *ask, uint32_t leaf)
     ask->widest2 = reach2 > ask->widest2 ? reach2 : ask->widest2;
 }
 
-/* Every leaf whose discs reach the point. */
-ORL_FOR_WIDE_VECTORS static void add_all(struct ask *ask)
+/* Adds every leaf whose discs reach the point. */
+ORL_FOR_WIDE_VECTORS static void add_leaves(struct ask *ask)
 {
     const struct orl_photon_map *map = ask->spread->map;
     struct orl_box_visit stack[ORL_BOX_STACK];
@@ -300,21 +306,21 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
     }
     struct orl_density_query all;
     struct ask whole = ask;
-    add_all(&whole);
+    add_leaves(&whole);
     const double widest = sqrt((double)whole.widest2) * h->cell;
     if (query->footing && whole.found > 0 && !orl_footing_is_free(query->footing, widest)) {
         orl_footprint_make(query->footing, widest, &footprint);
         ask.footprint = &footprint;
         clear = footprint.clear;
         whole = ask;
-        add_all(&whole);
+        add_leaves(&whole);
         patch = whole.found < whole_patch * spread->k;
         if (query->at_photon && patch) {
             all = *query;
             all.at_photon = false;
             whole = ask;
             whole.query = &all;
-            add_all(&whole);
+            add_leaves(&whole);
         }
     }
     search->health.estimates += whole.found > 0;

@@ -1,15 +1,15 @@
 /*
- * Density by spreading: every photon is spread evenly over a disc of its own, whose size goes with
- * the density where it landed, so that a disc holds about k photons of its kind.
+ * Kernel density estimation: every photon is spread evenly over its own disc. The disc's size
+ * follows the density where the photon landed, so that it holds about k photons.
  *
- * What a photon spreads is its flux, no more and no less, whatever the sizes: light is neither made
- * nor lost. The nearest neighbours' estimate (search.h) is not like that. Beside a sun patch its
- * discs reach for the patch's many photons and shrink as they find them, and the dark reads several
- * times too bright, half a percent of the light in a sunny room.
+ * A photon spreads exactly its flux, whatever the sizes: light is neither created nor lost. The
+ * nearest-neighbour estimate (search.h) does not have this property. Beside a sun patch its discs
+ * extend to the patch's many photons and shrink when they find them. The dark side reads several
+ * times too bright there, half a percent of the light in a sunny room.
  *
- * All photons of a leaf have one radius, from the median of their distances to their middle and of
- * the leaves beside it. Walls and edges are the asking point's footprint's (footprint.h): for each
- * radius, what is left of the disc.
+ * All photons of a leaf have one radius, from the median of their distances to their centre and
+ * those of neighbouring leaves. Walls and edges are taken from the footprint of the query point
+ * (footprint.h): the remaining area of the disc for each radius.
  *
  * Reference: Silverman 1986, section 5.3 (the adaptive kernel method); Abramson 1982.
  */
@@ -20,19 +20,20 @@
 
 struct orl_kernel_density;
 
-/* k: photons a disc. The map is borrowed. NULL when out of memory or the crew is cancelled. */
+/* Builds the estimator. k: photons in a disc. Borrows the map. Returns NULL if out of memory or
+ * the crew is cancelled. */
 struct orl_kernel_density *orl_kernel_density_new(const struct orl_photon_map *map, uint32_t k,
                                                   double max_radius, struct orl_crew *crew);
 void orl_kernel_density_free(struct orl_kernel_density *spread); /* NULL is allowed */
 
-/* From now on it borrows another copy of the map. */
+/* Replaces the map by another copy of it, which is borrowed. */
 void orl_kernel_density_rebind(struct orl_kernel_density *spread, const struct orl_photon_map *map);
-uint64_t orl_kernel_density_bytes(const struct orl_kernel_density *spread); /* of memory */
+uint64_t orl_kernel_density_bytes(const struct orl_kernel_density *spread); /* memory, bytes */
 
-/* A photon's radius, m: what is normal where it landed. */
+/* Returns a photon's kernel radius, m, which is the usual one where it landed. */
 double orl_kernel_density_radius(const struct orl_kernel_density *spread, uint32_t photon);
 
-/* Irradiance at query's point; its k and max_radius are not looked at. */
+/* Returns the irradiance at the query's point; ignores the query's k and max_radius. */
 struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *spread,
                                                const struct orl_density_query *query,
                                                struct orl_search *search);

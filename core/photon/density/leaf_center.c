@@ -8,14 +8,14 @@
 
 enum { HALF = ORL_MAP_LEAF / 2 };
 
-/* Mean and median of squared distances of an even disc's photons are alike; those of a handful by
- * this factor at the most, but by chance. */
+/* Mean and median of squared distances are equal for photons of a uniform disc. For few photons
+ * their ratio rarely exceeds this. */
 static const float uneven = 2.5F;
 
-/* Places of photons, cells; some of a leaf. */
+/* Positions of photons of a leaf, in cells. */
 typedef float places[ORL_MAP_LEAF][3];
 
-/* Squared distances of photons from their middle. */
+/* Squared distances of photons from their centre. */
 struct spread {
     float mean, least, median;
 };
@@ -28,7 +28,7 @@ static float distance2(const float a[3], const float b[3])
     return d2;
 }
 
-static void insert(float sorted[ORL_MAP_LEAF], uint32_t n, float value)
+static void insert_sorted(float sorted[ORL_MAP_LEAF], uint32_t n, float value)
 {
     for (; n > 0 && sorted[n - 1] > value; n--)
         sorted[n] = sorted[n - 1];
@@ -42,7 +42,7 @@ static struct spread spread_about(places photons, uint32_t n, const float at[3])
     for (uint32_t i = 0; i < n; i++) {
         const float d2 = distance2(photons[i], at);
         spread.mean += d2 / (float)n;
-        insert(sorted, i, d2);
+        insert_sorted(sorted, i, d2);
     }
     spread.least = sorted[0];
     spread.median = sorted[n / 2];
@@ -89,7 +89,7 @@ struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, ui
     middle_of(photons, n, site.at);
     const struct spread spread = spread_about(photons, n, site.at);
     site.spread2 = spread.mean;
-    /* Photons of two patches have their middle between them, where there is nothing. */
+    /* The centre of photons in two places lies between them, where there is no surface. */
     site.at_photon =
         n < ORL_MAP_LEAF || spread.least > 0.5F * spread.mean || lies_off(&site, photons[middle]);
     for (int k = 0; k < 3 && site.at_photon; k++)
@@ -97,7 +97,8 @@ struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, ui
     return site;
 }
 
-/* The photon that has half of the leaf about it soonest, and how far that half reaches, squared. */
+/* Returns the photon with the smallest radius that contains half of the leaf; *ret_reach2 is
+ * that radius squared. */
 static uint32_t closest_together(places photons, float *ret_reach2)
 {
     uint32_t best = 0;
@@ -105,7 +106,7 @@ static uint32_t closest_together(places photons, float *ret_reach2)
     for (uint32_t i = 0; i < ORL_MAP_LEAF; i++) {
         float sorted[ORL_MAP_LEAF];
         for (uint32_t j = 0; j < ORL_MAP_LEAF; j++)
-            insert(sorted, j, distance2(photons[i], photons[j]));
+            insert_sorted(sorted, j, distance2(photons[i], photons[j]));
         best = sorted[HALF - 1] < *ret_reach2 ? i : best;
         *ret_reach2 = fminf(*ret_reach2, sorted[HALF - 1]);
     }
@@ -147,7 +148,7 @@ struct orl_vec3 orl_leaf_center_point(const struct orl_photon_map *map,
                   h->low[2] + (site->at[2] + 0.5) * h->cell);
 }
 
-/* How far a site may be off the surface: on a curved one it lies inside the curve. */
+/* Returns how far a site may be off the surface: on a curved surface it lies inside the curve. */
 static double tolerance_at(const struct orl_photon_map *map, const struct orl_leaf_center *site,
                            uint64_t leaf, struct orl_vec3 point)
 {

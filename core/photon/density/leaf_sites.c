@@ -12,9 +12,9 @@
 enum { BESIDE = 8, LINE = 64, CHUNK = 1 << 12 };
 
 /*
- * The leaves of a leaf's sheet whose sites are nearest to its own, itself first: numbers plus 1,
- * with zeros to end with, and sites. Two cache lines, so that a look-up waits for memory once. All
- * is there before the first number is, which is 0 while none were sought.
+ * The leaves of a leaf's sheet whose sites are nearest to its own, itself first: indices plus 1,
+ * padded with zeros, and sites. They fill two cache lines, so that a look-up waits for memory once.
+ * The first index is 0 until the neighbours were searched, and is written last.
  */
 struct beside {
     _Atomic uint32_t leaf[BESIDE];
@@ -25,24 +25,24 @@ struct orl_leaf_sites {
     const struct orl_photon_map *map;
     const struct orl_world *world;
     uint64_t count;
-    float reach2; /* cells: how far a leaf may be */
+    float reach2; /* squared cells: maximum distance of a leaf that is used */
     struct orl_zorder order;
     struct orl_leaf_center *sites;
-    struct beside *beside; /* in the room below, from a cache line's beginning on */
+    struct beside *beside; /* in `room` below, aligned to a cache line */
     void *room;
 };
 
 /*
- * A leaf serves points within its spread times this. An even disc ends at 1.41. Served no further,
- * the points left over are the gaps, and what the leaves read is low by half a percent, for they
- * took the points where photons are and left those where they are not; served to 3 it is high by as
- * much. In between nothing is lost or made: measured in the integrating sphere.
+ * A leaf is used at points within its spread times this; a uniform disc ends at 1.41. With 1.41 the
+ * uncovered points are the gaps: leaves cover points with photons and not those without, so values
+ * read are low by half a percent. With 3 they are high by as much. This value in between conserves
+ * light, as measured in the integrating sphere.
  */
 static const float reach_of_leaf = 1.85F;
 /*
- * Beyond so many of its spreads, the half side of a square, a leaf serves a point only if another
- * one reaches it, too: at the edge of a shadow none does from the dark side, and what leaves there
- * served beyond would be light out of nothing, wherever their photons are few.
+ * Beyond this multiple of its spread, half the side of a square, a leaf is used only if another
+ * leaf reaches the point, too. At the edge of a shadow none reaches it from the dark side. Leaves
+ * with few photons would add light beyond the edge otherwise.
  */
 static const float alone_reach_of_leaf = 1.2247449F;
 
@@ -103,7 +103,7 @@ void orl_leaf_sites_rebind(struct orl_leaf_sites *all, const struct orl_photon_m
 
 uint64_t orl_leaf_sites_bytes(const struct orl_leaf_sites *all)
 {
-    /* Of a leaf, and beside it its code, with the eighths above. */
+    /* Per leaf: its site, its neighbours, its code and the codes of the levels above. */
     return all->count * (sizeof *all->sites + sizeof *all->beside + 2 * sizeof(uint64_t)) +
            sizeof *all;
 }
@@ -163,9 +163,10 @@ ORL_FOR_WIDE_VECTORS bool orl_leaf_sites_next(const struct orl_leaf_sites *all,
     return found;
 }
 
-/* A leaf and those beside it, the nearest first; returns how many. */
-ORL_FOR_WIDE_VECTORS static uint32_t find_beside(const struct orl_leaf_sites *all, uint32_t leaf,
-                                                 struct orl_leaf_near ret_beside[BESIDE])
+/* Finds a leaf and its neighbours, the nearest first; returns their number. */
+ORL_FOR_WIDE_VECTORS static uint32_t find_neighbours(const struct orl_leaf_sites *all,
+                                                     uint32_t leaf,
+                                                     struct orl_leaf_near ret_beside[BESIDE])
 {
     const struct orl_photon_map *map = all->map;
     const struct orl_leaf_center *own = &all->sites[leaf];
@@ -199,14 +200,15 @@ ORL_FOR_WIDE_VECTORS static uint32_t find_beside(const struct orl_leaf_sites *al
     return found;
 }
 
-/* Seeks the leaves beside a leaf if nobody has; two that do it at once find the same. */
-static struct beside *know_beside(const struct orl_leaf_sites *all, uint32_t leaf)
+/* Returns the neighbours of a leaf, and searches them if that was not done. Two threads that
+ * search at once find the same. */
+static struct beside *get_neighbours(const struct orl_leaf_sites *all, uint32_t leaf)
 {
     struct beside *beside = &all->beside[leaf];
     struct orl_leaf_near found[BESIDE];
     if (atomic_load_explicit(&beside->leaf[0], memory_order_acquire) != 0)
         return beside;
-    uint32_t n = find_beside(all, leaf, found);
+    uint32_t n = find_neighbours(all, leaf, found);
     if (n == 0)
         found[n++] = (struct orl_leaf_near){0, leaf};
     for (uint32_t i = n; i-- > 0;) {
@@ -219,10 +221,11 @@ static struct beside *know_beside(const struct orl_leaf_sites *all, uint32_t lea
 }
 
 /*
- * Whether the leaf covers the place. In a sun patch leaves are small and many: were the nearest to
- * serve whatever its size, they would light the dark around them, half way to its sparse leaves.
+ * Returns true if the leaf covers the point. In a sun patch leaves are small and many. If the
+ * nearest leaf were used whatever its size, they would light the dark around them, half way to its
+ * sparse leaves.
  */
-static bool covers(const struct orl_leaf_sites *all, struct orl_leaf_near leaf, float reach)
+static bool leaf_covers(const struct orl_leaf_sites *all, struct orl_leaf_near leaf, float reach)
 {
     return leaf.distance2 <= reach * reach * (all->sites[leaf.leaf].spread2 + 1);
 }
@@ -230,11 +233,11 @@ static bool covers(const struct orl_leaf_sites *all, struct orl_leaf_near leaf, 
 bool orl_leaf_sites_serve(const struct orl_leaf_sites *all, struct orl_leaf_near leaf,
                           const float at[3])
 {
-    if (covers(all, leaf, alone_reach_of_leaf))
+    if (leaf_covers(all, leaf, alone_reach_of_leaf))
         return true;
-    if (!covers(all, leaf, reach_of_leaf))
+    if (!leaf_covers(all, leaf, reach_of_leaf))
         return false;
-    const struct beside *beside = know_beside(all, leaf.leaf);
+    const struct beside *beside = get_neighbours(all, leaf.leaf);
     for (int i = 1; i < BESIDE; i++) {
         struct orl_leaf_near other = {0,
                                       atomic_load_explicit(&beside->leaf[i], memory_order_relaxed)};
@@ -242,7 +245,7 @@ bool orl_leaf_sites_serve(const struct orl_leaf_sites *all, struct orl_leaf_near
             const float off = atomic_load_explicit(&beside->at[k][i], memory_order_relaxed) - at[k];
             other.distance2 += off * off;
         }
-        if (other.leaf-- != 0 && covers(all, other, reach_of_leaf))
+        if (other.leaf-- != 0 && leaf_covers(all, other, reach_of_leaf))
             return true;
     }
     return false;
@@ -261,7 +264,7 @@ bool orl_leaf_sites_about(const struct orl_leaf_sites *all, struct orl_vec3 poin
     for (int k = 0; k < 3; k++)
         cell[k] = (uint32_t)fminf(fmaxf(at[k] + 0.5F, 0), ORL_PLACE_CELLS - 1);
     const uint64_t home = orl_zorder_find(&all->order, orl_zorder_code(cell, code));
-    struct beside *beside = know_beside(all, (uint32_t)home);
+    struct beside *beside = get_neighbours(all, (uint32_t)home);
     for (int i = 0; i < BESIDE; i++) {
         const uint32_t leaf = atomic_load_explicit(&beside->leaf[i], memory_order_relaxed);
         struct orl_leaf_near here = {0, leaf - 1};

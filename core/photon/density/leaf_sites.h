@@ -1,7 +1,7 @@
 /*
- * Where the leaves of a map stand (leaf_center.h), which of them are beside each other, and which
- * may serve a place. Neighbours are sought when first asked for and kept; who asks first does not
- * matter, so that threads may ask at once.
+ * Positions of a map's leaves (leaf_center.h), their neighbours, and the leaves whose estimate may
+ * be used at a point. Neighbours are searched at the first request and stored. The result does not
+ * depend on which thread is first, so threads may query at the same time.
  *
  * Lengths are in cells of the map (`orl_box_locate`).
  */
@@ -15,14 +15,14 @@
 
 struct orl_leaf_sites;
 
-/* A leaf and its site's squared distance from a place. */
+/* A leaf and the squared distance of its site from a point. */
 struct orl_leaf_near {
     float distance2;
     uint32_t leaf;
 };
 
-/* No leaf serves beyond max_radius (metres). Map and world are borrowed. NULL: out
- * of memory, or the crew is cancelled. */
+/* Builds the sites. No leaf is used beyond max_radius (metres). Map and world are borrowed.
+ * Returns NULL if out of memory or the crew is cancelled. */
 struct orl_leaf_sites *orl_leaf_sites_new(const struct orl_photon_map *map,
                                           const struct orl_world *world, double max_radius,
                                           struct orl_crew *crew);
@@ -30,29 +30,31 @@ void orl_leaf_sites_free(struct orl_leaf_sites *sites);
 /* As orl_leaves_rebind. */
 void orl_leaf_sites_rebind(struct orl_leaf_sites *sites, const struct orl_photon_map *map,
                            const struct orl_world *world);
-uint64_t orl_leaf_sites_bytes(const struct orl_leaf_sites *sites); /* of memory */
+uint64_t orl_leaf_sites_bytes(const struct orl_leaf_sites *sites); /* memory, bytes */
 
 const struct orl_leaf_center *orl_leaf_sites_of(const struct orl_leaf_sites *sites, uint32_t leaf);
 
 /*
- * The leaf whose site is nearest to the point, of those beside the one that it would stand in by
- * the order of the map (zorder.h); false when that one is on another sheet of surface.
+ * Finds the leaf whose site is nearest to the point. Candidates are the neighbours of the leaf to
+ * which the point belongs in the map's order (zorder.h). Returns false if that leaf is on another
+ * sheet of surface.
  */
 bool orl_leaf_sites_about(const struct orl_leaf_sites *sites, struct orl_vec3 point,
                           struct orl_vec3 normal, struct orl_leaf_near *ret_leaf);
 /*
- * The nearest leaf whose site is on the point's sheet, of those that come after `last`; false when
- * none is within reach. Found through the hierarchy of boxes.
+ * Finds the next leaf after `last`, in order of distance, that has its site on the point's sheet,
+ * by the hierarchy of boxes. Returns false if none is within max_radius.
  */
 bool orl_leaf_sites_next(const struct orl_leaf_sites *sites, struct orl_vec3 point,
                          struct orl_vec3 normal, struct orl_leaf_near last,
                          struct orl_leaf_near *ret_next);
-/* Whether it may serve the place: it covers that amply, or another one beside it does so, too. */
+/* Returns true if the leaf's estimate may be used at the point: the leaf covers it amply, or
+ * covers it together with a neighbour. */
 bool orl_leaf_sites_serve(const struct orl_leaf_sites *sites, struct orl_leaf_near leaf,
                           const float at[3]);
 /*
- * A place drawn evenly from a disc about the leaf's site that holds all that the leaf may serve;
- * whether a look-up there finds this leaf.
+ * Samples a point uniformly from a disc around the leaf's site that contains all points for which
+ * the leaf may be used. Returns true if a look-up at the sampled point finds this leaf.
  */
 bool orl_leaf_sites_draw(const struct orl_leaf_sites *sites, uint32_t leaf,
                          struct orl_random *random, struct orl_leaf_center *ret_place);

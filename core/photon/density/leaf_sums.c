@@ -8,20 +8,20 @@
 
 enum { CHUNK = 1 << 12 };
 
-/* Of rounding to cells, across a plane. */
+/* Tolerance across a plane for positions rounded to cells. */
 static const float flat_within = 3;
-/* A leaf is parted where that takes so much of its photons' spread away: two places close by, each
- * as wide as evenly lying photons are, have a quarter of it. */
+/* A leaf is split if that reduces its photons' spread to this share: two adjacent places, each
+ * as wide as uniformly distributed photons, have a quarter of it. */
 static const float worth_parting = 0.25F;
 
 static const float far_away = 1e9F;
 
-/* A leaf's photons, from the first of them, and sums of the first so many. */
+/* A leaf's photons, and prefix sums over them, relative to the first photon. */
 struct row {
     uint32_t n;
     float at[ORL_MAP_LEAF][3];
     const uint16_t *normals;
-    float sums[ORL_MAP_LEAF + 1][4]; /* of places, and of squared distances */
+    float sums[ORL_MAP_LEAF + 1][4]; /* positions, and squared distances */
 };
 
 static void read_row(const struct orl_photon_map *map, uint64_t leaf, struct row *row)
@@ -45,7 +45,7 @@ static void read_row(const struct orl_photon_map *map, uint64_t leaf, struct row
     }
 }
 
-/* Of the photons from one to before another: squared distances from their middle, in all. */
+/* Returns the sum of squared distances from their centre for photons `from` to before `to`. */
 static float spread_of(const struct row *row, uint32_t from, uint32_t to)
 {
     const float *a = row->sums[from], *b = row->sums[to];
@@ -53,8 +53,9 @@ static float spread_of(const struct row *row, uint32_t from, uint32_t to)
     return fmaxf(b[3] - a[3] - (x * x + y * y + z * z) / (float)(to - from), 0);
 }
 
-/* How many photons are on the plane of one of them, it first and on in steps. */
-static uint32_t on_plane(const struct row *row, uint32_t from, int step)
+/* Returns the number of successive photons on the plane of photon `from`, counted from it in
+ * steps. */
+static uint32_t count_on_plane(const struct row *row, uint32_t from, int step)
 {
     const struct orl_vec3 normal = orl_normal_decode(row->normals[from]);
     const float nx = (float)normal.x, ny = (float)normal.y, nz = (float)normal.z;
@@ -68,9 +69,9 @@ static uint32_t on_plane(const struct row *row, uint32_t from, int step)
     return count;
 }
 
-/* The widest step from photon to photon, of those that have so many before and after them at most.
- */
-static uint32_t widest_step(const struct row *row, uint32_t before, uint32_t after)
+/* Returns the photon after the widest gap between successive photons, with at most `before`
+ * photons before it and at most `after` from it on; n if there is none. */
+static uint32_t find_widest_gap(const struct row *row, uint32_t before, uint32_t after)
 {
     const uint32_t n = row->n;
     uint32_t best = n;
@@ -86,12 +87,12 @@ static uint32_t widest_step(const struct row *row, uint32_t before, uint32_t aft
     return best;
 }
 
-/* Where the leaf falls into two patches; at its end if it does not. */
-static uint32_t part_at(const struct row *row, bool *ret_flat)
+/* Returns the first photon of the leaf's second patch; n if the leaf is one patch. */
+static uint32_t find_second_patch(const struct row *row, bool *ret_flat)
 {
-    const uint32_t n = row->n, before = on_plane(row, 0, 1);
-    const uint32_t after = before < n ? on_plane(row, n - 1, -1) : n;
-    const uint32_t part = widest_step(row, before, after);
+    const uint32_t n = row->n, before = count_on_plane(row, 0, 1);
+    const uint32_t after = before < n ? count_on_plane(row, n - 1, -1) : n;
+    const uint32_t part = find_widest_gap(row, before, after);
     *ret_flat = before == n;
     if (part == n || (before == n && !(spread_of(row, 0, part) + spread_of(row, part, n) <
                                        worth_parting * spread_of(row, 0, n))))
@@ -117,14 +118,14 @@ static void place_patch(const struct row *row, uint32_t from, uint32_t to, bool 
     group->count[lane] = to - from;
 }
 
-static void leave_out(struct orl_patch_group *group, uint32_t lane)
+static void clear_patch(struct orl_patch_group *group, uint32_t lane)
 {
     for (int k = 0; k < 3; k++)
         group->at[k][lane] = far_away;
     group->normal[lane] = ORL_NO_PLANE;
 }
 
-/* Of a leaf's photons. */
+/* Fluxes of a leaf's photons. */
 struct fluxes {
     float red[ORL_MAP_LEAF], green[ORL_MAP_LEAF], blue[ORL_MAP_LEAF], luma[ORL_MAP_LEAF];
 };
@@ -171,22 +172,22 @@ static void sum_leaf(const struct orl_leaf_sums *sums, uint64_t leaf)
     bool flat;
     read_row(sums->map, leaf, &row);
     read_fluxes(sums->map, leaf, row.n, &fluxes);
-    const uint32_t part = part_at(&row, &flat);
+    const uint32_t part = find_second_patch(&row, &flat);
     place_patch(&row, 0, part, flat, group, lane);
     add_fluxes(&fluxes, words, 0, part, sums->masses[ORL_PATCHES * leaf]);
     if (part == row.n) {
-        leave_out(group, lane + ORL_MAP_FANOUT);
+        clear_patch(group, lane + ORL_MAP_FANOUT);
         return;
     }
     place_patch(&row, part, row.n, flat, group, lane + ORL_MAP_FANOUT);
     add_fluxes(&fluxes, words, part, row.n, sums->masses[ORL_PATCHES * leaf + 1]);
 }
 
-static void leave_out_rest(const struct orl_leaf_sums *sums)
+static void clear_absent_patches(const struct orl_leaf_sums *sums)
 {
     for (uint64_t i = sums->count; i % ORL_MAP_FANOUT != 0; i++)
         for (uint32_t lane = i % ORL_MAP_FANOUT; lane < ORL_LANES; lane += ORL_MAP_FANOUT)
-            leave_out(&sums->groups[i / ORL_MAP_FANOUT], lane);
+            clear_patch(&sums->groups[i / ORL_MAP_FANOUT], lane);
 }
 
 static void sum_chunk(void *arg, size_t chunk, uint32_t member)
@@ -209,7 +210,7 @@ int orl_leaf_sums_init(struct orl_leaf_sums *sums, const struct orl_photon_map *
         orl_leaf_sums_done(sums);
         return ORL_ERR_NOMEM;
     }
-    leave_out_rest(sums);
+    clear_absent_patches(sums);
     const int code = orl_crew_try(crew, (count + CHUNK - 1) / CHUNK, sum_chunk, sums);
     if (code < 0)
         orl_leaf_sums_done(sums);

@@ -1,8 +1,8 @@
 /*
- * Leaves of a map taken as wholes, or as halves: where their photons' middle is, and what they hold
- * together, in all and by batch. For estimates wide enough that sixteen photons may stand as one.
- * In Morton order some sixteen in a row lie in two places far apart, or on two planes: such a leaf
- * is two patches, any other is one.
+ * Sums over leaves of a map, or halves of leaves: the centre of their photons, and their flux in
+ * all and by batch. They serve estimates that are wide enough to treat sixteen photons as one. In
+ * Morton order some runs of sixteen lie in two places far apart, or on two planes: such a leaf is
+ * two patches, any other is one.
  *
  * Units: cells, and fluxes in the map's unit (header.flux_unit). Immutable once made; borrows the
  * map.
@@ -14,38 +14,39 @@
 
 #include "photon/map/map_layout.h"
 
-/* Sums of photons' fluxes, in one row that vectors are made of. */
+/* Layout of the sums of photons' fluxes, in one row for vectorised loops. */
 enum {
-    ORL_MASS_FLUX = ORL_MAP_BATCHES,      /* after luma by batch: red, green, blue */
-    ORL_MASS_SQUARES = ORL_MASS_FLUX + 3, /* of the photons' luma */
-    ORL_MASS_COUNT,                       /* photons */
+    ORL_MASS_FLUX = ORL_MAP_BATCHES, /* red, green, blue; the entries before are luma by batch */
+    ORL_MASS_SQUARES = ORL_MASS_FLUX + 3, /* squares of the photons' luma */
+    ORL_MASS_COUNT,                       /* number of photons */
     ORL_MASS = 24                         /* the rest is 0 */
 };
 
-enum { ORL_NO_PLANE = 1 << 16 }; /* no code of a normal (facing.h) */
+enum { ORL_NO_PLANE = 1 << 16 }; /* not a code of a normal (facing.h) */
 enum { ORL_PATCHES = 2, ORL_LANES = ORL_PATCHES * ORL_MAP_FANOUT };
 
 /*
- * Eight leaves in columns, which lie together in a map's hierarchy: their first patches, and then
- * their second ones. What is not there is farther away than anything.
+ * Eight sibling leaves of the map's hierarchy, in columns: their first patches, then their second
+ * ones. Absent patches are farther away than any other.
  */
 struct orl_patch_group {
     float at[3][ORL_LANES];
-    float reach[ORL_LANES];     /* of the farthest photon from there */
-    float ramp[ORL_LANES];      /* spread as evenly to either side, photons have the same standard
-                                   deviation */
-    uint32_t normal[ORL_LANES]; /* or ORL_NO_PLANE: not to be taken as a whole */
-    uint32_t count[ORL_LANES];  /* photons: the leaf's first, or its last */
+    float reach[ORL_LANES]; /* distance of the farthest photon from the centre */
+    /* half width of a uniform distribution with the photons' standard deviation along an axis */
+    float ramp[ORL_LANES];
+    uint32_t normal[ORL_LANES]; /* or ORL_NO_PLANE: cannot be used as a whole */
+    uint32_t count[ORL_LANES];  /* number of photons: the leaf's first, or its last */
 };
 
 struct orl_leaf_sums {
     const struct orl_photon_map *map;
     struct orl_patch_group *groups;
     float (*masses)[ORL_MASS]; /* by patch */
-    uint64_t count;            /* leaves */
+    uint64_t count;            /* number of leaves */
 };
 
-/* A patch by its number: twice the leaf's, and one for the second. */
+/* Returns the group and lane of a patch. Its number is twice the leaf's, plus one for the second
+ * patch. */
 static inline const struct orl_patch_group *orl_patch_find(const struct orl_leaf_sums *sums,
                                                            uint64_t patch, uint32_t *ret_lane)
 {
@@ -59,10 +60,10 @@ static inline uint32_t orl_patch_number(uint32_t group, uint32_t lane)
     return group * ORL_LANES + lane % ORL_MAP_FANOUT * ORL_PATCHES + lane / ORL_MAP_FANOUT;
 }
 
-/* Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
+/* Computes the sums. Returns 0, ORL_ERR_NOMEM or an error of orl_crew_try. */
 int orl_leaf_sums_init(struct orl_leaf_sums *sums, const struct orl_photon_map *map,
                        struct orl_crew *crew);
-uint64_t orl_leaf_sums_bytes(const struct orl_leaf_sums *sums); /* of memory */
-void orl_leaf_sums_done(struct orl_leaf_sums *sums);            /* also of ones that are all zero */
+uint64_t orl_leaf_sums_bytes(const struct orl_leaf_sums *sums); /* memory, bytes */
+void orl_leaf_sums_done(struct orl_leaf_sums *sums); /* a struct that is all zero is allowed */
 
 #endif

@@ -11,16 +11,16 @@
 
 enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t) };
 
-/* Of the unit that very bright leaves are kept in: where a sunbeam's photons crowd on a few
- * centimetres there is more than a word holds of the usual one. */
+/* Factor on the unit for very bright leaves: where a sunbeam's photons lie dense on a few
+ * centimetres, values exceed the range of a word in the usual unit. */
 static const double coarser = 0x1p20;
 
-/* A leaf's estimate as it is kept. */
+/* A leaf's estimate in the cache. */
 struct kept {
-    _Atomic uint64_t value; /* 0: not made yet; else the value, and above it the clear radius, which
-                               is less than 0 of a patch; its last bits tell the value's unit,
-                               and whether the place is crowded */
-    _Atomic uint64_t shares[SHARE_WORDS]; /* of the batches; there before the value is */
+    /* 0: not computed yet. Low half: the value. High half: the clear radius, negative for a
+     * patch; its last bits say the value's unit and whether the place is crowded. */
+    _Atomic uint64_t value;
+    _Atomic uint64_t shares[SHARE_WORDS]; /* shares of the batches; written before the value */
 };
 
 struct orl_leaves {
@@ -29,7 +29,7 @@ struct orl_leaves {
     uint64_t count;
     uint32_t k;
     double max_radius;
-    double unit; /* W/m2: of the values kept */
+    double unit; /* W/m2: unit of the stored values */
     struct orl_kernel_density *spread;
     struct orl_leaf_sites *sites;
     struct kept *kept;
@@ -38,17 +38,18 @@ struct orl_leaves {
 /* A leaf's estimate. */
 struct estimate {
     struct orl_rgb irradiance;
-    double clear; /* no wall is nearer to the site */
-    bool patch;   /* it is a small patch's as a whole, and speaks for no other */
-    bool crowded; /* it is not what one sees */
+    double clear; /* distance from the site within which there is no wall */
+    /* the estimate is that of a small patch as a whole, and is used on no other */
+    bool patch;
+    bool crowded; /* near occlusion (crowd.h): the estimate is not the visible radiance */
 };
 
-/* Squared cells: the spread of photons that are on one spot. */
+/* Squared cells: spread of photons that are practically at one point. */
 static const float spot = 4;
 
 enum { MOST_TRIES = 4, PLACES = 8, COARSE = 1, CROWDED = 2 };
-/* Stands for zero irradiance: the smallest exponent with an empty mantissa, but not the empty word.
- */
+/* Code for zero irradiance: the smallest exponent with an empty mantissa, because the empty word
+ * means "not computed". */
 static const uint32_t value_zero = 1U << 27;
 
 static struct orl_density_query query_at(const struct orl_leaves *leaves, struct orl_vec3 point,
@@ -71,7 +72,8 @@ struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct
     leaves->count = n;
     leaves->k = k;
     leaves->max_radius = max_radius;
-    /* What k photons of mean flux make; or more, lest what the brightest makes be cut (flux.h). */
+    /* The irradiance of k photons of mean flux; at least that of k photons of one flux unit, so
+     * that the brightest is not clamped (flux.h). */
     leaves->unit = fmax(h->flux_mean, h->flux_unit) * k / (ORL_PI * max_radius * max_radius);
     leaves->kept = calloc(n + 1, sizeof *leaves->kept);
     leaves->sites = orl_leaf_sites_new(map, world, max_radius, crew);
@@ -104,7 +106,7 @@ void orl_leaves_rebind(struct orl_leaves *leaves, const struct orl_photon_map *m
 
 uint64_t orl_leaves_bytes(const struct orl_leaves *leaves)
 {
-    /* Of a leaf, and beside it its radius, with the eighths above. */
+    /* Per leaf: the estimate, its kernel radius and the radii of the levels above. */
     const uint64_t each = sizeof *leaves->kept + 2 * sizeof(float);
     return orl_leaf_sites_bytes(leaves->sites) + leaves->count * each + sizeof *leaves;
 }
@@ -120,15 +122,15 @@ double orl_leaves_made(const struct orl_leaves *leaves)
 }
 
 /*
- * Puts the query at a place drawn from those that the leaf serves, on its own surface: what the
- * leaf says is then right on average, whatever the shapes of leaves. Amid their photons it would be
- * low by half a percent where photons fall evenly, by how squares of the map's order hold sixteen
- * of them. At the site itself where that is a photon, where no place is found, and of a spot about
- * as small as a cell, beside which their discs leave nothing. Returns how far from the site, in
- * metres.
+ * Places the query at a random point among those where the leaf is used, on its own surface. The
+ * leaf's value is then right on average, whatever the shapes of leaves. At the centre of its
+ * photons it would be low by half a percent in even light, because of the way in which Morton order
+ * groups sixteen photons. Uses the site itself if that is a photon, or if no point is found. Also
+ * uses it if all photons are within about a cell, because their discs contribute nothing beside it.
+ * Returns the distance from the site in metres.
  */
-static double ask_somewhere(const struct orl_leaves *leaves, uint32_t leaf,
-                            struct orl_density_query *query, struct orl_footing *footing)
+static double place_query(const struct orl_leaves *leaves, uint32_t leaf,
+                          struct orl_density_query *query, struct orl_footing *footing)
 {
     const struct orl_photon_map *map = leaves->map;
     const struct orl_leaf_center *site = orl_leaf_sites_of(leaves->sites, leaf);
@@ -155,10 +157,10 @@ static struct orl_density make_estimate(const struct orl_leaves *leaves, uint32_
 {
     struct orl_density_query query = query_at(leaves, orl_v3(0, 0, 0), orl_v3(0, 0, 1));
     struct orl_footing footing;
-    const double off = ask_somewhere(leaves, leaf, &query, &footing);
+    const double off = place_query(leaves, leaf, &query, &footing);
     struct orl_density density = orl_kernel_density_estimate(leaves->spread, &query, search);
     density.crowded = query.footing && orl_is_crowded(&footing, density.radius);
-    density.clear = fmax(density.clear - off, 0); /* about the site */
+    density.clear = fmax(density.clear - off, 0); /* relative to the site */
     return density;
 }
 
@@ -196,7 +198,7 @@ static void keep_shares(struct kept *kept, const struct orl_batches *parts)
         atomic_store_explicit(&kept->shares[i], words[i], memory_order_relaxed);
 }
 
-/* The parts of a leaf's value, which has been made. */
+/* Returns the parts of a leaf's value, which must have been computed. */
 static struct orl_batches parts_of(const struct kept *kept, double luma)
 {
     uint64_t words[SHARE_WORDS];
@@ -207,7 +209,8 @@ static struct orl_batches parts_of(const struct kept *kept, double luma)
     return orl_batches_unpack(shares, luma);
 }
 
-/* The leaf's estimate, made now if nobody has; two that make it at once make the same words. */
+/* Returns the leaf's estimate, and computes it if that was not done. Two threads that compute it
+ * at once write the same words. */
 static struct estimate estimate_of(struct orl_leaves *leaves, uint32_t leaf,
                                    struct orl_search *search)
 {
@@ -219,7 +222,7 @@ static struct estimate estimate_of(struct orl_leaves *leaves, uint32_t leaf,
         uint64_t expected = 0;
         word = pack_estimate(leaves, &density);
         keep_shares(kept, &density.parts);
-        /* Who comes second does not count it again. */
+        /* The thread that comes second does not count the estimate again. */
         if (!atomic_compare_exchange_strong(&kept->value, &expected, word))
             search->health = before;
     }
@@ -227,9 +230,9 @@ static struct estimate estimate_of(struct orl_leaves *leaves, uint32_t leaf,
 }
 
 /*
- * Whether the leaf's site is on the footing's surface, and nothing stands between. Of a patch that
- * was taken in as a whole the estimate holds its own photons, that there are any being why one
- * asked there: patches beside it are to have theirs.
+ * Returns true if the leaf's site is on the footing's surface, with no occluder between. An
+ * estimate of a patch as a whole is used on its own facet only. It exists because the patch has
+ * photons, so patches beside it must use their own.
  */
 static bool is_joined(const struct orl_leaves *leaves, struct orl_leaf_near leaf,
                       const struct estimate *estimate, const struct orl_footing *footing)
@@ -241,17 +244,18 @@ static bool is_joined(const struct orl_leaves *leaves, struct orl_leaf_near leaf
         return true;
     if (estimate->patch && footing->facet != orl_leaf_sites_of(leaves->sites, leaf.leaf)->facet)
         return false;
-    /* On another, parallel surface close by. */
+    /* The site is on another, parallel surface close by. */
     if (fabs(orl_dot(orl_sub(site, footing->point), footing->normal)) > 4 * cell &&
         distance < orl_footing_flat(footing))
         return false;
     return distance < estimate->clear || orl_footing_joins(footing, site);
 }
 
-/* Whether the leaf serves the point: then what it has to say. */
-static bool reads(struct orl_leaves *leaves, struct orl_leaf_near leaf, const float at[3],
-                  const struct orl_footing *footing, struct orl_search *search,
-                  struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts, bool *ret_crowded)
+/* Returns true if the leaf is used at the point, and its value. */
+static bool read_leaf(struct orl_leaves *leaves, struct orl_leaf_near leaf, const float at[3],
+                      const struct orl_footing *footing, struct orl_search *search,
+                      struct orl_rgb *ret_irradiance, struct orl_batches *ret_parts,
+                      bool *ret_crowded)
 {
     if (!orl_leaf_sites_serve(leaves->sites, leaf, at))
         return false;
@@ -281,12 +285,12 @@ struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 
         *ret_crowded = false;
     orl_box_locate(leaves->map, point, at);
     if (orl_leaf_sites_about(leaves->sites, point, normal, &leaf) &&
-        reads(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
+        read_leaf(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
         return irradiance;
     leaf = (struct orl_leaf_near){-1, 0};
     for (int i = 0;
          i < MOST_TRIES && orl_leaf_sites_next(leaves->sites, point, normal, leaf, &leaf); i++)
-        if (reads(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
+        if (read_leaf(leaves, leaf, at, footing, search, &irradiance, ret_parts, ret_crowded))
             return irradiance;
     struct orl_density_query query = query_at(leaves, point, normal);
     query.footing = footing;

@@ -1,21 +1,20 @@
 /*
- * Irradiance by leaf: the density estimate somewhere in what each leaf of a map serves, made when
- * first asked for and kept. A final gather that asks the same wall a million times then pays for
- * one estimate per leaf (16 photons) and a short look-up each.
+ * Irradiance by leaf: one density estimate for each leaf of a map, computed at the first request
+ * and stored. A final gather may read the same wall a million times; it then pays for one estimate
+ * per leaf (16 photons), and a short look-up for each read.
  *
- * A look-up takes the nearest leaf on the same sheet of surface that covers the point: sought from
- * the leaf in which the point would stand in the order of the map (zorder.h), which knows the ones
- * beside it, and only where that fails through the hierarchy of boxes. Where the leaf's
- * estimate met a wall, or did not reach as far as the point asked about, a ray tells whether
- * something stands between the two; then the next leaf is tried, and after some the estimate is
- * made at the point.
+ * A look-up uses the nearest leaf on the same sheet of surface that covers the point. The search
+ * starts at the neighbours of the leaf to which the point belongs in the map's order (zorder.h). If
+ * that fails it uses the hierarchy of boxes. If the leaf's estimate met a wall, or did not extend
+ * to the query point, a ray tests for occluders between the two. If there is one the next leaf is
+ * tried, and after some leaves the estimate is computed at the point.
  *
- * What a leaf holds depends on map and scene alone, so that it does not matter who computes it
- * first, or twice: results are the same for any number of threads. Value (shared-exponent RGB, in
- * one of two units) and clear radius are kept as one 64-bit word, written atomically, after two
- * words of what the batches of emission hold of it, in 255ths of the largest of them.
+ * A leaf's value depends only on map and scene. So it does not matter which thread computes it
+ * first, or whether two do: results are the same for any number of threads. Value (shared-exponent
+ * RGB, in one of two units) and clear radius are stored as one 64-bit word, written atomically. Two
+ * words with the shares of the emission batches, in 255ths of the largest, are written before it.
  *
- * Reference: Christensen 1999 (precomputed irradiance), here lazily.
+ * Reference: Christensen 1999 (precomputed irradiance), here computed on demand.
  */
 #ifndef ORL_PHOTON_DENSITY_LEAVES_H
 #define ORL_PHOTON_DENSITY_LEAVES_H
@@ -25,27 +24,29 @@
 struct orl_leaves;
 
 /*
- * k and max_radius: of the estimates (kernel_density.h). Map and world are borrowed; with world
- * NULL surfaces are taken to be endless. NULL when out of memory or the crew is cancelled.
+ * Builds the cache. k and max_radius: parameters of the estimates (kernel_density.h). Map and world
+ * are borrowed; if world is NULL, surfaces are taken to be infinite. Returns NULL if out of memory
+ * or the crew is cancelled.
  */
 struct orl_leaves *orl_leaves_new(const struct orl_photon_map *map, const struct orl_world *world,
                                   uint32_t k, double max_radius, struct orl_crew *crew);
 void orl_leaves_free(struct orl_leaves *leaves);
 
 /*
- * From now on they borrow another copy of the same map and of the same world, while nobody asks;
- * estimates made stay.
+ * Replaces map and world by other copies of the same, which are borrowed. Stored estimates remain.
+ * No query may run at the same time.
  */
 void orl_leaves_rebind(struct orl_leaves *leaves, const struct orl_photon_map *map,
                        const struct orl_world *world);
-uint64_t orl_leaves_bytes(const struct orl_leaves *leaves); /* of memory */
-/* What share of them is made, by a look at some. 0..1 */
+uint64_t orl_leaves_bytes(const struct orl_leaves *leaves); /* memory, bytes */
+/* Returns the approximate share of leaves whose estimate is stored, 0..1, from a sample of them. */
 double orl_leaves_made(const struct orl_leaves *leaves);
 
 /*
- * Irradiance at a point; its footing (the point's own) may be NULL, then walls are not seen.
- * ret_parts is NULL, or takes the parts of its luma; ret_crowded the same, whether the place is
- * crowded (crowd.h): then the irradiance is none and has no parts, for it is to be found otherwise.
+ * Returns the irradiance at a point. footing: the point's own; NULL: walls are ignored. ret_parts:
+ * set to the parts of its luma, or NULL. ret_crowded: set to true if the place is occluded in the
+ * near field (crowd.h), or NULL. If it is set to true, the irradiance is 0 without parts, and the
+ * caller must compute it otherwise.
  */
 struct orl_rgb orl_leaves_irradiance(struct orl_leaves *leaves, struct orl_vec3 point,
                                      struct orl_vec3 normal, const struct orl_footing *footing,

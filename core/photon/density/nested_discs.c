@@ -7,14 +7,14 @@
 #include "photon/map/flux.h"
 #include "photon/surface/sides.h"
 
-/* Over the area that another estimate close by took. */
+/* Factor on the area that a neighbouring estimate used. */
 static const float first_beyond = 1.15F;
 
-/* ---- Adding up ------------------------------------------------------------------------------- */
+/* ---- Summation ------------------------------------------------------------------------------- */
 
 /*
- * What share of a patch lies within a radius, linear in the area; and for first moments, linear in
- * the third power: then sums over even light are those of the disc.
+ * Shares of a patch within a radius: linear in the area, and for first moments linear in the third
+ * power of the radius. So sums over even light equal those of the disc.
  */
 struct share {
     float area, moment;
@@ -40,8 +40,8 @@ static void add_row(float *restrict sum, const float *restrict mass, float share
         sum[i] += share * mass[i];
 }
 
-static void place(const struct orl_disc_search *hunt, const struct orl_frame *frame,
-                  const float at[3], float *ret_x, float *ret_y)
+static void project_offset(const struct orl_disc_search *hunt, const struct orl_frame *frame,
+                           const float at[3], float *ret_x, float *ret_y)
 {
     const struct orl_vec3 chord =
         orl_v3(at[0] - hunt->at[0], at[1] - hunt->at[1], at[2] - hunt->at[2]);
@@ -49,13 +49,13 @@ static void place(const struct orl_disc_search *hunt, const struct orl_frame *fr
     *ret_y = (float)(orl_dot(chord, frame->v) * hunt->cell);
 }
 
-static void place_patch(const struct orl_disc_search *hunt, const struct orl_frame *frame,
-                        uint32_t patch, float *ret_x, float *ret_y)
+static void project_patch(const struct orl_disc_search *hunt, const struct orl_frame *frame,
+                          uint32_t patch, float *ret_x, float *ret_y)
 {
     uint32_t lane;
     const struct orl_patch_group *group = orl_patch_find(hunt->sums, patch, &lane);
     const float at[3] = {group->at[0][lane], group->at[1][lane], group->at[2][lane]};
-    place(hunt, frame, at, ret_x, ret_y);
+    project_offset(hunt, frame, at, ret_x, ret_y);
 }
 
 ORL_FOR_WIDE_VECTORS static void add_wholes(const struct orl_disc_search *hunt,
@@ -70,7 +70,7 @@ ORL_FOR_WIDE_VECTORS static void add_wholes(const struct orl_disc_search *hunt,
         float disc = radius, x = 0, y = 0;
         struct share share = share_within(disc, distance2, ramp, frame != NULL);
         if (frame && share.area > 0)
-            place_patch(hunt, frame, wholes->patch[n], &x, &y);
+            project_patch(hunt, frame, wholes->patch[n], &x, &y);
         for (int i = 0; i < ORL_NESTED_DISCS && share.area > 0; i++) {
             struct share inside = {0, 0};
             disc *= narrower;
@@ -87,7 +87,7 @@ ORL_FOR_WIDE_VECTORS static void add_wholes(const struct orl_disc_search *hunt,
     }
 }
 
-/* A photon's fluxes and all in sums, times a factor. */
+/* Adds a photon's fluxes, their squares and its count to the sums, times a factor. */
 static void add_photon(float sum[ORL_MASS], const struct orl_rgb *flux, uint32_t batch,
                        float factor)
 {
@@ -121,15 +121,15 @@ static void add_photons(const struct orl_disc_search *hunt, const struct orl_fra
         uint32_t cell[3];
         float x, y;
         orl_place_unpack(leaf[0], leaf[ORL_MAP_LEAF], cell);
-        place(hunt, frame, (const float[3]){(float)cell[0], (float)cell[1], (float)cell[2]}, &x,
-              &y);
+        project_offset(hunt, frame,
+                       (const float[3]){(float)cell[0], (float)cell[1], (float)cell[2]}, &x, &y);
         add_photon(ring->by_x, &flux, batch, x);
         add_photon(ring->by_y, &flux, batch, y);
     }
 }
 
-static void add_up(const struct orl_disc_search *hunt, float radius2,
-                   struct orl_nested_discs *rings)
+static void sum_rings(const struct orl_disc_search *hunt, float radius2,
+                      struct orl_nested_discs *rings)
 {
     const struct orl_frame *frame = hunt->footprint ? &hunt->footprint->frame : NULL;
     rings->radius = orl_larger(sqrt((double)radius2), 1) * hunt->cell;
@@ -145,9 +145,10 @@ static void add_up(const struct orl_disc_search *hunt, float radius2,
     }
 }
 
-/* ---- The footprint --------------------------------------------------------------------------- */
+/* ---- Footprint ------------------------------------------------------------------------------- */
 
-/* Of the footprint: out to twice the disc that holds k, or as far as allowed. */
+/* Searches the footprint: out to twice the radius of the disc that holds k, or to the maximum
+ * radius. Returns the squared radius in cells. */
 static float find_in_footprint(struct orl_disc_search *hunt, double disc, double least,
                                struct orl_footprint *footprint)
 {
@@ -165,7 +166,8 @@ static float find_in_footprint(struct orl_disc_search *hunt, double disc, double
     }
 }
 
-/* The disc that holds k, leaving aside what cuts it. */
+/* Returns the squared radius, in cells, of the disc that holds k, without regard to
+ * obstructions. */
 static float find_in_disc(struct orl_disc_search *hunt, const struct orl_zorder *order)
 {
     const double reach = hunt->query->max_radius / hunt->cell;
@@ -181,7 +183,7 @@ void orl_nested_discs_gather(const struct orl_leaf_sums *sums, const struct orl_
 {
     struct orl_disc_search hunt = orl_disc_search_of(sums, query, search);
     struct orl_footprint footprint;
-    /* Where the neighbour's was cut and so is this one, its size will do. */
+    /* If the neighbour's disc was cut and this one is, too, the neighbour's size is used. */
     bool cut = query->hint > 0 && query->hint_cut && query->footing &&
                !orl_footing_is_free(query->footing, query->hint);
     double disc = query->hint;
@@ -200,7 +202,7 @@ void orl_nested_discs_gather(const struct orl_leaf_sums *sums, const struct orl_
         radius2 = find_in_footprint(&hunt, disc, least, &footprint);
         ret_rings->clear = footprint.clear;
     }
-    add_up(&hunt, radius2, ret_rings);
+    sum_rings(&hunt, radius2, ret_rings);
     ret_rings->clear = orl_smaller(ret_rings->clear, ret_rings->radius);
     ret_rings->disc = sqrt(ret_rings->discs[0].area / ORL_PI);
 }

@@ -1,13 +1,12 @@
 /*
- * What the photons about a point hold, in three discs that each have half the area of the next: the
- * nearest of the footprint, about query->k of them, or all within max_radius.
+ * Sums of the photons around a point, in three discs that each have half the area of the next. The
+ * photons are the nearest of the footprint, about query->k of them, or all within max_radius.
  *
- * Far more photons than a plain search (search.h) needs, and so few are looked at one by one: a
- * patch of a leaf's photons on the point's plane counts as a whole (leaf_sums.h), by what share of
- * it is within a disc, as if its photons were spread evenly along the radius. In even light that
- * share is right on average, and it scatters far less than sixteen photons that come and go at
- * once. Leaves that are wide for the discs, not flat, or cut by the footprint's border are taken
- * apart into photons.
+ * Uses many more photons than search.h, so most are read as whole patches: photons of a leaf on the
+ * point's plane count together (leaf_sums.h). The share of a patch within a disc is computed as if
+ * its photons were spread evenly along the radius. In even light that share is right on average. It
+ * scatters far less than sixteen photons that enter and leave at once. Leaves that are wide
+ * relative to the discs, not flat, or cut by the footprint's border are split into photons.
  *
  * The radius is the one that holds k photons; it is found by counting, in steps of 1/512 of the
  * area searched.
@@ -22,7 +21,7 @@
 
 enum { ORL_NESTED_DISCS = 3 };
 
-/* Sums of photons (leaf_sums.h), and of those times x and y (moments.h), in metres. */
+/* Sums over photons (leaf_sums.h), also weighted by x and y (moments.h), in metres. */
 struct orl_nested_disc {
     float mass[ORL_MASS], by_x[ORL_MASS], by_y[ORL_MASS];
 };
@@ -30,14 +29,16 @@ struct orl_nested_disc {
 struct orl_nested_discs {
     /* 0: between the whole radius and 1 / sqrt 2 of it; 1: from there to half; 2: all within. */
     struct orl_nested_disc rings[ORL_NESTED_DISCS];
-    struct orl_moments discs[ORL_NESTED_DISCS]; /* of the whole radius and so on */
-    double radius, clear;                       /* as in a density */
-    double disc;                                /* that would hold as many were it not cut */
-    double found;                               /* photons within the radius */
-    bool cut; /* not the whole disc: by_x and by_y are filled in */
+    /* [0] has the whole radius, [1] 1 / sqrt 2 of it, [2] half */
+    struct orl_moments discs[ORL_NESTED_DISCS];
+    double radius, clear; /* as in struct orl_density */
+    double disc;          /* radius of an uncut disc of the same area */
+    double found;         /* number of photons within the radius */
+    bool cut;             /* the disc is cut by the footprint, and by_x and by_y are filled in */
 };
 
-/* Where a footprint within twice the disc that holds k has `least`, it is not made larger. */
+/* Finds the photons. A footprint within twice the disc that holds k is not enlarged if it holds
+ * at least `least` photons. */
 void orl_nested_discs_gather(const struct orl_leaf_sums *sums, const struct orl_zorder *order,
                              const struct orl_density_query *query, double least,
                              struct orl_search *search, struct orl_nested_discs *ret_rings);

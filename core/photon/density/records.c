@@ -16,12 +16,12 @@ enum { NEAREST = 8, LEAST_JOINED = 4, MOST_SEARCHED = 256, GLANCED_AT = 3 };
 enum { ROUND = 4096, CHUNK = 16 };
 _Static_assert((int)CHUNK % (int)GROUP == 0 && (int)ROUND % (int)CHUNK == 0, "whole groups");
 
-/* Of a density's evenness: the widest disc was taken, or nearly so. */
+/* Thresholds of a density's evenness: the widest disc was used, or nearly so. */
 static const double even = 0.9, quite_even = 0.995;
 
-/* ---- Making ---------------------------------------------------------------------------------- */
+/* ---- Making records -------------------------------------------------------------------------- */
 
-/* Tags count octaves down from the scene's radius, in eighths; 0: nothing is known to be clear. */
+/* Codes a distance in eighths of octaves down from the scene's radius; 0: unknown. */
 static uint8_t tag_of(const struct orl_world *world, double clear)
 {
     const double code = floor(255 + 8 * log2(clear / world->geometry->radius));
@@ -57,7 +57,7 @@ static struct orl_record_note note_of(const struct orl_density *density)
     return note;
 }
 
-/* From record to record of a chunk (search.h). */
+/* Initial values passed from record to record of a chunk (search.h). */
 struct hint {
     double disc;
     bool cut;
@@ -93,12 +93,12 @@ static bool make_record(struct maker *m, size_t index, struct orl_search *search
 }
 
 /*
- * Whether a record speaks for that patch of photons, too: it lies on the same plane within
- * the disc that was found to be even, and nothing stands between. Beside walls light has to be
- * quite even for that.
+ * Returns true if a record also represents that patch of photons: the patch is on the same plane,
+ * within the disc that was found to be even, and not occluded. Beside walls the light must be very
+ * even.
  */
-static bool speaks_for(const struct maker *m, uint64_t patch, const struct orl_footing *footing,
-                       const struct orl_density *density)
+static bool represents_patch(const struct maker *m, uint64_t patch,
+                             const struct orl_footing *footing, const struct orl_density *density)
 {
     const struct orl_leaf_sums *sums = &m->adapt.sums;
     const double cell = sums->map->header->cell;
@@ -119,7 +119,7 @@ static bool speaks_for(const struct maker *m, uint64_t patch, const struct orl_f
             orl_footing_joins(footing, orl_madd(footing->point, chord, cell)));
 }
 
-/* A record just made, to be asked whether others about it are needed. */
+/* A record just made, to test whether others around it are needed. */
 struct voice {
     size_t index;
     bool made;
@@ -137,22 +137,23 @@ static struct voice make_voice(struct maker *m, size_t index, struct orl_search 
     return voice;
 }
 
-/* For the leaves of all these records. */
-static bool speaks_for_all(const struct maker *m, const struct voice *voice, size_t first, size_t n)
+/* Returns true if the record represents the leaves of all n records from `first`. */
+static bool represents_leaves(const struct maker *m, const struct voice *voice, size_t first,
+                              size_t n)
 {
     const struct orl_leaf_sums *sums = &m->adapt.sums;
     const uint64_t leaf = LEAVES_A_RECORD * (uint64_t)first, end = leaf + LEAVES_A_RECORD * n;
     if (!voice->made || !(voice->density.evenness >= even) || end > sums->count)
         return false;
     for (uint64_t i = ORL_PATCHES * leaf; i < ORL_PATCHES * end; i++)
-        if (!speaks_for(m, i, &voice->footing, &voice->density))
+        if (!represents_patch(m, i, &voice->footing, &voice->density))
             return false;
     return true;
 }
 
 /*
- * Makes records for so many places: where light is even one amid them does for all, else each half
- * is seen to. `voice` is one of them that is there already, or NULL.
+ * Makes records for n places. Where light is even, one in the middle represents all; otherwise each
+ * half is handled in turn. `voice`: one of them that exists already, or NULL.
  */
 static void make_group(struct maker *m, size_t first, size_t n, const struct voice *voice,
                        struct orl_search *search, struct hint *hint)
@@ -163,7 +164,7 @@ static void make_group(struct maker *m, size_t first, size_t n, const struct voi
         own = make_voice(m, first + half, search, hint);
         voice = &own;
     }
-    if (n == 1 || speaks_for_all(m, voice, first, n))
+    if (n == 1 || represents_leaves(m, voice, first, n))
         return;
     const bool above = voice->index >= first + half;
     make_group(m, first + half, n - half, above ? voice : NULL, search, hint);
@@ -203,7 +204,7 @@ void orl_records_done(struct orl_records *records)
     memset(records, 0, sizeof *records);
 }
 
-/* Drops those that could not be made. */
+/* Drops the records that could not be made. */
 static void keep_made(struct orl_records *records, const bool *made)
 {
     size_t kept = 0;
@@ -248,27 +249,27 @@ done:
     return code;
 }
 
-/* ---- Reading --------------------------------------------------------------------------------- */
+/* ---- Reading records ------------------------------------------------------------------------- */
 
 /*
- * A weighted fit of a plane to the records about a point: sums of weights, of offsets in the
- * tangent plane over the radius (x, y), and of values with either.
+ * Weighted fit of a plane to the records around a point: sums of weights, of offsets in the tangent
+ * plane over the radius (x, y), and of values with either.
  */
-struct noted { /* of a value's luma */
+struct noted { /* errors of a value's luma */
     struct orl_batches parts;
     double bias;
-    double few; /* 1: the estimate is of few photons; of sums, times their weight */
+    double few; /* 1: the estimate has few photons; in sums it is weighted */
 };
 struct fit {
     double weight, x, y, xx, xy, yy;
     struct orl_rgb value, by_x, by_y;
     struct noted noted, noted_by_x, noted_by_y;
-    double squares; /* of the value's luma */
+    double squares; /* weighted squares of the value's luma */
     uint32_t joined;
-    double nearest, farthest; /* of those joined, as shares of the radius */
+    double nearest, farthest; /* distances of the records used, as shares of the radius */
 };
 
-/* Sheets end at 30 degrees between normals: there a record's weight is nothing, too. */
+/* Returns a weight that falls to 0 at 30 degrees between normals, where sheets end. */
 static double facing_weight(struct orl_vec3 normal, uint16_t own, uint16_t code)
 {
     static const double cosine_30 = 0.8660254037844386;
@@ -305,9 +306,9 @@ static void add_to_fit(struct fit *fit, double weight, double x, double y, struc
 }
 
 /*
- * The plane's value at the point. Records lie closer together where there is more light, so that a
- * mean of them is too high on every slope; and beside walls all lie on one side. Where they hardly
- * tell a slope the plane is held level (the ridge).
+ * Returns the plane's value at the point. Records are denser where there is more light, so their
+ * mean is too high on every slope; beside walls all are on one side. A ridge term keeps the plane
+ * level if records hardly determine a slope.
  */
 static struct orl_rgb fit_value(const struct fit *fit, struct noted *ret_noted)
 {
@@ -327,7 +328,7 @@ static struct orl_rgb fit_value(const struct fit *fit, struct noted *ret_noted)
                             orl_larger(sum.b / weight, 0)};
 }
 
-/* A map that came without notes tells no errors. */
+/* Returns a record's note times its luma. A map without notes has no errors. */
 static struct noted noted_of(const struct orl_photon_map *map, uint32_t index, double luma)
 {
     const unsigned char *at = orl_photon_map_note(map, index);
@@ -366,13 +367,14 @@ static void add_record(const struct orl_photon_map *map, const struct orl_footin
 }
 
 /*
- * Returns true if the records do not tell the light of the point: they are few, most of them are of
- * few photons, they are biased, or the point lies beyond them. Photons, and so records, end where
- * little light goes; those nearest lie to one side then, far off for how close together they are,
- * and differ. Of n points spread evenly about it, or about it at an end of the surface, one in
- * thirty has the nearest that far off: (1 - (nearest / farthest)^2)^(n - 1).
+ * Returns true if the records do not determine the light at the point: they are few, most have few
+ * photons, they are biased, or the point lies beyond them. Photons, and so records, end where
+ * little light arrives. Then the nearest records lie to one side, far away relative to their
+ * spacing, and differ. If n points are spread evenly around the point, or around it at an end of
+ * the surface, the nearest is that far off in one of thirty cases: (1 - (nearest / farthest)^2)^(n
+ * - 1).
  */
-static bool tells_little(const struct fit *fit, const struct orl_density *density, double mean)
+static bool is_unreliable(const struct fit *fit, const struct orl_density *density, double mean)
 {
     static const double seldom = 1.0 / 30, uneven = 0.3, biased = 0.1;
     const double ratio = fit->farthest > 0 ? fit->nearest / fit->farthest : 0;
@@ -400,7 +402,7 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
         fit = (struct fit){.weight = 0};
         for (uint32_t i = 0; i < found; i++)
             add_record(records, footing, &frame, &search->candidates[i], radius, &fit);
-        /* Beyond a wall there may be many: look further on this side. */
+        /* Many may be behind a wall: search further on this side. */
         if (fit.joined >= LEAST_JOINED || found + 1 < query.k || query.k >= MOST_SEARCHED)
             break;
     }
@@ -414,7 +416,7 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
     density.standard_error = sqrt(orl_batches_variance(&density.parts));
     const double mean = orl_luma(fit.value) / fit.weight;
     density.spread = sqrt(orl_larger(fit.squares / fit.weight - mean * mean, 0));
-    density.crowded = tells_little(&fit, &density, mean);
+    density.crowded = is_unreliable(&fit, &density, mean);
     return density;
 }
 

@@ -1,24 +1,26 @@
 /*
  * Irradiance precomputed at a fraction of the photons: the map of kind "precomputed". It is made
- * from a global map, once, and read instead of it.
+ * once from a global map, and read instead of it.
  *
- * A record is a photon in all but meaning: its place, the normal of the lit side, and as flux the
+ * A record is stored as a photon with its position and the normal of the lit side. Its flux is the
  * irradiance there, W/m2, times the number emitted, so that a map's unpacked "flux" is irradiance.
  * The estimate is that of adaptive_density.h, from a map without photons of the light that shadow
- * rays and the caustic map count (omit.counted_light). There is one record for every 32 photons,
- * amid a leaf (leaf_center.h) and on the surface itself; or for 64 or 128 where they lie together
- * on one plane and within a disc of some 2048 photons over which light was found to be even: there
- * it hardly differs between records, which share most of their photons. Its tag says how far no
- * wall stands about it (orl_record_clear); its note, what the batches of emission hold of it
- * (batches.h) and what its bias is thought to be.
+ * rays and the caustic map count (omit.counted_light).
  *
- * A look-up fits a plane to the nearest records of the same sheet that nothing stands in front of,
- * with weights that fall to zero, with their slope, at the distance of the first one not used: as
- * records come and go nothing steps. A plane, and not a mean: records are as dense as photons, and
- * a mean would lean to the bright side.
+ * There is one record for every 32 photons, at the centre of a leaf (leaf_center.h) and on the
+ * surface itself. One record serves 64 or 128 photons if they lie on one plane, within a disc of
+ * about 2048 photons over which light is even. There the estimate hardly differs between records,
+ * because they share most of their photons. The tag codes the distance within which there is no
+ * wall (orl_record_clear). The note holds the parts of the emission batches (batches.h) and the
+ * estimated bias.
  *
- * Determinism: which records there are and what is in them depends on the global map and the scene.
- * Threads: making is by a crew; look-ups are from any thread.
+ * A look-up fits a plane to the nearest records of the same sheet that are not occluded. Weights
+ * fall to zero, with zero slope, at the distance of the first record not used. So the result has no
+ * steps as records enter and leave. A plane is used instead of a mean because records are as dense
+ * as photons, so a mean would be biased to the bright side.
+ *
+ * Determinism: the records depend only on the global map and the scene. Threads: records are made
+ * by a crew; look-ups may run in any thread.
  * References: Christensen 1999, Journal of Graphics Tools 4 (precomputed irradiance); Fan and
  * Gijbels 1996, chapter 3 (local linear fits).
  */
@@ -41,12 +43,12 @@ struct orl_records_making {
     void *ctx;
 };
 
-/* Of a record, in the map file. */
+/* Note of a record in the map file. */
 struct orl_record_note {
-    float unit; /* of the estimate's luma, as are these: */
+    float unit; /* unit of off; unit and bias are shares of the estimate's luma */
     float bias;
-    int8_t off[ORL_MAP_BATCHES]; /* a batch's part less the mean one, in units */
-    uint32_t few;                /* 1: there were few photons within the estimate's reach */
+    int8_t off[ORL_MAP_BATCHES]; /* a batch's part minus the mean part, in units */
+    uint32_t few;                /* 1: there were few photons within the estimate's radius */
 };
 
 struct orl_records {
@@ -54,7 +56,7 @@ struct orl_records {
     struct orl_record_note *notes;
     size_t count;
 };
-void orl_records_done(struct orl_records *records); /* also of ones that are all zero */
+void orl_records_done(struct orl_records *records); /* a struct that is all zero is allowed */
 
 /*
  * Makes the records, to be written with orl_photon_map_write and the global map's number emitted.
@@ -63,20 +65,20 @@ void orl_records_done(struct orl_records *records); /* also of ones that are all
 int orl_records_make(const struct orl_records_making *making, struct orl_records *ret_records,
                      struct orl_error *err);
 
-/* Within this distance of a record no wall stands: from its tag. */
+/* Returns the distance around a record within which there is no wall, from its tag. */
 double orl_record_clear(const struct orl_world *world, uint32_t tag);
 
 /*
- * Irradiance at a point of a surface, with its parts and standard error; found is 1, or 0 when no
- * record within max_radius serves the point.
+ * Returns the irradiance at a point of a surface, with its parts and standard error. found is 1, or
+ * 0 if no record within max_radius can be used.
  */
 struct orl_density orl_records_estimate(const struct orl_photon_map *records,
                                         const struct orl_footing *footing, double max_radius,
                                         struct orl_search *search);
 
 /*
- * The same by the few that are nearest, whatever stands in between: for rays of a hemisphere, which
- * themselves are averaged.
+ * As orl_records_estimate, but uses the mean of the few nearest records without an occlusion test:
+ * for rays of a hemisphere, which are averaged themselves.
  */
 struct orl_density orl_records_glance(const struct orl_photon_map *records,
                                       const struct orl_footing *footing, double max_radius,

@@ -6,7 +6,7 @@
 #include "photon/surface/sheet.h"
 #include "photon/surface/sides.h"
 
-/* Neighbours that are searched at once, and not from a small radius up. */
+/* Up to this k the search does not start from a small radius. */
 enum { FEW = 16 };
 
 struct walk {
@@ -14,29 +14,32 @@ struct walk {
     const struct orl_density_query *query;
     const struct orl_footprint *footprint; /* NULL: the whole disc */
     struct orl_search_candidate *candidates;
-    float flat2;     /* in cells: nearer than this photons lie in the footing's plane */
-    float at[3];     /* the query point, in cells, moved so that cell corners stand for centres */
-    float radius2;   /* in cells */
-    float hint2;     /* in cells: where the k nearest are likely to be; 0: not known */
-    uint32_t enough; /* found in a footprint, lest it be made larger */
-    uint32_t k, found, room; /* room: candidates held before the nearest k are kept, > k */
-    uint16_t normal;         /* the query's, coded */
-    uint32_t facing;         /* bins of normals worth a visit */
+    float flat2; /* squared cells: photons nearer than this lie in the footing's plane */
+    /* the query point, in cells, shifted so that cell corners represent centres */
+    float at[3];
+    float radius2;   /* squared cells */
+    float hint2;     /* squared cells: likely radius of the k nearest; 0: unknown */
+    uint32_t enough; /* a footprint with this many photons is not enlarged */
+    /* room: candidates stored before the list is reduced to the nearest k, > k */
+    uint32_t k, found, room;
+    uint16_t normal; /* code of the query's normal */
+    uint32_t facing; /* mask of the bins of normals to visit */
 };
 
-static bool nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
+static bool is_nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)
 {
     return a->distance2 < b->distance2 || (a->distance2 == b->distance2 && a->index < b->index);
 }
 
-static void swap(struct orl_search_candidate *a, struct orl_search_candidate *b)
+static void swap_candidates(struct orl_search_candidate *a, struct orl_search_candidate *b)
 {
     const struct orl_search_candidate t = *a;
     *a = *b;
     *b = t;
 }
 
-/* Puts the nth smallest at list[nth], smaller ones before it (Hoare's find). */
+/* Partially sorts the list: the nth smallest is at list[nth], smaller ones before it (Hoare's
+ * quickselect). */
 static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t nth)
 {
     int64_t low = 0, high = count - 1;
@@ -44,12 +47,12 @@ static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t
         const struct orl_search_candidate pivot = list[low + (high - low) / 2];
         int64_t i = low, j = high;
         while (i <= j) {
-            while (nearer(&list[i], &pivot))
+            while (is_nearer(&list[i], &pivot))
                 i++;
-            while (nearer(&pivot, &list[j]))
+            while (is_nearer(&pivot, &list[j]))
                 j--;
             if (i <= j)
-                swap(&list[i++], &list[j--]);
+                swap_candidates(&list[i++], &list[j--]);
         }
         if (nth <= j)
             high = j;
@@ -60,7 +63,7 @@ static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t
     }
 }
 
-/* Photons of the footing's own facet are in its plane, others not: within rounding, in cells. */
+/* Photons near the point must be in the footing's own plane, within rounding, in cells. */
 static bool in_footprint(const struct walk *walk, const float chord[3], float distance2)
 {
     const double cell = walk->map->header->cell;
@@ -91,9 +94,9 @@ static inline void find_offsets(const struct walk *walk, uint32_t leaf,
 }
 
 /*
- * A bit for each photon within the radius that may lie on the point's sheet. Nearly all have the
- * point's own code: those are told by many at once, and surely; where another code is, its bit is
- * set in ret_others.
+ * Returns a bit for each photon within the radius that may lie on the point's sheet. Nearly all
+ * have the query's own code; for these the vectorised test is exact. For photons with another code,
+ * the bit in *ret_others is set.
  */
 static inline uint32_t find_near(const struct walk *walk, const struct leaf_offsets *o,
                                  const uint16_t *normals, uint32_t n, uint32_t *ret_others)
@@ -115,7 +118,7 @@ static inline uint32_t find_near(const struct walk *walk, const struct leaf_offs
     return near;
 }
 
-/* Full: keeps the nearest k, to look no further than the last of them. */
+/* Reduces a full list to the nearest k, and the radius to that of the last of them. */
 static void keep_nearest(struct walk *walk)
 {
     select_nth(walk->candidates, walk->found, walk->k - 1);
@@ -147,8 +150,8 @@ static inline void scan_leaf(struct walk *walk, uint32_t leaf)
     }
 }
 
-/* Asks for what will be looked at next but one: the words of leaves, and their normals. */
-static inline void ask_for(const struct walk *walk, const struct orl_box_visit *visit)
+/* Prefetches the words and normals of a leaf that will be visited soon. */
+static inline void prefetch_leaf(const struct walk *walk, const struct orl_box_visit *visit)
 {
     const uint32_t *words = walk->map->places + (size_t)visit->node * ORL_LEAF_WORDS;
     if (visit->level > 0)
@@ -158,7 +161,7 @@ static inline void ask_for(const struct walk *walk, const struct orl_box_visit *
     __builtin_prefetch(walk->map->normals + (size_t)visit->node * ORL_MAP_LEAF);
 }
 
-/* Depth first, nearest child first. */
+/* Visits nodes depth first, nearest child first. */
 ORL_FOR_WIDE_VECTORS static void walk_boxes(struct walk *walk)
 {
     struct orl_box_visit stack[ORL_BOX_STACK];
@@ -177,7 +180,7 @@ ORL_FOR_WIDE_VECTORS static void walk_boxes(struct walk *walk)
         const uint32_t below = depth;
         depth = orl_box_push(walk->map, at, walk->at, walk->facing, walk->radius2, stack, depth);
         for (uint32_t i = below; i < depth; i++)
-            ask_for(walk, &stack[i]);
+            prefetch_leaf(walk, &stack[i]);
     }
 }
 
@@ -192,11 +195,11 @@ static float diagonal2_of(const struct orl_map_group *group, uint32_t child)
 }
 
 /*
- * A first radius, from the leaves about the point: as if the photons of one lay on a square that
- * just fits its box, k of them take k/16 of its area. The leaf nearest to the point may be two
- * patches far apart, and then says nothing; so the smallest beside it is asked, too. To begin with
- * too small a radius costs little, too large a one very much: three quarters of k will do. Of a few
- * chance is too large a part for that: there twice k are looked for, and most left out again.
+ * Returns an initial squared radius from the leaves around the point: as if the photons of one lay
+ * on a square that just fits its box, so k of them take k/16 of its area. The nearest leaf may be
+ * two patches far apart; so the smallest one beside it is considered, too. Too small an initial
+ * radius costs little, too large a one very much, so it is made for three quarters of k. For small
+ * k, chance is too large for that: it is made for twice k, and most photons are left out again.
  */
 static float first_radius2(const struct walk *walk)
 {
@@ -223,7 +226,7 @@ static float first_radius2(const struct walk *walk)
     return diagonal2 * share * (float)(1 / (2 * ORL_PI) / ORL_MAP_LEAF) * (float)walk->k;
 }
 
-/* Searches ever wider until there are k, or all within the largest radius. */
+/* Searches with growing radius until there are k photons, or all within the maximum radius. */
 static void search_nearest(struct walk *walk)
 {
     const float most2 = walk->radius2;
@@ -236,13 +239,13 @@ static void search_nearest(struct walk *walk)
         walk_boxes(walk);
         if (walk->found >= walk->k || !(radius2 < most2))
             return;
-        /* As much wider as there are too few, and a little. */
+        /* Grows in proportion to the missing photons, and a little more. */
         const float lack = 1.3F * (float)walk->k / (float)(walk->found + 1);
         radius2 *= fminf(lack, 8);
     }
 }
 
-/* The first photons' fluxes, in all and by batch, over the area. */
+/* Divides the fluxes of the first density->found photons by the area, in all and by batch. */
 static void spread_fluxes(const struct walk *walk, struct orl_density *density)
 {
     const double unit = walk->map->header->flux_unit / density->area;
@@ -257,7 +260,7 @@ static void spread_fluxes(const struct walk *walk, struct orl_density *density)
     density->standard_error = sqrt(orl_batches_variance(&density->parts));
 }
 
-/* The nearest photons of the disc, or the footprint, within max_radius. */
+/* Finds the nearest photons of the disc, or the footprint, within max_radius. */
 static struct orl_density find_within(struct walk *walk, double max_radius)
 {
     const double cell = walk->map->header->cell, reach = max_radius / cell;
@@ -270,20 +273,22 @@ static struct orl_density find_within(struct walk *walk, double max_radius)
         density.found = walk->k - 1;
         density.radius = sqrt((double)walk->candidates[walk->k - 1].distance2) * cell;
     }
-    /* Photons on one spot have no area to spread over but a cell's. */
+    /* The area of photons at one point is at least that of a cell. */
     density.radius = orl_larger(density.radius, cell);
     density.clear = density.radius;
     return density;
 }
 
-/* A little beyond where the footprint has the area of a disc. */
+/* Returns the squared radius, in cells, slightly beyond the one at which the footprint has the
+ * area of the disc. */
 static float hint_of(const struct walk *walk, double disc)
 {
     const double radius = 1.1 * orl_footprint_even(walk->footprint, disc) / walk->map->header->cell;
     return (float)(radius * radius);
 }
 
-/* Of the footprint: out to twice the disc that holds k, or as far as allowed. */
+/* Searches the footprint: out to twice the radius of the disc that holds k, or to the maximum
+ * radius. */
 static struct orl_density find_in_footprint(struct walk *walk, double disc,
                                             struct orl_footprint *footprint)
 {
@@ -324,9 +329,9 @@ static struct walk walk_of(const struct orl_photon_map *map, const struct orl_de
     return walk;
 }
 
-/* The disc first; where it is cut, the footprint. All but the irradiance. */
-static struct orl_density find(struct walk *walk, struct orl_footprint *footprint,
-                               struct orl_health *health)
+/* Searches the disc first, and if it is cut the footprint. Fills in all but the irradiance. */
+static struct orl_density find_photons(struct walk *walk, struct orl_footprint *footprint,
+                                       struct orl_health *health)
 {
     const struct orl_density_query *query = walk->query;
     struct orl_density density = find_within(walk, query->max_radius);
@@ -346,7 +351,7 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
     struct walk walk = walk_of(map, query, search);
     walk.enough = (walk.k + 3) / 4;
     struct orl_footprint footprint;
-    struct orl_density density = find(&walk, &footprint, &search->health);
+    struct orl_density density = find_photons(&walk, &footprint, &search->health);
     const double cell = map->header->cell;
     if (density.found == 0)
         return density;
@@ -360,7 +365,7 @@ struct orl_density orl_density_estimate(const struct orl_photon_map *map,
 double orl_density_bias(const struct orl_photon_map *map, const struct orl_density_query *query,
                         const struct orl_density *estimate, struct orl_search *search)
 {
-    static const double least = 1.4; /* between the areas */
+    static const double least = 1.4; /* minimum ratio of the areas */
     struct orl_density_query other = *query;
     struct orl_health before = search->health;
     struct orl_density second;
@@ -372,7 +377,7 @@ double orl_density_bias(const struct orl_photon_map *map, const struct orl_densi
         other.max_radius = estimate->radius * sqrt(0.5);
         second = orl_density_estimate(map, &other, search);
     }
-    search->health = before; /* it is no estimate of its own */
+    search->health = before; /* this is not an estimate of its own */
     if (orl_larger(second.area, estimate->area) < least * orl_smaller(second.area, estimate->area))
         return 0;
     struct orl_batches difference = second.parts;

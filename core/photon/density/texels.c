@@ -9,26 +9,25 @@
 
 enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16, LINE = 64 };
 
-/* A square of which less than this share is surface is taken together with its fullest neighbour.
- */
+/* Minimum share of surface in a texel; texels with less are merged with their fullest neighbour. */
 static const double least_share = 0.25;
 
 struct orl_texels {
     const struct orl_world *world;
-    struct orl_planes planes;  /* of the world's facets */
+    struct orl_planes planes;  /* planes of the world's facets */
     struct orl_squares *sides; /* per facet: back, front; a square is a texel */
     struct orl_texel *texels;
-    bool *cut; /* per texel: something stands on it */
+    bool *cut; /* per texel: an object stands on it */
     uint32_t count;
-    double photons; /* a texel's, on average */
+    double photons; /* average number in a texel */
 };
 
-/* Of a texel in the making: flux, then irradiance. */
+/* Sums of a texel during building: flux, then irradiance. */
 struct sum {
-    float values[3], parts[ORL_MAP_BATCHES]; /* of channels, and of luma by batch */
+    float values[3], parts[ORL_MAP_BATCHES]; /* by channel; luma by batch */
 };
 
-/* What there is only while texels are made. */
+/* Temporary data while texels are built. */
 struct making {
     struct orl_texels *texels;
     struct sum *sums; /* per texel */
@@ -44,13 +43,13 @@ static uint32_t index_in(const struct orl_texels *texels, uint32_t side, struct 
                              orl_plane_corner(&texels->planes.planes[side / 2], point));
 }
 
-static uint32_t steps(double length, double width)
+static uint32_t steps_across(double length, double width)
 {
     return (uint32_t)fmin(fmax(round(length / width), 1), MOST_ACROSS);
 }
 
-/* As many texels on every side as its photons are worth. */
-static void share_out(struct making *m)
+/* Divides every side into texels, in proportion to its photons. */
+static void lay_out_texels(struct making *m)
 {
     struct orl_texels *texels = m->texels;
     const size_t n = texels->planes.geometry->n_facets;
@@ -70,8 +69,8 @@ static void share_out(struct making *m)
             continue;
         const double width =
             sqrt(orl_facet_area(texels->planes.geometry, i / 2) * texels->photons / landed);
-        side->across = steps(plane->wide, width);
-        side->down = steps(plane->high, width);
+        side->across = steps_across(plane->wide, width);
+        side->down = steps_across(plane->high, width);
         side->width = plane->wide / side->across;
         side->height = plane->high / side->down;
         count += (uint64_t)side->across * side->down;
@@ -95,8 +94,8 @@ static void find_texels(void *arg, size_t chunk, uint32_t member)
     }
 }
 
-/* Flux into a slice of the texels. */
-static void add_up(void *arg, size_t slice, uint32_t member)
+/* Adds photons' flux to a slice of the texels. */
+static void add_flux(void *arg, size_t slice, uint32_t member)
 {
     const struct making *m = arg;
     const struct orl_photon_map *map = m->map;
@@ -105,7 +104,7 @@ static void add_up(void *arg, size_t slice, uint32_t member)
     const uint32_t room = (uint32_t)(count * (slice + 1) / SLICES) - from;
     (void)member;
     for (uint64_t i = 0; i < map->header->count; i++) {
-        if (m->places[i] - from >= room) /* before it, too: numbers wrap */
+        if (m->places[i] - from >= room) /* also true before it: unsigned numbers wrap */
             continue;
         const struct orl_rgb flux =
             orl_rgb_scale(orl_flux_unpack(map->fluxes[i]), map->header->flux_unit);
@@ -135,7 +134,7 @@ static void add_sum(struct sum *sum, const struct sum *more)
         sum->parts[b] += more->parts[b];
 }
 
-static void divide(struct sum *sum, float area)
+static void divide_by_area(struct sum *sum, float area)
 {
     for (int c = 0; c < 3; c++)
         sum->values[c] = area > 0 ? sum->values[c] / area : 0;
@@ -143,8 +142,8 @@ static void divide(struct sum *sum, float area)
         sum->parts[b] = area > 0 ? sum->parts[b] / area : 0;
 }
 
-/* Shares are rounded such that together they are the whole. */
-static void keep(const struct sum *sum, struct orl_texel *texel)
+/* Rounds the shares such that their sum is exact. */
+static void store_texel(const struct sum *sum, struct orl_texel *texel)
 {
     float luma = 0, before = 0;
     long rounded = 0;
@@ -159,10 +158,10 @@ static void keep(const struct sum *sum, struct orl_texel *texel)
 }
 
 /*
- * Flux to irradiance, of one side. What lands in a square that is hardly surface goes to its
- * fullest neighbour, and comes back as that one's irradiance.
+ * Converts flux to irradiance for one side. The flux of a texel with hardly any surface is added to
+ * its fullest neighbour, and the texel gets that neighbour's irradiance.
  */
-static void settle(void *arg, size_t index, uint32_t member)
+static void finish_side(void *arg, size_t index, uint32_t member)
 {
     const struct making *m = arg;
     const struct orl_squares *side = &m->texels->sides[index];
@@ -180,17 +179,17 @@ static void settle(void *arg, size_t index, uint32_t member)
                     m->areas[there] += m->areas[here];
                 } else if (pass == 1 &&
                            (!small || there == here || !((double)m->areas[there] >= enough))) {
-                    divide(&sums[here], m->areas[here]);
+                    divide_by_area(&sums[here], m->areas[here]);
                 } else if (pass == 2 && there != here && (double)m->areas[there] >= enough) {
                     sums[here] = sums[there];
                 }
             }
     for (uint32_t i = side->first; i < side->first + side->across * side->down; i++)
-        keep(&sums[i], &m->texels->texels[i]);
+        store_texel(&sums[i], &m->texels->texels[i]);
 }
 
-/* Looks for what stands on whole squares, along both diagonals: no long wall passes between them.
- */
+/* Finds objects that stand on whole texels, by rays along both diagonals: no long wall passes
+ * between these. */
 static void find_cuts(void *arg, size_t index, uint32_t member)
 {
     static const double corners[2][2] = {{0.001, 0.001}, {0.999, 0.001}};
@@ -218,20 +217,20 @@ static void find_cuts(void *arg, size_t index, uint32_t member)
     }
 }
 
-/* Returns false when the crew is cancelled. */
-static bool fill(struct making *m, struct orl_crew *crew)
+/* Fills the texels. Returns false if the crew is cancelled. */
+static bool fill_texels(struct making *m, struct orl_crew *crew)
 {
     const size_t facets = m->texels->world->geometry->n_facets;
     const uint64_t leaves = (m->map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
     return orl_crew_try(crew, (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK, find_texels, m) ==
                0 &&
-           orl_crew_try(crew, SLICES, add_up, m) == 0 &&
+           orl_crew_try(crew, SLICES, add_flux, m) == 0 &&
            orl_crew_try(crew, 2 * facets, add_areas, m) == 0 &&
-           orl_crew_try(crew, 2 * facets, settle, m) == 0 &&
+           orl_crew_try(crew, 2 * facets, finish_side, m) == 0 &&
            orl_crew_try(crew, 2 * facets, find_cuts, m) == 0;
 }
 
-static bool make(struct making *m, struct orl_crew *crew)
+static bool build_texels(struct making *m, struct orl_crew *crew)
 {
     struct orl_texels *texels = m->texels;
     const struct orl_geometry *g = texels->world->geometry;
@@ -244,7 +243,7 @@ static bool make(struct making *m, struct orl_crew *crew)
     struct orl_landing landing = {m->map, &texels->planes, m->places, m->doubtful};
     if (orl_landing_find(&landing, crew) < 0)
         return false;
-    share_out(m);
+    lay_out_texels(m);
     const size_t bytes = ((size_t)texels->count + 2) / 2 * LINE;
     texels->texels = aligned_alloc(LINE, bytes);
     texels->cut = calloc((size_t)texels->count + 1, sizeof *texels->cut);
@@ -253,7 +252,7 @@ static bool make(struct making *m, struct orl_crew *crew)
     if (!texels->texels || !texels->cut || !m->sums || !m->areas)
         return false;
     memset(texels->texels, 0, bytes);
-    return fill(m, crew);
+    return fill_texels(m, crew);
 }
 
 struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct orl_world *world,
@@ -265,7 +264,7 @@ struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct
         return NULL;
     texels->world = world;
     texels->photons = photons;
-    const bool made = make(&m, crew);
+    const bool made = build_texels(&m, crew);
     free(m.places);
     free(m.doubtful);
     free(m.sums);

@@ -1,14 +1,12 @@
-/*
- * A parallel beam as wide as the scene: where distant light that comes from one direction starts.
- */
+/* A parallel beam as wide as the scene, in which distant light from one direction starts. */
 #ifndef ORL_PHOTON_FLIGHT_BEAM_H
 #define ORL_PHOTON_FLIGHT_BEAM_H
 
 #include "scene/geometry/geometry.h"
 
 /*
- * The scene's box as seen from far away: a point on the faces that look towards the light, uniform
- * by projected area. Returns that area.
+ * Samples a point on the faces of the scene's box that face the light, uniform by projected area.
+ * Returns the projected area.
  */
 double orl_beam_point(const struct orl_geometry *geometry, struct orl_vec3 towards,
                       const double u[2], struct orl_vec3 *ret_point);

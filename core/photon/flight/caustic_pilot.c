@@ -7,18 +7,20 @@
 #include "photon/flight/trace.h"
 
 enum { CAUSTIC_FLIGHTS = 1 << 17, MOST_FLIGHTS_A_STRATUM = 1 << 14, LEAST_FLIGHTS_A_STRATUM = 512 };
-enum { CAUSTIC_RAYS = 1 << 20 }; /* a stratum: enough where flights go to and fro between mirrors */
-static const double caustic_floor = 0.02; /* of caustic photons spread evenly over what may yield */
+enum { CAUSTIC_RAYS = 1 << 20 }; /* per stratum: enough where photons bounce between mirrors */
+/* share of caustic photons distributed by flux over all strata that may yield some */
+static const double caustic_floor = 0.02;
 
 struct pilot {
     struct orl_emission *emission;
     uint64_t seed;
-    uint32_t flights, open_flights; /* a stratum, and a sun that shines on the whole scene */
+    uint32_t flights, open_flights; /* per stratum; per stratum of a sun on the whole scene */
     double *yield;                  /* per stratum: caustic flux deposited per flight */
-    double **found; /* of some strata: by where on the port it would start; caustic_targets.h */
+    /* for some strata: flux by the cell of the port where it would start (caustic_targets.h) */
+    double **found;
 };
 
-/* Caustic flux per flight of one stratum, by tracing some. */
+/* Estimates the caustic flux per flight of one stratum by tracing some. */
 static void try_caustics(void *arg, size_t index, uint32_t member)
 {
     struct pilot *pilot = arg;
@@ -50,8 +52,8 @@ static void try_caustics(void *arg, size_t index, uint32_t member)
     pilot->yield[index] = sum / flown;
 }
 
-/* A pane that scatters by itself: every place on it makes caustic photons. */
-static bool sends_on_itself(const struct orl_emission *e, const struct orl_stratum *s)
+/* Returns true if the pane itself scatters, so that every point on it makes caustic photons. */
+static bool pane_scatters(const struct orl_emission *e, const struct orl_stratum *s)
 {
     const uint32_t facet = e->world->ports[s->port].facet;
     const uint32_t material = orl_facet_material(e->world->geometry, facet);
@@ -59,10 +61,11 @@ static bool sends_on_itself(const struct orl_emission *e, const struct orl_strat
 }
 
 /*
- * What flights brought down and what was found by looking back from the mirrors are two estimates
- * of one thing; the first misses what is small, the second what is lit by way of something else.
+ * Combines two estimates of caustic flux: that of the flights, and that of rays traced back from
+ * the mirrors. The first misses small mirrors, the second light that reaches mirrors by way of
+ * other surfaces.
  */
-static int seek(struct pilot *pilot, const struct orl_crew *crew)
+static int find_targets(struct pilot *pilot, const struct orl_crew *crew)
 {
     struct orl_emission *e = pilot->emission;
     int code = 0;
@@ -76,7 +79,7 @@ static int seek(struct pilot *pilot, const struct orl_crew *crew)
             continue;
         for (size_t k = 0; k < ORL_CAUSTIC_TARGET_CELLS; k++)
             sum += pilot->found[i][k];
-        if (!sends_on_itself(e, &e->strata[i]))
+        if (!pane_scatters(e, &e->strata[i]))
             code = orl_caustic_target_settle(&e->strata[i], pilot->found[i]);
         if (e->strata[i].place.weight)
             pilot->yield[i] = fmax(pilot->yield[i], sum);
@@ -84,7 +87,7 @@ static int seek(struct pilot *pilot, const struct orl_crew *crew)
     return code;
 }
 
-/* Flights for each of so many strata. */
+/* Returns the number of flights for each of `strata` strata. */
 static uint32_t flights_each(size_t strata)
 {
     const size_t each = CAUSTIC_FLIGHTS / (strata + 1);
@@ -93,8 +96,8 @@ static uint32_t flights_each(size_t strata)
                                                        : each);
 }
 
-/* Windows share what there is. A sun on all of a building has flights of its own, as few of them
- * meet any pane: of 512 none may be mirrored where one photon in 2000 is. */
+/* Windows share the flights. A sun on a whole building has separate ones, because few of them
+ * hit any pane: of 512 none may be mirrored if one photon in 2000 is. */
 static void allot_flights(struct pilot *pilot)
 {
     const struct orl_emission *e = pilot->emission;
@@ -105,8 +108,8 @@ static void allot_flights(struct pilot *pilot)
     pilot->open_flights = flights_each(open);
 }
 
-/* Caustic photons go by what the pilot's brought down, and a little everywhere. */
-static int share_out(struct pilot *pilot, struct orl_crew *crew)
+/* Distributes caustic photons by the flux that the pilot found, and a small share everywhere. */
+static int set_caustic_shares(struct pilot *pilot, struct orl_crew *crew)
 {
     struct orl_emission *e = pilot->emission;
     double sum = 0, flux = 0, below = 0;
@@ -118,7 +121,7 @@ static int share_out(struct pilot *pilot, struct orl_crew *crew)
     allot_flights(pilot);
     int code = orl_crew_try(crew, e->n_strata, try_caustics, pilot);
     if (code == 0)
-        code = seek(pilot, crew);
+        code = find_targets(pilot, crew);
     if (code < 0)
         return code;
     for (size_t i = 0; i < e->n_strata; i++) {
@@ -141,7 +144,7 @@ static int share_out(struct pilot *pilot, struct orl_crew *crew)
 int orl_caustic_pilot(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew)
 {
     struct pilot pilot = {.emission = emission, .seed = seed};
-    const int code = share_out(&pilot, crew);
+    const int code = set_caustic_shares(&pilot, crew);
     for (size_t i = 0; pilot.found && i < emission->n_strata; i++)
         free(pilot.found[i]);
     free(pilot.found);

@@ -1,4 +1,4 @@
-/* Flights that find which strata give caustics, and how many caustic photons each is to have. */
+/* Pilot that estimates the caustic flux of each stratum, and so its share of caustic photons. */
 #ifndef ORL_PHOTON_FLIGHT_CAUSTIC_PILOT_H
 #define ORL_PHOTON_FLIGHT_CAUSTIC_PILOT_H
 
@@ -6,8 +6,8 @@
 
 #include "photon/flight/emit.h"
 
-/* Of an emission whose strata are listed: sets their share_caustic and place, and has_caustics.
- * ORL_ERR_NOMEM, _CANCELLED. */
+/* Sets share_caustic and place of an emission's strata, which must be listed, and has_caustics.
+ * Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_caustic_pilot(struct orl_emission *emission, uint64_t seed, struct orl_crew *crew);
 
 #endif

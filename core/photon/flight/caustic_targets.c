@@ -7,17 +7,18 @@
 #include "scene/material/bounds.h"
 
 enum { MOST_RAYS = 1 << 17, MOST_A_FACET = 1024, LEAST_A_FACET = 4, MOST_PANES = 64 };
-static const double evenly = 0.1;     /* of photons start anywhere on the pane */
-static const double most_cells = 0.5; /* lead on: then they may as well start anywhere */
+static const double evenly = 0.1; /* share of photons that start anywhere on the pane */
+/* if a larger share of the cells leads to targets, photons start anywhere */
+static const double most_cells = 0.5;
 
-static bool sends_on(const struct orl_material *m)
+static bool is_target_material(const struct orl_material *m)
 {
     return orl_material_is_mirror(m) || orl_material_has_lobes(m);
 }
 
-/* The two numbers that orl_facet_sample draws a place on a polygon by. */
-static void locate(const struct orl_geometry *g, const struct orl_facet *f, struct orl_vec3 point,
-                   double ret_u[2])
+/* Inverts orl_facet_sample: computes the two numbers that give a point on a polygon. */
+static void invert_facet_sample(const struct orl_geometry *g, const struct orl_facet *f,
+                                struct orl_vec3 point, double ret_u[2])
 {
     double below = 0, best = -INFINITY;
     ret_u[0] = ret_u[1] = 0;
@@ -40,11 +41,11 @@ static void locate(const struct orl_geometry *g, const struct orl_facet *f, stru
 }
 
 /*
- * The port that a ray from inside leaves the scene by, going straight through panes: of several the
- * last, where its light came in first; -1: none.
+ * Returns the port by which a ray from inside leaves the scene, straight through panes; ORL_NO_PORT
+ * if it does not. Of several ports it is the last, where the light entered first.
  */
-static int32_t leaves_by(const struct orl_world *world, struct orl_vec3 point,
-                         struct orl_vec3 direction, struct orl_hit *ret_hit, double *ret_share)
+static int32_t find_exit_port(const struct orl_world *world, struct orl_vec3 point,
+                              struct orl_vec3 direction, struct orl_hit *ret_hit, double *ret_share)
 {
     struct orl_path path = orl_path_from(point, direction);
     int32_t port = ORL_NO_PORT;
@@ -66,7 +67,7 @@ static int32_t leaves_by(const struct orl_world *world, struct orl_vec3 point,
     return ORL_NO_PORT;
 }
 
-static int note(double **found, size_t cell, double watts)
+static int add_watts(double **found, size_t cell, double watts)
 {
     if (!*found)
         *found = calloc(ORL_CAUSTIC_TARGET_CELLS, sizeof **found);
@@ -76,9 +77,10 @@ static int note(double **found, size_t cell, double watts)
     return 0;
 }
 
-/* Points of one facet, towards one sun; of_port: the stratum of each port with that sun. */
-static int look_from(const struct orl_emission *e, uint32_t facet, uint32_t sun, uint32_t samples,
-                     const size_t *of_port, double **found)
+/* Traces rays from points of one facet towards one sun. of_port: per port, the stratum of the
+ * port and that sun. */
+static int trace_from_facet(const struct orl_emission *e, uint32_t facet, uint32_t sun,
+                            uint32_t samples, const size_t *of_port, double **found)
 {
     const struct orl_world *world = e->world;
     const struct orl_geometry *g = world->geometry;
@@ -91,14 +93,14 @@ static int look_from(const struct orl_emission *e, uint32_t facet, uint32_t sun,
         orl_facet_sample(g, facet, u, &point, &normal);
         const struct orl_vec3 towards = orl_sun_sample(&world->suns[sun], u + 2);
         point = orl_facet_leave(g, facet, point, normal, towards);
-        const int32_t port = leaves_by(world, point, towards, &hit, &share);
+        const int32_t port = find_exit_port(world, point, towards, &hit, &share);
         if (port == ORL_NO_PORT || !(share > 0) || of_port[port] == SIZE_MAX)
             continue;
         struct orl_facet own;
-        locate(g, orl_facet_own(g, hit.facet, &own), hit.point, at);
-        code = note(&found[of_port[port]], orl_caustic_target_cell(at),
-                    share * orl_luma(world->suns[sun].irradiance) * fabs(orl_dot(towards, normal)) *
-                        orl_facet_area(g, facet) / samples);
+        invert_facet_sample(g, orl_facet_own(g, hit.facet, &own), hit.point, at);
+        code = add_watts(&found[of_port[port]], orl_caustic_target_cell(at),
+                         share * orl_luma(world->suns[sun].irradiance) *
+                             fabs(orl_dot(towards, normal)) * orl_facet_area(g, facet) / samples);
     }
     return code;
 }
@@ -112,7 +114,8 @@ int orl_caustic_target_look(const struct orl_emission *emission, const struct or
     size_t facets = 1;
     int code = of_port ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; i < g->n_facets; i++)
-        facets += orl_facet_area(g, i) > 0 && sends_on(&world->materials[orl_facet_material(g, i)]);
+        facets += orl_facet_area(g, i) > 0 &&
+                  is_target_material(&world->materials[orl_facet_material(g, i)]);
     const size_t share = MOST_RAYS / (facets * (world->n_suns + 1));
     const uint32_t samples = (uint32_t)(share > MOST_A_FACET    ? MOST_A_FACET
                                         : share < LEAST_A_FACET ? LEAST_A_FACET
@@ -124,10 +127,11 @@ int orl_caustic_target_look(const struct orl_emission *emission, const struct or
             if (emission->strata[s].kind == ORL_STRATUM_PORT_SUN && emission->strata[s].sun == sun)
                 of_port[emission->strata[s].port] = s;
         for (uint32_t i = 0; i < g->n_facets && code == 0; i++)
-            if (orl_facet_area(g, i) > 0 && sends_on(&world->materials[orl_facet_material(g, i)]))
+            if (orl_facet_area(g, i) > 0 &&
+                is_target_material(&world->materials[orl_facet_material(g, i)]))
                 code = orl_crew_cancelled(crew)
                            ? ORL_ERR_CANCELLED
-                           : look_from(emission, i, sun, samples, of_port, found);
+                           : trace_from_facet(emission, i, sun, samples, of_port, found);
     }
     free(of_port);
     return code;

@@ -1,11 +1,12 @@
 /*
- * Where on a window a sun's light goes on to a mirror, a lens or a lobe. A mirror of a square
- * centimetre behind a window of three square metres gets one photon in 30 000: too few to make a
- * caustic of, and easily none of a pilot's. So it is asked the other way about: from points on
- * every such facet rays go towards the sun, and where they pass a window is noted. Where little of
- * the window leads to any, caustic photons start there, nine in ten of them.
+ * Importance of points on a window for caustics: where a sun's light continues to a mirror, a lens
+ * or a lobe. A mirror of a square centimetre behind a window of three square metres gets one photon
+ * in 30 000. That is too few for a caustic, and a pilot easily finds none. So the search is
+ * reversed: rays from points on every such facet are traced towards the sun, and the points where
+ * they pass a window are recorded. If only a small part of the window leads to targets, nine in ten
+ * caustic photons start there.
  *
- * Ownership: the table goes into the stratum, and with the emission.
+ * Ownership: the table belongs to the stratum, and is freed with the emission.
  */
 #ifndef ORL_PHOTON_FLIGHT_CAUSTIC_TARGETS_H
 #define ORL_PHOTON_FLIGHT_CAUSTIC_TARGETS_H
@@ -17,7 +18,7 @@ enum {
     ORL_CAUSTIC_TARGET_CELLS = ORL_CAUSTIC_TARGET_SIDE * ORL_CAUSTIC_TARGET_SIDE
 };
 
-/* The cell of two numbers that a place on a facet is drawn by. */
+/* Returns the cell of the two numbers that sample a point on a facet. */
 static inline size_t orl_caustic_target_cell(const double u[2])
 {
     const size_t x = (size_t)(u[0] * ORL_CAUSTIC_TARGET_SIDE),
@@ -27,14 +28,15 @@ static inline size_t orl_caustic_target_cell(const double u[2])
 }
 
 /*
- * Adds to found[stratum], for suns in ports, what reaches such facets by each cell, in watts of
- * luma; allocates what is NULL and has something to hold. crew: whose cancellation is heeded.
- * Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ * Adds to found[stratum], for suns in ports, the flux through each cell that reaches such facets,
+ * in watts of luma. Allocates entries that are NULL if they get any flux. crew: polled for
+ * cancellation. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_caustic_target_look(const struct orl_emission *emission, const struct orl_crew *crew,
                             double **found);
 
-/* A stratum's table from what was found there; leaves it empty where most of the pane leads on. */
+/* Makes a stratum's table from that flux; leaves it empty if most of the pane leads to targets.
+ * Returns 0 or ORL_ERR_NOMEM. */
 int orl_caustic_target_settle(struct orl_stratum *stratum, const double *found);
 
 #endif

@@ -5,11 +5,11 @@
 
 enum { LEAF = 4, DEEPEST = 64 };
 
-/* A box about some discs, in the order of the tree; its children follow it, or it is a leaf. */
+/* Bounding box of some discs, in depth-first order: an inner node is followed by its children. */
 struct node {
     double low[3], high[3];
-    uint32_t first, count; /* of a leaf: discs; count 0: none, */
-    uint32_t second;       /* and the second child, the first being next */
+    uint32_t first, count; /* leaf: its discs; count 0: inner node */
+    uint32_t second;       /* inner node: index of the second child; the first one is next */
 };
 
 struct orl_discs {
@@ -25,14 +25,15 @@ static double along(struct orl_vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* The disc's extent along an axis: a circle's, by its normal. */
+/* Returns the disc's half extent along an axis, from the circle's normal. */
 static double half_extent(const struct orl_disc *disc, int axis)
 {
     const double n = along(disc->frame.n, axis);
     return disc->radius * sqrt(fmax(0, 1 - n * n));
 }
 
-static void bound(const struct orl_discs *tree, struct node *node, uint32_t first, uint32_t count)
+static void bound_discs(const struct orl_discs *tree, struct node *node, uint32_t first,
+                        uint32_t count)
 {
     for (int axis = 0; axis < 3; axis++) {
         node->low[axis] = INFINITY;
@@ -68,11 +69,11 @@ static int compare_ranks(const void *a, const void *b)
                           : (x->disc > y->disc) - (x->disc < y->disc);
 }
 
-/* In halves, by their centers along the box's longest axis. */
-static void split(struct orl_discs *tree, struct rank *ranks, uint32_t first, uint32_t count)
+/* Splits the discs in halves by their centers along the box's longest axis. */
+static void split_discs(struct orl_discs *tree, struct rank *ranks, uint32_t first, uint32_t count)
 {
     struct node *node = &tree->nodes[tree->n_nodes++];
-    bound(tree, node, first, count);
+    bound_discs(tree, node, first, count);
     if (count <= LEAF) {
         node->first = first;
         node->count = count;
@@ -87,9 +88,9 @@ static void split(struct orl_discs *tree, struct rank *ranks, uint32_t first, ui
     for (uint32_t i = 0; i < count; i++)
         tree->order[first + i] = ranks[i].disc;
     node->count = 0;
-    split(tree, ranks, first, count / 2);
+    split_discs(tree, ranks, first, count / 2);
     node->second = tree->n_nodes;
-    split(tree, ranks, first + count / 2, count - count / 2);
+    split_discs(tree, ranks, first + count / 2, count - count / 2);
 }
 
 int orl_discs_new(const struct orl_disc *discs, size_t count, struct orl_discs **ret_discs)
@@ -110,7 +111,7 @@ int orl_discs_new(const struct orl_disc *discs, size_t count, struct orl_discs *
     for (uint32_t i = 0; i < count; i++)
         tree->order[i] = i;
     if (count > 0)
-        split(tree, ranks, 0, (uint32_t)count);
+        split_discs(tree, ranks, 0, (uint32_t)count);
     free(ranks);
     *ret_discs = tree;
     return 0;
@@ -140,9 +141,10 @@ static void add_pass(struct orl_passes *passes, struct orl_pass pass)
     passes->passes[passes->count++] = pass;
 }
 
-/* The stretch from its lit side, within what is clear of the disc. */
-static void note_disc(const struct orl_disc *disc, uint32_t index, const struct orl_stretch *s,
-                      struct orl_passes *passes)
+/* Records the pass if the stretch crosses the disc from its lit side, within its unobstructed
+ * part. */
+static void record_pass(const struct orl_disc *disc, uint32_t index, const struct orl_stretch *s,
+                        struct orl_passes *passes)
 {
     const double against = -orl_dot(s->direction, disc->frame.n);
     const double height = orl_dot(orl_sub(s->origin, disc->center), disc->frame.n);
@@ -168,7 +170,7 @@ static void note_disc(const struct orl_disc *disc, uint32_t index, const struct 
                                        .lamp = s->lamp});
 }
 
-static bool meets(const struct node *node, const struct orl_stretch *s)
+static bool crosses_box(const struct node *node, const struct orl_stretch *s)
 {
     double near = 0, far = s->distance;
     for (int axis = 0; axis < 3; axis++) {
@@ -195,11 +197,11 @@ void orl_discs_note(const struct orl_discs *discs, const struct orl_stretch *str
     while (depth > 0) {
         const uint32_t at = stack[--depth];
         const struct node *node = &discs->nodes[at];
-        if (!meets(node, stretch))
+        if (!crosses_box(node, stretch))
             continue;
         for (uint32_t i = 0; i < node->count; i++) {
             const uint32_t disc = discs->order[node->first + i];
-            note_disc(&discs->discs[disc], disc, stretch, passes);
+            record_pass(&discs->discs[disc], disc, stretch, passes);
         }
         if (node->count == 0) {
             stack[depth++] = node->second;

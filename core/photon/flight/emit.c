@@ -10,10 +10,10 @@
 
 _Static_assert((int)ORL_SOBOL_BLOCK == (int)ORL_MAP_BATCHES, "a point of each batch");
 
-/* The cosine of half an angle: rays of such a sun are of about one direction. */
+/* Cosine of half an angle: rays of a sun with a smaller angle have about one direction. */
 static const double narrow = 0.9999;
 
-/* The port as a path meets it from outside. */
+/* Returns the port's hit as a path from outside meets it. */
 static struct orl_hit port_hit(const struct orl_world *world, const struct orl_port *port,
                                struct orl_vec3 point)
 {
@@ -23,23 +23,25 @@ static struct orl_hit port_hit(const struct orl_world *world, const struct orl_p
                             .front = port->outside_is_front};
 }
 
-/* Light of that flux arrives at a port from outwards. Of a passage, if there is one. */
+/* Light with a flux that arrives at a port from the direction `outwards`. passage: sampler for
+ * the pane, or NULL. */
 struct arrival {
     const struct orl_port *port;
     const struct orl_passage *passage;
     struct orl_vec3 point, outwards;
     struct orl_rgb flux;
-    struct orl_vec3 start; /* of a dome's: whence to look out, and the flux of radiance 1 */
+    /* domes: start of the ray that finds the radiance; measure: flux for radiance 1 */
+    struct orl_vec3 start;
     double measure;
     struct orl_hit hit;
 };
 
-/* How far an emission has come. */
+/* Stage of an emission. */
 enum stage { LOST, FLIES, ARRIVES, LOOKS };
 
-/* How the port sends it through: false: by its passage, or not at all. */
-static bool set_draw(const struct orl_world *world, struct arrival *a, struct orl_random *random,
-                     double ret_u[3], struct orl_draw *ret_draw)
+/* Sets up the BSDF query for the pane. Returns false if its passage samples it instead. */
+static bool set_bsdf_query(const struct orl_world *world, struct arrival *a,
+                           struct orl_random *random, double ret_u[3], struct orl_draw *ret_draw)
 {
     a->hit = port_hit(world, a->port, a->point);
     ret_u[0] = orl_random_uniform(random);
@@ -50,9 +52,9 @@ static bool set_draw(const struct orl_world *world, struct arrival *a, struct or
     return !a->passage;
 }
 
-/* Off it goes, as it was sent through; false: it was not. */
-static bool depart(const struct orl_world *world, const struct arrival *a,
-                   const struct orl_scatter *s, struct orl_flight *ret_flight)
+/* Starts the photon behind the pane in the sampled direction. Returns false if it was absorbed. */
+static bool start_flight(const struct orl_world *world, const struct arrival *a,
+                         const struct orl_scatter *s, struct orl_flight *ret_flight)
 {
     if (s->event == ORL_EVENT_ABSORBED)
         return false;
@@ -82,8 +84,8 @@ static enum stage aim_port_dome(const struct orl_emission *e, const struct orl_s
     return LOOKS;
 }
 
-/* That radiance is what the look out has found. */
-static enum stage look(struct arrival *a, struct orl_rgb radiance)
+/* Sets the flux from the radiance that the ray outwards found. */
+static enum stage set_radiance(struct arrival *a, struct orl_rgb radiance)
 {
     a->flux = orl_rgb_scale(radiance, a->measure);
     return orl_rgb_max(a->flux) > 0 ? ARRIVES : LOST;
@@ -154,8 +156,8 @@ static bool passes_port(const struct orl_stratum *s)
            s->kind == ORL_STRATUM_PORT_IMAGE || s->kind == ORL_STRATUM_PORT_LAMP;
 }
 
-/* All but where it starts, and what it carries. */
-static void begin(struct orl_flight *flight, double fate)
+/* Initialises all of the flight but its start, direction and flux. */
+static void init_flight(struct orl_flight *flight, double fate)
 {
     flight->from_light = flight->from_port = flight->lamp = flight->beam = false;
     flight->way = (struct orl_deflection){.mirror = false};
@@ -166,13 +168,14 @@ static void begin(struct orl_flight *flight, double fate)
     flight->reflected = 1;
 }
 
-/* start: of those that pass a port; of others the numbers in point will do. */
-static enum stage aim(const struct orl_emission *e, const struct orl_stratum *stratum, bool caustic,
-                      const double *point, const struct orl_port_start *start,
-                      struct orl_random *random, struct arrival *ret_arrival,
-                      struct orl_flight *ret_flight)
+/* Starts an emission up to its arrival at a port, or its flight. start: for strata that pass a
+ * port; other strata use the numbers in point. */
+static enum stage aim_emission(const struct orl_emission *e, const struct orl_stratum *stratum,
+                               bool caustic, const double *point,
+                               const struct orl_port_start *start, struct orl_random *random,
+                               struct arrival *ret_arrival, struct orl_flight *ret_flight)
 {
-    begin(ret_flight, orl_random_uniform(random));
+    init_flight(ret_flight, orl_random_uniform(random));
     switch (stratum->kind) {
     case ORL_STRATUM_PORT_DOME:
         return aim_port_dome(e, stratum, start, ret_arrival);
@@ -201,21 +204,23 @@ bool orl_emission_from(const struct orl_emission *emission, const struct orl_str
     struct orl_port_start start;
     if (passes_port(stratum))
         orl_port_starts(emission, stratum, caustic, &point, 1, &start);
-    enum stage stage = aim(emission, stratum, caustic, point, &start, random, &a, ret_flight);
+    enum stage stage =
+        aim_emission(emission, stratum, caustic, point, &start, random, &a, ret_flight);
     if (stage == LOOKS)
-        stage = look(&a, orl_port_radiance(world, a.port, a.start, a.outwards, random, health));
+        stage =
+            set_radiance(&a, orl_port_radiance(world, a.port, a.start, a.outwards, random, health));
     if (stage != ARRIVES)
         return stage == FLIES;
     if (!orl_port_owns(world->geometry, a.port, a.point))
         return false;
-    const struct orl_scatter s = set_draw(world, &a, random, u, &draw)
+    const struct orl_scatter s = set_bsdf_query(world, &a, random, u, &draw)
                                      ? orl_scatter_sample_at(draw.material, &a.hit, a.outwards,
                                                              draw.transport, draw.lobes, u)
                                      : orl_passage_sample(a.passage, a.outwards, u);
-    return depart(world, &a, &s, ret_flight);
+    return start_flight(world, &a, &s, ret_flight);
 }
 
-static const struct orl_stratum *pick(const struct orl_emission *e, double u, bool caustic)
+static const struct orl_stratum *pick_stratum(const struct orl_emission *e, double u, bool caustic)
 {
     size_t low = 0, high = e->n_strata;
     while (high - low > 1) {
@@ -240,7 +245,7 @@ void orl_emission_points(const struct orl_emission *emission, uint64_t seed, uin
     orl_sobol_block(&emission->sobol, (uint32_t)within, sequences, ret_points);
 }
 
-/* ---- Many at once ---------------------------------------------------------------------------- */
+/* ---- Many emissions at once ------------------------------------------------------------------ */
 
 /* Emissions that take each step together. */
 struct wave {
@@ -250,11 +255,11 @@ struct wave {
     const struct orl_stratum *strata[ORL_EMISSIONS_AT_ONCE];
     enum stage stages[ORL_EMISSIONS_AT_ONCE];
     struct arrival arrivals[ORL_EMISSIONS_AT_ONCE];
-    uint16_t order[ORL_EMISSIONS_AT_ONCE]; /* those of a stratum together, or nearly */
+    uint16_t order[ORL_EMISSIONS_AT_ONCE]; /* emissions sorted by stratum, or nearly so */
     size_t n;
 };
 
-static void put_in_order(struct wave *w)
+static void sort_by_stratum(struct wave *w)
 {
     enum { KINDS = 64 };
     uint16_t next[KINDS + 1] = {0};
@@ -271,7 +276,8 @@ static double share_of(const struct orl_stratum *s, bool caustic)
     return caustic ? s->share_caustic : s->share;
 }
 
-/* Those that follow the first in order and are of its stratum: some of them. */
+/* Returns the end of a run of emissions of one stratum from `first` on, at most
+ * ORL_STARTS_AT_ONCE. */
 static size_t end_of_stratum(const struct wave *w, size_t first)
 {
     size_t end = first + 1;
@@ -281,9 +287,9 @@ static size_t end_of_stratum(const struct wave *w, size_t first)
     return end;
 }
 
-/* Of one stratum. */
-static void aim_some(struct wave *w, size_t first, size_t end, bool caustic,
-                     const double (*points)[ORL_SOBOL_DIMENSIONS])
+/* Starts emissions of one stratum. */
+static void aim_emissions(struct wave *w, size_t first, size_t end, bool caustic,
+                          const double (*points)[ORL_SOBOL_DIMENSIONS])
 {
     const struct orl_stratum *stratum = w->strata[w->order[first]];
     const bool shines = share_of(stratum, caustic) > 0;
@@ -295,14 +301,15 @@ static void aim_some(struct wave *w, size_t first, size_t end, bool caustic,
         orl_port_starts(w->emission, stratum, caustic, u, end - first, starts);
     for (size_t k = first; k < end; k++) {
         const uint16_t i = w->order[k];
-        w->stages[i] = !shines ? LOST
-                               : aim(w->emission, stratum, caustic, points[i], &starts[k - first],
-                                     &w->randoms[i], &w->arrivals[i], &w->flights[i]);
+        w->stages[i] =
+            !shines ? LOST
+                    : aim_emission(w->emission, stratum, caustic, points[i], &starts[k - first],
+                                   &w->randoms[i], &w->arrivals[i], &w->flights[i]);
     }
 }
 
-/* Domes' light: what is seen from the ports. */
-static void look_out(struct wave *w, struct orl_health *health)
+/* Finds the light of domes: traces paths outwards from the ports. */
+static void find_port_radiance(struct wave *w, struct orl_health *health)
 {
     const struct orl_world *world = w->emission->world;
     struct orl_ray rays[ORL_EMISSIONS_AT_ONCE];
@@ -316,8 +323,8 @@ static void look_out(struct wave *w, struct orl_health *health)
         if (w->stages[i] != LOOKS)
             continue;
         if (!orl_port_looks(world, a->port)) {
-            w->stages[i] = look(a, orl_port_radiance(world, a->port, a->start, a->outwards,
-                                                     &w->randoms[i], health));
+            w->stages[i] = set_radiance(a, orl_port_radiance(world, a->port, a->start, a->outwards,
+                                                             &w->randoms[i], health));
             continue;
         }
         whose[n] = i;
@@ -326,14 +333,14 @@ static void look_out(struct wave *w, struct orl_health *health)
     orl_geometry_intersect_many(world->geometry, rays, n, false, hits, found);
     for (size_t k = 0; k < n; k++) {
         struct arrival *a = &w->arrivals[whose[k]];
-        w->stages[whose[k]] =
-            look(a, orl_exterior_radiance_from(world, a->outwards, found[k] ? &hits[k] : NULL,
-                                               orl_chance_found_straight(), &w->randoms[whose[k]],
-                                               health));
+        w->stages[whose[k]] = set_radiance(
+            a,
+            orl_exterior_radiance_from(world, a->outwards, found[k] ? &hits[k] : NULL,
+                                       orl_chance_found_straight(), &w->randoms[whose[k]], health));
     }
 }
 
-/* Through the panes. */
+/* Samples the transmission of the panes. */
 static void pass_ports(struct wave *w)
 {
     const struct orl_world *world = w->emission->world;
@@ -350,17 +357,17 @@ static void pass_ports(struct wave *w)
         w->stages[i] = LOST;
         if (!orl_port_owns(world->geometry, a->port, a->point))
             continue;
-        if (set_draw(world, a, &w->randoms[i], u[n], &draws[n])) {
+        if (set_bsdf_query(world, a, &w->randoms[i], u[n], &draws[n])) {
             whose[n++] = i;
             continue;
         }
         const struct orl_scatter s = orl_passage_sample(a->passage, a->outwards, u[n]);
-        if (depart(world, a, &s, &w->flights[i]))
+        if (start_flight(world, a, &s, &w->flights[i]))
             w->stages[i] = FLIES;
     }
     orl_scatter_sample_many(draws, (const double(*)[3])u, n, scatters);
     for (size_t k = 0; k < n; k++)
-        if (depart(world, &w->arrivals[whose[k]], &scatters[k], &w->flights[whose[k]]))
+        if (start_flight(world, &w->arrivals[whose[k]], &scatters[k], &w->flights[whose[k]]))
             w->stages[whose[k]] = FLIES;
 }
 
@@ -375,13 +382,13 @@ void orl_emission_sample_many(const struct orl_emission *emission,
     w.flights = ret_flights;
     w.n = emission->n_strata > 0 ? n : 0;
     for (size_t i = 0; i < w.n; i++)
-        w.strata[i] = pick(emission, points[i][0], caustic);
-    put_in_order(&w);
+        w.strata[i] = pick_stratum(emission, points[i][0], caustic);
+    sort_by_stratum(&w);
     for (size_t first = 0, end; first < w.n; first = end) {
         end = end_of_stratum(&w, first);
-        aim_some(&w, first, end, caustic, points);
+        aim_emissions(&w, first, end, caustic, points);
     }
-    look_out(&w, health);
+    find_port_radiance(&w, health);
     pass_ports(&w);
     for (size_t i = 0; i < n; i++) {
         struct orl_flight *flight = &ret_flights[i];

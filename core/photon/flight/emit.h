@@ -1,26 +1,27 @@
 /*
- * Where photons start. The light of the scene is divided into strata (a port and the domes seen
- * from it, a port and a sun, a local emitter, and in open scenes the domes and suns themselves);
- * an emission picks a stratum by its flux, then a place and a direction by importance, and carries
- * flux / probability, so that all photons weigh about the same.
+ * Emission of photons. The light of the scene is divided into strata: a port and the domes seen
+ * from it, a port and a sun, a local emitter, and in open scenes the domes and suns themselves. An
+ * emission samples a stratum by its flux, then a point and a direction by importance. It carries
+ * flux / probability, so that all photons have about the same flux.
  *
- * From a port: a point uniform over the pane, a direction outwards from a table of the light that
- * arrives there (made by a pilot of exterior paths, mixed with a tenth of cosine-weighted
- * directions so that nothing the pilot missed is lost), the radiance that really comes from there
- * along a path, then the pane's own transmission. Suns, their images in flat mirrors outside, and
- * lamps outside: a point on the disc or lamp and one shadow ray.
+ * From a port: a point uniform over the pane, and a direction outwards from a table of the light
+ * that arrives there. A pilot of exterior paths makes the table. A tenth of cosine-weighted
+ * directions is mixed in, so that light that the pilot missed is not lost. A path finds the
+ * radiance that really arrives, then the pane's transmission is sampled. Suns, their images in flat
+ * mirrors outside, and lamps outside: a point on the disc or lamp and one shadow ray.
  *
- * Caustic photons start where on the pane a mirror, a lens or a lobe is to be met, when that is a
- * small part of it (caustic_targets.h).
+ * If only a small part of the pane leads to a mirror, a lens or a lobe, caustic photons start there
+ * (caustic_targets.h).
  *
  * From a local emitter: a point uniform by area, a direction by the cosine or, for narrow
  * spotlights, uniform over the cone.
  *
- * From the open sky: a direction by the domes' radiance, a place on the scene's box by a guide.
+ * From the open sky: a direction by the domes' radiance, a point on the scene's box by an
+ * importance map (guide.h).
  *
  * The first five random numbers of an emission and its fate are a scrambled Sobol point by its
- * index. Each batch (index mod 16) has a sequence of its own, independent of the others', so that
- * the spread of batches tells the error of their mean.
+ * index. Each batch (index mod 16) has its own sequence, independent of the others, so the spread
+ * of batches gives the error of their mean.
  */
 #ifndef ORL_PHOTON_FLIGHT_EMIT_H
 #define ORL_PHOTON_FLIGHT_EMIT_H
@@ -33,41 +34,42 @@ enum orl_stratum_kind {
     ORL_STRATUM_PORT_DOME,
     ORL_STRATUM_PORT_SUN,
     ORL_STRATUM_PORT_IMAGE, /* a sun's image in mirrors outside */
-    ORL_STRATUM_PORT_LAMP,  /* one lamp outside, or all of them: port_lamp.h */
+    ORL_STRATUM_PORT_LAMP,  /* one lamp outside, or all of them (port_lamp.h) */
     ORL_STRATUM_EMITTER,
     ORL_STRATUM_OPEN_DOME,
     ORL_STRATUM_OPEN_SUN,
 };
 
-/* A distribution over the unit square, piecewise constant, row by row. */
+/* A piecewise-constant distribution over the unit square, row by row. */
 struct orl_table {
     uint32_t side_x, side_y;
-    double *weight;     /* per cell: its probability */
-    double *row_below;  /* running sums of rows, side_y + 1 */
-    double *cell_below; /* running sums within each row, side_y * (side_x + 1) */
-    double mean;        /* of the values it was made from */
+    double *weight;     /* probability of each cell */
+    double *row_below;  /* prefix sums of rows, side_y + 1 */
+    double *cell_below; /* prefix sums within each row, side_y * (side_x + 1) */
+    double mean;        /* mean of the values it was made from */
 };
 
 struct orl_stratum {
     enum orl_stratum_kind kind;
-    uint32_t port;       /* or emitter */
-    uint32_t sun, image; /* of world.images */
-    uint32_t lamp;       /* seen from a port: an emitter, or ORL_ANY_LAMP */
+    uint32_t port;       /* index of the port, or of the emitter */
+    uint32_t sun, image; /* indices of the sun and of its node in world.images */
+    uint32_t lamp;       /* a lamp that the port sees: index of the emitter, or ORL_ANY_LAMP */
     double flux_w;       /* luma, estimated */
-    double worth;        /* of the open sky: the mean of its guides; else 1 */
-    double reflected;    /* albedo that its light meets first, where that leaves nothing:
-                            first_reflection.h */
-    double share;        /* probability for global photons */
+    double worth;        /* open sky: mean of its importance maps; otherwise 1 */
+    /* mean albedo where its light lands first, if no photon is stored there
+     * (first_reflection.h); otherwise 1 */
+    double reflected;
+    double share; /* probability for global photons */
     double share_caustic;
-    double below, below_caustic; /* running sums before it */
-    struct orl_table place; /* of a sun in a port: where caustic photons start; caustic_targets.h */
-    /* Of a sun in a port, by port_sun.h: */
-    struct orl_shades *shades;         /* owned; NULL: anything may be in the way anywhere */
+    double below, below_caustic; /* sums of the shares of the strata before it */
+    struct orl_table place;      /* sun in a port: start of caustic photons (caustic_targets.h) */
+    /* Data for a sun in a port (port_sun.h). */
+    struct orl_shades *shades;         /* owned; NULL: objects may shade any part of the pane */
     const struct orl_passage *passage; /* borrowed; NULL: none */
 };
 
-/* What global photons are for: to be stored where they land, or to be virtual lamps, which are
- * worth what they send on. */
+/* Use of global photons: stored where they land, or as virtual lamps, whose importance is the
+ * light that they reflect. */
 enum orl_photon_use { ORL_PHOTONS_FOR_MAPS, ORL_PHOTONS_FOR_LAMPS };
 
 struct orl_emission {
@@ -76,17 +78,22 @@ struct orl_emission {
     struct orl_sobol sobol;
     struct orl_stratum *strata;
     size_t n_strata;
-    struct orl_table *port_tables; /* per port: over the outer hemisphere's Shirley-Chiu square */
-    struct orl_table dome_table;   /* open scenes: over the sphere, equal-area cylinder */
-    struct orl_table *sun_guides, *sun_caustic_guides, *dome_guides; /* open scenes: guide.h */
-    struct orl_passage **passages; /* owned: through ports, for suns */
+    /* per port: over the Shirley-Chiu square of the outer hemisphere */
+    struct orl_table *port_tables;
+    /* open scenes: over the sphere, equal-area cylindrical projection */
+    struct orl_table dome_table;
+    /* open scenes: importance maps (guide.h) */
+    struct orl_table *sun_guides, *sun_caustic_guides, *dome_guides;
+    struct orl_passage **passages; /* owned: samplers of transmission through ports, for suns */
     size_t n_passages;
-    uint32_t *lamps_outside; /* emitters that ports may see */
+    uint32_t *lamps_outside; /* indices of emitters that ports may see */
     size_t n_lamps_outside;
-    bool has_caustics; /* a pilot found a way for them, or the planner something lit that may */
+    /* a pilot found caustic photons, or the planner found lit surfaces that may cause them */
+    bool has_caustics;
 };
 
-/* Of a light that the renderer samples directly: its photons may be counted elsewhere. */
+/* Returns true if the renderer samples the stratum's light directly: its photons may be counted
+ * elsewhere. */
 static inline bool orl_stratum_is_counted(const struct orl_emission *e, const struct orl_stratum *s)
 {
     return s->kind == ORL_STRATUM_PORT_SUN || s->kind == ORL_STRATUM_PORT_IMAGE ||
@@ -94,9 +101,9 @@ static inline bool orl_stratum_is_counted(const struct orl_emission *e, const st
            (s->kind == ORL_STRATUM_EMITTER && e->world->emitters[s->port].direct);
 }
 
-/* What has deflected a photon, other than diffuse surfaces. */
+/* Kinds of deflection of a photon, other than by diffuse surfaces. */
 struct orl_deflection {
-    bool mirror; /* mirrors, panes' reflections, dielectrics */
+    bool mirror; /* mirrors, reflection by panes, dielectrics */
     bool lobe;
 };
 
@@ -107,52 +114,56 @@ static inline struct orl_deflection orl_deflected(struct orl_deflection way, enu
     return way;
 }
 
-/* A photon about to fly: just past its port, or at its emitter. */
+/* An emitted photon: just past its port, or at its emitter. */
 struct orl_flight {
     struct orl_vec3 origin, direction;
     struct orl_rgb flux;
-    bool from_light; /* a sun or light, sampled directly by the renderer, as against a dome or glow
-                      */
-    struct orl_deflection way; /* already deflected: by the port's BSDF, or a mirror outside */
+    /* from a sun or lamp, which the renderer samples directly; not from a dome or glow */
+    bool from_light;
+    /* deflections so far: by the port's BSDF, or by a mirror outside */
+    struct orl_deflection way;
     bool from_port;
-    bool lamp;           /* from_light, and no sun; */
-    uint32_t lamp_facet; /* its facet; else */
-    uint32_t sun;        /* the sun; */
-    int16_t image;       /* and its image in mirrors outside, or -1 */
-    bool beam; /* straight from the first sun: of about one direction with others of its kind */
-    struct orl_rgb clarity; /* from a port: of what lies behind it (scatter.h) */
-    double focus;           /* from a spotlight: see lamp.c of the scene; else 0 */
-    double flown;           /* from a port: the distance to the lamp */
-    double fate;            /* in [0,1): at what chance of being alive it dies (trace.h) */
-    double reflected;       /* of its stratum; until first reflected it has that much more flux */
+    bool lamp;              /* from_light, and from a lamp */
+    uint32_t lamp_facet;    /* lamp: its facet */
+    uint32_t sun;           /* from_light without lamp: the sun */
+    int16_t image;          /* the sun's image in mirrors outside; -1: none */
+    bool beam;              /* straight from the first sun: its rays have about one direction */
+    struct orl_rgb clarity; /* transmissivity of the medium behind the port (scatter.h) */
+    double focus;           /* focus of a spotlight (lamp.c of the scene); otherwise 0 */
+    double flown;           /* from a port: the distance from the lamp */
+    /* roulette number in [0,1): the photon dies when its survival probability falls to it
+     * (trace.h) */
+    double fate;
+    /* stratum's value; until its first reflection the flux is larger by the factor 1 / reflected */
+    double reflected;
 };
 
-/* Returns 0 or ORL_ERR_NOMEM, ORL_ERR_CANCELLED. */
+/* Builds the strata and their tables. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uint64_t seed,
                      struct orl_crew *crew, struct orl_emission **ret_emission,
                      struct orl_error *err);
 void orl_emission_free(struct orl_emission *emission);
 
-/* The Sobol points of the emissions from index on, a multiple of ORL_MAP_BATCHES, one per batch. */
+/* Computes the Sobol points of the emissions from index on, one per batch; index is a multiple
+ * of ORL_MAP_BATCHES. */
 void orl_emission_points(const struct orl_emission *emission, uint64_t seed, uint64_t index,
                          bool caustic, struct orl_sobol_block *ret_points);
 
 enum { ORL_EMISSIONS_AT_ONCE = 128 };
 
 /*
- * The emissions of such points, at most that many, and which of them come to something. randoms:
- * of each, for what Sobol does not serve. Paths that look out of ports are counted into health.
- * All take each step together: those of one kind follow one another, rays and draws go side by
- * side. What becomes of one does not depend on the others.
+ * Samples the emissions for such points, at most ORL_EMISSIONS_AT_ONCE. ret_flies is true for those
+ * that emit a photon. randoms: one per emission, for numbers beyond the Sobol point. Paths outwards
+ * from ports are counted in health. All emissions take each step together, sorted by stratum, so
+ * that rays and samples are processed side by side. Each emission is independent of the others.
  */
 void orl_emission_sample_many(const struct orl_emission *emission,
                               const double (*points)[ORL_SOBOL_DIMENSIONS], size_t n, bool caustic,
                               struct orl_random *randoms, struct orl_health *health,
                               struct orl_flight *ret_flights, bool *ret_flies);
 
-/* One emission, from one stratum, with probability one and a random fate; point: five numbers in
- * [0,1).
- */
+/* Samples one emission from one stratum, with probability one and a random fate. point: five
+ * numbers in [0,1). Returns false if no photon is emitted. */
 bool orl_emission_from(const struct orl_emission *emission, const struct orl_stratum *stratum,
                        bool caustic, const double *point, struct orl_random *random,
                        struct orl_health *health, struct orl_flight *ret_flight);

@@ -5,7 +5,8 @@
 #include "photon/flight/table.h"
 #include "scene/material/hemisphere.h"
 
-/* Uniform over a spotlight's cone; the flux of light of radiance 1 from a unit of area. */
+/* Samples a direction uniformly over a spotlight's cone. Returns the flux for radiance 1 from a
+ * unit of area. */
 static double spot_direction(const struct orl_material *spot, struct orl_vec3 normal,
                              const double u[2], struct orl_vec3 *ret_direction)
 {
@@ -28,7 +29,7 @@ bool orl_emit_from_lamp(const struct orl_emission *e, const struct orl_stratum *
     double measure = ORL_PI;
     orl_facet_sample(world->geometry, emitter->facet, u + 1, &point, &normal);
     ret_flight->origin = orl_madd(point, normal, facet->offset);
-    /* A cone of 60 degrees' half angle holds as much as the cosine's pi. */
+    /* A cone of 60 degrees half angle has the solid angle pi, the same as the cosine's measure. */
     if (m->kind == ORL_MATERIAL_SPOTLIGHT && m->cos_cone > 0.5)
         measure = spot_direction(m, normal, u + 3, &ret_flight->direction);
     else

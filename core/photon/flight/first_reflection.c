@@ -4,7 +4,8 @@
 
 enum { FLIGHTS = 1 << 15, MOST_FLIGHTS = 1 << 10, LEAST_FLIGHTS = 64, MOST_BOUNCES = 16 };
 
-/* Lest the few bright places of a dark scene be met by a handful of heavy photons. */
+/* Lower bound, so that the few bright surfaces of a dark scene are not lit by a handful of heavy
+ * photons. */
 static const double least_reflected = 0.1;
 
 struct pilot {
@@ -13,9 +14,8 @@ struct pilot {
     uint32_t flights;
 };
 
-/* The flux that falls on a diffuse surface first, and that surface's albedo; false if it never
- * does.
- */
+/* Finds the flux that lands on a diffuse surface first, and that surface's albedo. Returns false
+ * if the photon never hits one. */
 static bool find_first(const struct orl_world *world, const struct orl_flight *flight,
                        struct orl_random *random, double *ret_flux, double *ret_albedo)
 {
@@ -40,12 +40,12 @@ static bool find_first(const struct orl_world *world, const struct orl_flight *f
     return false;
 }
 
-static void look_ahead(void *arg, size_t index, uint32_t member)
+static void estimate_reflected(void *arg, size_t index, uint32_t member)
 {
     const struct pilot *pilot = arg;
     const struct orl_emission *e = pilot->emission;
     struct orl_stratum *stratum = &e->strata[index];
-    struct orl_health ignored = {0}; /* a pilot's flights reach no result */
+    struct orl_health ignored = {0}; /* counters of pilot flights are discarded */
     double reflected = 0, squares = 0;
     (void)member;
     for (uint32_t i = 0; i < pilot->flights && orl_stratum_is_counted(e, stratum); i++) {
@@ -76,6 +76,6 @@ int orl_first_reflection_prepare(struct orl_emission *emission, uint64_t seed,
     for (size_t i = 0; i < emission->n_strata; i++)
         emission->strata[i].reflected = 1;
     return emission->world->omit.counted_light
-               ? orl_crew_try(crew, emission->n_strata, look_ahead, &pilot)
+               ? orl_crew_try(crew, emission->n_strata, estimate_reflected, &pilot)
                : 0;
 }

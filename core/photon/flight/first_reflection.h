@@ -1,14 +1,14 @@
 /*
- * What light falls on first that a map does not keep: light of suns and lamps is counted by shadow
- * rays and caustic photons, and maps that are seen directly begin with its first reflection
- * (omit.counted_light). Were all of it emitted as photons of one flux, most would end on that first
- * surface and leave nothing.
+ * Emission of light whose first landing is not stored in the map. Shadow rays and caustic photons
+ * count the direct light of suns and lamps, and maps that are viewed directly begin with its first
+ * reflection (omit.counted_light). If all of it were emitted as photons of equal flux, most would
+ * end on that first surface without leaving a photon.
  *
- * So such strata emit fewer photons, of more flux each: by the mean albedo of the surfaces that
- * they fall on first, as the light that goes on sees them. The photon pays there what it was
- * spared: it survives with its albedo over that mean, and loses flux by the mean alone, so that
- * what it leaves weighs what others do. On brighter surfaces it goes on surely, and is heavier.
- * Any number here is right on average; a good one is quick.
+ * So such strata emit fewer photons with more flux each. The factor is the mean albedo of the
+ * surfaces that they land on first, weighted by the reflected light. At the first reflection a
+ * photon survives with a probability of its albedo over that mean, and its flux is multiplied by
+ * the mean. So the photons that it deposits have the same flux as others. On brighter surfaces it
+ * always survives, and has more flux. Any value is unbiased; a good one is efficient.
  */
 #ifndef ORL_PHOTON_FLIGHT_FIRST_REFLECTION_H
 #define ORL_PHOTON_FLIGHT_FIRST_REFLECTION_H
@@ -18,7 +18,7 @@
 #include "photon/flight/emit.h"
 
 /*
- * Fills in `reflected` of all strata, by pilot flights; 1 where all light is kept. Returns 0 or
+ * Sets `reflected` of all strata by pilot flights; 1 if all light is stored. Returns 0 or
  * ORL_ERR_CANCELLED.
  */
 int orl_first_reflection_prepare(struct orl_emission *emission, uint64_t seed,

@@ -1,6 +1,6 @@
 #include "photon/flight/found.h"
 
-/* The image that a photon sets out from: a sun is one of itself. */
+/* Returns the image node in which a photon starts; for a sun it is the sun's own node. */
 static int16_t image_of(const struct orl_world *world, const struct orl_flight *flight)
 {
     const struct orl_images *images = &world->images;
@@ -21,7 +21,7 @@ struct orl_found orl_found_at_first(const struct orl_world *world, const struct 
                               .paths = paths,
                               .lamp = flight->lamp ? flight->lamp_facet : ORL_FOUND_NO_LAMP};
     const bool by_sensor =
-        !paths && !flight->lamp; /* by one pane's lobes sensors find suns alone */
+        !paths && !flight->lamp; /* sensors sample only suns by one pane's lobes */
     if ((way.mirror && way.lobe) || (way.lobe && !by_sensor))
         found.by = paths ? ORL_FOUND_BY_LOBES : ORL_FOUND_BY_NOBODY;
     else if (way.mirror || way.lobe)
@@ -40,9 +40,10 @@ bool orl_found_by_nobody(const struct orl_found *found, const struct orl_world *
            (found->by == ORL_FOUND_BY_IMAGES && !is_shown(found, world));
 }
 
-/* Mirrored there: keeps track of the image. A lamp's is shown by its first mirror alone. */
-static enum orl_found_by mirrored(struct orl_found *found, const struct orl_world *world,
-                                  uint32_t facet)
+/* Handles a reflection by a mirror: updates the image. A lamp has images in its first mirror
+ * only. */
+static enum orl_found_by found_after_mirror(struct orl_found *found, const struct orl_world *world,
+                                            uint32_t facet)
 {
     const struct orl_images *images = &world->images;
     const int16_t class = orl_images_class(images, facet);
@@ -57,25 +58,26 @@ static enum orl_found_by mirrored(struct orl_found *found, const struct orl_worl
     return found->image < 0 ? ORL_FOUND_BY_NOBODY : ORL_FOUND_BY_IMAGES;
 }
 
-/* The first lobes on the light's way settle it: paths that come to them look from there. */
-static enum orl_found_by by_paths(struct orl_found *found, const struct orl_world *world,
-                                  const struct orl_hit *hit, enum orl_event event)
+/* The first lobes on the light's path decide: backward paths that reach them sample lights from
+ * there. */
+static enum orl_found_by found_by_paths(struct orl_found *found, const struct orl_world *world,
+                                        const struct orl_hit *hit, enum orl_event event)
 {
     if (found->by == ORL_FOUND_BY_LOBES || found->by == ORL_FOUND_BY_NOBODY)
         return found->by;
     if (event == ORL_EVENT_MIRROR)
-        return mirrored(found, world, hit->facet);
+        return found_after_mirror(found, world, hit->facet);
     return event == ORL_EVENT_GLOSSY && !orl_found_by_nobody(found, world) ? ORL_FOUND_BY_LOBES
                                                                            : ORL_FOUND_BY_NOBODY;
 }
 
-static enum orl_found_by by_sensor(struct orl_found *found, const struct orl_world *world,
-                                   const struct orl_hit *hit, enum orl_event event)
+static enum orl_found_by found_by_sensor(struct orl_found *found, const struct orl_world *world,
+                                         const struct orl_hit *hit, enum orl_event event)
 {
     const bool straight = found->by == ORL_FOUND_BY_SHADOW_RAYS && found->image >= 0;
     const bool lamp = found->lamp != ORL_FOUND_NO_LAMP;
     if (event == ORL_EVENT_MIRROR && (straight || lamp || found->by == ORL_FOUND_BY_IMAGES))
-        return mirrored(found, world, hit->facet);
+        return found_after_mirror(found, world, hit->facet);
     if (event == ORL_EVENT_GLOSSY && straight &&
         orl_material_transmits_lobes(orl_world_material(world, hit)))
         return ORL_FOUND_BY_LOBES;
@@ -85,6 +87,6 @@ static enum orl_found_by by_sensor(struct orl_found *found, const struct orl_wor
 void orl_found_next(struct orl_found *found, const struct orl_world *world,
                     const struct orl_hit *hit, enum orl_event event)
 {
-    found->by =
-        found->paths ? by_paths(found, world, hit, event) : by_sensor(found, world, hit, event);
+    found->by = found->paths ? found_by_paths(found, world, hit, event)
+                             : found_by_sensor(found, world, hit, event);
 }

@@ -1,10 +1,13 @@
 /*
- * Who else finds the light that a caustic photon carries. Photons that are counted as they fly to
- * sensors (discs.h) bring only what the sensor does not sample by itself: it looks for suns by
- * their images in flat mirrors, and by the lobes of one pane. And of what paths against the light
- * find (render/backward/backward.h) is left what they would have to happen on: they look for suns
- * and lamps from wherever there are lobes, images included, but by way of what is curved, refracts,
- * or faces more ways than there are images for they meet a light only by chance.
+ * The estimator that is responsible for a caustic photon's path (partition of path space).
+ *
+ * Photons that sensors count in flight (discs.h) carry only light that the sensor does not sample
+ * itself. A sensor samples suns by their images in flat mirrors, and by the lobes of one pane.
+ *
+ * For backward paths (render/backward/backward.h), photons carry only light that paths find by
+ * chance. Paths sample suns and lamps, with their images, from all surfaces with lobes. They hit
+ * lights only by chance by way of curved or refracting surfaces, or of mirrors with more
+ * orientations than there are images.
  */
 #ifndef ORL_PHOTON_FLIGHT_FOUND_H
 #define ORL_PHOTON_FLIGHT_FOUND_H
@@ -12,29 +15,32 @@
 #include "photon/flight/emit.h"
 
 enum orl_found_by {
-    ORL_FOUND_BY_SHADOW_RAYS, /* so far straight */
-    ORL_FOUND_BY_IMAGES,      /* a sun, by mirrors of its images' classes; where that is shown */
-    ORL_FOUND_BY_LOBES,       /* a sun, by those of one pane; by paths, any light, by any lobes */
+    ORL_FOUND_BY_SHADOW_RAYS, /* straight so far */
+    /* by mirrors of the image classes, if the image is shown; lamps by one mirror */
+    ORL_FOUND_BY_IMAGES,
+    /* sensors: a sun by the lobes of one pane; paths: any light by any lobes */
+    ORL_FOUND_BY_LOBES,
     ORL_FOUND_BY_NOBODY,
 };
 
 #define ORL_FOUND_NO_LAMP UINT32_MAX
 struct orl_found {
     enum orl_found_by by;
-    int16_t image;   /* of the sun, that it comes from; less than 0: none */
-    bool paths;      /* paths look for it, not a sensor */
-    bool lamp_shown; /* a lamp, by a mirror that shows it (light/lamp_images.h) */
-    uint32_t lamp;   /* the lamp's facet; of a sun ORL_FOUND_NO_LAMP */
+    int16_t image; /* the sun's image from which the photon comes; negative: none */
+    bool paths;    /* true: for backward paths; false: for a sensor */
+    /* light of a lamp by a mirror that has its image (light/lamp_images.h) */
+    bool lamp_shown;
+    uint32_t lamp; /* the lamp's facet; ORL_FOUND_NO_LAMP for a sun */
 };
 
 struct orl_found orl_found_at_first(const struct orl_world *world, const struct orl_flight *flight,
                                     bool paths);
 
-/* After something at that hit other than going straight. */
+/* Updates the state after an event at a hit, other than a straight passage. */
 void orl_found_next(struct orl_found *found, const struct orl_world *world,
                     const struct orl_hit *hit, enum orl_event event);
 
-/* Whether nobody else finds it as it flies now. */
+/* Returns true if no other estimator finds the photon in its current state. */
 bool orl_found_by_nobody(const struct orl_found *found, const struct orl_world *world);
 
 #endif

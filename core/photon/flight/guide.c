@@ -8,8 +8,8 @@
 #include "photon/flight/table.h"
 #include "scene/material/hemisphere.h"
 
-/* Sky patches: an equal-area cylinder of 16 x 16; tables finer for a sun, whose light is parallel.
- */
+/* Sky patches: an equal-area cylindrical projection with 16 x 16 cells. A sun's light is
+ * parallel, so its tables are finer. */
 enum {
     PATCHES_X = 16,
     PATCHES_Y = 16,
@@ -21,8 +21,8 @@ enum {
 enum { MOST_PANES = 16, SEGMENTS = 3 };
 static const double guided_share = 0.9, beside_port = 0.2;
 static const double beside_others = 0.25, dimmest_share = 1e-3;
-/* Of a place whose photons all leave at once: they still light what they land on; no caustic and no
- * virtual lamp does. */
+/* Minimum importance of places whose photons all leave at once. These photons still light the
+ * surface where they land, but make no caustic and no virtual lamp. */
 static const double least_worth = 0.002, least_worth_lamp = 1e-4, least_worth_caustic = 5e-4;
 
 struct pilot {
@@ -30,7 +30,7 @@ struct pilot {
     const struct orl_stratum *stratum;
     uint64_t seed;
     uint32_t patch, side;
-    bool caustic, lamps; /* what for, if not for maps */
+    bool caustic, lamps; /* purpose, if not photon maps */
     double *values;
 };
 
@@ -42,7 +42,7 @@ static uint32_t patch_of(struct orl_vec3 towards)
     return (y < PATCHES_Y - 1 ? (uint32_t)y : PATCHES_Y - 1) * PATCHES_X + column;
 }
 
-/* A direction uniform over a patch. */
+/* Returns a direction uniform over a patch. */
 static struct orl_vec3 patch_direction(uint32_t patch, struct orl_random *random)
 {
     const uint32_t row = patch / PATCHES_X, column = patch % PATCHES_X;
@@ -53,12 +53,12 @@ static struct orl_vec3 patch_direction(uint32_t patch, struct orl_random *random
 }
 
 /*
- * The share of light that is deflected by what stands in its way, panes that it goes straight
- * through among them. Not one event by chance: a pane mirrors a tenth, and of four photons most
- * often none, whose cell then would look as if it were empty.
+ * Returns the share of light that surfaces on its way deflect, with panes that it passes straight.
+ * It is computed, not sampled: a pane mirrors a tenth, so of four photons most often none, and the
+ * cell would look empty.
  */
-static double deflected(const struct orl_world *world, struct orl_vec3 origin,
-                        struct orl_vec3 direction)
+static double deflected_share(const struct orl_world *world, struct orl_vec3 origin,
+                              struct orl_vec3 direction)
 {
     struct orl_path path = orl_path_from(origin, direction);
     struct orl_hit hit;
@@ -80,20 +80,21 @@ static double deflected(const struct orl_world *world, struct orl_vec3 origin,
 }
 
 /*
- * 1 when light that arrives so goes on to meet something else, 0 when it has left. For maps it has
- * to meet something several times in a row, as light in a room does and light on the ground before
- * it does not: photons in rooms then weigh about the same, whether they come by an opening or by a
- * port, and density estimates need no luck to find the heavy ones.
+ * Returns 1 if light along that ray hits further surfaces, 0 if it leaves. For maps it must hit
+ * several in a row, as light in a room does, and light on the ground outside does not. Then photons
+ * in rooms have about the same flux, whether they come by an opening or by a port, and density
+ * estimates do not depend on a few heavy ones.
  */
-static double worth(const struct orl_world *world, struct orl_vec3 origin,
-                    struct orl_vec3 direction, bool lamps, struct orl_random *random)
+static double ray_importance(const struct orl_world *world, struct orl_vec3 origin,
+                             struct orl_vec3 direction, bool lamps, struct orl_random *random)
 {
     struct orl_path path = orl_path_from(origin, direction);
     struct orl_hit hit;
     if (!orl_path_meet(world, &path, &hit))
         return 0;
     if (orl_world_crossing(world, &hit) == ORL_CROSSING_INWARDS)
-        return beside_port; /* the port's own to emit, but there may be a gap beside the pane */
+        /* the port emits this light itself, but there may be a gap beside the pane */
+        return beside_port;
     for (int segment = 0; segment < (lamps ? 1 : SEGMENTS); segment++) {
         const struct orl_scatter s =
             orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&path),
@@ -126,8 +127,9 @@ static void probe_row(void *arg, size_t row, uint32_t member)
             const double u[2] = {x / pilot->side, y / pilot->side};
             struct orl_vec3 origin;
             orl_beam_point(world->geometry, towards, u, &origin);
-            sum += pilot->caustic ? deflected(world, origin, orl_neg(towards))
-                                  : worth(world, origin, orl_neg(towards), pilot->lamps, &random);
+            sum += pilot->caustic
+                       ? deflected_share(world, origin, orl_neg(towards))
+                       : ray_importance(world, origin, orl_neg(towards), pilot->lamps, &random);
         }
         const double least = pilot->caustic ? least_worth_caustic
                              : pilot->lamps ? least_worth_lamp
@@ -137,10 +139,11 @@ static void probe_row(void *arg, size_t row, uint32_t member)
 }
 
 /*
- * Cells beside others are worth a part of what these are: what ends in them by a sliver is easily
- * missed by so few photons, and its own would weigh hundreds of times as much as others.
+ * Returns the largest value around a cell; the cell gets a share of it. The few photons of a cell
+ * easily miss a narrow contribution inside it. Photons that carry it would be hundreds of times as
+ * heavy as others.
  */
-static double beside(const double *found, size_t side, size_t x, size_t y)
+static double largest_beside(const double *found, size_t side, size_t x, size_t y)
 {
     double most = 0;
     for (size_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < side; row++)
@@ -149,18 +152,19 @@ static double beside(const double *found, size_t side, size_t x, size_t y)
     return most;
 }
 
-static void spread_out(struct pilot *pilot, double *found)
+static void spread_values(struct pilot *pilot, double *found)
 {
     const size_t side = pilot->side;
     memcpy(found, pilot->values, side * side * sizeof *found);
     for (size_t y = 0; y < side; y++)
         for (size_t x = 0; x < side; x++)
             pilot->values[y * side + x] =
-                fmax(found[y * side + x], beside_others * beside(found, side, x, y));
+                fmax(found[y * side + x], beside_others * largest_beside(found, side, x, y));
 }
 
-/* Sums of all that is above and left of a corner: (side + 1) squared. */
-static void sum_up(const struct pilot *pilot, double *ret_sums)
+/* Computes the summed-area table: sums of all cells above and left of a corner, (side + 1)
+ * squared. */
+static void sum_areas(const struct pilot *pilot, double *ret_sums)
 {
     const size_t side = pilot->side, wide = side + 1;
     for (size_t i = 0; i < wide; i++)
@@ -172,7 +176,7 @@ static void sum_up(const struct pilot *pilot, double *ret_sums)
                 ret_sums[(y + 1) * wide + x] - ret_sums[y * wide + x];
 }
 
-/* The mean of the cells that far around. */
+/* Returns the mean of the cells up to `reach` around a cell. */
 static double mean_around(const double *sums, size_t side, size_t x, size_t y, size_t reach)
 {
     const size_t wide = side + 1;
@@ -184,15 +188,16 @@ static double mean_around(const double *sums, size_t side, size_t x, size_t y, s
 }
 
 /*
- * A lamp lights what it lights with some probability, and else nothing: it is worth most to send
- * photons by the root of that. A cell's few say little of it where it is small; so it is told by
- * whichever surroundings say most.
+ * Importance for virtual lamps. A lamp lights a place with some probability or not at all; the
+ * variance is least if photons are distributed by the square root of that probability. A cell's few
+ * photons estimate a small probability badly, so the largest mean of several neighbourhoods is
+ * used.
  */
-static void weigh(struct pilot *pilot, double *sums)
+static void weigh_cells(struct pilot *pilot, double *sums)
 {
     static const size_t reaches[] = {1, 4, 13};
     const size_t side = pilot->side;
-    sum_up(pilot, sums);
+    sum_areas(pilot, sums);
     for (size_t y = 0; y < side; y++)
         for (size_t x = 0; x < side; x++) {
             double *value = &pilot->values[y * side + x];
@@ -209,9 +214,9 @@ static int make_table(struct pilot *pilot, struct orl_crew *crew, struct orl_tab
     pilot->values = malloc(side * side * sizeof *pilot->values);
     int code = found && pilot->values ? orl_crew_try(crew, side, probe_row, pilot) : ORL_ERR_NOMEM;
     if (code == 0 && pilot->lamps && !pilot->caustic)
-        weigh(pilot, found);
+        weigh_cells(pilot, found);
     else if (code == 0)
-        spread_out(pilot, found);
+        spread_values(pilot, found);
     if (code == 0)
         code = orl_table_init(ret_table, pilot->side, pilot->side, pilot->values, 1 - guided_share);
     free(found);

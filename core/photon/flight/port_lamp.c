@@ -6,9 +6,9 @@
 
 enum { POINTS_OF_LAMP = 8 };
 
-/* ---- Which lamps ----------------------------------------------------------------------------- */
+/* ---- Lamps that ports may see ---------------------------------------------------------------- */
 
-/* Finds the box about a facet. */
+/* Computes the bounding box of a facet. */
 static void find_box(const struct orl_geometry *g, uint32_t facet, struct orl_vec3 *ret_low,
                      struct orl_vec3 *ret_high)
 {
@@ -32,7 +32,8 @@ static void find_box(const struct orl_geometry *g, uint32_t facet, struct orl_ve
     }
 }
 
-/* Returns true if a port may see the emitter: some of a box about it is before the port's plane. */
+/* Returns true if a port may see the emitter: part of its bounding box is before the port's
+ * plane. */
 static bool is_before_a_port(const struct orl_world *world, const struct orl_emitter *emitter)
 {
     static const double half[2] = {0.5, 0.5};
@@ -50,7 +51,7 @@ static bool is_before_a_port(const struct orl_world *world, const struct orl_emi
     return false;
 }
 
-/* One of a few points of the lamp is outside. */
+/* Returns true if one of a few points of the lamp is outside. */
 static bool shines_outside(const struct orl_emission *e, size_t emitter)
 {
     const struct orl_geometry *g = e->world->geometry;
@@ -103,7 +104,7 @@ bool orl_port_lamp_is_outside(const struct orl_emission *emission, size_t emitte
                    compare_lamps);
 }
 
-/* ---- What arrives ---------------------------------------------------------------------------- */
+/* ---- Arriving light -------------------------------------------------------------------------- */
 
 double orl_emitter_focus(const struct orl_world *world, uint32_t emitter)
 {
@@ -111,8 +112,8 @@ double orl_emitter_focus(const struct orl_world *world, uint32_t emitter)
     return world->materials[orl_facet_material(world->geometry, facet)].focus;
 }
 
-/* Aims from a point of the port, clear of it, at a point of the lamp. Returns false if that is not
- * before the port. */
+/* Samples a point of the lamp from a point near the port. Returns false if the sampled point is
+ * not before the port. */
 static bool aim_at_lamp(const struct orl_world *world, const struct orl_port *port, uint32_t lamp,
                         struct orl_vec3 from, const double *u, struct orl_lamp_aim *ret_aim)
 {

@@ -6,22 +6,22 @@
 
 enum { N = ORL_STARTS_AT_ONCE };
 
-/* What there is of each, in columns. */
+/* Data of several starts, in columns. */
 struct columns {
     double place[N][2], way[N][2], density[N];
     struct orl_vec3 points[N], out[N];
 };
 
-/* Into the outer hemisphere, by the square's points. */
+/* Maps points of the square to directions in the outer hemisphere. */
 ORL_FOR_WIDE_VECTORS
-static void turn_out(struct orl_vec3 outward, size_t n, struct columns *c)
+static void map_to_hemisphere(struct orl_vec3 outward, size_t n, struct columns *c)
 {
     for (size_t i = 0; i < n; i++)
         c->out[i] = orl_hemisphere_about(outward, c->way[i][0], c->way[i][1]);
 }
 
-static void look_at_dome(const struct orl_emission *e, const struct orl_stratum *stratum, size_t n,
-                         struct columns *c)
+static void sample_dome(const struct orl_emission *e, const struct orl_stratum *stratum, size_t n,
+                        struct columns *c)
 {
     double at[N][2];
     orl_table_sample_many(&e->port_tables[stratum->port], (const double(*)[2])c->way, n, at,
@@ -30,11 +30,11 @@ static void look_at_dome(const struct orl_emission *e, const struct orl_stratum 
         c->way[i][0] = at[i][0];
         c->way[i][1] = at[i][1];
     }
-    turn_out(e->world->ports[stratum->port].outward, n, c);
+    map_to_hemisphere(e->world->ports[stratum->port].outward, n, c);
 }
 
-static void look_at_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
-                        bool caustic, size_t n, struct columns *c)
+static void sample_sun(const struct orl_emission *e, const struct orl_stratum *stratum,
+                       bool caustic, size_t n, struct columns *c)
 {
     const struct orl_world *world = e->world;
     if (stratum->kind == ORL_STRATUM_PORT_IMAGE)
@@ -66,12 +66,13 @@ void orl_port_starts(const struct orl_emission *emission, const struct orl_strat
         c.density[i] = 1;
     }
     if (stratum->kind == ORL_STRATUM_PORT_DOME)
-        look_at_dome(emission, stratum, n, &c);
+        sample_dome(emission, stratum, n, &c);
     else if (stratum->kind == ORL_STRATUM_PORT_LAMP)
         for (size_t i = 0; i < n; i++)
-            c.out[i] = world->ports[stratum->port].outward; /* each point has another way */
+            /* the direction depends on the point; port_lamp.c samples it */
+            c.out[i] = world->ports[stratum->port].outward;
     else
-        look_at_sun(emission, stratum, caustic, n, &c);
+        sample_sun(emission, stratum, caustic, n, &c);
     orl_facet_sample_many(world->geometry, world->ports[stratum->port].facet,
                           (const double(*)[2])c.place, n, c.points);
     for (size_t i = 0; i < n; i++)

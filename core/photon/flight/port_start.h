@@ -1,7 +1,7 @@
 /*
- * Where on a port emissions of one stratum start, and whence their light comes: the part of an
- * emission (emit.h) that takes numbers alone and no rays. Several at once take hardly longer than
- * one, for none waits for another's.
+ * Sampling of points on a port and directions of their light, for emissions of one stratum: the
+ * part of an emission (emit.h) that traces no rays. Several at once take hardly longer than one,
+ * because their table look-ups overlap.
  */
 #ifndef ORL_PHOTON_FLIGHT_PORT_START_H
 #define ORL_PHOTON_FLIGHT_PORT_START_H
@@ -11,13 +11,14 @@
 enum { ORL_STARTS_AT_ONCE = 16 };
 
 struct orl_port_start {
-    struct orl_vec3 point, out; /* on the pane; unit, towards the light */
-    double density;             /* against uniform by area, and by projected solid angle of domes */
+    struct orl_vec3 point, out; /* point: on the pane; out: unit, towards the light */
+    /* pdf relative to uniform by area, and for domes to projected solid angle */
+    double density;
 };
 
 /*
- * Of a stratum whose light passes a port; u: five numbers in [0,1) of each, as orl_emission_from
- * has them; n at most ORL_STARTS_AT_ONCE.
+ * Samples starts for a stratum whose light passes a port; u: for each, five numbers in [0,1) as for
+ * orl_emission_from; n: at most ORL_STARTS_AT_ONCE.
  */
 void orl_port_starts(const struct orl_emission *emission, const struct orl_stratum *stratum,
                      bool caustic, const double *const *u, size_t n,

@@ -5,30 +5,33 @@
 #include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
-enum { MOST_PASSAGES = 16 }; /* some megabytes each, of fine data */
-/* Facets times strata: beyond this a look would take longer than it may save. */
+enum { MOST_PASSAGES = 16 }; /* each takes some megabytes for fine data */
+/* Limit of facets times strata, beyond which the search for shades would take longer than it may
+ * save. */
 static const double most_looks = 2e7;
-/* Of the scene's size: nearer than this counts as in the way. Rays are floats. */
+/* Share of the scene's size: objects nearer than this count as occluders, because rays have
+ * float coordinates. */
 static const double margin = 1e-6;
 
 /* ---- Shades ---------------------------------------------------------------------------------- */
 
-/* Onto the plane of a port, along the rays of a sun. */
+/* Projection onto the plane of a port, along the rays of a sun. */
 struct casting {
     const struct orl_geometry *geometry;
-    struct orl_vec3 outward, slide; /* slide: along the sun's rays by one unit of height */
-    double plane;                   /* outward from the origin */
-    double spread;                  /* at most, of a shadow's edge, by unit of height */
+    /* slide: movement along the sun's rays for one unit of height */
+    struct orl_vec3 outward, slide;
+    double plane;  /* distance from the origin, along outward */
+    double spread; /* maximum width of a shadow's edge for one unit of height */
     double room;
     struct orl_shades *shades;
 };
 
-static struct orl_shade nowhere(void)
+static struct orl_shade empty_shade(void)
 {
     return (struct orl_shade){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
 }
 
-/* Adds where a point comes to lie. */
+/* Adds the projection of a point. */
 static void cast_point(const struct casting *c, struct orl_vec3 point, struct orl_shade *shade)
 {
     const double height = orl_dot(point, c->outward) - c->plane;
@@ -41,7 +44,8 @@ static void cast_point(const struct casting *c, struct orl_vec3 point, struct or
     }
 }
 
-/* What of a triangle is before the plane: its corners there, and where its edges pass through. */
+/* Adds the part of a triangle before the plane: its corners there, and the points where its
+ * edges cross the plane. */
 static void cast_triangle(const struct casting *c, struct orl_triangle t, struct orl_shade *shade)
 {
     const struct orl_vec3 corner[3] = {t.a, t.b, t.c};
@@ -56,7 +60,8 @@ static void cast_triangle(const struct casting *c, struct orl_triangle t, struct
     }
 }
 
-/* Of a box; being convex, what of it is before the plane is within. */
+/* Adds a box. Its corners are enough: the box is convex, so the part before the plane is within
+ * their bounds. */
 static void cast_box(const struct casting *c, struct orl_vec3 low, struct orl_vec3 high,
                      struct orl_shade *shade)
 {
@@ -66,7 +71,7 @@ static void cast_box(const struct casting *c, struct orl_vec3 low, struct orl_ve
                    shade);
 }
 
-/* Of a curved facet the box around it. */
+/* Adds the bounding box of a curved facet. */
 static void cast_curved(const struct casting *c, const struct orl_facet *facet,
                         struct orl_shade *shade)
 {
@@ -75,8 +80,8 @@ static void cast_curved(const struct casting *c, const struct orl_facet *facet,
     cast_box(c, low, high, shade);
 }
 
-/* How far beyond the plane a facet reaches. */
-static double reach(const struct casting *c, const struct orl_facet *facet)
+/* Returns how far a facet extends beyond the plane. */
+static double reach_beyond_plane(const struct casting *c, const struct orl_facet *facet)
 {
     const struct orl_vec3 o = c->outward;
     double most = -INFINITY;
@@ -95,7 +100,7 @@ static double reach(const struct casting *c, const struct orl_facet *facet)
 
 static struct orl_shade shade_of(const struct casting *c, const struct orl_facet *facet)
 {
-    struct orl_shade shade = nowhere();
+    struct orl_shade shade = empty_shade();
     if (facet->kind != ORL_SURFACE_POLYGON)
         cast_curved(c, facet, &shade);
     for (uint32_t i = 0; i < facet->n_triangles; i++)
@@ -104,10 +109,10 @@ static struct orl_shade shade_of(const struct casting *c, const struct orl_facet
     return shade;
 }
 
-/* The pane itself, moved nowhere. */
+/* Returns the bounds of the pane itself, projected along its normal. */
 static struct orl_shade pane_of(const struct casting *c, const struct orl_facet *facet)
 {
-    struct orl_shade pane = nowhere();
+    struct orl_shade pane = empty_shade();
     struct casting still = *c;
     still.slide = still.outward;
     still.spread = 0;
@@ -120,17 +125,17 @@ static struct orl_shade pane_of(const struct casting *c, const struct orl_facet 
     return pane;
 }
 
-static bool overlap(const struct orl_shade *a, const struct orl_shade *b)
+static bool shades_overlap(const struct orl_shade *a, const struct orl_shade *b)
 {
     return a->low[0] <= b->high[0] && b->low[0] <= a->high[0] && a->low[1] <= b->high[1] &&
            b->low[1] <= a->high[1];
 }
 
-/* False: there are too many. */
+/* Returns false if there are too many. */
 static bool add_shade(struct orl_shades *shades, const struct orl_shade *shade,
                       const struct orl_shade *pane)
 {
-    if (!overlap(shade, pane))
+    if (!shades_overlap(shade, pane))
         return true;
     if (shades->count == ORL_MOST_SHADES)
         return false;
@@ -138,7 +143,7 @@ static bool add_shade(struct orl_shades *shades, const struct orl_shade *shade,
     return true;
 }
 
-/* What stands in several places, by the box around each. */
+/* Adds instances, by their bounding boxes. */
 static bool cast_placed(const struct casting *c, const struct orl_shade *pane,
                         struct orl_shades *shades)
 {
@@ -148,7 +153,7 @@ static bool cast_placed(const struct casting *c, const struct orl_shade *pane,
         const struct orl_vec3 low = g->placed[i].low, high = g->placed[i].high;
         const double most = fmax(low.x * o.x, high.x * o.x) + fmax(low.y * o.y, high.y * o.y) +
                             fmax(low.z * o.z, high.z * o.z) - c->plane;
-        struct orl_shade shade = nowhere();
+        struct orl_shade shade = empty_shade();
         if (most <= 0.1 * c->room)
             continue;
         cast_box(c, low, high, &shade);
@@ -158,7 +163,8 @@ static bool cast_placed(const struct casting *c, const struct orl_shade *pane,
     return true;
 }
 
-/* Lists the boxes on the pane; false: too many, rays along the pane, or cancelled. */
+/* Lists the boxes on the pane. Returns false if there are too many, rays are nearly parallel to
+ * the pane, or the crew is cancelled. */
 static bool cast_shades(const struct orl_world *world, const struct orl_port *port,
                         const struct orl_sun *sun, const struct orl_crew *crew,
                         struct orl_shades *shades)
@@ -169,26 +175,26 @@ static bool cast_shades(const struct orl_world *world, const struct orl_port *po
     const struct orl_frame frame = orl_frame_about(port->outward);
     const double cosine = orl_dot(port->outward, sun->frame.n), cos_half = sun->cos_half_angle;
     const double sin_half = sqrt(fmax(0, 1 - cos_half * cos_half));
-    /* Of the disc's ray that is nearest to the pane. */
+    /* Cosine for the ray of the disc that is most nearly parallel to the pane. */
     const double least = cosine * cos_half - sin_half * sqrt(fmax(0, 1 - cosine * cosine));
     *shades = (struct orl_shades){.axis = {frame.u, frame.v}};
     if (facet->kind != ORL_SURFACE_POLYGON || !(least > 0.01) || !(cos_half > 0.9))
         return false;
-    /* Rays of unit height: they differ by their angle over the square of the cosine, at most. */
+    /* Rays of unit height differ by at most their angle over the square of the cosine. */
     struct casting c = {.geometry = g,
                         .outward = port->outward,
                         .slide = orl_scale(sun->frame.n, 1 / cosine),
                         .spread = 2 * (sin_half / cos_half) / (least * least),
                         .room = margin * g->radius,
                         .shades = shades};
-    c.plane = reach(&c, facet);
+    c.plane = reach_beyond_plane(&c, facet);
     const struct orl_shade pane = pane_of(&c, facet);
     for (uint32_t i = 0; i < g->n_facets; i++) {
         if (i % 4096 == 0 && orl_crew_cancelled(crew))
             return false;
         struct orl_facet room;
         const struct orl_facet *const f = orl_facet_own(g, i, &room);
-        if (!(f->area > 0) || i == port->facet || reach(&c, f) <= 0.1 * c.room)
+        if (!(f->area > 0) || i == port->facet || reach_beyond_plane(&c, f) <= 0.1 * c.room)
             continue;
         const struct orl_shade shade = shade_of(&c, f);
         if (!add_shade(shades, &shade, &pane))
@@ -212,7 +218,7 @@ static int find_shades(struct orl_emission *e, struct orl_stratum *s, const stru
 
 /* ---- Passages -------------------------------------------------------------------------------- */
 
-/* Ports of one wall have one passage. */
+/* Finds or makes the passage of a port; ports of one wall share it. */
 static int find_passage(struct orl_emission *e, const struct orl_material *material,
                         struct orl_vec3 normal, const struct orl_sun *sun,
                         const struct orl_passage **ret_passage)

@@ -1,11 +1,11 @@
 /*
- * What can be known beforehand of a sun in a port: where on the pane something outside may stand in
- * its way, so that emissions from elsewhere need no shadow ray; and tables of where the pane sends
- * its light (scene/material/passage.h).
+ * Precomputed data for a sun in a port. Shades: parts of the pane where objects outside may block
+ * the sun, so that emissions from other parts need no shadow ray. Passages: tables of the
+ * directions to which the pane scatters the sun's light (scene/material/passage.h).
  *
- * Facets beyond the pane's plane are moved onto it along the sun's rays, those from all over its
- * disc; boxes about what comes to lie on the pane are kept. It is geometry, not a matter of rays
- * that happened to pass: outside the boxes a shadow ray would meet nothing.
+ * Facets beyond the pane's plane are projected onto it along the sun's rays, from all over its
+ * disc. The bounding boxes of projections on the pane are stored. This is exact geometry, not a
+ * sampled test: outside the boxes a shadow ray would hit nothing.
  */
 #ifndef ORL_PHOTON_FLIGHT_PORT_SUN_H
 #define ORL_PHOTON_FLIGHT_PORT_SUN_H
@@ -14,7 +14,7 @@
 
 enum { ORL_MOST_SHADES = 32 };
 
-/* Boxes in the plane of a pane, by two axes of the world's. */
+/* Boxes in the plane of a pane, with two axes in world coordinates. */
 struct orl_shades {
     struct orl_vec3 axis[2];
     size_t count;
@@ -28,15 +28,16 @@ static inline bool orl_may_be_shaded(const struct orl_shades *shades, struct orl
     const double x = orl_dot(point, shades->axis[0]), y = orl_dot(point, shades->axis[1]);
     for (size_t i = 0; i < shades->count; i++) {
         const struct orl_shade *b = &shades->box[i];
-        /* Each by itself is chance, all together mostly not: one branch for them. */
+        /* One combined branch: each single comparison is unpredictable, all together are mostly
+         * false. */
         if ((x >= b->low[0]) & (x <= b->high[0]) & (y >= b->low[1]) & (y <= b->high[1]))
             return true;
     }
     return false;
 }
 
-/* For all strata of suns in ports. Returns 0, ORL_ERR_NOMEM or, as the crew heeds,
- * ORL_ERR_CANCELLED. */
+/* Builds the data for all strata of suns in ports. Returns 0, ORL_ERR_NOMEM or, if the crew is
+ * cancelled, ORL_ERR_CANCELLED. */
 int orl_port_sun_prepare(struct orl_emission *emission, const struct orl_crew *crew);
 void orl_port_sun_done(struct orl_emission *emission);
 

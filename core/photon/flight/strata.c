@@ -10,16 +10,17 @@
 #include "scene/material/hemisphere.h"
 
 /*
- * Pilots. Paths are shared out over the ports so that a building of a thousand windows costs no
- * more than a room: few ports get fine tables, many get coarse ones.
+ * Pilots. Paths are distributed over the ports, so that a building of a thousand windows costs no
+ * more than a room: few ports have fine tables, many have coarse ones.
  */
 enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE = 4 };
 enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
 enum { IMAGE_FLIGHTS = 256, LAMP_FLIGHTS = 1 << 16, LEAST_FLIGHTS_OF_LAMP = 8 };
-static const double least_of_open = 0.01; /* of a lamp's flux without obstructions */
-static const double floor_share = 0.1;    /* of cosine-weighted directions in every table */
-/* Shares of photons that start at the sky of an open scene, when there are ports, or lamps alone.
- */
+/* lower bound of a lamp's estimated flux, as a share of the unobstructed flux */
+static const double least_of_open = 0.01;
+static const double floor_share = 0.1; /* share of cosine-weighted directions in every table */
+/* Bounds on the share of photons that start at the sky of an open scene: with ports, and with
+ * lamps only. */
 static const double least_open = 0.25, most_open = 0.75, most_open_beside_lamps = 0.9;
 
 struct pilot {
@@ -39,8 +40,8 @@ static double transmitted_luma(const struct orl_world *world, const struct orl_p
     return orl_luma(orl_material_albedo(m, &hit, outwards, ORL_LOBE_TRANSMITTED));
 }
 
-/* One cell of one port's table: mean of what arrives and gets through. */
-static void look_out(void *arg, size_t index, uint32_t member)
+/* Fills one cell of one port's table with the mean of the transmitted light. */
+static void fill_cell(void *arg, size_t index, uint32_t member)
 {
     struct pilot *pilot = arg;
     const struct orl_world *world = pilot->emission->world;
@@ -50,7 +51,7 @@ static void look_out(void *arg, size_t index, uint32_t member)
         return;
     const size_t x = index % cells % pilot->side, y = index % cells / pilot->side;
     struct orl_random random = orl_random_stream(pilot->seed, ORL_PURPOSE_PILOT, 2 * index);
-    struct orl_health ignored = {0}; /* a pilot's paths reach no result */
+    struct orl_health ignored = {0}; /* counters of pilot paths are discarded */
     double sum = 0;
     (void)member;
     for (int i = 0; i < PATHS_A_CELL; i++) {
@@ -81,22 +82,22 @@ static int make_port_tables(struct pilot *pilot, struct orl_crew *crew)
     e->port_tables = calloc(n_ports + 1, sizeof *e->port_tables);
     if (!pilot->values || !e->port_tables)
         return ORL_ERR_NOMEM;
-    code = orl_crew_try(crew, n_ports * cells, look_out, pilot);
+    code = orl_crew_try(crew, n_ports * cells, fill_cell, pilot);
     for (size_t i = 0; i < n_ports && code == 0; i++)
         code = orl_table_init(&e->port_tables[i], pilot->side, pilot->side,
                               pilot->values + i * cells, floor_share);
     return code;
 }
 
-/* Area of the scene's box as seen from a direction. */
+/* Returns the projected area of the scene's box in a direction. */
 static double box_area(const struct orl_geometry *g, struct orl_vec3 d)
 {
     const struct orl_vec3 s = orl_sub(g->high, g->low);
     return fabs(d.x) * s.y * s.z + fabs(d.y) * s.x * s.z + fabs(d.z) * s.x * s.y;
 }
 
-/* Directions of the domes by radiance and area of the scene, and once there are guides by how much
- * light from there is worth. */
+/* Builds the table of dome directions by radiance and projected area of the scene; if guided,
+ * also by the importance of light from there. */
 static int make_dome_table(struct orl_emission *e, bool guided)
 {
     double *values = malloc(sizeof *values * DOME_SIDE_X * DOME_SIDE_Y);
@@ -129,7 +130,8 @@ static struct orl_stratum stratum_of(enum orl_stratum_kind kind, size_t port, si
     return (struct orl_stratum){.kind = kind, .port = (uint32_t)port, .sun = (uint32_t)sun};
 }
 
-/* Share of a port's sun that is not in shadow is left to the flights; here it counts whole. */
+/* Returns the flux of a sun through a port, without shadows. Flights find the part that is not
+ * in shadow. */
 static double port_sun_flux(const struct orl_world *world, const struct orl_port *port,
                             const struct orl_sun *sun)
 {
@@ -137,7 +139,7 @@ static double port_sun_flux(const struct orl_world *world, const struct orl_port
     const double half = sqrt(fmax(0, 1 - sun->cos_half_angle * sun->cos_half_angle));
     if (cosine < -half)
         return 0;
-    /* A sun in the pane's plane still has half its disc in front: never quite zero. */
+    /* Half of the disc of a sun in the pane's plane is still in front, so the flux is not zero. */
     const double seen = fmax(cosine, half);
     const struct orl_vec3 out =
         cosine > 0 ? sun->frame.n : orl_normalize(orl_madd(sun->frame.n, port->outward, half));
@@ -145,7 +147,7 @@ static double port_sun_flux(const struct orl_world *world, const struct orl_port
            fmax(transmitted_luma(world, port, out), 1e-3);
 }
 
-/* Share of flights by which a sun's image reaches a port at all, times what arrives. */
+/* Returns the mean flux of flights by which a sun's image reaches a port. */
 static double port_image_flux(const struct orl_emission *e, const struct orl_stratum *stratum)
 {
     struct orl_health ignored = {0};
@@ -161,7 +163,7 @@ static double port_image_flux(const struct orl_emission *e, const struct orl_str
     return sum;
 }
 
-/* The suns' images in mirrors outside; only those that some flight of a pilot found. */
+/* Lists strata of the suns' images in mirrors outside, if some pilot flight reaches the port. */
 static int list_images(struct orl_emission *e, const struct orl_crew *crew)
 {
     const struct orl_world *world = e->world;
@@ -183,8 +185,8 @@ static int list_images(struct orl_emission *e, const struct orl_crew *crew)
     return 0;
 }
 
-/* Flux that passes the pane: by a few flights, and no less than a hundredth of what arrives where
- * nothing is in the way, for a gap may let light through that so few flights miss. */
+/* Returns the flux through the pane: from a few flights, and at least a hundredth of the
+ * unobstructed flux, because so few flights may miss light through a gap. */
 static double port_lamp_flux(const struct orl_emission *e, const struct orl_stratum *stratum)
 {
     const size_t each = LAMP_FLIGHTS / orl_port_lamp_strata(e);
@@ -206,7 +208,7 @@ static double port_lamp_flux(const struct orl_emission *e, const struct orl_stra
     return fmax(passing, least_of_open * open);
 }
 
-/* Lamps outside: of each port all that may light it, or one stratum for all. */
+/* Lists strata of lamps outside: for each port one for each lamp, or one for all lamps. */
 static int list_lamps(struct orl_emission *e, const struct orl_crew *crew)
 {
     const struct orl_world *world = e->world;
@@ -228,7 +230,7 @@ static int list_lamps(struct orl_emission *e, const struct orl_crew *crew)
     return 0;
 }
 
-/* At most, for spotlights. */
+/* Returns the flux of an emitter; for spotlights an upper bound. */
 static double emitter_flux(const struct orl_world *world, const struct orl_emitter *emitter)
 {
     struct orl_facet own;
@@ -285,7 +287,7 @@ static double flux_to_keep(const struct orl_stratum *s)
     return s->flux_w * s->reflected;
 }
 
-/* Sets the share of the sky's light that is worth photons, by the guides. */
+/* Sets the importance of the sky's light, from the importance maps. */
 static int weigh_sky(struct orl_emission *e)
 {
     const double before = e->dome_table.mean;
@@ -302,9 +304,9 @@ static int weigh_sky(struct orl_emission *e)
     return code;
 }
 
-/* The sky's share of photons: that of its flux which is worth them, between bounds. Its light on
- * the whole neighbourhood never takes them all; and what little of it comes in is not left to a few
- * heavy ones. */
+/* Returns the sky's share of photons: that of its important flux, within bounds. The light on
+ * the whole neighbourhood never takes all photons, and the small part that enters is not carried
+ * by a few heavy ones. */
 static double share_of_sky(const struct orl_emission *e, double sky, double worthy, double rest)
 {
     const double by_flux = sky / (sky + rest);
@@ -315,8 +317,8 @@ static double share_of_sky(const struct orl_emission *e, double sky, double wort
     return fmax(fmin(by_flux, least_open), fmin(worthy / (worthy + rest), most_open));
 }
 
-/* Global photons go by flux. */
-static void share_out(struct orl_emission *e)
+/* Distributes global photons by flux. */
+static void set_shares(struct orl_emission *e)
 {
     double sky = 0, worthy = 0, rest = 0, below = 0;
     for (size_t i = 0; i < e->n_strata; i++) {
@@ -364,7 +366,7 @@ int orl_emission_new(const struct orl_world *world, enum orl_photon_use use, uin
     if (code == 0)
         code = orl_first_reflection_prepare(e, seed, crew);
     if (code == 0) {
-        share_out(e);
+        set_shares(e);
         code = orl_caustic_pilot(e, seed, crew);
     }
     free(pilot.values);

@@ -43,13 +43,13 @@ void orl_table_done(struct orl_table *table)
     memset(table, 0, sizeof *table);
 }
 
-/* Halved without branches: which half it is, is chance. */
-static inline uint32_t step_on(const double *below, uint32_t low, uint32_t half, double at)
+/* Bisection step without branches, because the result is unpredictable. */
+static inline uint32_t bisect_step(const double *below, uint32_t low, uint32_t half, double at)
 {
     return low + (below[low + half] <= at) * half;
 }
 
-/* The position within step i. */
+/* Returns the position within step i. */
 static inline double within_step(const double *below, uint32_t i, double at)
 {
     const double width = below[i + 1] - below[i], within = (at - below[i]) / width;
@@ -57,7 +57,8 @@ static inline double within_step(const double *below, uint32_t i, double at)
     return width > 0 ? (within < most ? within : most) : 0.5;
 }
 
-/* Columns of a few: one look-up waits for its own answers, several only for memory. */
+/* Samples a few points in columns: a single look-up waits for each of its steps, several at once
+ * wait for memory only. */
 static inline void sample_few(const struct orl_table *table, const double (*u)[2], size_t n,
                               double (*ret_points)[2], double *ret_densities)
 {
@@ -70,10 +71,10 @@ static inline void sample_few(const struct orl_table *table, const double (*u)[2
         at[i] = u[i][1] * whole;
         x[i] = y[i] = 0;
     }
-    /* The last row that begins no later, then the last cell of it. */
+    /* Finds the last row that begins no later, then the last cell of it. */
     for (uint32_t left = table->side_y; left > 1; left -= left / 2)
         for (size_t i = 0; i < n; i++)
-            y[i] = step_on(table->row_below, y[i], left / 2, at[i]);
+            y[i] = bisect_step(table->row_below, y[i], left / 2, at[i]);
     for (size_t i = 0; i < n; i++) {
         rows[i] = table->cell_below + y[i] * stride;
         ret_points[i][1] = (y[i] + within_step(table->row_below, y[i], at[i])) / table->side_y;
@@ -81,7 +82,7 @@ static inline void sample_few(const struct orl_table *table, const double (*u)[2
     }
     for (uint32_t left = table->side_x; left > 1; left -= left / 2)
         for (size_t i = 0; i < n; i++)
-            x[i] = step_on(rows[i], x[i], left / 2, at[i]);
+            x[i] = bisect_step(rows[i], x[i], left / 2, at[i]);
     for (size_t i = 0; i < n; i++) {
         ret_points[i][0] = (x[i] + within_step(rows[i], x[i], at[i])) / table->side_x;
         ret_densities[i] =

@@ -1,5 +1,6 @@
 /*
- * Piecewise constant distributions over the unit square: rows by their sums, then cells in a row.
+ * Piecewise-constant distributions over the unit square: rows are sampled by their sums, then cells
+ * in a row.
  */
 #ifndef ORL_PHOTON_FLIGHT_TABLE_H
 #define ORL_PHOTON_FLIGHT_TABLE_H
@@ -8,16 +9,17 @@
 
 /*
  * Makes the table from side_x * side_y values (row by row), mixed with floor_share of uniform.
- * Returns 0 or ORL_ERR_NOMEM; then the table is empty.
+ * Returns 0, or ORL_ERR_NOMEM, in which case the table is empty.
  */
 int orl_table_init(struct orl_table *table, uint32_t side_x, uint32_t side_y, const double *values,
                    double floor_share);
 void orl_table_done(struct orl_table *table);
 
-/* Point of the square for two uniforms, and its density there (uniform would be 1). */
+/* Samples a point of the square with two uniform numbers. Returns its pdf (1 for a uniform
+ * distribution). */
 double orl_table_sample(const struct orl_table *table, const double u[2], double ret_point[2]);
 
-/* The same of many pairs; quickest by so many at once. */
+/* As orl_table_sample for many pairs; fastest in groups of ORL_TABLE_ABREAST. */
 enum { ORL_TABLE_ABREAST = 16 };
 void orl_table_sample_many(const struct orl_table *table, const double (*u)[2], size_t n,
                            double (*ret_points)[2], double *ret_densities);

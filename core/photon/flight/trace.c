@@ -5,35 +5,36 @@
 #include "light/path.h"
 #include "photon/flight/found.h"
 
-/* What photons fly through, and which of them are wanted. */
+/* Parameters of a trace: the scene, and the photons that are wanted. */
 struct tracing {
     const struct orl_world *world;
-    const struct orl_discs *discs; /* what they are counted through; or NULL: they are left */
+    /* discs in which photons are counted; NULL: photons are deposited */
+    const struct orl_discs *discs;
     bool caustic, by_chance;
     enum orl_lobes lobes;
     uint32_t most_reflections;
 };
 
-/* A photon under way. */
+/* State of a photon. */
 struct course {
     struct orl_path path; /* its weight is the flux */
     double fate, alive;
-    double reflected;            /* of its flight */
-    double focus, flown, spread; /* off a spotlight: until it is scattered */
+    double reflected;            /* value of the flight */
+    double focus, flown, spread; /* spotlight's beam, until the photon is scattered */
     struct orl_deflection way;
     bool crossed, outside, lamp;
     uint8_t batch;
     enum orl_photon_class class;
-    struct orl_found found; /* where that counts */
+    struct orl_found found; /* used with discs or by_chance */
     uint32_t reflections;
     int bounces, unseen;
 };
 
 /*
- * Roulette: false when the chance of being alive has fallen to the photon's fate. spared: as much
- * flux as it is to lose besides (first_reflection.h); or 1.
+ * Russian roulette: returns false if the survival probability has fallen to the photon's fate.
+ * spared: factor by which the flux is reduced in addition (first_reflection.h); or 1.
  */
-static bool survives(struct course *c, struct orl_rgb weight, double spared)
+static bool survives_roulette(struct course *c, struct orl_rgb weight, double spared)
 {
     const double chance = orl_smaller(orl_luma(weight) / spared, 1);
     c->alive *= chance;
@@ -44,8 +45,8 @@ static bool survives(struct course *c, struct orl_rgb weight, double spared)
 }
 
 /*
- * What roulette says where only the albedo counts: it is known before a direction is drawn, and
- * most photons end there.
+ * Returns true if roulette ends the photon at a matt surface. The result depends on the albedo
+ * only, so it is known before a direction is sampled, and most photons end there.
  */
 static bool ends_here(const struct course *c, const struct orl_material *m, struct orl_rgb albedo,
                       double spared, bool caustic)
@@ -54,8 +55,10 @@ static bool ends_here(const struct course *c, const struct orl_material *m, stru
            (caustic || !(c->alive * orl_smaller(orl_luma(albedo) / spared, 1) > c->fate));
 }
 
-/* What the way to a hit does: a medium dims; a spotlight's beam is wider than its lamp (lamp.c). */
-static bool arrives(struct course *c, const struct orl_material *m, const struct orl_hit *hit)
+/* Applies the path to a hit: absorption by the medium, and the spread of a spotlight's beam
+ * (lamp.c). Returns false if the photon ends. */
+static bool attenuate_to_hit(struct course *c, const struct orl_material *m,
+                             const struct orl_hit *hit)
 {
     if (c->focus > 0) {
         const double before = c->spread;
@@ -64,11 +67,12 @@ static bool arrives(struct course *c, const struct orl_material *m, const struct
         c->path.weight = orl_rgb_scale(c->path.weight, c->spread / before);
     }
     const struct orl_rgb left = orl_material_dimming(m, hit, c->path.clarity);
-    return orl_is_clear(left) || survives(c, left, 1);
+    return orl_is_clear(left) || survives_roulette(c, left, 1);
 }
 
-/* A ray that met nothing: from within a sealed building that is a leak. */
-static void escape(const struct orl_world *world, const struct course *c, struct orl_health *health)
+/* Handles a ray that hits nothing; from inside a sealed building it is counted as a leak. */
+static void count_leak(const struct orl_world *world, const struct course *c,
+                       struct orl_health *health)
 {
     if (world->open || !c->crossed || c->outside)
         return;
@@ -85,21 +89,21 @@ static enum orl_photon_class class_after(enum orl_photon_class class, enum orl_e
     return event == ORL_EVENT_DIFFUSE ? ORL_PHOTON_REST : ORL_PHOTON_CAUSTIC;
 }
 
-/* Caustic photons by way of what the plan leaves out. */
+/* Returns true for caustic photons by deflections that the plan omits. */
 static bool is_left_out(const struct orl_world *world, struct orl_deflection way)
 {
     return (way.mirror && world->omit.mirror_caustics) || (way.lobe && world->omit.lobe_caustics);
 }
 
-/* Whether nobody else finds it as it flies now. */
+/* Returns true if no other estimator finds the photon in its current state; false outdoors. */
 static bool is_sought(const struct tracing *t, const struct course *c)
 {
     return !c->outside && orl_found_by_nobody(&c->found, t->world);
 }
 
-/* Counts it through the discs on the way to what it meets (NULL: nothing). */
-static void fly_by(const struct tracing *t, const struct course *c, const struct orl_hit *hit,
-                   struct orl_deposits *deposits)
+/* Counts the photon in the discs on its way to the hit (NULL: none). */
+static void count_in_discs(const struct tracing *t, const struct course *c,
+                           const struct orl_hit *hit, struct orl_deposits *deposits)
 {
     const struct orl_stretch stretch = {.origin = c->path.origin,
                                         .direction = c->path.direction,
@@ -114,7 +118,8 @@ static void fly_by(const struct tracing *t, const struct course *c, const struct
         orl_discs_note(t->discs, &stretch, &deposits->passes);
 }
 
-/* By what it may be sent on: illums let pass what comes straight from suns and lamps. */
+/* Returns the lobes that may scatter the photon: illums transmit light that comes straight from
+ * suns and lamps. */
 static enum orl_lobes lobes_for(const struct tracing *t, const struct course *c)
 {
     const bool straight = c->class == ORL_PHOTON_LIGHT && c->reflections == 0;
@@ -132,12 +137,12 @@ static struct tracing tracing_of(const struct orl_world *world, bool caustic)
         .most_reflections = most < ORL_ALL_REFLECTIONS ? most : UINT32_MAX};
 }
 
-/* False: there is no use for it. */
-static bool set_out(const struct tracing *t, const struct orl_flight *flight, uint8_t batch,
-                    struct course *c, struct orl_deposits *deposits)
+/* Initialises a photon. Returns false if it is not wanted. */
+static bool init_course(const struct tracing *t, const struct orl_flight *flight, uint8_t batch,
+                        struct course *c, struct orl_deposits *deposits)
 {
     const struct orl_deflection way = flight->way;
-    /* One after the other: to clear all of it first takes longer than the rest. */
+    /* Members are set one by one: clearing the whole struct first takes longer than the rest. */
     c->path.origin = flight->origin;
     c->path.direction = flight->direction;
     c->path.weight = orl_health_keep(&deposits->health, flight->flux);
@@ -167,21 +172,22 @@ static bool set_out(const struct tracing *t, const struct orl_flight *flight, ui
     return true;
 }
 
-/* Its ray has met that (NULL: nothing). Leaves a photon where one is to be; false: it ends here. */
-static bool land(const struct tracing *t, struct course *c, const struct orl_hit *hit,
-                 struct orl_deposits *deposits)
+/* Handles the hit of the photon's ray (NULL: none), and deposits a photon if one is wanted.
+ * Returns false if the photon ends. */
+static bool handle_hit(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                       struct orl_deposits *deposits)
 {
     const struct orl_world *world = t->world;
     const struct orl_deflection way = c->way;
     deposits->health.rays++;
     if (!hit) {
-        escape(world, c, &deposits->health);
+        count_leak(world, c, &deposits->health);
         return false;
     }
     const struct orl_material *m = orl_world_material(world, hit);
     const struct orl_rgb albedo = orl_material_diffuse(m, hit);
     const bool diffuse = orl_rgb_max(albedo) > 0;
-    if (!arrives(c, m, hit))
+    if (!attenuate_to_hit(c, m, hit))
         return false;
     c->unseen++;
     if (diffuse && !c->outside && !t->discs &&
@@ -194,18 +200,19 @@ static bool land(const struct tracing *t, struct course *c, const struct orl_hit
     return !ends_here(c, m, albedo, c->class == ORL_PHOTON_REST ? 1 : c->reflected, t->caustic);
 }
 
-/* Scattered so, does it go on? */
-static bool goes_on(const struct tracing *t, struct course *c, const struct orl_hit *hit,
-                    const struct orl_scatter *s, struct orl_deposits *deposits)
+/* Applies a scattering event. Returns false if the photon is absorbed, or is not wanted after
+ * it. */
+static bool apply_scatter(const struct tracing *t, struct course *c, const struct orl_hit *hit,
+                          const struct orl_scatter *s, struct orl_deposits *deposits)
 {
     const double spared = c->class == ORL_PHOTON_REST ? 1 : c->reflected;
     if (s->event == ORL_EVENT_ABSORBED ||
-        !survives(c, orl_health_keep(&deposits->health, s->weight),
-                  s->event == ORL_EVENT_DIFFUSE ? spared : 1))
+        !survives_roulette(c, orl_health_keep(&deposits->health, s->weight),
+                           s->event == ORL_EVENT_DIFFUSE ? spared : 1))
         return false;
     if (s->transmitted) {
         const enum orl_crossing crossing = orl_world_crossing(t->world, hit);
-        /* What crosses a port inwards for the first time is the port's own to emit. */
+        /* The port itself emits light that crosses it inwards for the first time. */
         if (crossing == ORL_CROSSING_INWARDS && !c->crossed)
             return false;
         c->crossed = c->crossed || crossing != ORL_CROSSING_NONE;
@@ -234,18 +241,18 @@ void orl_trace_photon(const struct orl_world *world, const struct orl_flight *fl
     struct orl_scatter s;
     struct orl_hit hit;
     struct course c;
-    if (!set_out(&t, flight, batch, &c, deposits))
+    if (!init_course(&t, flight, batch, &c, deposits))
         return;
     do {
         const bool met = orl_path_meet(world, &c.path, &hit);
-        if (!land(&t, &c, met ? &hit : NULL, deposits))
+        if (!handle_hit(&t, &c, met ? &hit : NULL, deposits))
             return;
         s = orl_scatter_sample(orl_world_material(world, &hit), &hit, orl_path_back(&c.path),
                                ORL_TRANSPORT_LIGHT, lobes_for(&t, &c), random);
-    } while (goes_on(&t, &c, &hit, &s, deposits));
+    } while (apply_scatter(&t, &c, &hit, &s, deposits));
 }
 
-/* ---- Many at once ---------------------------------------------------------------------------- */
+/* ---- Many photons at once -------------------------------------------------------------------- */
 
 enum { AT_ONCE = ORL_EMISSIONS_AT_ONCE };
 _Static_assert((int)AT_ONCE <= UINT8_MAX + 1, "a photon has its number where its batch will stand");
@@ -257,13 +264,14 @@ struct wave {
     struct orl_random *randoms;
     struct course courses[AT_ONCE];
     uint16_t under_way[AT_ONCE];
-    size_t n, n_beam; /* under way; of them first those of a beam */
+    size_t n, n_beam; /* number of active photons; those of the beam come first */
     struct orl_ray rays[AT_ONCE];
-    struct orl_hit hits[AT_ONCE]; /* of those under way, in their order */
+    struct orl_hit hits[AT_ONCE]; /* hits of the active photons, in their order */
     bool found[AT_ONCE];
     struct orl_draw draws[AT_ONCE];
     double u[AT_ONCE][3];
-    uint16_t scattered[AT_ONCE]; /* of those under way, by their order */
+    /* indices among the active photons, of those that are scattered */
+    uint16_t scattered[AT_ONCE];
     struct orl_scatter scatters[AT_ONCE];
 };
 
@@ -280,7 +288,7 @@ static void trace_rays(struct wave *w)
     w->n_beam = 0;
 }
 
-/* Lands all, and scatters those that do not end. */
+/* Handles the hits of all active photons, and samples scattering for those that do not end. */
 static size_t scatter_all(struct wave *w)
 {
     size_t n = 0;
@@ -289,8 +297,8 @@ static size_t scatter_all(struct wave *w)
         struct course *c = &w->courses[w->under_way[i]];
         struct orl_random *random = &w->randoms[w->under_way[i]];
         if (w->tracing.discs)
-            fly_by(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits);
-        if (!land(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits))
+            count_in_discs(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits);
+        if (!handle_hit(&w->tracing, c, w->found[i] ? hit : NULL, w->deposits))
             continue;
         for (int k = 0; k < 3; k++)
             w->u[n][k] = orl_random_uniform(random);
@@ -303,21 +311,22 @@ static size_t scatter_all(struct wave *w)
     return n;
 }
 
-static void take_step(struct wave *w)
+static void advance_wave(struct wave *w)
 {
     size_t left = 0;
     trace_rays(w);
     const size_t n = scatter_all(w);
     for (size_t k = 0; k < n; k++) {
         const uint16_t i = w->scattered[k], photon = w->under_way[i];
-        if (goes_on(&w->tracing, &w->courses[photon], &w->hits[i], &w->scatters[k], w->deposits))
+        if (apply_scatter(&w->tracing, &w->courses[photon], &w->hits[i], &w->scatters[k],
+                          w->deposits))
             w->under_way[left++] = photon;
     }
     w->n = left;
 }
 
-/* What a wave has left, by photon, as if each had flown by itself; and of what batch each is. */
-static void put_in_order(struct orl_deposits *deposits, size_t first)
+/* Sorts the wave's deposits by photon, as if each had been traced alone, and sets their batches. */
+static void sort_deposits(struct orl_deposits *deposits, size_t first)
 {
     const size_t n = deposits->count - first;
     size_t next[AT_ONCE + 1] = {0};
@@ -351,7 +360,7 @@ void orl_trace_many(const struct orl_world *world, const struct orl_flight *flig
     uint16_t others[AT_ONCE];
     size_t n_others = 0;
     for (size_t i = 0; i < n; i++) {
-        if (!flies[i] || !set_out(&w.tracing, &flights[i], (uint8_t)i, &w.courses[i], deposits))
+        if (!flies[i] || !init_course(&w.tracing, &flights[i], (uint8_t)i, &w.courses[i], deposits))
             continue;
         if (flights[i].beam)
             w.under_way[w.n_beam++] = (uint16_t)i;
@@ -361,6 +370,6 @@ void orl_trace_many(const struct orl_world *world, const struct orl_flight *flig
     memcpy(w.under_way + w.n_beam, others, n_others * sizeof *others);
     w.n = w.n_beam + n_others;
     while (w.n > 0)
-        take_step(&w);
-    put_in_order(deposits, first);
+        advance_wave(&w);
+    sort_deposits(deposits, first);
 }

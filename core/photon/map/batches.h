@@ -1,10 +1,11 @@
 /*
- * Sums of photons by the batch they were emitted in. Every batch has a random sequence of its own
- * (emit.h), so that whatever is linear in the photons comes as the sum of 16 independent draws of
- * the same thing: their spread gives its variance, at the price of no further search.
+ * Sums of photons by the batch in which they were emitted. Every batch has its own random sequence
+ * (emit.h). So quantities that are linear in the photons are sums of 16 independent samples. The
+ * spread of the samples gives the variance without a further search.
  *
- * Where an estimate's radius follows its photons the parts are draws given that radius: as many
- * photons in all are then shared out among the batches, and the spread is that of so many photons.
+ * If an estimate's radius depends on its photons, the parts are samples given that radius: a fixed
+ * number of photons is distributed over the batches, and the spread is that of this number of
+ * photons.
  */
 #ifndef ORL_PHOTON_MAP_BATCHES_H
 #define ORL_PHOTON_MAP_BATCHES_H
@@ -12,10 +13,10 @@
 #include "photon/map/map_layout.h"
 
 struct orl_batches {
-    double luma[ORL_MAP_BATCHES]; /* the parts; together the luma of the whole */
+    double luma[ORL_MAP_BATCHES]; /* the parts; their sum is the luma of the whole */
 };
 
-/* Of the sum of the parts. */
+/* Returns the variance of the sum of the parts. */
 static inline double orl_batches_variance(const struct orl_batches *batches)
 {
     static const double n = ORL_MAP_BATCHES;
@@ -27,7 +28,7 @@ static inline double orl_batches_variance(const struct orl_batches *batches)
     return square * n / (n - 1);
 }
 
-/* The third cumulant of that sum. */
+/* Returns the third cumulant of the sum of the parts. */
 double orl_batches_third(const struct orl_batches *batches);
 
 static inline void orl_batches_add(struct orl_batches *sum, const struct orl_batches *more,
@@ -38,16 +39,17 @@ static inline void orl_batches_add(struct orl_batches *sum, const struct orl_bat
 }
 
 /*
- * What a difference of two estimates from the same photons is worth: as much as it is thought to be
- * beyond its scatter, nothing within it (the positive part of James and Stein's shrinkage).
+ * Returns the part of a difference of two estimates from the same photons that exceeds its scatter;
+ * 0 if the difference is within its scatter (positive-part James-Stein shrinkage).
  */
 double orl_batches_beyond_scatter(const struct orl_batches *difference);
 
-/* For keeping: the parts in 255ths of the largest; and back, given what they add up to. */
+/* Convert the parts to and from 8 bits: 255ths of the largest part. Unpacking scales them to the
+ * sum luma. */
 void orl_batches_pack(const struct orl_batches *batches, uint8_t ret_shares[ORL_MAP_BATCHES]);
 struct orl_batches orl_batches_unpack(const uint8_t shares[ORL_MAP_BATCHES], double luma);
 
-/* The batch of a photon of a map. */
+/* Returns the batch of a photon of a map. */
 static inline uint32_t orl_photon_batch(const struct orl_photon_map *map, uint32_t index)
 {
     const uint32_t *leaf = map->places + (size_t)(index / ORL_MAP_LEAF) * ORL_LEAF_WORDS;

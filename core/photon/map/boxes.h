@@ -1,12 +1,10 @@
-/*
- * Walking a photon map's hierarchy of boxes: shared by the searches.
- */
+/* Traversal of a photon map's bounding-box hierarchy, shared by the searches. */
 #ifndef ORL_PHOTON_MAP_BOXES_H
 #define ORL_PHOTON_MAP_BOXES_H
 
 #include "photon/map/map_layout.h"
 
-/* A node still to be looked at: level 0 is a leaf. */
+/* A node to visit; level 0 is a leaf. */
 struct orl_box_visit {
     float distance2;
     uint32_t level, node;
@@ -14,12 +12,13 @@ struct orl_box_visit {
 
 enum { ORL_BOX_STACK = ORL_MAP_LEVELS * ORL_MAP_FANOUT };
 
-/* Squared distance, in cells, from a point to each child's box; infinite for absent children. */
+/* Computes the squared distance, in cells, from a point to each child's box; infinite for absent
+ * children. */
 static inline void orl_box_distances(const struct orl_map_group *restrict group, const float at[3],
                                      float ret_distance2[restrict ORL_MAP_FANOUT])
 {
     const float x = at[0], y = at[1], z = at[2];
-    /* All axes of eight children at once, where the machine can. */
+    /* The loop handles all axes of eight children at once, so that it can be vectorised. */
     for (int c = 0; c < ORL_MAP_FANOUT; c++) {
         const float left = group->low[0][c] - x, right = x - group->high[0][c];
         const float front = group->low[1][c] - y, back = y - group->high[1][c];
@@ -34,8 +33,8 @@ static inline void orl_box_distances(const struct orl_map_group *restrict group,
 }
 
 /*
- * Pushes the children of a node that are nearer than radius2 and face the right way, the nearest
- * on top.
+ * Pushes the children of a node that are nearer than radius2 and hold a normal of the mask
+ * `facing`, the nearest on top.
  */
 static inline uint32_t orl_box_push(const struct orl_photon_map *map, struct orl_box_visit visit,
                                     const float at[3], uint32_t facing, float radius2,
@@ -60,7 +59,8 @@ static inline uint32_t orl_box_push(const struct orl_photon_map *map, struct orl
     return depth;
 }
 
-/* A point in cells, moved so that the corner of a photon's cell stands for its centre. */
+/* Converts a point to cells, shifted by half a cell: a photon's cell corner then represents the
+ * cell's centre. */
 static inline void orl_box_locate(const struct orl_photon_map *map, struct orl_vec3 point,
                                   float ret_at[3])
 {

@@ -5,7 +5,7 @@
 uint16_t orl_normal_encode(struct orl_vec3 n)
 {
     const double sum = fabs(n.x) + fabs(n.y) + fabs(n.z);
-    /* What would round to zero is zero, and not minus zero: the downward axis has one code only. */
+    /* Values that would round to zero become +0, so that the downward axis has only one code. */
     double u = fabs(n.x) < sum / 512 ? 0.0 : n.x / sum, v = fabs(n.y) < sum / 512 ? 0.0 : n.y / sum;
     if (n.z < 0) {
         const double fold = (1 - fabs(v)) * copysign(1.0, u);
@@ -27,7 +27,8 @@ struct orl_vec3 orl_normal_decode(uint16_t code)
     return orl_normalize(orl_v3(u, v, z));
 }
 
-/* Codes are looked at in steps: a bin is 51 wide, and the margin covers what lies between. */
+/* Codes are sampled with this step. A bin is 51 codes wide, and the margin covers the codes
+ * between. */
 enum { STEP = 3 };
 static const double margin_rad = 0.04;
 

@@ -1,10 +1,10 @@
 /*
- * Normals in two bytes, and bins of them.
+ * Normals in two bytes, and bins of normals.
  *
- * A normal is coded octahedrally (Cigolle et al. 2014), 8 + 8 bits, the axes exactly. For pruning,
- * codes fall into 25 bins, a 5 x 5 grid over the code's square: photons of a map are ordered by
- * bin, nodes of its hierarchy carry a mask of the bins inside, and a query visits only nodes that
- * hold normals within 30 degrees of its own.
+ * A normal is coded octahedrally (Cigolle et al. 2014) in 8 + 8 bits; the axes are exact. For
+ * culling, codes fall into 25 bins, a 5 x 5 grid over the code's square. Photons of a map are
+ * sorted by bin, and each node of its hierarchy has a mask of the bins inside. A query visits only
+ * nodes that hold normals within 30 degrees of its own.
  */
 #ifndef ORL_PHOTON_MAP_FACING_H
 #define ORL_PHOTON_MAP_FACING_H
@@ -24,14 +24,14 @@ static inline uint32_t orl_facing_bin(uint16_t code)
     return u * side / 256 + v * side / 256 * side;
 }
 
-/* For each bin, the cone that holds its normals, widened by 30 degrees. */
+/* For each bin, the cone of its normals, widened by 30 degrees. */
 struct orl_facing {
     struct orl_vec3 axis[ORL_FACING_BINS];
     double least_cosine[ORL_FACING_BINS];
 };
 void orl_facing_init(struct orl_facing *facing);
 
-/* The bins that may hold normals within 30 degrees of this one. */
+/* Returns a mask of the bins that may hold normals within 30 degrees of this one. */
 uint32_t orl_facing_mask(const struct orl_facing *facing, struct orl_vec3 normal);
 
 #endif

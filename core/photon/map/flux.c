@@ -2,7 +2,7 @@
 
 enum { MANTISSA_BITS = ORL_FLUX_MANTISSA_BITS, MANTISSA_MASK = 511, MOST_EXPONENT = 31 };
 
-/* 2^exponent, of a normal number: exponents here are those of floats and a little more. */
+/* Returns 2^exponent as a normal double; exponents here are little more than those of floats. */
 static double power_of_two(int exponent)
 {
     const uint64_t bits = (uint64_t)(exponent + 1023) << 52;
@@ -25,20 +25,22 @@ static void mantissas(struct orl_rgb value, int exponent, double dither, uint32_
     ret_m[2] = mantissa(value.b, scale, dither);
 }
 
-/* exponent: as it is stored, 0..31. */
+/* exponent: the stored one, 0..31. */
 static uint32_t code_of(const uint32_t m[3], int exponent)
 {
     return m[0] | m[1] << MANTISSA_BITS | m[2] << 2 * MANTISSA_BITS |
            (uint32_t)exponent << 3 * MANTISSA_BITS;
 }
 
-/* A touch more than the value, so that rounding up does not overflow the mantissa. */
+/* Returns the exponent of a slightly larger value, so that rounding up does not overflow the
+ * mantissa. */
 static int exponent_of(double most)
 {
     const double value = most * (1 + 0x1p-9);
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    return (int)(bits >> 52 & 0x7ffU) - 1022; /* as frexp has it; no float is subnormal here */
+    /* the exponent of frexp; no float is subnormal as a double */
+    return (int)(bits >> 52 & 0x7ffU) - 1022;
 }
 
 uint32_t orl_flux_pack(struct orl_rgb value, double dither)
@@ -58,8 +60,9 @@ int orl_flux_least(double brightest)
     return brightest > 0 ? exponent_of(brightest) - MOST_EXPONENT : ORL_FLUX_LEAST;
 }
 
-/* Lowers an exponent by shifting it out of the mantissas when it would be negative. */
-static uint32_t shifted(const uint32_t m[3], int exponent)
+/* Codes mantissas with an exponent; a negative exponent becomes 0 by shifting the mantissas
+ * right. */
+static uint32_t shift_code(const uint32_t m[3], int exponent)
 {
     const int out = exponent >= 0 ? 0 : exponent < -MANTISSA_BITS ? MANTISSA_BITS : -exponent;
     const uint32_t left[3] = {m[0] >> out, m[1] >> out, m[2] >> out};
@@ -74,12 +77,12 @@ uint32_t orl_flux_pack_from(struct orl_rgb value, int least, double dither)
     const int exponent = exponent_of(most);
     uint32_t m[3];
     mantissas(value, exponent, dither, m);
-    return shifted(m, exponent - least);
+    return shift_code(m, exponent - least);
 }
 
 uint32_t orl_flux_coarsen(uint32_t code, int by)
 {
     const uint32_t m[3] = {code & MANTISSA_MASK, code >> MANTISSA_BITS & MANTISSA_MASK,
                            code >> 2 * MANTISSA_BITS & MANTISSA_MASK};
-    return code == 0 ? 0 : shifted(m, (int)(code >> 3 * MANTISSA_BITS) - by);
+    return code == 0 ? 0 : shift_code(m, (int)(code >> 3 * MANTISSA_BITS) - by);
 }

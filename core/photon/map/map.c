@@ -60,7 +60,7 @@ static bool header_matches(const struct orl_map_header *h)
 
 enum { VERIFY_STEP = 16 << 20, KEPT_WHOLE = 256 << 20 };
 
-/* Pages of a large map are let go once they are read: what a search wants comes back by itself. */
+/* Pages of a large map are dropped after they are read; a search loads those it needs again. */
 static bool body_matches(const struct orl_photon_map *map, const atomic_bool *cancel)
 {
     unsigned char result[ORL_CHECKSUM_BYTES];
@@ -90,7 +90,7 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
     if (!header_matches(h))
         return orl_error_set(err, ORL_ERR_CORRUPT, "the header of photon map '%s' is damaged",
                              path);
-    /* More photons than the writer takes could wrap the sizes below around to look right. */
+    /* A count above the writer's limit could make the sizes below wrap around and look right. */
     const struct orl_map_layout l = orl_map_layout_of(h->count);
     if (h->count > UINT32_MAX || h->note_bytes > ORL_MAP_MOST_NOTED || h->size != size ||
         orl_map_size(&l, h->count, h->note_bytes) != size || l.places != h->places ||
@@ -100,7 +100,7 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
     return 0;
 }
 
-/* Numbers that searches divide by or add to, and text that is printed. */
+/* Checks numbers that searches divide by or add to, and text that is printed. */
 static int check_values(const struct orl_map_header *h, const char *path, struct orl_error *err)
 {
     if (!isnormal(h->cell) || !(h->cell > 0) || !isfinite(h->flux_unit) || h->flux_unit < 0 ||
@@ -112,8 +112,8 @@ static int check_values(const struct orl_map_header *h, const char *path, struct
 }
 
 /*
- * Searches follow any child that faces somewhere. In the last group of a level the absent ones must
- * face nowhere, or damage there would lead beyond the file; everywhere else all children exist.
+ * Checks the absent children in the last group of each level. Searches follow any child with a
+ * non-empty mask, so damage there would lead beyond the file. All other children exist.
  */
 static int check_absent(const struct orl_photon_map *map, const char *path, struct orl_error *err)
 {
@@ -130,7 +130,7 @@ static int check_absent(const struct orl_photon_map *map, const char *path, stru
     return 0;
 }
 
-static void take_apart(struct orl_photon_map *map)
+static void set_block_pointers(struct orl_photon_map *map)
 {
     const char *base = map->file;
     const struct orl_map_layout l = orl_map_layout_of(map->header->count);
@@ -189,7 +189,7 @@ static int open_map(const char *path, bool verify, const atomic_bool *cancel,
     if (code == 0 && map->header)
         code = check_values(map->header, path, err);
     if (code == 0 && map->header) {
-        take_apart(map);
+        set_block_pointers(map);
         code = check_absent(map, path, err);
     }
     if (code < 0 || !map->header)
@@ -222,7 +222,7 @@ int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,
     map->file = file;
     map->size = size;
     map->header = file;
-    take_apart(map);
+    set_block_pointers(map);
     *ret_map = map;
     return 0;
 }

@@ -26,7 +26,8 @@ static inline void include_box(struct orl_map_group *group, uint64_t child, cons
     }
 }
 
-/* A leaf's box, which is that of its photons' cells: whole numbers, sixteen in a row. */
+/* Computes a leaf's box, which is that of its photons' cells, in integers for sixteen photons at
+ * once. */
 static inline void box_leaf(const uint32_t *words, const uint16_t *normals, uint32_t n,
                             struct orl_map_group *group, uint64_t child)
 {

@@ -5,13 +5,13 @@
 #include "base/random.h"
 #include "photon/map/flux.h"
 
-/* Corners of the box that holds all photons, in units, and the brightest of the new ones. */
+/* Bounding box of all photons, in units, and the brightest flux of the new ones. */
 struct bounds {
     double low[3], high[3];
-    double brightest; /* channel */
+    double brightest; /* brightest channel */
 };
 
-/* New photons, chunk by chunk. */
+/* Bounds of the new photons, chunk by chunk. */
 struct survey {
     const struct orl_map_encoder *packing;
     struct bounds *chunks;
@@ -23,8 +23,9 @@ static const struct bounds nothing = {
     {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
 
 /*
- * Where a photon of the earlier map is: its cell's corner, which lies in the same larger cells. All
- * of this is exact: the map's cells begin at multiples of their edge, and that is a power of two.
+ * Returns the position of an earlier map's photon: its cell's corner, which lies in the
+ * corresponding larger cell. This is exact, because the map's cells begin at multiples of their
+ * edge, a power of two.
  */
 static void earlier_corner(const struct orl_map_encoder *p, size_t index, double ret_at[3])
 {
@@ -36,7 +37,7 @@ static void earlier_corner(const struct orl_map_encoder *p, size_t index, double
         ret_at[k] = (rint(h->low[k] / h->cell) + cell[k]) * (h->cell / p->unit);
 }
 
-/* In units. */
+/* Returns the position in units. */
 static void place_of(const struct orl_map_encoder *p, size_t index, double ret_at[3])
 {
     if (index < p->n_earlier) {
@@ -47,8 +48,8 @@ static void place_of(const struct orl_map_encoder *p, size_t index, double ret_a
         ret_at[k] = p->photons[index - p->n_earlier].position[k] / p->unit;
 }
 
-/* Places are finite. */
-static void include(struct bounds *b, const double at[3])
+/* Positions are finite. */
+static void include_point(struct bounds *b, const double at[3])
 {
     for (int k = 0; k < 3; k++) {
         b->low[k] = at[k] < b->low[k] ? at[k] : b->low[k];
@@ -87,8 +88,9 @@ static void bound_chunk(void *arg, size_t chunk, uint32_t member)
     survey->chunks[chunk] = b;
 }
 
-/* Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
-static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct bounds *ret_bounds)
+/* Computes the bounds. Returns 0, ORL_ERR_NOMEM or an error of orl_crew_try. */
+static int bound_photons(const struct orl_map_encoder *p, struct orl_crew *crew,
+                         struct bounds *ret_bounds)
 {
     const size_t chunks = (new_photons(p) + CHUNK - 1) / CHUNK;
     struct survey survey = {p, malloc((chunks + 1) * sizeof *survey.chunks)};
@@ -97,21 +99,21 @@ static int bound(const struct orl_map_encoder *p, struct orl_crew *crew, struct 
         return ORL_ERR_NOMEM;
     const int code = orl_crew_try(crew, chunks, bound_chunk, &survey);
     for (size_t i = 0; i < chunks && code == 0; i++) {
-        include(&b, survey.chunks[i].low);
-        include(&b, survey.chunks[i].high);
+        include_point(&b, survey.chunks[i].low);
+        include_point(&b, survey.chunks[i].high);
         b.brightest = fmax(b.brightest, survey.chunks[i].brightest);
     }
     free(survey.chunks);
     if (code < 0)
         return code;
-    for (int k = 0; k < 3; k++) { /* a quotient grows with what is divided */
+    for (int k = 0; k < 3; k++) { /* division keeps the order of the bounds */
         b.low[k] /= p->unit;
         b.high[k] /= p->unit;
     }
     for (size_t i = 0; i < p->n_earlier; i++) {
         double at[3];
         earlier_corner(p, i, at);
-        include(&b, at);
+        include_point(&b, at);
     }
     if (p->count == 0)
         b = (struct bounds){{0, 0, 0}, {0, 0, 0}, 0};
@@ -137,7 +139,7 @@ static void choose_cells(struct orl_map_encoder *p, const struct bounds *b)
     p->steps = 1 / p->step;
     p->cell = p->step * p->unit;
     for (int k = 0; k < 3; k++) {
-        /* Zero is added lest it be negative: whether it is tells of photons by their order. */
+        /* Adding zero turns -0 into +0: the sign could depend on the order of the photons. */
         p->first[k] = floor(b->low[k] / p->step) + 0.0;
         p->low[k] = p->first[k] * p->cell;
     }
@@ -161,7 +163,7 @@ int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon
                                         .seed = seed,
                                         .unit = extent > 0 ? extent : 1};
     packing->count = packing->n_earlier + n;
-    const int code = bound(packing, crew, &bounds);
+    const int code = bound_photons(packing, crew, &bounds);
     if (code < 0)
         return code;
     choose_cells(packing, &bounds);
@@ -169,7 +171,7 @@ int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon
     return 0;
 }
 
-/* floor, which is a call where there is no instruction for it. */
+/* floor() without a function call, for machines that have no instruction for it. */
 static inline double floor_of(double x)
 {
     if (!(fabs(x) < 0x1p62))
@@ -198,7 +200,8 @@ uint16_t orl_map_encode_normal(const struct orl_map_encoder *packing, size_t ind
                                       : packing->photons[index - packing->n_earlier].normal;
 }
 
-/* Rounds up or down by chance, so that sums keep their means; the chance is the photon's own. */
+/* Rounds up or down at random, so that sums keep their means. The random number depends on the
+ * photon only. */
 static uint32_t new_flux(const struct orl_map_encoder *p, size_t index)
 {
     const float *flux = p->photons[index - p->n_earlier].flux;

@@ -1,5 +1,5 @@
-/* orl_map_encode_words of many photons, step by step for all of them: loops that are vectors' work.
- */
+/* orl_map_encode_words for many photons: each step loops over all of them, so that it can be
+ * vectorised. */
 #include "photon/map/map_encode.h"
 
 #include <string.h>
@@ -10,7 +10,7 @@
 
 enum { N = ORL_PACKED_AT_ONCE };
 
-/* Rounds doubles below 2^51 to whole numbers when it is added and taken off again. */
+/* Adding and subtracting this rounds doubles below 2^51 to integers. */
 static const double rounding = 0x1.8p52;
 
 static inline uint64_t bits_of(double x)
@@ -34,7 +34,7 @@ bool orl_map_encode_is_near(const struct orl_map_encoder *packing)
            fabs(packing->first[2]) < far;
 }
 
-/* As cell_at has them. */
+/* Computes cells as cell_at does. */
 static inline void find_cells(const struct orl_map_encoder *p, const struct orl_photon *photons,
                               uint32_t ret_cells[3][N])
 {
@@ -51,7 +51,8 @@ static inline void find_cells(const struct orl_map_encoder *p, const struct orl_
     }
 }
 
-/* orl_random_uniform of the photons' streams: 53 bits become a double in two exact halves. */
+/* Computes orl_random_uniform of the photons' streams: converts 53 bits to a double in two exact
+ * halves. */
 static inline void find_dithers(uint64_t seed, uint64_t first, double ret_dithers[N])
 {
     for (uint64_t i = 0; i < N; i++) {
@@ -63,7 +64,7 @@ static inline void find_dithers(uint64_t seed, uint64_t first, double ret_dither
     }
 }
 
-/* orl_flux_pack_from. */
+/* Computes orl_flux_pack_from. */
 static inline void pack_fluxes(const struct orl_photon *photons, int least, const double *dithers,
                                uint32_t ret_fluxes[N])
 {

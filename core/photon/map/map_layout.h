@@ -1,6 +1,4 @@
-/*
- * How a photon map's words are laid out: shared by the writer and the search.
- */
+/* Layout of a photon map's words, shared by the writer and the search. */
 #ifndef ORL_PHOTON_MAP_MAP_LAYOUT_H
 #define ORL_PHOTON_MAP_MAP_LAYOUT_H
 
@@ -9,13 +7,14 @@
 
 enum { ORL_PLACE_BITS = 20, ORL_PLACE_CELLS = 1 << ORL_PLACE_BITS, ORL_LEAF_WORDS = 32 };
 
-/* Bounds of the children of one node, in cells; an absent child is inside out and faces nowhere. */
+/* Bounds of the children of one node, in cells. An absent child has inverted bounds and an empty
+ * mask. */
 struct orl_map_group {
     float low[3][ORL_MAP_FANOUT], high[3][ORL_MAP_FANOUT];
     uint32_t facing[ORL_MAP_FANOUT];
 };
 
-/* A mapped file, taken apart. */
+/* A mapped file, with pointers to its blocks. */
 struct orl_photon_map {
     void *file;
     size_t size;
@@ -27,24 +26,25 @@ struct orl_photon_map {
     struct orl_facing facing;
 };
 
-/* What was filled in memory, mapped anonymously, as a map that takes it; it goes on failure, too.
- */
+/* Makes a map of a file that was filled in anonymously mapped memory. Takes over the memory, and
+ * unmaps it on failure. Returns 0 or ORL_ERR_NOMEM. */
 int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,
                       struct orl_error *err);
 
-/* How the file is divided, given the number of photons. */
+/* Offsets and sizes of the file's blocks for a number of photons. */
 struct orl_map_layout {
     uint64_t leaves, places, fluxes, normals, tags, boxes, size;
-    uint64_t groups[ORL_MAP_LEVELS]; /* per level, from the leaves up; the last has one */
+    /* number of groups per level, from the leaves up; the last level has one */
+    uint64_t groups[ORL_MAP_LEVELS];
     uint32_t levels;
 };
 struct orl_map_layout orl_map_layout_of(uint64_t count);
 
-/* Where notes begin, after all else, and what a file with them measures. */
+/* Return the offset of the notes, which come last, and the size of a file with notes. */
 uint64_t orl_map_notes_at(const struct orl_map_layout *layout);
 uint64_t orl_map_size(const struct orl_map_layout *layout, uint64_t count, uint32_t note_bytes);
 
-/* Photons in a leaf: 16, but for the last one. */
+/* Returns the number of photons in a leaf: 16, except for the last one. */
 static inline uint32_t orl_leaf_photons(const struct orl_photon_map *map, uint64_t leaf)
 {
     const uint64_t left = map->header->count - leaf * ORL_MAP_LEAF;

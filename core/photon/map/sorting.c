@@ -7,22 +7,22 @@
 #include "base/random.h"
 #include "photon/map/zorder.h"
 
-enum { CODE_BITS = ORL_ZORDER_PLACE_BITS + 5 }; /* bins are fewer than 32 */
+enum { CODE_BITS = ORL_ZORDER_PLACE_BITS + 5 }; /* there are fewer than 32 bins */
 enum { DIGIT = 8, BUCKETS = 1 << DIGIT, FEW = 32, AHEAD = 8, STRETCH = 1 << 15 };
 
 struct sorting {
     struct orl_sort_item *items;
     size_t count;
     const struct orl_photon_words *words;
-    size_t starts[BUCKETS + 1]; /* of items that agree in the digit that is looked at first */
-    int shift;                  /* where that is */
-    size_t *ends;               /* of stretches that share no codes */
+    size_t starts[BUCKETS + 1]; /* first index of each bucket of the first digit */
+    int shift;                  /* bit offset of the first digit */
+    size_t *ends;               /* ends of stretches; codes of one stretch occur in no other */
     atomic_bool out_of_memory;
 };
 
-/* ---- By code --------------------------------------------------------------------------------- */
+/* ---- Sorting by code ------------------------------------------------------------------------- */
 
-/* Few items. */
+/* Insertion sort for few items. */
 static void insert_items(struct orl_sort_item *items, size_t n)
 {
     for (size_t i = 1; i < n; i++) {
@@ -34,7 +34,8 @@ static void insert_items(struct orl_sort_item *items, size_t n)
     }
 }
 
-/* The digit that begins with the highest bit in which codes differ; -1: they are all the same. */
+/* Returns the offset of the digit that begins with the highest bit in which codes differ; -1:
+ * all codes are equal. */
 static int first_digit(const struct orl_sort_item *items, size_t n)
 {
     const uint64_t highest = UINT64_C(1) << (CODE_BITS - 1);
@@ -53,10 +54,11 @@ static inline size_t digit_of(const struct orl_sort_item *item, int shift)
 }
 
 /*
- * Brings items into the order of one digit, in place (McIlroy, Bostic and McIlroy 1993, Computing
- * Systems 6: American flag sort): whatever lies where a bucket is to be filled goes to its own.
+ * Sorts items by one digit, in place (McIlroy, Bostic and McIlroy 1993, Computing Systems 6:
+ * American flag sort): each item that is not in its bucket is swapped into it.
  */
-static void split(struct orl_sort_item *items, size_t n, int shift, size_t ret_starts[BUCKETS + 1])
+static void split_by_digit(struct orl_sort_item *items, size_t n, int shift,
+                           size_t ret_starts[BUCKETS + 1])
 {
     size_t next[BUCKETS] = {0}, sum = 0;
     for (size_t i = 0; i < n; i++)
@@ -73,7 +75,7 @@ static void split(struct orl_sort_item *items, size_t n, int shift, size_t ret_s
             for (size_t own = digit_of(&item, shift); own != b; own = digit_of(&item, shift)) {
                 struct orl_sort_item *place = &items[next[own]++];
                 const struct orl_sort_item there = *place;
-                /* No machine foresees where so many buckets are filled next. */
+                /* Hardware cannot predict the next write in so many buckets. */
                 __builtin_prefetch(place + AHEAD, 1);
                 *place = item;
                 item = there;
@@ -83,7 +85,7 @@ static void split(struct orl_sort_item *items, size_t n, int shift, size_t ret_s
     }
 }
 
-/* From digit to digit; no deeper than a code has digits. */
+/* Sorts digit by digit; the recursion is at most as deep as a code has digits. */
 static void sort_items(struct orl_sort_item *items, size_t n) // NOLINT(misc-no-recursion)
 {
     size_t starts[BUCKETS + 1];
@@ -94,7 +96,7 @@ static void sort_items(struct orl_sort_item *items, size_t n) // NOLINT(misc-no-
     const int shift = first_digit(items, n);
     if (shift < 0)
         return;
-    split(items, n, shift, starts);
+    split_by_digit(items, n, shift, starts);
     for (size_t b = 0; b < BUCKETS && shift > 0; b++)
         sort_items(items + starts[b], starts[b + 1] - starts[b]);
 }
@@ -106,7 +108,7 @@ static void sort_bucket(void *arg, size_t bucket, uint32_t member)
     sort_items(s->items + s->starts[bucket], s->starts[bucket + 1] - s->starts[bucket]);
 }
 
-/* ---- Photons of one code --------------------------------------------------------------------- */
+/* ---- Photons of equal code ------------------------------------------------------------------- */
 
 /* A photon among others of the same code. */
 struct tie {
@@ -146,7 +148,8 @@ static void sort_ties(const struct sorting *s, struct orl_sort_item *items, size
         items[i].index = ties[i].index;
 }
 
-/* Photons of one code by hash. Left to their former order are only those that are the same. */
+/* Sorts photons of equal code by hash. Only identical photons keep their former order. Returns
+ * false if out of memory. */
 static bool settle_ties(const struct sorting *s, struct orl_sort_item *items, size_t count)
 {
     struct tie *ties = NULL;
@@ -192,7 +195,7 @@ static size_t find_stretches(const struct sorting *s)
     return n;
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Entry point ----------------------------------------------------------------------------- */
 
 int orl_sort_photons(struct orl_sort_item *items, size_t count,
                      const struct orl_photon_words *words, struct orl_crew *crew)
@@ -205,7 +208,7 @@ int orl_sort_photons(struct orl_sort_item *items, size_t count,
     s.shift = count > 0 ? first_digit(items, count) : -1;
     int code = 0;
     if (s.shift >= 0) {
-        split(items, count, s.shift, s.starts);
+        split_by_digit(items, count, s.shift, s.starts);
         code = orl_crew_try(crew, BUCKETS, sort_bucket, &s);
     }
     if (code == 0)

@@ -27,10 +27,11 @@ struct writer {
     struct orl_photon_words *words; /* in the order of emission */
     struct orl_sort_item *items;
     struct orl_map_layout layout;
-    uint64_t size; /* of the file */
+    uint64_t size; /* size of the file */
     struct orl_map_header header;
-    char *file;                /* being filled, mapped */
-    struct orl_sum *flux_sums; /* by chunk: of the brightest channels, in the units of the words */
+    char *file; /* the mapped file, being filled */
+    /* per chunk: sum of the brightest channels, in the units of the words */
+    struct orl_sum *flux_sums;
 };
 
 enum { CHUNK = 1 << 15, AHEAD = 24 };
@@ -47,8 +48,8 @@ static size_t chunk_end(const struct writer *w, size_t chunk)
     return end < count ? end : count;
 }
 
-/* Of the photons that are new. */
-static void let_go(const struct writer *w, size_t first, size_t end)
+/* Frees the pages of the new photons in the range. */
+static void free_photon_pages(const struct writer *w, size_t first, size_t end)
 {
     const struct orl_map_encoder *p = &w->packing;
     if (end > p->n_earlier)
@@ -56,7 +57,7 @@ static void let_go(const struct writer *w, size_t first, size_t end)
                           p->photons + (end - p->n_earlier));
 }
 
-/* Codes of photons in the words. */
+/* Computes the sort items (codes and indices) of encoded photons. */
 ORL_FOR_WIDE_VECTORS
 static void make_items(const struct orl_photon_words *words, size_t first, size_t n,
                        struct orl_sort_item *ret_items)
@@ -69,7 +70,8 @@ static void make_items(const struct orl_photon_words *words, size_t first, size_
     }
 }
 
-/* Photons are packed in the order they lie in memory; it is packed that they are moved about. */
+/* Encodes the photons of a chunk in their order in memory; the sort then moves only the encoded
+ * words. */
 static void make_codes(void *arg, size_t chunk, uint32_t member)
 {
     struct writer *w = arg;
@@ -89,7 +91,7 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
         make_items(w->words + begun, begun, i - begun, w->items + begun);
     }
     if (w->build->spend)
-        let_go(w, first, end);
+        free_photon_pages(w, first, end);
 }
 
 static void pack_chunk(void *arg, size_t chunk, uint32_t member)
@@ -106,7 +108,7 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
     struct orl_sum sum = {0, 0};
     for (size_t i = chunk * CHUNK; i < end; i++) {
         const struct orl_photon_words p = w->words[w->items[i].index];
-        /* They lie all over the array: asked for some way ahead, they are there when wanted. */
+        /* The words are scattered over the array, so they are prefetched some iterations ahead. */
         if (i + AHEAD < end)
             __builtin_prefetch(&w->words[w->items[i + AHEAD].index]);
         uint32_t *leaf = places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS + i % ORL_MAP_LEAF;
@@ -124,7 +126,7 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
     orl_box_leaves(&w->layout, w->file, chunk * CHUNK, end);
 }
 
-/* The mean of the brightest channels, in the units of the map's words. */
+/* Returns the mean of the brightest channels, in the units of the map's words. */
 static double mean_flux(const struct writer *w)
 {
     struct orl_sum sum = {0, 0};
@@ -142,7 +144,7 @@ static void fill_measures(struct writer *w)
     memcpy(h->low, p->low, sizeof h->low);
     h->cell = p->cell;
     h->flux_exponent = p->flux_exponent;
-    /* Without any light: of no matter, but a number to divide by. */
+    /* Without any light the value has no effect, but must not be zero: it is divided by. */
     h->flux_unit = p->flux_exponent > ORL_FLUX_LEAST
                        ? orl_flux_unit(p->flux_exponent) / (double)w->build->emitted
                        : 1;
@@ -175,7 +177,8 @@ static void fill_header(struct writer *w)
     memcpy(w->file, h, sizeof *h);
 }
 
-/* Makes the file at its full size: running out of disk shows here, not as a fault later. */
+/* Creates the file at its full size, so that a full disk is reported here and not as a fault
+ * later. */
 static int create_file(struct writer *w, const char *path, int *ret_fd, struct orl_error *err)
 {
     const int fd = orl_open_regular(path, O_RDWR | O_CREAT | O_TRUNC);
@@ -198,7 +201,7 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
     return 0;
 }
 
-/* Into the order of the file. */
+/* Encodes the photons and sorts them into the order of the file. */
 static int sort_photons(struct writer *w, struct orl_crew *crew)
 {
     const size_t count = w->packing.count;
@@ -233,9 +236,10 @@ static int create_in_memory(struct writer *w, struct orl_error *err)
     return 0;
 }
 
-/* path: of the file, whose descriptor comes out; NULL: in memory. */
-static int make(struct writer *w, const char *path, const struct orl_photon *photons, size_t count,
-                struct orl_crew *crew, int *ret_fd, struct orl_error *err)
+/* Builds the map. path: file to create, whose descriptor is returned in *ret_fd; NULL: in
+ * memory. */
+static int build_map(struct writer *w, const char *path, const struct orl_photon *photons,
+                     size_t count, struct orl_crew *crew, int *ret_fd, struct orl_error *err)
 {
     const struct orl_map_build *build = w->build;
     const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
@@ -266,7 +270,7 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
 {
     struct writer w = {.build = build};
     int fd = -1;
-    const int code = make(&w, path, photons, count, crew, &fd, err);
+    const int code = build_map(&w, path, photons, count, crew, &fd, err);
     if (w.file)
         munmap(w.file, w.size);
     if (fd >= 0)
@@ -281,7 +285,7 @@ int orl_photon_map_make(const struct orl_photon *photons, size_t count,
                         struct orl_photon_map **ret_map, struct orl_error *err)
 {
     struct writer w = {.build = build};
-    int fd = -1, code = make(&w, NULL, photons, count, crew, &fd, err);
+    int fd = -1, code = build_map(&w, NULL, photons, count, crew, &fd, err);
     if (code == 0)
         return orl_photon_map_of(w.file, w.size, ret_map, err);
     if (w.file)

@@ -11,7 +11,7 @@ static uint64_t first_code(const struct orl_photon_map *map, uint64_t leaf)
     return orl_zorder_code(cell, map->normals[leaf * ORL_MAP_LEAF]);
 }
 
-/* Whole groups of eight: those past the end are never begun. */
+/* Allocates codes for whole groups of eight. Entries past the end are greater than any code. */
 static uint64_t *new_codes(uint64_t count)
 {
     const uint64_t padded = (count + ORL_ZORDER_FANOUT - 1) / ORL_ZORDER_FANOUT * ORL_ZORDER_FANOUT;

@@ -1,7 +1,6 @@
 /*
- * The order that photons of a map are in: by the bin of their normal (facing.h), then along the
- * Morton curve. Where a place would stand among them tells, without a search, which leaf's photons
- * lie about it.
+ * The order of a map's photons: by the bin of their normal (facing.h), then along the Morton curve.
+ * The code of a point finds the leaf whose photons are around it, without a search of boxes.
  *
  * Threads: an index is immutable once made.
  */
@@ -12,7 +11,7 @@
 
 enum { ORL_ZORDER_FANOUT = 8, ORL_ZORDER_LEVELS = 10, ORL_ZORDER_PLACE_BITS = 57 };
 
-/* Spreads 20 bits to every third. */
+/* Spreads 20 bits to every third bit. */
 static inline uint64_t orl_zorder_spread(uint64_t x)
 {
     x = (x | x << 32) & 0x1f00000000ffffULL;
@@ -22,7 +21,8 @@ static inline uint64_t orl_zorder_spread(uint64_t x)
     return (x | x << 2) & 0x1249249249249249ULL;
 }
 
-/* A place's code. 19 of the 20 bits an axis leave room for the bin above. */
+/* Returns the code of a cell and a normal. It uses 19 of the 20 bits of each axis, to leave room
+ * for the bin above them. */
 static inline uint64_t orl_zorder_code(const uint32_t cell[3], uint16_t normal)
 {
     return (uint64_t)orl_facing_bin(normal) << ORL_ZORDER_PLACE_BITS |
@@ -30,7 +30,7 @@ static inline uint64_t orl_zorder_code(const uint32_t cell[3], uint16_t normal)
            orl_zorder_spread(cell[2] >> 1) << 2;
 }
 
-/* The first codes of leaves, and above them of every eighth, and so on. */
+/* The first code of each leaf; above them, level by level, that of every eighth entry. */
 struct orl_zorder {
     uint64_t *codes[ORL_ZORDER_LEVELS];
     uint64_t counts[ORL_ZORDER_LEVELS];
@@ -39,10 +39,10 @@ struct orl_zorder {
 
 /* Returns 0 or ORL_ERR_NOMEM. */
 int orl_zorder_init(struct orl_zorder *order, const struct orl_photon_map *map);
-void orl_zorder_done(struct orl_zorder *order); /* also of one that is all zero */
+void orl_zorder_done(struct orl_zorder *order); /* a struct that is all zero is allowed */
 
-/* The last leaf that begins no later than the code; the first one if all do. Of a map with photons.
- */
+/* Returns the last leaf whose first code is not greater than `code`, or the first leaf if there
+ * is none. The map must have photons. */
 uint64_t orl_zorder_find(const struct orl_zorder *order, uint64_t code);
 
 #endif

@@ -1,4 +1,4 @@
-/* How much of the light where caustic photons land is theirs. */
+/* Caustic photons' share of the light where they land (orl_worth_contrast). */
 #include "photon/shooting/worth.h"
 
 #include <stdlib.h>
@@ -7,26 +7,27 @@
 #include "base/random.h"
 #include "photon/map/facing.h"
 
-/* Cubes, from the scene's own to one of 1/16384 of its width; of so many photons at the least. */
+/* Levels of cubes, from the scene's own to 1/16384 of its width; minimum number of photons in a
+ * cube. */
 enum { LEVELS = 15, LEAST_IN_CUBE = 8 };
-/* A table of cubes: more than there are photons to lie in them. */
+/* Hash table of cubes: more slots than photons. */
 enum { MOST_PHOTONS = 1 << 15, SLOTS = 1 << 17 };
 _Static_assert((int)SLOTS >= 4 * (int)MOST_PHOTONS, "no long searches");
 
 struct cube {
-    uint64_t name; /* 0: free */
+    uint64_t name; /* hash of a cube and a bin of normals; 0: free */
     uint32_t caustic, rest;
     double caustic_w, rest_w;
 };
 
-/* Photons evenly picked from more. */
+/* Every step-th photon of an array. */
 struct pick {
     const struct orl_photon *photons;
     size_t count, step;
     double scale;
 };
 
-static struct pick pick(const struct orl_photon *photons, size_t count, double scale)
+static struct pick pick_photons(const struct orl_photon *photons, size_t count, double scale)
 {
     const size_t step = (count + MOST_PHOTONS / 2 - 1) / (MOST_PHOTONS / 2);
     return (struct pick){photons, count, step > 0 ? step : 1,
@@ -58,8 +59,8 @@ static double luma_of(const struct orl_photon *p)
     return orl_luma((struct orl_rgb){p->flux[0], p->flux[1], p->flux[2]});
 }
 
-static void fill(struct cube *cubes, const struct pick *caustic, const struct pick *rest,
-                 const struct orl_geometry *g, int level)
+static void fill_cubes(struct cube *cubes, const struct pick *caustic, const struct pick *rest,
+                       const struct orl_geometry *g, int level)
 {
     memset(cubes, 0, SLOTS * sizeof *cubes);
     for (size_t i = 0; i < caustic->count; i += caustic->step) {
@@ -77,7 +78,7 @@ static void fill(struct cube *cubes, const struct pick *caustic, const struct pi
     }
 }
 
-/* Flux over area, of both kinds, about each caustic photon. */
+/* Flux over area, of both kinds, around each caustic photon. */
 struct lit {
     double caustic, rest;
 };
@@ -86,14 +87,14 @@ int orl_worth_contrast(const struct orl_photon *caustic, size_t n_caustic, doubl
                        const struct orl_photon *rest, size_t n_rest, double rest_scale,
                        const struct orl_geometry *geometry, double *ret_contrast)
 {
-    const struct pick c = pick(caustic, n_caustic, caustic_scale),
-                      r = pick(rest, n_rest, rest_scale);
+    const struct pick c = pick_photons(caustic, n_caustic, caustic_scale),
+                      r = pick_photons(rest, n_rest, rest_scale);
     struct cube *cubes = malloc(SLOTS * sizeof *cubes);
     struct lit *lit = calloc(n_caustic + 1, sizeof *lit);
     double sum = 0, all = 0;
     for (int level = 0; level < LEVELS && cubes && lit; level++) {
         const double per_area = ldexp(1, 2 * level);
-        fill(cubes, &c, &r, geometry, level);
+        fill_cubes(cubes, &c, &r, geometry, level);
         for (size_t i = 0; i < n_caustic; i += c.step) {
             const struct cube *cube = find_cube(cubes, name_of(&caustic[i], geometry, level));
             if (level == 0 || cube->caustic >= LEAST_IN_CUBE)

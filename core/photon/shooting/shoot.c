@@ -8,24 +8,26 @@
 #include "base/memory.h"
 
 enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS };
-enum { BATCHES_A_MEMBER = 32 }; /* most, of each kind, in a round */
+enum { BATCHES_A_MEMBER = 32 }; /* maximum batches of each kind in a round */
 _Static_assert((int)SMALL_BATCH % (int)ORL_MAP_BATCHES == 0, "whole blocks");
-enum { MOST_GROWTH = 15 }; /* a round emits at most this many times what was emitted before */
-/* This many emissions, or rays, without a photon: there is no light to catch. */
+enum { MOST_GROWTH = 15 }; /* maximum emissions of a round, as a multiple of those before */
+/* Emissions, or rays, without a photon after which the search for light ends. */
 enum { DRY_EMISSIONS = 64 * BATCH, DRY_RAYS = 1 << 24 };
-/* Nor is it worth more than this to catch the few there are. */
+/* Limit of emissions per photon, beyond which a map stops with fewer photons than its target. */
 static const double most_emitted_per_photon = 64, emitted_anyway = 2e6;
 
 /*
- * Batches of one kind, as they come back. What a round's batches leave is moved to one array before
- * the next round, whose batches then fill the same memory: it is touched once, and stays near.
+ * Batches of one kind. Before the next round the photons of a round's batches are moved to one
+ * array. The next round's batches then reuse the same memory, so its pages are touched once and
+ * remain in the cache.
  */
 struct queue {
-    struct orl_deposits *batches; /* of a round */
-    size_t *places;               /* theirs among the photons below */
-    size_t room;                  /* for how many */
-    size_t n_done, n_round;       /* kept so far, an earlier shot's among them; being traced */
-    struct orl_photon *photons;   /* of this shot's batches that are kept, in order */
+    struct orl_deposits *batches; /* batches of a round */
+    size_t *places;               /* offsets of the batches' photons in `photons` */
+    size_t room;                  /* allocated length of batches and places */
+    /* batches kept so far, with those of an earlier shot; batches being traced */
+    size_t n_done, n_round;
+    struct orl_photon *photons; /* photons of this shot's batches that are kept, in order */
     size_t count, capacity;
     struct orl_health health;
     uint64_t stored, rays;
@@ -44,8 +46,8 @@ const char *orl_map_kind_name(enum orl_map_kind kind)
 }
 
 /*
- * Emissions before a batch: the first two batches are small, each one after that as large as all
- * before it, until they are of full size.
+ * Returns the number of emissions before a batch. The first two batches are small, each one after
+ * them is as large as all before it, until they have the full size.
  */
 static uint64_t emitted_before(size_t batch)
 {
@@ -54,7 +56,8 @@ static uint64_t emitted_before(size_t batch)
     return batch == 0 ? 0 : (uint64_t)SMALL_BATCH << (batch - 1);
 }
 
-/* The batches that a shot of that many emissions took; false when no shot stops there. */
+/* Computes the number of batches in a shot of that many emissions. Returns false if no shot
+ * stops there. */
 static bool find_batches(uint64_t emitted, size_t *ret_batches)
 {
     size_t batches = emitted / BATCH;
@@ -108,7 +111,7 @@ static void shoot_batch(void *arg, size_t index, uint32_t member)
     }
 }
 
-/* How many batches the next round needs, from the yield so far. */
+/* Returns the number of batches that the next round needs, from the yield so far. */
 static size_t plan_round(const struct queue *queue, uint64_t target, size_t most)
 {
     size_t batches = 1;
@@ -121,7 +124,7 @@ static size_t plan_round(const struct queue *queue, uint64_t target, size_t most
     double need = MOST_GROWTH * emitted;
     if (yield > 0)
         need = fmin(need, ((double)target - (double)queue->stored) / yield);
-    /* Nothing yet: no more than it takes to tell that there is nothing. */
+    /* No photon yet: no more emissions than are needed to show that there is no light. */
     else
         need = fmin(fmin(need, DRY_EMISSIONS - emitted),
                     DRY_RAYS * emitted / fmax((double)queue->rays, 1) - emitted);
@@ -130,8 +133,8 @@ static size_t plan_round(const struct queue *queue, uint64_t target, size_t most
     return batches;
 }
 
-/* Room for the round's batches, emptied. */
-static int make_room(struct queue *queue)
+/* Allocates and clears the round's batches. Returns 0 or ORL_ERR_NOMEM. */
+static int prepare_batches(struct queue *queue)
 {
     if (queue->n_round > queue->room) {
         struct orl_deposits *grown =
@@ -153,8 +156,8 @@ static int make_room(struct queue *queue)
     return 0;
 }
 
-/* Room for a batch's photons among those that are kept. */
-static int make_room_for(struct queue *queue, size_t count)
+/* Reserves memory for a batch's photons. Returns 0 or ORL_ERR_NOMEM. */
+static int reserve_batch(struct queue *queue, size_t count)
 {
     if (count <= queue->capacity - queue->count)
         return 0;
@@ -167,7 +170,7 @@ static int make_room_for(struct queue *queue, size_t count)
     return 0;
 }
 
-/* Moves a batch's photons to their place among those that are kept. */
+/* Moves a batch's photons to their offset in the array of photons. */
 static void move_batch(void *arg, size_t index, uint32_t member)
 {
     const struct queue *queue = arg;
@@ -178,7 +181,8 @@ static void move_batch(void *arg, size_t index, uint32_t member)
                batch->count * sizeof *batch->photons);
 }
 
-/* Whether the batches kept are all there are to be. Batch by batch: rounds are not to matter. */
+/* Returns true if the batches kept are enough. Called batch by batch, so that the result does
+ * not depend on rounds. */
 static bool is_finished(const struct queue *queue, uint64_t target)
 {
     const uint64_t emitted = emitted_before(queue->n_done);
@@ -187,15 +191,16 @@ static bool is_finished(const struct queue *queue, uint64_t target)
            (double)emitted > most_emitted_per_photon * (double)target + emitted_anyway;
 }
 
-/* Keeps the round's batches up to the one that finishes; drops the rest. */
-static int settle(struct queue *queue, uint64_t target, struct orl_crew *crew)
+/* Keeps the round's batches up to the one that finishes, and drops the rest. Returns 0 or
+ * ORL_ERR_NOMEM. */
+static int keep_round(struct queue *queue, uint64_t target, struct orl_crew *crew)
 {
     size_t kept = 0;
     int code = 0;
     while (kept < queue->n_round && !queue->finished && code == 0) {
         const struct orl_deposits *batch = &queue->batches[kept];
         const struct orl_health health = orl_deposits_health(batch);
-        code = batch->out_of_memory ? ORL_ERR_NOMEM : make_room_for(queue, batch->count);
+        code = batch->out_of_memory ? ORL_ERR_NOMEM : reserve_batch(queue, batch->count);
         queue->places[kept++] = queue->count;
         queue->count += batch->count;
         orl_health_add(&queue->health, &health);
@@ -210,8 +215,8 @@ static int settle(struct queue *queue, uint64_t target, struct orl_crew *crew)
     return code;
 }
 
-/* Of a round that is cancelled the photons go; what it took is counted. */
-static void break_off(struct queue *queue)
+/* Drops the photons of a cancelled round, but keeps its counters. */
+static void drop_round(struct queue *queue)
 {
     for (size_t i = 0; i < queue->n_round; i++) {
         const struct orl_health health = orl_deposits_health(&queue->batches[i]);
@@ -219,8 +224,8 @@ static void break_off(struct queue *queue)
     }
 }
 
-/* Hands over what there is. */
-static void collect(struct queue *queue, struct orl_shot *shot)
+/* Moves the photons to the shot. */
+static void collect_photons(struct queue *queue, struct orl_shot *shot)
 {
     shot->photons = queue->photons;
     shot->count = queue->count;
@@ -228,7 +233,7 @@ static void collect(struct queue *queue, struct orl_shot *shot)
     shot->emitted = queue->n_done > 0 ? emitted_before(queue->n_done) : 1;
 }
 
-/* ... and what that took, which counts whatever becomes of it. */
+/* Adds the counters to the shot, also on failure. */
 static void collect_health(const struct queue *queue, struct orl_shot *shot)
 {
     const double emitted = (double)(emitted_before(queue->n_done) - shot->had_emitted);
@@ -237,7 +242,8 @@ static void collect_health(const struct queue *queue, struct orl_shot *shot)
     shot->health.flux_capped_w /= fmax(emitted, 1);
 }
 
-/* Rays of a kind's photons in all, by what came of those so far; of dry ones until that is sure. */
+/* Estimates the rays that the remaining photons of a kind need, from those so far; without
+ * photons, those until the search ends. */
 static double rays_to_come(const struct queue *queue, const struct orl_shot *shot)
 {
     const double emitted = (double)emitted_before(queue->n_done);
@@ -251,8 +257,9 @@ static double rays_to_come(const struct queue *queue, const struct orl_shot *sho
     return rays * fmax(needed - emitted, 0) / new_emitted;
 }
 
-/* Rays take the time: photons that are stored do not say how many emissions the rest takes. */
-static void report(const struct shooting *shooting, const struct orl_shot *shots)
+/* Reports progress by rays, because they take the time; the number of photons does not show how
+ * many emissions the rest needs. */
+static void report_progress(const struct shooting *shooting, const struct orl_shot *shots)
 {
     double done = 0, left = 0;
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
@@ -263,7 +270,7 @@ static void report(const struct shooting *shooting, const struct orl_shot *shots
         shooting->env->progress(shooting->env->ctx, done + left > 0 ? done / (done + left) : 1);
 }
 
-/* All rounds, until every queue is finished. */
+/* Runs rounds until every queue is finished. */
 static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
 {
     const size_t most = BATCHES_A_MEMBER * (size_t)orl_crew_size(shooting->env->crew);
@@ -273,7 +280,7 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
             struct queue *queue = &shooting->queues[k];
             queue->n_round = plan_round(queue, shots[k].target, most);
             total += queue->n_round;
-            if (make_room(queue) < 0) {
+            if (prepare_batches(queue) < 0) {
                 queue->n_round = 0;
                 return ORL_ERR_NOMEM;
             }
@@ -283,21 +290,21 @@ static int shoot_rounds(struct shooting *shooting, const struct orl_shot *shots)
         orl_crew_for(shooting->env->crew, total, shoot_batch, shooting);
         if (atomic_load(shooting->env->cancel)) {
             for (int k = 0; k < ORL_SHOT_KINDS; k++)
-                break_off(&shooting->queues[k]);
+                drop_round(&shooting->queues[k]);
             return ORL_ERR_CANCELLED;
         }
         for (int k = 0; k < ORL_SHOT_KINDS; k++)
-            if (settle(&shooting->queues[k], shots[k].target, shooting->env->crew) < 0)
+            if (keep_round(&shooting->queues[k], shots[k].target, shooting->env->crew) < 0)
                 return ORL_ERR_NOMEM;
-        report(shooting, shots);
+        report_progress(shooting, shots);
     }
 }
 
 /*
- * Room at once for all that is wanted and what the last batch may bring beyond it: nothing of it is
- * taken before it is filled, and an array that grows is moved. Where this fails, it grows.
+ * Reserves memory for all photons wanted and the surplus of the last batch. Pages are not used
+ * before they are filled, while an array that grows is copied. If this fails, the array grows.
  */
-static void reserve(struct queue *queue, const struct orl_shot *shot)
+static void reserve_photons(struct queue *queue, const struct orl_shot *shot)
 {
     const uint64_t wanted = shot->target - queue->stored, spare = UINT64_C(2) * BATCH;
     if (queue->finished || wanted > ORL_LIMIT_PHOTONS)
@@ -306,7 +313,7 @@ static void reserve(struct queue *queue, const struct orl_shot *shot)
     queue->capacity = queue->photons ? wanted + spare : 0;
 }
 
-/* Where each kind begins. */
+/* Sets the start of each kind. Returns 0 or ORL_ERR_CORRUPT. */
 static int set_up_queues(struct shooting *shooting, const struct orl_shot *shots)
 {
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
@@ -316,7 +323,7 @@ static int set_up_queues(struct shooting *shooting, const struct orl_shot *shots
         queue->stored = shots[k].had;
         queue->finished = shots[k].target == 0 || is_finished(queue, shots[k].target) ||
                           (k == ORL_MAP_CAUSTIC && !shooting->env->emission->has_caustics);
-        reserve(queue, &shots[k]);
+        reserve_photons(queue, &shots[k]);
     }
     return 0;
 }
@@ -342,7 +349,7 @@ int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KI
         code = shoot_rounds(&shooting, shots);
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
         if (code == 0)
-            collect(&shooting.queues[k], &shots[k]);
+            collect_photons(&shooting.queues[k], &shots[k]);
         collect_health(&shooting.queues[k], &shots[k]);
     }
     free_queues(&shooting);

@@ -1,12 +1,12 @@
 /*
- * Tracing photons until there are enough: global and caustic ones in one pass, by all cores.
+ * Photon tracing up to a target number, for global and caustic photons in one pass, on all cores.
  *
- * Work goes in batches of emissions, named by index: small ones first, for an emission may leave
- * 10^4 photons where walls absorb little, then of a fixed size. Rounds of batches are sized from
- * the counts of the rounds before, never from time or threads. A map takes all batches up to the
- * first that reaches its target, so that its photons, their order and the number emitted depend on
- * the seed alone, and a larger target continues where a smaller one stopped: from a map's numbers
- * of photons and emissions follows which batches are left.
+ * Work is divided into batches of emissions, identified by index. The first batches are small,
+ * because an emission may leave 10^4 photons where walls absorb little; later ones have a fixed
+ * size. Rounds of batches are sized from the counts of earlier rounds, never from time or threads.
+ * A map takes all batches up to the first that reaches its target. So its photons, their order and
+ * the number emitted depend only on the seed. A larger target continues where a smaller one
+ * stopped: a map's numbers of photons and emissions determine the remaining batches.
  */
 #ifndef ORL_PHOTON_SHOOTING_SHOOT_H
 #define ORL_PHOTON_SHOOTING_SHOOT_H
@@ -21,19 +21,24 @@
 enum orl_map_kind {
     ORL_MAP_GLOBAL,
     ORL_MAP_CAUSTIC,
-    ORL_SHOT_KINDS,                       /* those of photons that are shot */
-    ORL_MAP_PRECOMPUTED = ORL_SHOT_KINDS, /* irradiance made from the global map (records.h) */
+    ORL_SHOT_KINDS, /* number of kinds that are traced */
+    /* irradiance computed from the global map (records.h) */
+    ORL_MAP_PRECOMPUTED = ORL_SHOT_KINDS,
     ORL_MAP_KINDS
 };
-const char *orl_map_kind_name(enum orl_map_kind kind); /* "global", "caustic", "precomputed" */
+/* returns "global", "caustic", "precomputed" */
+const char *orl_map_kind_name(enum orl_map_kind kind);
 
 struct orl_shot {
-    uint64_t target;            /* in: photons wanted, in all; 0 for none */
-    uint64_t had, had_emitted;  /* in: of an earlier, smaller shot that found some; 0: none */
-    struct orl_photon *photons; /* out, the caller's: the others, in order of emission; or NULL */
-    size_t count;               /* of these */
-    uint64_t emitted;           /* in all */
-    struct orl_health health;   /* of this shot; fluxes divided by what it emitted: watts */
+    uint64_t target; /* in: total number of photons wanted; 0 for none */
+    /* in: photons and emissions of an earlier, smaller shot that found some; 0: none */
+    uint64_t had, had_emitted;
+    /* out: the new photons, in order of emission, owned by the caller; or NULL */
+    struct orl_photon *photons;
+    size_t count;     /* out: number of new photons */
+    uint64_t emitted; /* out: emissions, with those of the earlier shot */
+    /* counters of this shot; fluxes are divided by its emissions: watts */
+    struct orl_health health;
 };
 
 struct orl_shoot_env {
@@ -41,27 +46,26 @@ struct orl_shoot_env {
     uint64_t seed;
     struct orl_crew *crew;
     atomic_bool *cancel;
-    bool by_chance; /* of a pilot alone (worth.h): see orl_deposits */
+    bool by_chance; /* only for pilots (worth.h): as in orl_deposits */
     void (*progress)(void *ctx, double fraction);
     void *ctx;
 };
 
 /*
- * The emissions of that kind from the first on, a multiple of ORL_MAP_BATCHES: n, or as many as go
- * together; returns how many. For shots, and for who counts photons otherwise.
+ * Emits and traces photons of a kind from index `first` on, which is a multiple of ORL_MAP_BATCHES:
+ * n emissions, but at most ORL_EMISSIONS_AT_ONCE. Returns their number. Used by shots, and by
+ * callers that count photons otherwise.
  */
 size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
                       uint64_t n, struct orl_deposits *deposits);
 
 /*
- * Fills shots[kind]; returns 0, ORL_ERR_CANCELLED, ORL_ERR_NOMEM, or ORL_ERR_CORRUPT when no shot
- * stops at had_emitted (photons then freed).
+ * Fills shots[kind]. Returns 0, ORL_ERR_CANCELLED, ORL_ERR_NOMEM, or ORL_ERR_CORRUPT if no shot
+ * stops at had_emitted; on failure photons are freed.
  */
 int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KINDS],
               struct orl_error *err);
 
-/* As many emissions as go together, n at most, from one on that is a multiple of ORL_MAP_BATCHES;
- * returns how many. */
 struct orl_deposits;
 size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
                       uint64_t n, struct orl_deposits *deposits);

@@ -6,12 +6,13 @@
 #include "photon/flight/trace.h"
 
 /*
- * Emissions go in chunks, chunks in rounds: global photons take one round, caustic ones as many as
- * it takes to find enough. A chunk ends early where one emission leaves thousands of photons.
+ * Emissions are divided into chunks, and chunks into rounds: one round of global photons, as many
+ * rounds of caustic ones as are needed to find enough. A chunk ends early if one emission leaves
+ * thousands of photons.
  */
 enum { CHUNK = 1024, FIRST_OF_CHUNK = 32, RAYS_A_CHUNK = 1 << 15, MOST_AT_ONCE = 16 };
 enum { GLOBAL_CHUNKS = 16, CAUSTIC_CHUNKS = 16, MOST_ROUNDS = 16, ENOUGH_CAUSTIC = 2048 };
-enum { LEAST_TO_TELL = 32 }; /* photons: their flux is known to a fifth */
+enum { LEAST_TO_TELL = 32 }; /* photons needed for a result: their flux is known within a fifth */
 static const uint64_t another_seed = 0x63617573;
 _Static_assert((int)FIRST_OF_CHUNK % (int)ORL_MAP_BATCHES == 0, "whole blocks");
 _Static_assert((int)GLOBAL_CHUNKS <= (int)MOST_AT_ONCE && (int)CAUSTIC_CHUNKS <= (int)MOST_AT_ONCE,
@@ -21,12 +22,12 @@ _Static_assert((int)GLOBAL_CHUNKS <= (int)MOST_AT_ONCE && (int)CAUSTIC_CHUNKS <=
 struct sortie {
     struct orl_shoot_env env;
     enum orl_map_kind kind;
-    size_t first; /* chunk */
+    size_t first; /* first chunk */
     struct orl_deposits deposits[MOST_AT_ONCE];
     uint64_t emitted[MOST_AT_ONCE];
 };
 
-/* What all rounds of a kind have found. */
+/* Results of all rounds of a kind. */
 struct find {
     struct orl_photon *photons;
     size_t count;
@@ -50,8 +51,8 @@ static void shoot_chunk(void *arg, size_t index, uint32_t member)
     s->emitted[index] = done;
 }
 
-/* Adds what a round has left. */
-static int take(struct find *find, struct sortie *s, size_t chunks)
+/* Adds the results of a round. Returns 0 or ORL_ERR_NOMEM. */
+static int add_round(struct find *find, struct sortie *s, size_t chunks)
 {
     size_t more = 0;
     for (size_t i = 0; i < chunks; i++) {
@@ -74,15 +75,15 @@ static int take(struct find *find, struct sortie *s, size_t chunks)
     return 0;
 }
 
-static int sortie(const struct orl_shoot_env *env, enum orl_map_kind kind, size_t first,
-                  size_t chunks, struct find *find)
+static int run_round(const struct orl_shoot_env *env, enum orl_map_kind kind, size_t first,
+                     size_t chunks, struct find *find)
 {
     struct sortie s = {.env = *env, .kind = kind, .first = first};
     s.env.seed = orl_mix64(env->seed ^ another_seed);
     for (size_t i = 0; i < chunks; i++)
         s.deposits[i].by_chance = env->by_chance;
     orl_crew_for(env->crew, chunks, shoot_chunk, &s);
-    int code = atomic_load(env->cancel) ? ORL_ERR_CANCELLED : take(find, &s, chunks);
+    int code = atomic_load(env->cancel) ? ORL_ERR_CANCELLED : add_round(find, &s, chunks);
     for (size_t i = 0; i < chunks; i++)
         free(s.deposits[i].photons);
     return code;
@@ -94,7 +95,7 @@ static int find_caustics(const struct orl_shoot_env *env, struct find *find)
     for (size_t round = 0;
          round < MOST_ROUNDS && code == 0 && find->count < ENOUGH_CAUSTIC && find->rays < 1 << 20;
          round++)
-        code = sortie(env, ORL_MAP_CAUSTIC, round * CAUSTIC_CHUNKS, CAUSTIC_CHUNKS, find);
+        code = run_round(env, ORL_MAP_CAUSTIC, round * CAUSTIC_CHUNKS, CAUSTIC_CHUNKS, find);
     return code;
 }
 
@@ -109,7 +110,7 @@ static double flux_of(const struct find *find, bool caustics_too)
     return find->emitted > 0 ? orl_sum_value(&sum) / (double)find->emitted : 0;
 }
 
-static void judge(const struct find finds[ORL_SHOT_KINDS], struct orl_worth *worth)
+static void fill_worth(const struct find finds[ORL_SHOT_KINDS], struct orl_worth *worth)
 {
     const double caustic = flux_of(&finds[ORL_MAP_CAUSTIC], true),
                  rest = flux_of(&finds[ORL_MAP_GLOBAL], false);
@@ -134,13 +135,13 @@ int orl_worth_measure(const struct orl_shoot_env *env, double (*now_s)(void *ctx
     for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++) {
         const double started = now_s ? now_s(ctx) : NAN;
         if (k == ORL_MAP_GLOBAL)
-            code = sortie(env, ORL_MAP_GLOBAL, 0, GLOBAL_CHUNKS, &finds[k]);
+            code = run_round(env, ORL_MAP_GLOBAL, 0, GLOBAL_CHUNKS, &finds[k]);
         else if (env->emission->has_caustics)
             code = find_caustics(env, &finds[k]);
         finds[k].seconds = (now_s ? now_s(ctx) : NAN) - started;
     }
     if (code == 0)
-        judge(finds, &worth);
+        fill_worth(finds, &worth);
     if (code == 0 && worth.known) {
         const struct find *c = &finds[ORL_MAP_CAUSTIC], *g = &finds[ORL_MAP_GLOBAL];
         code = orl_worth_contrast(c->photons, c->count, 1 / (double)c->emitted, g->photons,

@@ -1,18 +1,19 @@
 /*
- * What caustic photons would be worth, and what they would take: a pilot of both kinds before there
- * is a map of either.
+ * Pilot of caustic photons before there is any map: their contribution and their cost.
  *
- * Photons of a kind come to nothing mostly where surfaces hardly mirror, or are small and far from
- * where light starts: then a photon that is stored takes tens of emissions. Whether that is worth
- * it depends on how much of the light is caustic, and on how much of it where it lands: a spot of
- * sun through a lens outshines all else where it lies, however small its flux; the gleam of a desk
- * on a lit ceiling is lost in what is there anyway. The first asks for sharp edges and little
- * noise; the second is the same picture with a hundredth of the photons.
+ * Few emissions lead to a caustic photon if surfaces hardly mirror, or are small and far from where
+ * light starts: a stored photon then takes tens of emissions. Whether that cost is justified
+ * depends on the caustics' share of all light, and on their share of the light where they land
+ * (contrast). A spot of sun through a lens outshines all other light where it lies, however small
+ * its flux. The reflection of a desk on a lit ceiling is invisible in the light that is there. The
+ * first requires sharp edges and little noise; the second looks the same with a hundredth of the
+ * photons.
  *
- * Contrast is measured where pilot photons lie, in cubes about each caustic one that are as small
- * as still hold some, of each kind by itself, so that a small spot counts by its own brightness.
+ * Contrast is measured at the pilot photons, in cubes around each caustic one. The cubes are as
+ * small as still hold some photons, separately for each kind, so that a small spot counts with its
+ * own brightness.
  *
- * The pilot is seeded and sized by counts: the same for any crew.
+ * The pilot is seeded and sized by counts: the same for any number of threads.
  */
 #ifndef ORL_PHOTON_SHOOTING_WORTH_H
 #define ORL_PHOTON_SHOOTING_WORTH_H
@@ -21,23 +22,25 @@
 
 struct orl_worth {
     uint64_t emitted[ORL_SHOT_KINDS], stored[ORL_SHOT_KINDS];
-    double yield[ORL_SHOT_KINDS];      /* photons stored per emission */
-    double rays[ORL_SHOT_KINDS];       /* per emission */
-    double emission_s[ORL_SHOT_KINDS]; /* that one takes, by the whole crew; NaN: no clock */
-    double share;    /* of all light that lands, reflected light included, what is caustic */
-    double contrast; /* its share of the light where it lands, on average over it; 0..1 */
-    bool known;      /* enough caustic photons were found to tell */
+    double yield[ORL_SHOT_KINDS]; /* photons stored per emission */
+    double rays[ORL_SHOT_KINDS];  /* rays per emission */
+    /* seconds per emission, with the whole crew; NaN: no clock */
+    double emission_s[ORL_SHOT_KINDS];
+    /* caustic flux over the flux of all light that lands, reflected light included */
+    double share;
+    double contrast; /* mean share of caustic light where it lands; 0..1 */
+    bool known;      /* enough caustic photons were found for a result */
 };
 
 /*
- * env: its progress is not told; by_chance: of caustic photons it takes those alone (trace.h).
- * now_s: NULL, or a clock. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ * Runs the pilot. env: its progress callback is not called; by_chance: as in orl_deposits. now_s: a
+ * clock, or NULL. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_worth_measure(const struct orl_shoot_env *env, double (*now_s)(void *ctx), void *ctx,
                       struct orl_worth *ret_worth, struct orl_error *err);
 
-/* The contrast of caustic photons, fluxes per emission scaled by those factors; of `rest` those of
- * class ORL_PHOTON_CAUSTIC do not count. Returns a negative orl_err when out of memory. */
+/* Computes the contrast of caustic photons. The scales convert fluxes to those per emission.
+ * Photons of class ORL_PHOTON_CAUSTIC in `rest` are ignored. Returns 0 or ORL_ERR_NOMEM. */
 int orl_worth_contrast(const struct orl_photon *caustic, size_t n_caustic, double caustic_scale,
                        const struct orl_photon *rest, size_t n_rest, double rest_scale,
                        const struct orl_geometry *geometry, double *ret_contrast);

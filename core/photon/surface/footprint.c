@@ -4,17 +4,18 @@ enum { SECTORS = ORL_FOOTPRINT_SECTORS, FREE_RAYS = 8, MOST_FACETS = 48 };
 
 /* A wall is steeper than 45 degrees to the surface it stands on. */
 static const double cosine_45 = 0.7071067811865476;
-/* A sheet goes on while its normal has not turned by more; photons count up to 30 degrees. */
+/* A sheet continues while its normal has turned by less; photons count up to 30 degrees. */
 static const double cosine_28 = 0.8829475928589269;
-/* And while chords fit the mean normal as sheet.h asks: there within 0.05. */
+/* The sheet also ends where chords do not fit the mean normal; sheet.h allows a slope of 0.05. */
 static const double bend = 0.04;
-/* How high above the surface the upper rays go, over the radius. */
+/* Height of the upper rays above the surface, over the radius. */
 static const double rise = 0.25;
-/* In units of the facet's offset: a hair above the surface; past an edge; and down from there. */
+/* Multiple of the facet's offset for small steps: above the surface, past an edge, and down from
+ * there. */
 static const double hair = 8;
 
-/* As the C library has them, a hair off the axes: of an edge along one, as many sectors are to
- * begin on either side. */
+/* Values of the C library, slightly off the axes: for an edge along an axis the same number of
+ * sectors must begin on either side. */
 const double orl_footprint_azimuths[SECTORS][2] = {{1.0, 0.0},
                                                    {0.9807852804032304, 0.19509032201612825},
                                                    {0.9238795325112867, 0.3826834323650898},
@@ -48,7 +49,7 @@ const double orl_footprint_azimuths[SECTORS][2] = {{1.0, 0.0},
                                                    {0.9238795325112865, -0.3826834323650904},
                                                    {0.9807852804032303, -0.19509032201612872}};
 
-/* Where one ray of the star ends. */
+/* The end of one ray of the star. */
 struct spoke {
     double length;
     struct orl_line line; /* the straight border it ends on, if any */
@@ -96,7 +97,8 @@ bool orl_footing_find(const struct orl_world *world, struct orl_vec3 point, stru
 
 /* ---- Walls ----------------------------------------------------------------------------------- */
 
-/* Two heights above the surface at which walls are looked for: a hair, and what has room. */
+/* Computes two heights above the surface at which walls are searched: just above it, and a share
+ * of the radius that is unobstructed. */
 static void heights_of(const struct orl_footing *footing, double radius, double ret_heights[2])
 {
     const double low = clearance_of(footing);
@@ -109,7 +111,7 @@ static void heights_of(const struct orl_footing *footing, double radius, double 
     ret_heights[1] = high;
 }
 
-/* The ray starts a step ahead, lest from an edge it meets the very wall it leaves. */
+/* The ray starts a small step ahead, so that at an edge it does not hit the wall that it leaves. */
 static bool meets_wall(const struct orl_footing *footing, double height, struct orl_vec3 direction,
                        double length, struct orl_hit *ret_hit)
 {
@@ -124,7 +126,7 @@ static bool meets_wall(const struct orl_footing *footing, double height, struct 
     return true;
 }
 
-/* The line on which a plane through the hit cuts the tangent plane. */
+/* Returns the line on which a plane through the hit cuts the tangent plane. */
 static struct orl_line foot_of_wall(const struct orl_footing *footing,
                                     const struct orl_frame *frame, const struct orl_hit *hit)
 {
@@ -152,8 +154,8 @@ static void stop_at_walls(const struct orl_footing *footing, const struct orl_fr
 bool orl_footing_is_free(const struct orl_footing *footing, double radius)
 {
     const struct orl_frame frame = frame_of(footing);
-    /* Eight rays as long as the corners of the octagon around the disc: no long wall cuts the disc
-     * and passes between them. */
+    /* Eight rays as long as the corners of the octagon around the disc: no long wall cuts the
+     * disc and passes between them. */
     const double length = radius / cos(ORL_PI / FREE_RAYS);
     double heights[2];
     if (orl_geometry_is_cut(footing->world->geometry, footing->facet) ||
@@ -194,19 +196,19 @@ bool orl_footing_joins(const struct orl_footing *footing, struct orl_vec3 point)
     return true;
 }
 
-/* ---- The surface ----------------------------------------------------------------------------- */
+/* ---- Edges ----------------------------------------------------------------------------------- */
 
 /* One ray of the star on its way along the surface. */
 struct march {
     const struct orl_footing *footing;
     const struct orl_frame *frame;
     const double *direction;
-    uint32_t facet;          /* where it is, */
-    struct orl_vec3 normal;  /* its normal on the side asked about, */
-    struct orl_vec3 through; /* and a point of its plane */
+    uint32_t facet;          /* the current facet */
+    struct orl_vec3 normal;  /* the current facet's normal, on the query's side */
+    struct orl_vec3 through; /* a point of the current facet's plane */
 };
 
-/* The point of the present facet's plane over a length in the tangent plane. */
+/* Returns the point of the current facet's plane above a length in the tangent plane. */
 static struct orl_vec3 point_at(const struct march *m, double length)
 {
     const struct orl_vec3 flat =
@@ -216,8 +218,8 @@ static struct orl_vec3 point_at(const struct march *m, double length)
     return orl_madd(flat, m->frame->n, height);
 }
 
-/* Whether photons of the present facet at that point count as being on the footing's sheet. */
-static bool fits(const struct march *m, struct orl_vec3 point)
+/* Returns true if photons of the current facet at that point count as on the footing's sheet. */
+static bool fits_sheet(const struct march *m, struct orl_vec3 point)
 {
     const struct orl_vec3 chord = orl_sub(point, m->footing->point);
     const struct orl_vec3 mean = orl_normalize(orl_add(m->footing->normal, m->normal));
@@ -225,7 +227,7 @@ static bool fits(const struct march *m, struct orl_vec3 point)
            fabs(orl_dot(chord, mean)) <= bend * orl_length(chord) + clearance_of(m->footing);
 }
 
-/* Steps over an edge onto the facet that carries the surface on; false when none does. */
+/* Steps over an edge onto the facet that continues the surface. Returns false if there is none. */
 static bool step_over(struct march *m, double length)
 {
     const struct orl_world *world = m->footing->world;
@@ -239,7 +241,7 @@ static bool step_over(struct march *m, double length)
     m->facet = hit.facet;
     m->normal = orl_hit_facing(&hit);
     m->through = hit.point;
-    return fits(m, hit.point);
+    return fits_sheet(m, hit.point);
 }
 
 static void stop_at_edge(const struct march *m, double length, const struct orl_line *line,
@@ -257,17 +259,17 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
 {
     const struct orl_world *world = footing->world;
     struct march m = {footing, frame, direction, footing->facet, footing->normal, footing->point};
-    struct march before = m; /* on the facet before */
+    struct march before = m; /* the state on the facet before */
     struct orl_line edge = {{0, 0}, 0}, next;
     double at = 0, crossed = 0;
     for (int i = 0; i < MOST_FACETS; i++) {
         const bool flat = is_flat(world, m.facet);
         double exit = orl_outline_exit(world, m.facet, frame, footing->point, direction, at, &next);
-        /* Every outline closes: where nothing is left to be crossed, the edge is where we stand. */
+        /* Every outline is closed: if no crossing is left, the edge is at the current length. */
         if (flat && !isfinite(exit))
             exit = at;
         /* A facet that bends away before its far end is left out from its near end on. */
-        if (i > 0 && !fits(&m, point_at(&m, orl_smaller(exit, spoke->length))))
+        if (i > 0 && !fits_sheet(&m, point_at(&m, orl_smaller(exit, spoke->length))))
             break;
         if (exit >= spoke->length)
             return;
@@ -283,8 +285,8 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
 
 /* ---- Cuts ------------------------------------------------------------------------------------ */
 
-static bool is_there(const struct orl_footing *footing, const struct orl_frame *frame,
-                     const double direction[2], double length)
+static bool has_surface_at(const struct orl_footing *footing, const struct orl_frame *frame,
+                           const double direction[2], double length)
 {
     const double gap = clearance_of(footing);
     const struct orl_vec3 point = orl_madd(footing->point, in_plane(frame, direction), length);
@@ -293,7 +295,7 @@ static bool is_there(const struct orl_footing *footing, const struct orl_frame *
                                   orl_neg(frame->n), 2 * gap, &hit);
 }
 
-/* Shortens a spoke to where antimatter has taken a flat surface away, which no outline tells. */
+/* Shortens a spoke to where antimatter has removed a flat surface; outlines do not show that. */
 static void stop_at_cuts(const struct orl_footing *footing, const struct orl_frame *frame,
                          const double direction[2], struct spoke *spoke)
 {
@@ -302,11 +304,11 @@ static void stop_at_cuts(const struct orl_footing *footing, const struct orl_fra
         return;
     for (int i = 1; i < PROBES; i++) {
         double low = spoke->length * (i - 1) / PROBES, high = spoke->length * i / PROBES;
-        if (is_there(footing, frame, direction, high))
+        if (has_surface_at(footing, frame, direction, high))
             continue;
         for (int k = 0; k < HALVINGS; k++) {
             const double middle = 0.5 * (low + high);
-            if (is_there(footing, frame, direction, middle))
+            if (has_surface_at(footing, frame, direction, middle))
                 low = middle;
             else
                 high = middle;
@@ -316,18 +318,18 @@ static void stop_at_cuts(const struct orl_footing *footing, const struct orl_fra
     }
 }
 
-/* ---- The star -------------------------------------------------------------------------------- */
+/* ---- Star of rays ---------------------------------------------------------------------------- */
 
-static void spread(const struct orl_footing *footing, const struct orl_frame *frame, double radius,
-                   struct spoke spokes[SECTORS], double *ret_clear)
+static void cast_spokes(const struct orl_footing *footing, const struct orl_frame *frame,
+                        double radius, struct spoke spokes[SECTORS], double *ret_clear)
 {
     double heights[2];
     heights_of(footing, radius, heights);
     *ret_clear = radius;
     for (int i = 0; i < SECTORS; i++) {
         const double *direction = orl_footprint_azimuths[i];
-        /* Longer than the radius, so that a line which only just cuts the disc between two rays is
-         * met by them. */
+        /* Longer than the radius, so that rays meet a line that only just cuts the disc between
+         * two of them. */
         spokes[i] = (struct spoke){.length = radius / cos(ORL_PI / SECTORS)};
         stop_at_walls(footing, frame, heights, direction, &spokes[i]);
         if (spokes[i].ended)
@@ -338,8 +340,9 @@ static void spread(const struct orl_footing *footing, const struct orl_frame *fr
     }
 }
 
-/* Whether a spoke ends on the line, or where it is beyond the radius. */
-static bool keeps_to(const struct spoke *spoke, const struct orl_line *line, double radius, int at)
+/* Returns true if a spoke ends on the line, or the line is beyond the radius there. */
+static bool ends_on_line(const struct spoke *spoke, const struct orl_line *line, double radius,
+                         int at)
 {
     const double *direction = orl_footprint_azimuths[at % SECTORS];
     const double slope = line->normal[0] * direction[0] + line->normal[1] * direction[1];
@@ -359,12 +362,12 @@ static struct orl_wedge wedge_between(const struct spoke *a, const struct spoke 
     for (int i = 0; i < 2; i++) {
         const struct orl_line *line = &both[i]->line;
         if (both[i]->ended && (line->normal[0] != 0 || line->normal[1] != 0) &&
-            keeps_to(both[1 - i], line, radius, at + 1 - i)) {
+            ends_on_line(both[1 - i], line, radius, at + 1 - i)) {
             wedge.border = *line;
             return wedge;
         }
     }
-    /* Within the straight line through either end, wherever it turns. */
+    /* Keeps within the straight line through either end, whatever its direction. */
     wedge.radius =
         orl_smaller(radius, cos(2 * ORL_PI / SECTORS) * orl_smaller(a->length, b->length));
     return wedge;
@@ -375,12 +378,13 @@ void orl_footprint_make(const struct orl_footing *footing, double radius,
 {
     struct spoke spokes[SECTORS];
     ret_footprint->frame = frame_of(footing);
-    spread(footing, &ret_footprint->frame, radius, spokes, &ret_footprint->clear);
+    cast_spokes(footing, &ret_footprint->frame, radius, spokes, &ret_footprint->clear);
     for (int i = 0; i < SECTORS; i++)
         ret_footprint->wedges[i] = wedge_between(&spokes[i], &spokes[(i + 1) % SECTORS], radius, i);
 }
 
-/* By comparisons, for it is asked once a photon: each octant has four sectors. */
+/* Returns the sector by comparisons, because it is called for each photon; each octant has four
+ * sectors. */
 static int sector_of(double x, double y)
 {
     static const double tangents[3] = {0.1989123673796580, 0.4142135623730950, 0.6681786379192989};
@@ -407,7 +411,7 @@ bool orl_footprint_holds(const struct orl_footprint *footprint, struct orl_vec3 
            (!(beyond > 0) || beyond * sqrt(length2) <= wedge->border.offset * sqrt(flat2));
 }
 
-/* Twice the area before a straight line between two azimuths, counted from its normal. */
+/* Returns twice the area before a straight line between two azimuths, counted from its normal. */
 static double before_line(double offset, double from, double to)
 {
     return offset * offset * (tan(to) - tan(from));

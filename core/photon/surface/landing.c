@@ -4,10 +4,10 @@
 
 enum { LEAVES_A_CHUNK = 1024, RECENT = 4 };
 
-/* The facets that photons landed on last, and the codes of their two normals. */
+/* The facets on which the last photons landed, and their coded normals. */
 struct recent {
     uint32_t facets[RECENT];
-    uint16_t codes[RECENT]; /* of the side that was lit */
+    uint16_t codes[RECENT]; /* normals of the side that was lit */
     uint32_t count;
 };
 
@@ -25,9 +25,9 @@ static bool is_on(const struct orl_planes *planes, uint32_t facet, const struct 
     return false;
 }
 
-/* A recent facet that the photon lies on; or ORL_NOWHERE. */
-static uint32_t recall(const struct orl_planes *planes, struct recent *recent,
-                       const struct orl_landed *photon, double rounding)
+/* Returns a recent facet that the photon lies on; or ORL_NOWHERE. */
+static uint32_t find_recent(const struct orl_planes *planes, struct recent *recent,
+                            const struct orl_landed *photon, double rounding)
 {
     for (uint32_t i = 0; i < recent->count; i++)
         if (recent->codes[i] == photon->code && is_on(planes, recent->facets[i], photon, rounding))
@@ -35,7 +35,7 @@ static uint32_t recall(const struct orl_planes *planes, struct recent *recent,
     return ORL_NOWHERE;
 }
 
-static void remember(struct recent *recent, uint32_t facet, uint16_t code)
+static void add_recent(struct recent *recent, uint32_t facet, uint16_t code)
 {
     if (recent->count < RECENT)
         recent->count++;
@@ -47,8 +47,9 @@ static void remember(struct recent *recent, uint32_t facet, uint16_t code)
     recent->codes[0] = code;
 }
 
-/* What a ray from above the photon meets; or ORL_NOWHERE. */
-static uint32_t ask(const struct orl_geometry *g, const struct orl_landed *photon, double rounding)
+/* Returns the facet that a ray from above the photon hits; or ORL_NOWHERE. */
+static uint32_t trace_facet(const struct orl_geometry *g, const struct orl_landed *photon,
+                            double rounding)
 {
     const struct orl_vec3 start = orl_madd(photon->point, photon->normal, 4 * rounding);
     struct orl_hit hit;
@@ -72,18 +73,18 @@ struct orl_landed orl_landed_of(const struct orl_photon_map *map, uint64_t index
 }
 
 /*
- * The facet of a photon. Every leaf's first is asked by a ray; should a recent facet hold it and
- * the ray meet another, the two coincide, and neither is to be had by texels.
+ * Returns the facet of a photon. For the first photon of every leaf a ray is traced. If a recent
+ * facet holds the photon and the ray hits another, the two coincide, and neither can have texels.
  */
 static uint32_t facet_of(const struct orl_landing *landing, const struct orl_landed *photon,
                          bool sure, struct recent *recent)
 {
     const struct orl_planes *planes = landing->planes;
     const double rounding = 2 * landing->map->header->cell + planes->geometry->radius * 0x1p-20;
-    const uint32_t known = recall(planes, recent, photon, rounding);
+    const uint32_t known = find_recent(planes, recent, photon, rounding);
     if (known != ORL_NOWHERE && !sure)
         return known;
-    const uint32_t met = ask(planes->geometry, photon, rounding);
+    const uint32_t met = trace_facet(planes->geometry, photon, rounding);
     if (met == ORL_NOWHERE)
         return known;
     if (known != ORL_NOWHERE && met != known) {
@@ -92,7 +93,7 @@ static uint32_t facet_of(const struct orl_landing *landing, const struct orl_lan
             atomic_store_explicit(&landing->doubtful[met], true, memory_order_relaxed);
     }
     if (met != known && orl_planes_have(planes, met))
-        remember(recent, met, photon->code);
+        add_recent(recent, met, photon->code);
     return met;
 }
 

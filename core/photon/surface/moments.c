@@ -1,6 +1,6 @@
 #include "photon/surface/moments.h"
 
-/* A part of a disc between two azimuths, by their cosines and sines. */
+/* Adds the part of a disc between two azimuths, given by their cosines and sines. */
 static void add_part(struct orl_moments *m, double radius, double width, const double from[2],
                      const double to[2])
 {
@@ -14,7 +14,7 @@ static void add_part(struct orl_moments *m, double radius, double width, const d
     m->xy += r2 * r2 / 8 * (s1 * s1 - s0 * s0);
 }
 
-/* The triangle of the point and a piece of a line, between two azimuths. */
+/* Adds the triangle between the point and a piece of a line, between two azimuths. */
 static void add_triangle(struct orl_moments *m, const struct orl_line *line, const double from[2],
                          const double to[2])
 {
@@ -30,15 +30,17 @@ static void add_triangle(struct orl_moments *m, const struct orl_line *line, con
     m->xy += area / 12 * (2 * ax * ay + ax * by + ay * bx + 2 * bx * by);
 }
 
-/* Where a line meets the circle, to either side of its normal: the azimuth, and back. */
-static void meet_circle(const struct orl_line *line, double radius, int side, double ret_azimuth[2])
+/* Computes the azimuth (cosine and sine) where a line meets the circle, on one side of its
+ * normal. */
+static void intersect_circle(const struct orl_line *line, double radius, int side,
+                             double ret_azimuth[2])
 {
     const double c = line->offset / radius, s = side * sqrt(orl_larger(1 - c * c, 0));
     ret_azimuth[0] = line->normal[0] * c - line->normal[1] * s;
     ret_azimuth[1] = line->normal[1] * c + line->normal[0] * s;
 }
 
-/* Azimuths are cosines and sines; only what a part is wide needs an angle. */
+/* Azimuths are cosines and sines; only widths of parts need angles. */
 static void add_wedge(struct orl_moments *m, const struct orl_wedge *wedge, double radius, int at)
 {
     const struct orl_line *line = &wedge->border;
@@ -61,11 +63,11 @@ static void add_wedge(struct orl_moments *m, const struct orl_wedge *wedge, doub
         return;
     }
     if (from > turned) {
-        meet_circle(line, r, -1, first);
+        intersect_circle(line, r, -1, first);
         add_part(m, r, from - turned, begin, first);
     }
     if (to < turned + width) {
-        meet_circle(line, r, 1, last);
+        intersect_circle(line, r, 1, last);
         add_part(m, r, turned + width - to, last, end);
     }
     add_triangle(m, line, first, last);

@@ -1,9 +1,9 @@
 /*
- * Moments of a footprint: how much of a surface there is about a point, and to which side of it.
- * What estimates need that do not lean to the side where there is more room.
+ * Moments of a footprint: the area of the surface around a point, and its distribution to either
+ * side. They serve estimates without bias to the side with more area.
  *
  * Coordinates are those of the footprint (footprint.h): x and y along its frame's u and v, lengths
- * those of chords. Units: metres to the power of two and more.
+ * those of chords. Units: powers of metres, from the second on.
  */
 #ifndef ORL_PHOTON_SURFACE_MOMENTS_H
 #define ORL_PHOTON_SURFACE_MOMENTS_H
@@ -14,7 +14,7 @@ struct orl_moments {
     double area, x, y, xx, xy, yy; /* integrals of 1, x, y, x^2, x y, y^2 */
 };
 
-/* Of a whole disc. */
+/* Returns the moments of a whole disc. */
 static inline struct orl_moments orl_disc_moments(double radius)
 {
     const double r2 = radius * radius;
@@ -30,7 +30,7 @@ static inline struct orl_moments orl_moments_add(const struct orl_moments *a,
                                 a->xy + times * b->xy,     a->yy + times * b->yy};
 }
 
-/* Of the part within a radius. */
+/* Returns the moments of the part within a radius. */
 struct orl_moments orl_footprint_moments(const struct orl_footprint *footprint, double radius);
 
 #endif

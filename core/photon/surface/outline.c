@@ -3,16 +3,16 @@
 #include "scene/geometry/placed.h"
 
 /*
- * Curved facets end for us where their normal has turned this far: sheets (sheet.h) end at 30
- * degrees. On spheres a chord is as good as an arc (equal areas); about tubes an arc of 20 degrees
- * is 0.5 % longer than its chord.
+ * Limits of curved facets: they end where their normal has turned by this angle, because sheets
+ * (sheet.h) end at 30 degrees. On spheres a chord is as good as an arc (equal areas); around tubes
+ * an arc of 20 degrees is 0.5 % longer than its chord.
  */
 static const double sine_14 = 0.2419218956, sine_20 = 0.3420201433;
 
-/* A polygon's corners, and where they stand. */
+/* A polygon's corners, and its instance. */
 struct corners {
     struct orl_facet_outline outline;
-    const struct orl_placed *placed; /* in which of its places; or NULL */
+    const struct orl_placed *placed; /* the instance; NULL: not instanced */
 };
 
 static struct corners corners_of(const struct orl_world *world, uint32_t facet)
@@ -32,7 +32,7 @@ static inline __attribute__((always_inline)) struct orl_vec3 corner(const struct
     return corners->placed ? orl_xform_point(&corners->placed->to, at) : at;
 }
 
-/* The line through a and b of the tangent plane, its normal away from the origin. */
+/* Returns the line through a and b in the tangent plane, with its normal away from the origin. */
 static struct orl_line line_through(const double a[2], const double b[2])
 {
     const double x = b[1] - a[1], y = a[0] - b[0], length = sqrt(x * x + y * y);
@@ -91,7 +91,7 @@ static double ring_exit(const struct orl_facet *f, const struct orl_frame *frame
     return best;
 }
 
-/* Cylinders and cones: as far as the ends along the axis, and 20 degrees around it. */
+/* Cylinders and cones: up to the ends along the axis, and 20 degrees around it. */
 static double tube_exit(const struct orl_facet *f, const struct orl_frame *frame,
                         struct orl_vec3 origin, const double direction[2])
 {

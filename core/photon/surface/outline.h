@@ -1,11 +1,11 @@
 /*
- * Where a facet ends: the outline of a polygon, the circles of a ring, the ends of a tube, and on
- * curved facets the place from where on the surface is bent too far to count as the same sheet.
+ * Where a facet ends: the outline of a polygon, the circles of a ring, the ends of a tube. Curved
+ * facets end where the surface is bent too far to count as the same sheet.
  *
- * Conventions: a frame stands at a point of the facet, its n the facet's normal there, on either
+ * Conventions: a frame is at a point of the facet, its n is the facet's normal there, on either
  * side. Directions are unit vectors (x, y) in the frame's tangent plane, and lengths are measured
- * in that plane. Seams of keyholed polygons are part of the outline: who comes to one finds the
- * same facet beyond.
+ * in that plane. Seams of keyholed polygons are part of the outline: the same facet continues
+ * beyond them.
  *
  * Threads: pure functions of their arguments.
  */
@@ -14,20 +14,22 @@
 
 #include "light/world.h"
 
-/* A straight line of the tangent plane: normal[0] x + normal[1] y = offset. No line: normal 0. */
+/* A straight line in the tangent plane: normal[0] x + normal[1] y = offset. Normal 0: no line. */
 struct orl_line {
     double normal[2], offset;
 };
 
 /*
- * How far the facet goes along a direction from the frame's origin, looked for beyond `from`:
- * INFINITY when nothing ends there. ret_line is the edge crossed there, when it is a straight one.
+ * Returns the length at which the facet ends along a direction from the frame's origin, searched
+ * beyond `from`; INFINITY if it does not end. *ret_line is the edge crossed there, if it is
+ * straight.
  */
 double orl_outline_exit(const struct orl_world *world, uint32_t facet,
                         const struct orl_frame *frame, struct orl_vec3 origin,
                         const double direction[2], double from, struct orl_line *ret_line);
 
-/* A radius about a point of the facet within which it does not end; 0 when that is not known. */
+/* Returns a radius around a point of the facet within which the facet does not end; 0 if
+ * unknown. */
 double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point);
 
 #endif

@@ -7,7 +7,7 @@ static struct orl_vec3 corner_of(const struct orl_geometry *g, uint32_t triangle
     return orl_corner_of(g, orl_triangle_corner(g, triangle, k));
 }
 
-static void lay_out(struct orl_planes *planes, uint32_t facet, uint32_t first)
+static void build_plane(struct orl_planes *planes, uint32_t facet, uint32_t first)
 {
     const struct orl_geometry *g = planes->geometry;
     struct orl_facet own;
@@ -52,7 +52,7 @@ bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geome
         return false;
     for (size_t i = 0; i < geometry->n_facets; i++) {
         struct orl_facet own;
-        lay_out(planes, (uint32_t)i, first);
+        build_plane(planes, (uint32_t)i, first);
         first += orl_facet_own(geometry, i, &own)->n_triangles;
     }
     return true;

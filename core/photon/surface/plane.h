@@ -1,8 +1,8 @@
 /*
- * Flat facets in planes of their own: two coordinates, x along the frame's u and y along v, from
- * the least of each on; and their triangles there.
+ * Flat facets and their triangles in coordinates of their own planes: x along the frame's u and y
+ * along v, from the minimum of each.
  *
- * Threads: constant once laid out, but for `has`, which whoever laid them out may take back.
+ * Threads: constant once built, except `has`, which the owner may clear.
  */
 #ifndef ORL_PHOTON_SURFACE_PLANE_H
 #define ORL_PHOTON_SURFACE_PLANE_H
@@ -19,30 +19,30 @@ struct orl_flat {
 /* A facet's plane. */
 struct orl_plane {
     struct orl_frame frame;
-    struct orl_vec3 origin; /* the least x and y of the facet */
+    struct orl_vec3 origin; /* the facet's corner of minimum x and y */
     double wide, high;
-    uint32_t first, triangles; /* among the flats */
+    uint32_t first, triangles; /* range in planes.flats */
 };
 
-/* The planes of all facets of the scene's own. */
+/* The planes of all facets of the scene's own (not instanced). */
 struct orl_planes {
     const struct orl_geometry *geometry; /* borrowed */
     struct orl_plane *planes;            /* per facet */
     struct orl_flat *flats;              /* per triangle, in its facet's plane */
-    bool *has;                           /* per facet: it is flat, and not given up */
+    bool *has;                           /* per facet: it is flat, and not excluded */
 };
 
-/* What stands in several places (scene/geometry/placed.h) has none. */
+/* Returns true if a facet has a plane; instanced ones (scene/geometry/placed.h) have none. */
 static inline bool orl_planes_have(const struct orl_planes *planes, uint32_t facet)
 {
     return !orl_facet_is_placed(planes->geometry, facet) && planes->has[facet];
 }
 
-/* False when out of memory; to be let go either way. */
+/* Returns false if out of memory; the caller calls orl_planes_done in any case. */
 bool orl_planes_init(struct orl_planes *planes, const struct orl_geometry *geometry);
 void orl_planes_done(struct orl_planes *planes);
 
-/* Where in the plane a point lies. */
+/* Returns the coordinates of a point in the plane. */
 static inline struct orl_corner orl_plane_corner(const struct orl_plane *plane,
                                                  struct orl_vec3 point)
 {
@@ -50,13 +50,13 @@ static inline struct orl_corner orl_plane_corner(const struct orl_plane *plane,
     return (struct orl_corner){orl_dot(way, plane->frame.u), orl_dot(way, plane->frame.v)};
 }
 
-/* Twice the signed area of a triangle of three corners. */
+/* Returns twice the signed area of a triangle. */
 static inline double orl_corner_turn(struct orl_corner a, struct orl_corner b, struct orl_corner c)
 {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/* Whether a triangle holds a point of its plane; those on its sides belong to it. */
+/* Returns true if a triangle holds a point of its plane; points on its sides belong to it. */
 static inline bool orl_flat_holds(const struct orl_flat *t, struct orl_corner p)
 {
     const double a = orl_corner_turn(t->corners[0], t->corners[1], p);

@@ -1,10 +1,10 @@
 /*
- * Whether two points lie on the same sheet of surface: normals within 30 degrees of each other, and
- * the chord between the points square to the mean normal, within 5 % of its length and a few cells
- * of rounding. Where the coded normals agree 3.5 % will do: a code is off by 1 degree at most, and
- * a curve turns by no more within one. So a sheet 5 mm above another stays apart from it out to 14
- * cm. Exact on planes, spheres and cylinders; false through walls, around corners and between
- * parallel surfaces.
+ * Test whether two points lie on the same sheet of surface. Their normals must be within 30 degrees
+ * of each other. The chord between the points must be perpendicular to the mean normal, within 5 %
+ * of its length and a few cells of rounding. If the coded normals are equal the tolerance is 3.5 %:
+ * a code is off by at most 1 degree, and a curve turns by no more within one code. So a sheet 5 mm
+ * above another is separate from it out to 14 cm. Exact on planes, spheres and cylinders; false
+ * through walls, around corners and between parallel surfaces.
  */
 #ifndef ORL_PHOTON_SURFACE_SHEET_H
 #define ORL_PHOTON_SURFACE_SHEET_H
@@ -13,17 +13,18 @@
 
 #include "photon/map/facing.h"
 
-/* Whether a chord, in cells, is square to a normal, within slope of its length. */
+/* Returns true if a chord, in cells, is perpendicular to a normal, within slope times its
+ * length. */
 static inline bool orl_chord_fits(struct orl_vec3 normal, struct orl_vec3 chord, double slope)
 {
     const double rounding = 4, off = fabs(orl_dot(chord, normal)) - rounding;
     return off <= 0 || off * off <= slope * slope * orl_dot(chord, chord);
 }
 
-/* Of sheets whose coded normals agree. */
+/* Slope for points whose coded normals are equal. */
 static const double orl_sheet_flat_slope = 0.035;
 
-/* orl_chord_fits of such, without a branch. */
+/* As orl_chord_fits with that slope, without branches. */
 static inline uint32_t orl_chord_fits_flat(struct orl_vec3 normal, struct orl_vec3 chord)
 {
     const double rounding = 4, off = fabs(orl_dot(chord, normal)) - rounding;
@@ -31,7 +32,8 @@ static inline uint32_t orl_chord_fits_flat(struct orl_vec3 normal, struct orl_ve
     return (uint32_t)(off <= 0) | (uint32_t)(off * off <= most);
 }
 
-/* chord in cells; code: the coded normal of the other point; own: that of normal. */
+/* Returns true if two points lie on the same sheet. chord: in cells; code: the coded normal of
+ * the other point; own: the code of normal. */
 static inline bool orl_same_sheet(struct orl_vec3 normal, uint16_t own, uint16_t code,
                                   const float chord[3])
 {
@@ -39,7 +41,7 @@ static inline bool orl_same_sheet(struct orl_vec3 normal, uint16_t own, uint16_t
     double slope = orl_sheet_flat_slope;
     const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
     struct orl_vec3 both = normal;
-    /* On flat surfaces, that is nearly always, the codes agree and there is nothing to decode. */
+    /* On flat surfaces, the most common case, the codes are equal and no normal is decoded. */
     if (code != own) {
         const struct orl_vec3 other = orl_normal_decode(code);
         if (orl_dot(other, normal) < cosine_30)

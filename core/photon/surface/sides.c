@@ -7,14 +7,15 @@ static bool has_border(const struct orl_wedge *wedge)
     return wedge->border.normal[0] != 0 || wedge->border.normal[1] != 0;
 }
 
-/* A spot in the tangent plane. */
+/* A spot in coordinates of the tangent plane. */
 struct flat {
     const struct orl_spot *spot;
     const struct orl_frame *frame;
     double x, y, distance;
 };
 
-/* How far a spot reaches over a line, at least and at most: its disc does, or its box. */
+/* Computes bounds on the signed distance of a spot's points to a line, from the spot's disc and
+ * its box. */
 static void over_line(const struct flat *flat, const struct orl_line *line, double *ret_least,
                       double *ret_most)
 {
@@ -51,7 +52,7 @@ enum orl_side orl_footprint_side(const struct orl_footprint *footprint, const st
     const struct flat flat = {spot, &footprint->frame, x, y, sqrt(x * x + y * y)};
     int first = 0, count = SECTORS;
     if (flat.distance > 2 * spot->reach) {
-        /* An arc sine is less than 1.05 of its sine up to a half. */
+        /* An arc sine is less than 1.05 times its sine, for sines up to a half. */
         const double at = atan2(y, x), half = 1.05 * spot->reach / flat.distance;
         first = (int)floor((at - half) / width);
         count = (int)floor((at + half) / width) - first + 1;
@@ -63,7 +64,7 @@ enum orl_side orl_footprint_side(const struct orl_footprint *footprint, const st
     return side;
 }
 
-/* The radius within which no sector ends. */
+/* Returns the radius within which no sector ends. */
 static double inner_radius(const struct orl_footprint *footprint)
 {
     double inner = INFINITY;
@@ -76,7 +77,7 @@ static double inner_radius(const struct orl_footprint *footprint)
     return inner;
 }
 
-/* Whether it is one of the lines already, which then keeps to the nearer side. */
+/* Returns true if the line is in the list already; the nearer one of the two then remains. */
 static bool is_known(struct orl_bound *bound, struct orl_vec3 normal, double offset)
 {
     for (uint32_t i = 0; i < bound->n_lines; i++) {

@@ -1,6 +1,6 @@
 /*
- * Footprints as wholes: on which side of their border small spots lie, how far they are whole
- * discs, and where they are as large as one.
+ * Queries of footprints: the side of the border on which small spots lie, and radii at which a
+ * footprint is a whole disc or has the area of one.
  */
 #ifndef ORL_PHOTON_SURFACE_SIDES_H
 #define ORL_PHOTON_SURFACE_SIDES_H
@@ -9,19 +9,20 @@
 
 enum orl_side { ORL_SIDE_WITHIN, ORL_SIDE_BEYOND, ORL_SIDE_BOTH };
 
-/* Photons of one plane: all no further than reach from a middle, and in a box; from the point. */
+/* Photons of one plane, relative to the point: within `reach` of a middle, and in a box. */
 struct orl_spot {
     struct orl_vec3 middle, low, high;
-    double reach, rounding; /* of the photons' places */
+    double reach, rounding; /* rounding: that of the photons' positions */
 };
 
-/* Where all of a spot of the footprint's plane lies. BOTH also where that is not known. */
+/* Returns the side of the border on which all of a spot in the footprint's plane lies; BOTH if
+ * that is uncertain. */
 enum orl_side orl_footprint_side(const struct orl_footprint *footprint,
                                  const struct orl_spot *spot);
 
 /*
- * Straight lines, and a radius: what is within all of them lies in the footprint. Lines are by
- * their normals in space, from the point.
+ * Straight lines and a radius: points within all of them lie in the footprint. Lines are given by
+ * their normals in space, relative to the point.
  */
 enum { ORL_BOUND_LINES = 4 };
 struct orl_bound {
@@ -31,10 +32,11 @@ struct orl_bound {
     double offsets[ORL_BOUND_LINES];
 };
 
-/* By the footprint's own lines, or by a radius alone where these are too many. */
+/* Returns the footprint's own lines, or a radius only if there are too many lines. */
 struct orl_bound orl_footprint_bound(const struct orl_footprint *footprint);
 
-/* About the radius within which the area is that of a whole disc of the radius given. */
+/* Returns the approximate radius within which the footprint has the area of a whole disc of
+ * radius `disc`. */
 double orl_footprint_even(const struct orl_footprint *footprint, double disc);
 
 #endif

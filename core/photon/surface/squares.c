@@ -1,12 +1,12 @@
 #include "photon/surface/squares.h"
 
 struct outline {
-    struct orl_corner corners[8]; /* a triangle cut four times */
+    struct orl_corner corners[8]; /* a triangle clipped four times */
     uint32_t count;
 };
 
-/* The part where a x + b y <= c (Sutherland and Hodgman 1974). */
-static void cut(struct outline *outline, double a, double b, double c)
+/* Clips the outline to the part where a x + b y <= c (Sutherland and Hodgman 1974). */
+static void clip_outline(struct outline *outline, double a, double b, double c)
 {
     struct outline kept = {.count = 0};
     for (uint32_t i = 0; i < outline->count; i++) {
@@ -37,7 +37,7 @@ static uint32_t step_at(double at, double width, uint32_t most)
     return (uint32_t)orl_smaller(orl_larger(at / width, 0), most - 1);
 }
 
-/* A triangle's area into the squares of one row. */
+/* Adds a triangle's area to the squares of one row. */
 static void add_row(const struct orl_squares *squares, const struct outline *row, uint32_t y,
                     float *areas)
 {
@@ -49,8 +49,8 @@ static void add_row(const struct orl_squares *squares, const struct outline *row
     for (uint32_t x = step_at(low, squares->width, squares->across);
          row->count > 2 && x <= step_at(high, squares->width, squares->across); x++) {
         struct outline square = *row;
-        cut(&square, -1, 0, -(x * squares->width));
-        cut(&square, 1, 0, (x + 1) * squares->width);
+        clip_outline(&square, -1, 0, -(x * squares->width));
+        clip_outline(&square, 1, 0, (x + 1) * squares->width);
         areas[squares->first + y * squares->across + x] += (float)area_of(&square);
     }
 }
@@ -69,8 +69,8 @@ void orl_squares_add(const struct orl_squares *squares, const struct orl_flat *f
             struct outline row = {.count = 3};
             for (int k = 0; k < 3; k++)
                 row.corners[k] = t->corners[k];
-            cut(&row, 0, -1, -(y * squares->height));
-            cut(&row, 0, 1, (y + 1) * squares->height);
+            clip_outline(&row, 0, -1, -(y * squares->height));
+            clip_outline(&row, 0, 1, (y + 1) * squares->height);
             add_row(squares, &row, y, areas);
         }
     }
