@@ -17,7 +17,8 @@ static bool has_corners_of_its_own(const struct orl_surface *surfaces, size_t n)
     return false;
 }
 
-/* Returns whether surfaces stay, for the corners that a mesh gave them. */
+/* Frees the surfaces and the opposed pairs. Returns true if the surfaces are kept because some have
+ * mesh normals or (u, v) coordinates at their corners. */
 static bool let_go(struct orl_surface **surfaces, size_t n, struct orl_opposed **opposed)
 {
     free(*opposed);
@@ -41,7 +42,7 @@ int orl_description_let_go(struct orl_description *description)
         if (!p->labels)
             return ORL_ERR_NOMEM;
     }
-    bool meshed = false; /* patterns ask for the corners of some */
+    bool meshed = false; /* patterns read the corners of some surfaces */
     for (size_t i = 0; i < d->n_prototypes; i++)
         meshed |= let_go(&d->prototypes[i].surfaces, d->prototypes[i].n_surfaces,
                          &d->prototypes[i].opposed);

@@ -6,20 +6,20 @@
 #include "base/grow.h"
 
 /*
- * Labels lie one after the other: a name with its NUL, and by how much its line differs from the
- * one before, the first of a row from 0. Seven bits a byte, the lowest first and the sign before
- * them; the highest bit says that there are more.
+ * Labels are packed one after the other: the name with its NUL, then the difference of its line to
+ * the previous one's; each row starts from line 0. Differences are in zigzag form, seven bits a
+ * byte, lowest first; the highest bit of a byte is set if more follow.
  */
 enum { ROW = 16, MOST_LINE_BYTES = 5 };
 
 struct stretch {
-    size_t first; /* surface of that file */
+    size_t first; /* first surface of the file */
     const char *file;
 };
 
 struct orl_surface_labels {
     unsigned char *packed;
-    size_t *rows; /* where each begins */
+    size_t *rows; /* offset at which each row begins */
     struct stretch *stretches;
     size_t bytes, n, n_stretches;
 };

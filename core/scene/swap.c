@@ -20,7 +20,7 @@ static bool find_material(const struct orl_description *d, const char *name, uin
     return false;
 }
 
-/* A plastic that reflects nothing: what surfaces modified by void are is another matter. */
+/* Adds a plastic that reflects nothing. Surfaces modified by void are treated differently. */
 static int add_black(struct orl_description *d, uint32_t *ret_index)
 {
     struct orl_material *grown = realloc(d->materials, (d->n_materials + 1) * sizeof *grown);
@@ -40,7 +40,7 @@ static int add_black(struct orl_description *d, uint32_t *ret_index)
 
 /* ---- Surfaces -------------------------------------------------------------------------------- */
 
-/* A name, and whether a surface has it. */
+/* A name in a swap; met: some surface has it. */
 struct wanted {
     const char *name;
     bool met;
@@ -63,12 +63,13 @@ static bool is_wanted(struct wanted *names, size_t n, const char *name)
 struct swapping {
     struct orl_description *description;
     const struct orl_swaps *swaps;
-    uint32_t *modifier; /* of each surface, as it was written */
-    uint32_t *swap_of;  /* of each surface, and one more; 0: none */
+    uint32_t *modifier; /* material of each surface as written in the files */
+    uint32_t *swap_of;  /* index + 1 of each surface's swap; 0: none */
     struct orl_error *err;
 };
 
-/* As files are read: up must not be the pane's normal. */
+/* Returns ORL_ERR_RANGE if a BSDF's up vector is parallel to the surface normal, as the parser
+ * does. */
 static int check_up(const struct orl_surface *surface, const struct orl_material *m,
                     struct orl_error *err)
 {
@@ -98,7 +99,7 @@ static int give_one(const struct swapping *s, size_t which, size_t i, uint32_t m
     return check_up(&d->surfaces[i], &d->materials[material], s->err);
 }
 
-/* names: those of the swap, sorted. */
+/* names: the names of the swap, sorted. */
 static int give(const struct swapping *s, size_t which, struct wanted *names, uint32_t material)
 {
     const struct orl_description *d = s->description;
@@ -166,7 +167,7 @@ int orl_material_part(struct orl_description *d, uint32_t material, uint32_t par
     return 0;
 }
 
-/* own: of each material the copy that the part has, or UINT32_MAX. */
+/* own: for each material, its copy in this part, or UINT32_MAX. */
 static int part_one(struct orl_description *d, size_t surface, uint32_t part, uint32_t *own)
 {
     uint32_t *material = &d->surfaces[surface].material;
@@ -186,7 +187,7 @@ static bool is_of_files(const struct orl_swap *swap, const struct orl_descriptio
            (end == n_names || surface < d->first_surfaces[end]);
 }
 
-/* Materials that there were before: copies are of those. */
+/* Copies only the materials that existed before: `n` excludes the copies. */
 static int part_all(const struct swapping *s, size_t n_names)
 {
     struct orl_description *d = s->description;
@@ -217,7 +218,7 @@ static bool is_named(const struct orl_swap *swap, const struct orl_description *
     return false;
 }
 
-/* Whether a swap is about what stands there, and is kept once. */
+/* Returns true if a swap concerns the surfaces of an instance. */
 static bool is_about(const struct orl_swap *swap, const struct orl_description *d,
                      const struct orl_placement *placement)
 {
@@ -231,7 +232,7 @@ static bool is_about(const struct orl_swap *swap, const struct orl_description *
     return false;
 }
 
-/* What one place is to have must not be had by the others. */
+/* Expands all instances if a swap concerns one of them, so that it does not change the others. */
 static int part_places(const struct orl_swaps *swaps, struct orl_description *d,
                        struct orl_error *err)
 {

@@ -45,7 +45,7 @@ static int64_t ask_size(exr_const_context_t exr, void *user)
     return (int64_t)((const struct reading *)user)->size;
 }
 
-/* The library's words go nowhere: what is wrong is told by codes. */
+/* Discards the library's messages: errors are reported by their codes. */
 static void hear(exr_const_context_t exr, exr_result_t code, const char *message)
 {
     (void)exr;
@@ -53,7 +53,7 @@ static void hear(exr_const_context_t exr, exr_result_t code, const char *message
     (void)message;
 }
 
-/* Which of our channels a channel of the file is: bits, of which Y has all. */
+/* Returns the grid channels that a channel of the file fills, as bits; Y fills all. */
 static unsigned channel_named(const char *name)
 {
     if (strcmp(name, "Y") == 0)
@@ -111,13 +111,13 @@ static int begin(struct reading *r, struct orl_error *err)
     r->rows = (int32_t)height;
     r->width = (uint32_t)width;
     const int code = check_channels(r, err);
-    /* An aspect here is width by height. */
+    /* OpenEXR's aspect is width by height. */
     return code < 0 ? code
                     : orl_grid_new_picture(r->name, r->width, (uint32_t)height, 1 / (double)aspect,
                                            &r->grid, err);
 }
 
-/* Where the rows of a chunk go: planes of three channels. */
+/* Sets where the rows of a chunk are decoded to: three planes, one per channel. */
 static void aim(const struct reading *r, exr_decode_pipeline_t *pipeline, float *rows)
 {
     const size_t plane = (size_t)r->chunk * r->width;
@@ -135,7 +135,7 @@ static void aim(const struct reading *r, exr_decode_pipeline_t *pipeline, float 
     }
 }
 
-/* What is infinite is the largest half; what is no number, 0. */
+/* Replaces infinities by the largest half, NaN by 0. */
 static float tamed(float value)
 {
     const float most = 65504;

@@ -1,8 +1,8 @@
 /*
- * TIFF by libtiff. Floats are taken as they are, of LogLuv (Ward, "LogLuv Encoding for Full-Gamut,
- * High-Dynamic Range Images", 1998) what it decodes to; integers of 16 bits are light by the file's
- * TransferFunction, or by sRGB; all else is what libtiff shows of it in 8 bits, by sRGB. What is
- * transparent is over black.
+ * TIFF by libtiff. Floats are used unchanged; LogLuv (Ward, "LogLuv Encoding for Full-Gamut,
+ * High-Dynamic Range Images", 1998) is decoded to XYZ. 16-bit integers become linear light by the
+ * file's TransferFunction, or by sRGB. Other kinds are read as libtiff converts them to 8 bits, by
+ * sRGB. Transparent pixels are composited over black.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -16,7 +16,7 @@
 
 enum { WORDS = 160, MOST_SAMPLES = 8, LEVELS_16 = 65536 };
 
-/* A file in memory, and where the library is in it; what it said that was wrong. */
+/* A file in memory, the library's position in it, and its first error message. */
 struct reading {
     const char *name;
     const unsigned char *data;
@@ -86,7 +86,7 @@ static toff_t ask_size(thandle_t ctx)
 static int map_file(thandle_t ctx, void **ret_base, toff_t *ret_size)
 {
     const struct reading *const r = ctx;
-    *ret_base = (void *)(uintptr_t)r->data; /* it is only read */
+    *ret_base = (void *)(uintptr_t)r->data; /* libtiff only reads it */
     *ret_size = r->size;
     return 1;
 }
@@ -96,7 +96,7 @@ static void unmap_file(thandle_t ctx, void *base, toff_t size)
     (void)ctx, (void)base, (void)size;
 }
 
-/* The first that it says. */
+/* Keeps the library's first message. */
 __attribute__((format(printf, 4, 0))) static int hear(TIFF *tiff, void *ctx, const char *module,
                                                       const char *format, va_list arguments)
 {
@@ -158,12 +158,12 @@ static bool is_logluv(const struct reading *r)
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-/* How samples of 16 or 32 bits become light. */
+/* Conversion of 16-bit or 32-bit samples to light. */
 struct converter {
-    float *of_16;     /* by each value of 16 bits; NULL: they are floats */
-    bool is_xyz;      /* of LogLuv */
-    uint16_t colours; /* 1: grey; or 3 */
-    bool veiled;      /* the sample after these is how much of the pixel there is */
+    float *of_16;     /* light by 16-bit value; NULL: samples are floats */
+    bool is_xyz;      /* LogLuv */
+    uint16_t colours; /* 1: grey; 3: colour */
+    bool veiled;      /* an alpha sample follows the colours */
 };
 
 static float *make_table(const struct reading *r)
@@ -205,7 +205,7 @@ static void take_pixel(const struct reading *r, const struct converter *c, const
         rgb[i] *= there;
 }
 
-/* Rows that lie the other way are turned. */
+/* Reads all rows; flips those stored from the right or from the bottom. */
 static int read_rows(struct reading *r, const struct converter *c, struct orl_error *err)
 {
     const uint16_t o = r->orientation;
@@ -227,7 +227,7 @@ static int read_rows(struct reading *r, const struct converter *c, struct orl_er
     return code;
 }
 
-/* Whether there is a sample of how much there is of a pixel, by which colours are not yet taken. */
+/* Returns true if the pixels have an unassociated (not premultiplied) alpha sample. */
 static bool is_veiled(const struct reading *r, uint16_t colours)
 {
     uint16_t n = 0, *kinds = NULL;
@@ -235,7 +235,7 @@ static bool is_veiled(const struct reading *r, uint16_t colours)
            kinds[0] == EXTRASAMPLE_UNASSALPHA && r->samples > colours;
 }
 
-/* Samples of 16 bits or floats, pixel by pixel. */
+/* Reads 16-bit or float samples, pixel by pixel. */
 static int read_wide(struct reading *r, struct orl_error *err)
 {
     const bool floats = r->bits == 32;
@@ -258,7 +258,7 @@ static int read_wide(struct reading *r, struct orl_error *err)
     return code;
 }
 
-/* What the library shows of it: colours already taken by how much there is of a pixel. */
+/* Reads the picture through libtiff's 8-bit RGBA, whose colours are premultiplied by alpha. */
 static int read_shown(struct reading *r, struct orl_error *err)
 {
     const size_t n = (size_t)r->width * r->height;

@@ -22,7 +22,7 @@ static const struct orl_sealed_kind kind = {
 
 /* ---- The files that it was read from --------------------------------------------------------- */
 
-/* Are the caller's files what they were? */
+/* Fails with ORL_ERR_VERSION if the caller's file of that name is missing or has changed. */
 static void hold_against(struct orl_scene_keeping *k, const char *name,
                          const struct orl_file_read *read)
 {
@@ -45,7 +45,7 @@ static void check_missed(struct orl_scene_keeping *k, const struct orl_file_miss
         orl_stream_fail(&k->stream, code == 0 ? ORL_ERR_VERSION : code);
 }
 
-/* Room for arrays of names and of what is known of each, when they are read. */
+/* Allocates the arrays of file names and digests when reading. */
 static bool make_room(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
@@ -101,7 +101,7 @@ static void pass_prototypes(struct orl_scene_keeping *k)
     }
 }
 
-/* What follows each is what it points to. */
+/* Writes the struct without pointers, then the strings they point to. */
 static void pass_placement(struct orl_scene_keeping *k, struct orl_placement *p)
 {
     struct orl_placement image = *p;
@@ -210,7 +210,7 @@ int orl_description_keep(const struct orl_description *description,
     return code;
 }
 
-/* What a stream that failed is: its own error, or one that a BSDF's file has told. */
+/* Reports the error of a failed stream; keeps an error that loading a BSDF has already set. */
 static int tell(const struct orl_scene_keeping *k, const char *path, struct orl_error *err)
 {
     const int code = k->stream.code;

@@ -3,13 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A surface: its name and its outline by where they begin among all. */
+/* A surface in the file; name and outline are offsets into the blocks of all names and outlines. */
 struct kept_surface {
     struct orl_vec3 normal;
     uint64_t name, outline;
     uint32_t material, modifier_order, n_vertices, file;
     int32_t line;
-    uint8_t kind, none; /* none: 0 */
+    uint8_t kind, none; /* none: padding, 0 */
     bool has_places, has_normals;
 };
 
@@ -22,7 +22,8 @@ static size_t outline_bytes(const struct orl_surface *s)
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
-/* Surfaces of a file follow each other: *at is where the last one's was. */
+/* Returns the index of a file's name. Surfaces of a file follow each other: *at is the previous
+ * surface's index. */
 static uint32_t file_of(const struct orl_description *d, const char *file, uint32_t *at)
 {
     for (size_t tried = 0; tried < d->n_files; tried++) {
@@ -75,7 +76,7 @@ static void write_surfaces(struct orl_scene_keeping *k, const struct orl_surface
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-/* What surfaces lie in. */
+/* The blocks of the file that surfaces refer to. */
 struct blocks {
     const struct kept_surface *records;
     const char *names, *outlines;
