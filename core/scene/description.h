@@ -6,9 +6,10 @@
  * Invariants: every number is finite; every material index is valid; polygons have at least three
  * vertices and a non-zero normal (degenerate ones are counted in n_degenerate and dropped);
  * directions are unit vectors; radii are positive, except that one end of a cone and the inner
- * radius of a ring may be 0. Ownership: an orl_description owns everything in it. Its strings lie
- * in `arena`; vertices and names of surfaces lie in `outlines`. orl_description_let_go frees the
- * latter once geometry is built: millions of surfaces take more memory than ray tracing needs.
+ * radius of a ring may be 0.
+ * Ownership: an orl_description owns everything in it. Its strings lie in `arena`; vertices and
+ * names of surfaces lie in `outlines`. orl_description_let_go frees the latter once geometry is
+ * built: millions of surfaces take more memory than ray tracing needs.
  */
 #ifndef ORL_SCENE_DESCRIPTION_H
 #define ORL_SCENE_DESCRIPTION_H
@@ -37,8 +38,8 @@ enum orl_material_kind {
     ORL_MATERIAL_TRANS,
     ORL_MATERIAL_ASHIKHMIN,  /* color, gloss, power, grain (ashik2) */
     ORL_MATERIAL_GLASS,      /* transmissivity, ior */
-    ORL_MATERIAL_GLAZING,    /* media: a dielectric has air in front, an interface any medium */
-    ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface anything */
+    ORL_MATERIAL_GLAZING,    /* angles, front/back/through, transmitted (BRTDfunc) */
+    ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface any medium */
     ORL_MATERIAL_LOBED,      /* the fields of trans, and tinted, lobes (plasfunc and the like) */
     ORL_MATERIAL_PRISM,      /* ways (prism1, prism2) */
     ORL_MATERIAL_MIRROR,     /* color on the front; the back is black */

@@ -18,8 +18,7 @@ bool orl_placement_has_name(const struct orl_description *description,
                             const struct orl_placement *placement, const char *kept,
                             const char *name);
 
-/* Returns the inverse for points and vectors. For unit directions it gives the inverse up to
- * length: use orl_xform_direction. */
+/* Returns the inverse transform. orl_xform_direction by it keeps unit directions unit. */
 struct orl_xform orl_xform_inverse(const struct orl_xform *xform);
 /* Returns the transformed unit vector of a unit direction or normal. */
 struct orl_vec3 orl_xform_direction(const struct orl_xform *xform, struct orl_vec3 direction);

@@ -8,15 +8,15 @@
  *
  * The first axis of a picture points up from the bottom, the second to the right. The shorter side
  * is 1 long, by the pixels' aspect; the centres of the outermost pixels lie at the ends. Values are
- * those of the file without its EXPOSURE, as in Radiance. Formats: Radiance's RGBE. Radiance does
- * not read the others:
+ * those of the file without its EXPOSURE, as in Radiance.
+ * Formats: Radiance's RGBE. Radiance does not read the others:
  *   PNG (decoded to linear light as the file says, by default sRGB; transparent pixels over black),
  *   TIFF (as PNG; floats and LogLuv unchanged),
  *   OpenEXR (scan lines, channels R G B, or Y).
  *
- * Input is untrusted: sizes are bounded before memory is allocated. Units: the file's. Ownership: a
- * grid owns all its memory. Threads: immutable once read. Reference: "Radiance File Formats", data
- * files.
+ * Input is untrusted: sizes are bounded before memory is allocated. Units: the file's.
+ * Ownership: a grid owns all its memory. Threads: immutable once read.
+ * Reference: "Radiance File Formats", data files.
  */
 #ifndef ORL_SCENE_GRID_GRID_H
 #define ORL_SCENE_GRID_GRID_H

@@ -342,8 +342,8 @@ void orl_ies_done(struct orl_ies *ies)
 
 /* ---- As a grid ------------------------------------------------------------------------------- */
 
-/* Smallest and largest angle that the photometry may cover: vertical from straight down or from the
- * horizon; horizontal for type B to either side. */
+/* Range of angles that the photometry may cover, degrees: 0 to 180; for type B -90 to 90, or 0 to
+ * 90 if it starts at 0 or above. */
 struct reach {
     double low, high;
 };

@@ -4,7 +4,8 @@
  *
  * Type C: vertical angles are measured from straight down, horizontal ones about that axis, from
  * the luminaire's length (x) towards its width (y). Input is untrusted: counts are bounded by the
- * file's length. References: ANSI/IES LM-63-19 and earlier editions.
+ * file's length.
+ * References: ANSI/IES LM-63-19 and earlier editions.
  */
 #ifndef ORL_SCENE_GRID_IES_H
 #define ORL_SCENE_GRID_IES_H

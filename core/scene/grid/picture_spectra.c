@@ -1,7 +1,7 @@
 /*
  * Radiance's pictures of spectra: a pixel has NCOMP components with a common exponent, evenly
- * spaced over the wavelengths of WAVELENGTH_SPLITS, from the first number to the last. Reference:
- * "Radiance File Formats", picture files.
+ * spaced over the wavelengths of WAVELENGTH_SPLITS, from the first number to the last.
+ * Reference: "Radiance File Formats", picture files.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /*
- * Where two clear media meet: Fresnel's equations for unpolarised light, Snell's law, and what the
- * media absorb on the way (Beer). Behind the surface lies media[0], in front of it media[1].
+ * Interfaces of two clear media: Fresnel's equations for unpolarised light, Snell's law, and
+ * absorption in the media (Beer). media[0] lies behind the surface, media[1] in front of it.
  */
 #include "scene/material/kinds.h"
 
@@ -9,10 +9,10 @@ static const struct orl_medium *medium(const struct orl_material *material, bool
     return &material->media[front ? 1 : 0];
 }
 
-/* A direction at the surface: what is sent back and let in, and which way that goes. */
+/* Reflection and refraction of one direction at the surface. */
 struct meeting {
-    double reflected, refracted; /* shares of the light; refracted 0: total reflection */
-    double ratio;                /* n on the side of "from" over n beyond */
+    double reflected, refracted; /* fractions of the light; refracted 0: total reflection */
+    double ratio;                /* refractive index on the side of "from" over the index beyond */
     struct orl_vec3 inwards;     /* the refracted direction */
 };
 
@@ -27,7 +27,7 @@ static struct meeting meet_at(const struct orl_material *material, bool front,
     const double inside = sqrt(1 - sine2);
     const double across = here * c + beyond * inside, along = beyond * c + here * inside;
     const double product = 4 * here * beyond * c * inside;
-    /* Not 1 - r: at grazing all of its digits would be lost. */
+    /* 1 - r would lose all digits at grazing angles. */
     const double refracted =
         product > 0 ? 0.5 * product * (1 / (across * across) + 1 / (along * along)) : 0;
     return (struct meeting){
@@ -37,7 +37,7 @@ static struct meeting meet_at(const struct orl_material *material, bool front,
         .inwards = orl_normalize(orl_madd(orl_scale(from, -ratio), normal, ratio * c - inside))};
 }
 
-/* By the turned normal, where what it refracts is then behind the surface. */
+/* Uses the perturbed normal unless the refracted ray would then stay in front of the surface. */
 static struct meeting meet(const struct orl_material *material, const struct orl_hit *hit,
                            struct orl_vec3 from)
 {
@@ -58,7 +58,8 @@ double orl_dielectric_reflectance(const struct orl_material *material, const str
     return meet(material, hit, from).reflected;
 }
 
-/* Radiance is squeezed with the solid angle it fills: L / n^2 stays. Flux just stays. */
+/* Radiance scales with n^2 because the solid angle changes: L / n^2 is constant. Flux is
+ * unchanged. */
 static struct orl_scatter refracted(const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from, const struct meeting *m,
                                     enum orl_transport transport)

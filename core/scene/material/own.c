@@ -30,7 +30,7 @@ int orl_own_ways(const struct orl_pattern *pattern, const struct orl_hit *hit, s
     return n;
 }
 
-/* The eye's side of the surface is what these functions call the front, but for BRTDfunc's. */
+/* The functions take the eye's side of the surface as the front, except those of BRTDfunc. */
 static void fill(const struct orl_pattern *pattern, const struct orl_hit *hit, struct orl_rgb color,
                  const struct orl_lobe_pair *pair, double inputs[ORL_RAY_INPUTS])
 {
@@ -48,7 +48,7 @@ static void fill(const struct orl_pattern *pattern, const struct orl_hit *hit, s
     inputs[ORL_RAY_CBP] = color.b;
 }
 
-/* Lanes in which all has a value; values: rows of the last program. */
+/* Returns the lanes in which every function has a value; values: rows of the last program. */
 static unsigned evaluate(const struct orl_pattern *pattern, struct orl_function_lanes *columns,
                          unsigned lanes, struct orl_function_lanes *values)
 {

@@ -1,4 +1,4 @@
-/* Materials' own functions over their surfaces, before anything is rendered. */
+/* Tests the functions of materials over their surfaces before rendering. */
 #include "scene/material/own_settle.h"
 
 #include <stdio.h>
@@ -14,11 +14,12 @@
 
 enum { PLACES = 2, MOST_KNOWN = 2 };
 
-/* Shares of light that rounding, and approximations at grazing, may exceed 1 by. */
+/* Tolerance for albedos above 1, by rounding and by approximations at grazing. */
 static const double slack = 0.01;
-/* Of a lobe: by so much few cells may be off many. */
+/* Largest relative error of the coarse cells before lobes count as too narrow. */
 static const double narrow = 0.05;
-/* Of a prism's ways: so much may lead not back, and is left out; and what is not worth telling. */
+/* Prisms: largest share of irreversible ways, which are ignored; and the share that is worth a
+ * warning. */
 static const double most_one_way = 0.05, least_one_way = 1e-3;
 
 static int refuse(const struct orl_pattern *pattern, struct orl_error *err)
@@ -86,7 +87,8 @@ static int judge_lobes(struct orl_description *d, const struct orl_material *m,
     return 0;
 }
 
-/* Tables for the first few normals of flat surfaces, where the place does not matter. */
+/* Makes tables for the first few normals of flat surfaces, if the functions do not depend on the
+ * place. */
 static int know(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
 {
     const uint64_t place = (uint64_t)7 << ORL_RAY_PX | (uint64_t)3 << ORL_RAY_LU;
@@ -113,14 +115,14 @@ static int know(const struct orl_geometry *g, const struct orl_material *m, uint
     return 0;
 }
 
-/* Facets of a material that are looked at. */
+/* Facets of a material that are tested. */
 struct sample {
     size_t all, met, n;
     uint32_t facets[PLACES];
 };
 
-/* Places on the facets that are looked at; one flat surface may have functions of the place, too.
- */
+/* Makes PLACES test hits on the sample's facets; a single flat surface gets several, because
+ * functions may depend on the place. */
 static void place_hits(const struct orl_geometry *g, const struct sample *sample,
                        struct orl_hit ret_hits[PLACES])
 {
@@ -144,7 +146,7 @@ static int look_at_prism(struct orl_description *d, const struct orl_material *m
     return judge_prism(d, m, &findings, err);
 }
 
-/* Directions, on both sides. */
+/* Test directions on both sides. */
 enum { COSINES = 4, AZIMUTHS = 2, LOOKS = 2 * COSINES * AZIMUTHS };
 static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
 {
@@ -156,14 +158,15 @@ static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
                                        i < COSINES * AZIMUTHS ? cosine : -cosine));
 }
 
-/* Is it made of sums alone, in which all parts send on light beside each other? */
+/* Returns true if the material consists of sums only, whose parts all scatter light
+ * independently. */
 static bool is_sum(const struct orl_material *m)
 {
     return m->mixed && !m->mix && (!m->mixed[0].mixed || is_sum(&m->mixed[0])) &&
            (!m->mixed[1].mixed || is_sum(&m->mixed[1]));
 }
 
-/* What the others of a sum send on of light from there. */
+/* Albedo of the other parts of a sum for light from that direction. */
 static double rest_of(const struct orl_material *whole, const struct orl_material *part,
                       const struct orl_hit *hit, struct orl_vec3 light)
 {
@@ -188,7 +191,7 @@ static int look_at_lobes(struct orl_description *d, const struct orl_material *w
     return judge_lobes(d, part, &findings, err);
 }
 
-/* A sum of parts with no functions of their own. */
+/* Tests the total albedo of a sum whose parts have no functions. */
 static int judge_sum(struct orl_description *d, const struct orl_geometry *g,
                      const struct orl_material *m, const struct orl_hit hits[PLACES],
                      struct orl_error *err)
@@ -217,7 +220,7 @@ static bool has_own(const struct orl_material *m)
            (m->mixed && (has_own(&m->mixed[0]) || has_own(&m->mixed[1])));
 }
 
-/* A material, or a part of it. */
+/* Tests a material or a part of it. */
 static int look(struct orl_description *d, const struct orl_geometry *g,
                 const struct orl_material *whole, const struct orl_material *m,
                 const struct sample *sample, struct orl_error *err)

@@ -58,7 +58,7 @@ enum orl_pattern_worth orl_pattern_run(const struct orl_function *function, cons
                                : ORL_WORTH_VALUE;
 }
 
-/* What the grids hold at a place. */
+/* Reads all grids at a place. */
 static void look_up(const struct orl_pattern *pattern, const double *place, double *ret_held)
 {
     orl_grid_at(pattern->grids[0], place, ret_held);
@@ -70,9 +70,9 @@ static void look_up(const struct orl_pattern *pattern, const double *place, doub
     }
 }
 
-static const uint32_t no_facet = UINT32_MAX; /* of distant light */
+static const uint32_t no_facet = UINT32_MAX; /* facet of hits on distant light */
 
-/* NULL: none has corners of its own. */
+/* Returns NULL if the surface's corners were not kept. */
 const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
                                               const struct orl_hit *hit)
 {
@@ -99,7 +99,7 @@ void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit
     *ret_c = orl_dot(orl_cross(ab, ap), n) / n2;
 }
 
-/* What a mesh says of the place; nothing else does, and has 0 there. */
+/* Returns the (u, v) that a mesh gives the place; 0 for other surfaces. */
 static void find_place(const struct orl_pattern *pattern, const struct orl_hit *hit,
                        double ret_place[2])
 {
@@ -114,7 +114,7 @@ static void find_place(const struct orl_pattern *pattern, const struct orl_hit *
         ret_place[k] = (1 - b - c) * at[k] + b * at[2 + k] + c * at[4 + k];
 }
 
-/* Colours by the first's share. Patterns are as deep as they were defined, ORL_PATTERN_STEPS. */
+/* Mixes two colours by the first's share. The recursion is at most ORL_PATTERN_STEPS deep. */
 static enum orl_pattern_worth mix(const struct orl_pattern *pattern, const struct orl_hit *hit,
                                   struct orl_vec3 towards, double share, struct orl_rgb *ret_color)
 {
@@ -152,7 +152,7 @@ void orl_pattern_inputs(const struct orl_pattern *pattern, const struct orl_hit 
         find_place(pattern, hit, inputs + ORL_RAY_LU);
 }
 
-/* What its function, and what its grids hold, come to. */
+/* Evaluates the pattern's function, and its values function on what the grids hold. */
 static enum orl_pattern_worth values_at(const struct orl_pattern *pattern,
                                         const struct orl_hit *hit, struct orl_vec3 towards,
                                         double values[ORL_GRID_AXES])
@@ -178,7 +178,7 @@ bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit 
     return true;
 }
 
-/* Eight bands at once: what the grid holds of each, and the wavelength, are what values take. */
+/* Evaluates eight bands at once; the function takes the wavelength and the grid's value of each. */
 static enum orl_pattern_worth see_bands(const struct orl_pattern *pattern, const double *inputs,
                                         double *place, uint32_t first, struct orl_tristimulus *seen)
 {
@@ -209,7 +209,8 @@ static enum orl_pattern_worth see_bands(const struct orl_pattern *pattern, const
                                : ORL_WORTH_VALUE;
 }
 
-/* A spectrum's factor. Of a grid all axes but the last are the function's coordinates. */
+/* Returns a spectrum's factor. The function gives all coordinates of the grid except the last,
+ * which is the wavelength. */
 static enum orl_pattern_worth see(const struct orl_pattern *pattern, const struct orl_hit *hit,
                                   struct orl_vec3 towards, struct orl_rgb *ret_factor)
 {
@@ -255,7 +256,7 @@ static bool covers(const struct orl_pattern *pattern, const struct orl_hit *hit)
     return orl_text_covers(pattern->text, orl_add(hit->point, pattern->center));
 }
 
-/* Its own factor, without those under it. */
+/* The pattern's own factor, without the patterns under it. */
 static enum orl_pattern_worth own_factor(const struct orl_pattern *pattern,
                                          const struct orl_hit *hit, struct orl_vec3 towards,
                                          struct orl_rgb *ret_factor)
