@@ -1,4 +1,4 @@
-/* Antimatter: the volumes of a scene, each alone, and what they cut. */
+/* Builds antimatter: the geometry of each volume, and of the surfaces that it cuts. */
 #include "scene/geometry/antimatter.h"
 
 #include <stdio.h>
@@ -14,7 +14,7 @@ static void include(struct orl_geometry *g, struct orl_vec3 p)
     g->high = orl_v3(fmax(g->high.x, p.x), fmax(g->high.y, p.y), fmax(g->high.z, p.z));
 }
 
-/* Bounds of the facets that are left in it: those of the whole scene are the copy's. */
+/* Sets the bounds of the remaining facets; a subset starts with those of the whole scene. */
 static void bound(struct orl_geometry *g)
 {
     g->low = orl_v3(INFINITY, INFINITY, INFINITY);
@@ -36,7 +36,7 @@ static void bound(struct orl_geometry *g)
     }
 }
 
-/* A facet that is left in it. */
+/* Returns the surface of one of the remaining facets, for messages. */
 static const struct orl_surface *one_of(const struct orl_geometry *g,
                                         const struct orl_description *d)
 {
@@ -46,9 +46,10 @@ static const struct orl_surface *one_of(const struct orl_geometry *g,
     return NULL;
 }
 
-/* What places say of a volume. */
+/* Result of testing whether a volume is closed. */
 struct closed {
-    int unlike; /* that both ways along a line say different things, or that it is inside out */
+    /* places where both directions along a line disagree, or that say the volume is inside out */
+    int unlike;
     int inside;
 };
 
@@ -66,7 +67,7 @@ static struct orl_vec3 between(struct orl_vec3 low, struct orl_vec3 high, struct
                   low.z + u.z * (high.z - low.z));
 }
 
-/* On both sides of one of its triangles, a thousandth of that triangle's size away. */
+/* Tests both sides of a point on a triangle, a thousandth of the triangle's size away. */
 static void ask_beside(const struct orl_geometry *shell, size_t triangle, struct orl_vec3 u,
                        struct closed *closed)
 {
@@ -81,8 +82,8 @@ static void ask_beside(const struct orl_geometry *shell, size_t triangle, struct
     ask(shell, orl_madd(p, n, -away / size), closed);
 }
 
-/* Places all over its box, and beside its surfaces: of holes all over a building few are within
- * one. */
+/* Tests places in the volume's bounding box, and beside its surfaces: if holes are scattered over a
+ * building, few places of the box lie in one. */
 static int check_closed(const struct orl_hole *hole, const struct orl_description *d,
                         struct orl_error *err)
 {
@@ -139,7 +140,7 @@ static int build_hole(struct orl_geometry *g, const struct orl_description *d, u
     return check_closed(hole, d, err);
 }
 
-/* Which antimatters have surfaces, in order of their definition. */
+/* Lists the antimatters that have surfaces, in order of their definition. */
 static size_t list(const struct orl_geometry *g, const struct orl_description *d, uint8_t *used,
                    uint32_t *ret_materials)
 {

@@ -9,7 +9,7 @@
 #include "scene/geometry/sweep_order.h"
 
 enum { MOST_PASSES = 64, LONG_PASS = 2, FEW_EDGES = 2000 };
-/* Pairs looked at in one search for all meetings, and in all: about a second. */
+/* Limits of pairs tested in one search for all intersections, and in total: about a second. */
 static const uint64_t most_pairs = 20000000, most_tests = 60000000;
 
 static const double steps = 0x1p29 - 2;
@@ -26,7 +26,7 @@ struct split {
     double along;
 };
 
-enum scratch { BOXES, SPLITS, SPARE, TABLE }; /* boxes: also what a sweep needs */
+enum scratch { BOXES, SPLITS, SPARE, TABLE }; /* BOXES: also used as scratch by the sweep */
 
 /* ---- Room ------------------------------------------------------------------------------------ */
 
@@ -71,7 +71,7 @@ static size_t slot_of(const struct orl_arrangement *a, int32_t x, int32_t y)
     return slot;
 }
 
-/* Room for that many more nodes, in the table too. */
+/* Makes room for more nodes, also in the hash table. */
 static bool make_room(struct orl_arrangement *a, size_t more)
 {
     const size_t wanted = a->n_nodes + more;
@@ -92,7 +92,7 @@ static bool make_room(struct orl_arrangement *a, size_t more)
     return true;
 }
 
-/* The node there, new if need be; there is room. */
+/* Returns the node at a grid point, created if there is none; room must have been made. */
 static uint32_t node_at(struct orl_arrangement *a, int32_t x, int32_t y, struct orl_vec3 place)
 {
     const size_t slot = slot_of(a, x, y);
@@ -158,7 +158,7 @@ static int compare_edges(const void *left, const void *right)
     return a->high < b->high ? -1 : a->high > b->high;
 }
 
-/* Of each layer an even number cancels. */
+/* Merges coincident edges; in each layer an even number cancels. */
 static void cancel(struct orl_arrangement *a)
 {
     size_t kept = 0;
@@ -191,7 +191,7 @@ static int compare_boxes(const void *left, const void *right)
     return a->edge < b->edge ? -1 : a->edge > b->edge;
 }
 
-/* A step wider to all sides than half of it is. */
+/* Boxes are padded by a grid step on each side, more than the half step of rounding. */
 static void make_boxes(const struct orl_arrangement *a, struct box *boxes)
 {
     for (size_t i = 0; i < a->n_edges; i++) {
@@ -234,7 +234,7 @@ static void add_split(struct search *s, uint32_t edge, uint32_t node, double alo
         splits[s->n_splits++] = (struct split){edge, node, along};
 }
 
-/* Splits the edge at a node that comes within a step of it. */
+/* Splits the edge at a node within one grid step of it. */
 static bool split_at(struct search *s, uint32_t edge, uint32_t node)
 {
     const struct orl_node *nodes = s->a->nodes, *p = &nodes[node];
@@ -251,7 +251,7 @@ static bool split_at(struct search *s, uint32_t edge, uint32_t node)
     return true;
 }
 
-/* Splits both where they cross; the node is new unless there is one. */
+/* Splits both edges where they cross, at a new node unless there is one. */
 static void split_crossing(struct search *s, uint32_t first, uint32_t second, int64_t to_low,
                            int64_t to_high)
 {
@@ -261,7 +261,7 @@ static void split_crossing(struct search *s, uint32_t first, uint32_t second, in
         s->code = ORL_ERR_NOMEM;
         return;
     }
-    /* Along f, by the distances of its ends from e. */
+    /* Interpolates along f, by the distances of its ends from e. */
     const double share = (double)to_low / ((double)to_low - (double)to_high);
     const struct orl_node *low = &a->nodes[f.low], *high = &a->nodes[f.high];
     const double dx = (double)high->x - low->x, dy = (double)high->y - low->y;
@@ -284,7 +284,7 @@ static void test_pair(struct search *s, uint32_t first, uint32_t second)
     const struct orl_node *n = a->nodes;
     const int64_t f_low = orl_node_turn(&n[e.low], &n[e.high], &n[f.low]);
     const int64_t f_high = orl_node_turn(&n[e.low], &n[e.high], &n[f.high]);
-    /* Both ends on one side, farther than two steps: no edge is longer than 2^31. */
+    /* Both ends are on one side, more than two steps away: no edge is longer than 2^31. */
     const int64_t far = (int64_t)1 << 32;
     if ((f_low > far && f_high > far) || (f_low < -far && f_high < -far))
         return;
@@ -301,7 +301,7 @@ static void test_pair(struct search *s, uint32_t first, uint32_t second)
         split_crossing(s, first, second, f_low, f_high);
 }
 
-/* All of them, or as many as there is time for. */
+/* Finds all intersections, or as many as the limit of tests allows. */
 static void find_meetings(struct search *s)
 {
     struct orl_arrangement *a = s->a;
@@ -321,7 +321,8 @@ static void find_meetings(struct search *s)
     }
 }
 
-/* ---- Whether edges meet at all --------------------------------------------------------------- */
+/* ---- Search by a sweep
+ * ------------------------------------------------------------------------ */
 
 /* The edges that the sweep cuts, from left to right. */
 struct front {
@@ -330,7 +331,7 @@ struct front {
     size_t n;
 };
 
-/* Takes out the edges that end at a node, which are not in their place: something crosses. */
+/* Removes the edges that end at a node when they are out of order, which means that edges cross. */
 static size_t take_out(struct front *f, const struct orl_arrangement *a, uint32_t node)
 {
     size_t kept = 0;
@@ -341,7 +342,7 @@ static size_t take_out(struct front *f, const struct orl_arrangement *a, uint32_
     return orl_sweep_count_left(a, f->edges, 1, f->n, node);
 }
 
-/* What comes to lie side by side is tested. */
+/* Processes one node; tests the edges that become neighbours. */
 static void pass_node(struct search *s, struct front *f, uint32_t node)
 {
     const struct orl_arrangement *a = s->a;
@@ -365,8 +366,8 @@ static void pass_node(struct search *s, struct front *f, uint32_t node)
     s->a->tests += k + 1;
 }
 
-/* Some, if there are any: of edges that meet, two lie side by side before (Shamos and Hoey 1976).
- */
+/* Finds some intersection if there is any: two edges that meet are neighbours before (Shamos and
+ * Hoey 1976). */
 static void find_some(struct search *s)
 {
     struct orl_arrangement *a = s->a;
@@ -396,7 +397,7 @@ static int compare_splits(const void *left, const void *right)
     return a->node < b->node ? -1 : a->node > b->node;
 }
 
-/* The measure that orders splits of one edge, whichever way they were found. */
+/* Computes the key that orders splits of one edge, independent of how they were found. */
 static void measure_splits(const struct orl_arrangement *a, struct split *splits, size_t n)
 {
     for (size_t i = 0; i < n; i++) {

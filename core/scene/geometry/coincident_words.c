@@ -7,10 +7,10 @@
 
 #include "scene/geometry/coincidence_rule.h"
 
-/* How many lines name pairs. Every box that stands on something faces it: there a line does for
- * all, and so it does for surfaces of one material. */
+/* Number of warnings that name pairs. Every box on a floor makes an opposed pair, and surfaces of
+ * one material are harmless: these kinds share one line. */
 static const uint64_t most_named[ORL_COINCIDENCES] = {3, 0, 3, 0, 3};
-/* Radiance starts a ray so far behind a surface, in the file's unit (FTINY). */
+/* Distance behind a surface at which Radiance starts a ray, in the file's unit (FTINY). */
 static const double behind = 1e-6;
 
 static void warn(struct orl_description *d, const char *format, ...)

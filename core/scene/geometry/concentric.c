@@ -7,7 +7,7 @@
 
 enum family { SPHERES, CYLINDERS, CONES, NO_FAMILY };
 
-/* A round surface; the key is alike for all that may lie in one place with it. */
+/* A quadric; surfaces that may coincide have about the same key. */
 struct round {
     enum family family;
     uint32_t surface;
@@ -33,7 +33,7 @@ static enum family family_of(const struct orl_surface *s)
     }
 }
 
-/* Either way round. */
+/* Returns the axis with a fixed sign, whichever end is listed first. */
 static struct orl_vec3 axis_of(const struct orl_surface *s)
 {
     const struct orl_vec3 axis = orl_normalize(orl_sub(s->round->center[1], s->round->center[0]));
@@ -74,7 +74,8 @@ static bool alike(double a, double b, double tolerance)
     return fabs(a - b) <= tolerance;
 }
 
-/* Both about the first one's axis, and overlapping along it by more than a seam. */
+/* Returns true if both are about the first one's axis, and overlap along it by more than the
+ * seam. */
 static bool cylinders_meet(const struct orl_surface *a, const struct orl_surface *b, double seam)
 {
     const struct orl_vec3 along = orl_sub(a->round->center[1], a->round->center[0]);

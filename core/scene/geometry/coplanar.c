@@ -9,16 +9,16 @@
 #include "scene/geometry/covered.h"
 #include "scene/geometry/overlap.h"
 
-/* A polygon or ring in its plane. */
+/* A polygon or ring, with the key of its plane. */
 struct flat {
-    double key; /* alike for all of one plane */
+    double key; /* nearly equal for all surfaces of one plane */
     struct orl_box box;
     uint32_t surface;
 };
 
 struct search {
     const struct orl_description *d;
-    const bool *is_cut; /* by material: by antimatter */
+    const bool *is_cut; /* by material: true if antimatter cuts it */
     struct orl_same_place place;
     struct flat *flats;
     size_t n_flats;
@@ -37,8 +37,8 @@ static struct orl_vec3 point_of(const struct orl_surface *s)
     return s->kind == ORL_SURFACE_RING ? s->round->center[0] : s->vertices[0];
 }
 
-/* A number that tells planes apart: their distance, and their direction by a slope like no other's.
- */
+/* Returns a number that distinguishes planes: the distance, plus the normal's component along an
+ * odd direction. */
 static double key_of(const struct orl_same_place *place, const struct orl_surface *s)
 {
     const struct orl_vec3 odd = {0.5257311121191336, 0.3090169943749474, 0.7925302842541783};
@@ -87,7 +87,8 @@ bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double 
     return (common.x > pad) + (common.y > pad) + (common.z > pad) >= 2;
 }
 
-/* ---- In order -------------------------------------------------------------------------------- */
+/* ---- Sorting
+ * ---------------------------------------------------------------------------------- */
 
 static bool list_flats(struct search *t)
 {
@@ -124,7 +125,7 @@ static int compare_keys(const void *left, const void *right)
     return a->surface < b->surface ? -1 : a->surface > b->surface;
 }
 
-/* Along the sum of all three axes: no plane of a building stands across it. */
+/* Coordinate along (1, 1, 1), which is perpendicular to no usual plane of a building. */
 static double start_of(const struct flat *f)
 {
     return f->box.low.x + f->box.low.y + f->box.low.z;
@@ -146,7 +147,7 @@ static int compare_starts(const void *left, const void *right)
 
 /* ---- Pairs ----------------------------------------------------------------------------------- */
 
-/* Whether one, or its corners, lies in the other's plane. */
+/* Returns true if all corners (or the ring's centre) lie in the other's plane. */
 static bool lies_in(const struct search *t, const struct orl_surface *s,
                     const struct orl_surface *plane)
 {
@@ -223,8 +224,8 @@ static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest,
             }
 }
 
-/* Removes each polygon that one of the largest covers wholly; this pair is the only one kept of it.
- * Returns false when out of memory. */
+/* Removes each polygon that one of the largest covers completely, and keeps only that pair of it.
+ * Returns false if out of memory. */
 static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
 {
     enum { LARGEST = 8 };
@@ -234,7 +235,7 @@ static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
         const struct orl_surface *const loser = &t->d->surfaces[flats[i].surface];
         size_t k = 0;
         if (i % 1024 == 0 && orl_is_cancelled(t->d->cancel))
-            return true; /* the caller polls, too */
+            return true; /* the caller polls too */
         for (; k < LARGEST && k < kept; k++) {
             t->looks->n++;
             if (orl_polygon_covers(t->d, t->is_cut, &t->d->surfaces[flats[k].surface], loser,
@@ -250,7 +251,7 @@ static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
     return true;
 }
 
-/* All pairs of one plane, which lie in a row; of a few, by a sweep. */
+/* Finds all pairs of one plane, which are adjacent after sorting; a few are compared by a sweep. */
 static bool look_within(struct search *t, struct flat *flats, size_t n)
 {
     enum { FEW = 16 };
@@ -277,7 +278,7 @@ static bool find_pairs(struct search *t)
     const double apart = 4 * t->place.tolerance;
     const int code = orl_sort(t->flats, t->n_flats, sizeof *t->flats, compare_keys, t->d->cancel);
     if (code < 0)
-        return code == ORL_ERR_CANCELLED; /* the caller polls, too */
+        return code == ORL_ERR_CANCELLED; /* the caller polls too */
     for (size_t first = 0, next; first < t->n_flats; first = next) {
         for (next = first + 1;
              next < t->n_flats && t->flats[next].key - t->flats[next - 1].key <= apart; next++)

@@ -9,7 +9,7 @@
 #include "base/arena.h"
 #include "scene/geometry/coincidence_rule.h"
 
-/* Bounds: so much for any scene, and so much more for each corner; at most some seconds. */
+/* Limits: a constant for any scene, plus an amount per corner; at most some seconds. */
 static const uint64_t least_looks = 4000000, looks_a_corner = 250, most_looks = 400000000;
 static const uint64_t least_work = 20000000, work_a_corner = 2500, most_work = 400000000;
 
@@ -63,8 +63,8 @@ static void tell(struct orl_cutting *t, const struct orl_surface *loser,
                          loser, winner, t->overlap.n == 0);
 }
 
-/* Keeps the winners that do share an area with the loser, and tells them. Of many, one that covers
- * the loser wholly is kept alone: no others need be looked at. */
+/* Keeps the winners that share an area with the loser, and reports them. If there are many, one
+ * that covers the loser completely is kept alone. */
 static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct orl_pair *losses,
                 size_t *n)
 {
@@ -91,14 +91,14 @@ static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct o
     return 0;
 }
 
-/* A winner's outline, with its box and its layer. */
+/* A winner's outline, with its bounding box and its layer. */
 struct layered {
     struct orl_box box;
     struct orl_outline outline;
-    uint32_t layer; /* ORL_OVERLAP_LAYERS: none yet */
+    uint32_t layer; /* ORL_OVERLAP_LAYERS: not assigned yet */
 };
 
-/* The layers of winners before the i-th whose boxes overlap its own, as bits. */
+/* Returns the layers, as bits, of winners before the i-th whose boxes overlap its box. */
 static int find_taken(struct orl_cutting *t, const struct layered *winners, size_t i,
                       uint32_t *ret_taken)
 {
@@ -114,8 +114,8 @@ static int find_taken(struct orl_cutting *t, const struct layered *winners, size
     return 0;
 }
 
-/* Gives layers to winners such that of one layer none overlap, and puts those that got one first:
- * their number. */
+/* Assigns layers to winners so that none of one layer overlap; moves those that got one to the
+ * front. *ret_laid: their number. */
 static int assign_layers(struct orl_cutting *t, struct layered *winners, size_t n, size_t *ret_laid)
 {
     size_t laid = 0;
@@ -140,12 +140,12 @@ static int assign_layers(struct orl_cutting *t, struct layered *winners, size_t 
     return 0;
 }
 
-/* The outline that is left becomes the surface's own. */
+/* Replaces the surface's outline by the remaining one. */
 static int take_outline(struct orl_cutting *t, struct orl_surface *left)
 {
     const size_t bytes = t->overlap.n * sizeof *left->vertices;
     left->n_vertices = t->overlap.n;
-    left->has_places = left->has_normals = false; /* those were of the corners that are gone */
+    left->has_places = left->has_normals = false; /* they belonged to the original corners */
     left->vertices = orl_arena_take(t->d->outlines, bytes + 1);
     if (!left->vertices)
         return ORL_ERR_NOMEM;
@@ -154,7 +154,7 @@ static int take_outline(struct orl_cutting *t, struct orl_surface *left)
     return 0;
 }
 
-/* Cuts the winners that have layers out of the loser; *ret_laid is their number. */
+/* Subtracts the winners that have layers from the loser; *ret_laid is their number. */
 static int subtract(struct orl_cutting *t, struct layered *winners, size_t n,
                     struct orl_surface *left, size_t *ret_laid)
 {
@@ -176,7 +176,7 @@ static int subtract(struct orl_cutting *t, struct layered *winners, size_t n,
     return code;
 }
 
-/* The loser without all its winners, of which the outlines are the original ones. */
+/* Subtracts all winners, with their original outlines, from the loser. */
 static int cut(struct orl_cutting *t, struct orl_pair *losses, size_t n, struct orl_surface *left)
 {
     struct layered *const winners = malloc((n + 1) * sizeof *winners);

@@ -27,16 +27,16 @@ static bool has_room(void)
 }
 
 /*
- * Embree keeps an error for each thread and device, and makes room for it when it has the first to
- * keep: with no memory left, where it cannot throw, which ends the process. So that room is made
- * before anything can fail.
+ * Creates a device with its error slot. Embree allocates a slot per thread and device when the
+ * first error occurs; if that allocation fails, it throws in a place that ends the process. So the
+ * slot is allocated before anything can fail.
  */
 static RTCDevice new_device(void)
 {
     if (!has_room())
         return NULL;
     rtcGetDeviceError(NULL);
-    /* One build thread: the hierarchy, and with it the order of ties, is the same every time. */
+    /* One build thread makes the hierarchy, and with it the order of ties, reproducible. */
     RTCDevice device = rtcNewDevice("threads=1");
     if (device && !has_room()) {
         rtcReleaseDevice(device);
@@ -47,10 +47,11 @@ static RTCDevice new_device(void)
     return device;
 }
 
-/* A scene of one triangle. One that failed is not to be released. */
+/* Builds a scene of one triangle. If that fails, the scene must not be released. */
 static bool rehearse(RTCDevice device)
 {
-    static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0}; /* Embree reads by fours */
+    /* Embree reads four floats at a time */
+    static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const unsigned indices[3] = {0, 1, 2};
     RTCScene scene = rtcNewScene(device);
     RTCGeometry mesh = scene ? rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE) : NULL;

@@ -1,4 +1,4 @@
-/* What is known of facets and triangles, by their numbers: what few have, areas, outlines. */
+/* Queries on facets and triangles by index: rare fields, areas, outlines. */
 #include "scene/geometry/geometry.h"
 
 #include <stdlib.h>
@@ -24,7 +24,8 @@ const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geomet
     return &geometry->more[low];
 }
 
-/* The first triangle ends where the outline begins, triangulate.c has the corners cut off so. */
+/* Reconstructs the outline from the triangles: the first one ends where the outline begins (corners
+ * are cut off so in triangulate.c). */
 static struct orl_facet_outline told_outline(const struct orl_geometry *g,
                                              const struct orl_facet *f)
 {
@@ -62,10 +63,10 @@ struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geomet
                                       .geometry = geometry};
 }
 
-/* Of more than these what is listed would be a sixth of what they take. */
+/* Above this, the listed triangles would add a sixth to the memory of the couples. */
 static const size_t few_couples = 1 << 15;
 
-/* Of every facet, in the files' order. */
+/* Lists the outlines of all facets, in the files' order. */
 static bool list_outlines(struct orl_geometry *g)
 {
     struct orl_own_outline *const outlines = malloc((g->n_facets + 1) * sizeof *outlines);

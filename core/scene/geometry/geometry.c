@@ -28,7 +28,7 @@ static double largest(struct orl_vec3 v)
     return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
 
-/* A facet by its surface's numbers; round is where its own are kept. */
+/* Sets a quadric facet from its surface; `round` stores its centres and radii. */
 static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface,
                         struct orl_curved *round)
 {
@@ -55,7 +55,7 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
     }
 }
 
-/* What building needs besides: scratch, for the most part. */
+/* State of a build, mostly scratch. */
 struct builder {
     struct orl_geometry *g;
     const struct orl_description *description;
@@ -83,7 +83,7 @@ static int refuse_outline(const struct builder *b, const struct orl_surface *sur
     return code;
 }
 
-/* Makes the corners of the polygon's triangles the geometry's. */
+/* Replaces the corner indices of the triangulation by the geometry's. */
 static bool number_corners(struct builder *b)
 {
     const struct orl_triangulation *const cut = &b->triangulation;
@@ -95,7 +95,8 @@ static bool number_corners(struct builder *b)
     return true;
 }
 
-/* Of three or four corners, cut off one by one (triangulate.c): then the triangles tell them. */
+/* Returns true if the triangles determine the outline: three or four corners, cut off one by one
+ * (triangulate.c). */
 static bool is_told(const struct orl_triangulation *cut, const struct orl_surface *surface)
 {
     static const uint32_t three[1][3] = {{2, 0, 1}}, four[2][3] = {{3, 0, 1}, {1, 2, 3}};
@@ -121,7 +122,7 @@ static bool keep_outline(struct builder *b, const struct orl_surface *surface, u
     return true;
 }
 
-/* Cuts a polygon into triangles, moved, and measures it. */
+/* Triangulates a polygon in moved coordinates, and sets its area and offset. */
 static int add_polygon(struct builder *b, const struct orl_surface *surface, uint32_t facet)
 {
     struct orl_geometry *g = b->g;
@@ -166,7 +167,7 @@ static void add_curved(struct orl_geometry *g, const struct orl_surface *surface
     f->offset = fmax(largest(low), largest(high)) * 0x1p-20;
 }
 
-/* Polygons come first and curved facets last, so that Embree's numbers map by arithmetic alone. */
+/* Polygons come first and curved facets last, so that Embree's indices map by arithmetic. */
 static int add_facets(struct builder *b)
 {
     struct orl_geometry *g = b->g;
@@ -193,7 +194,7 @@ static int add_facets(struct builder *b)
     return code;
 }
 
-/* Marks the facets that have rivals, and lists all that have more than others. */
+/* Marks the facets that have rivals, and makes the list of orl_facet_more. */
 static bool list_more(struct orl_geometry *g, const struct orl_description *d,
                       const uint32_t *facet_of)
 {
@@ -246,7 +247,7 @@ static int add_more(struct orl_geometry *g, const struct orl_description *d)
     return made ? 0 : ORL_ERR_NOMEM;
 }
 
-/* A description of a prototype alone, which borrows all. */
+/* Returns a description of one prototype; it borrows everything. */
 static struct orl_description alone(const struct orl_description *d, size_t prototype)
 {
     const struct orl_prototype *const p = &d->prototypes[prototype];

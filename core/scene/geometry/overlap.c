@@ -6,25 +6,26 @@
 #include "base/grow.h"
 #include "scene/geometry/sweep_order.h"
 
-enum { FIRST = 1, NONE = -1 }; /* the others' layers are the bits above */
+/* FIRST: layer of the first outline; the others' layers are the bits above */
+enum { FIRST = 1, NONE = -1 };
 
-/* Of an edge that is on the border of what is looked for: from where to where, inside on the left.
- */
+/* A directed edge of the border of the result, with the inside on its left. */
 struct side {
     uint32_t from, to;
-    int32_t next; /* another that starts there, or NONE */
+    int32_t next; /* next side with the same start, or NONE */
     bool used;
 };
 
 struct border {
     struct side *sides;
-    int32_t *first; /* per node */
+    int32_t *first; /* per node: first side that starts there */
     size_t n;
 };
 
-/* ---- Apart ----------------------------------------------------------------------------------- */
+/* ---- Separation test
+ * -------------------------------------------------------------------------- */
 
-/* The range of an outline's distances from a line, along a direction. */
+/* Range of an outline's signed distances from a line through origin, along a direction. */
 static void range(const struct orl_outline *o, struct orl_vec3 origin, struct orl_vec3 across,
                   double *ret_low, double *ret_high)
 {
@@ -54,15 +55,15 @@ static bool edge_parts(const struct orl_outline *of, const struct orl_outline *a
 
 bool orl_outlines_apart(const struct orl_outline *a, const struct orl_outline *b, double tolerance)
 {
-    enum { MOST = 64 }; /* larger ones are compared in full */
+    enum { MOST = 64 }; /* larger ones go to the full comparison */
     return a->n <= MOST && b->n <= MOST &&
            (edge_parts(a, a, b, tolerance) || edge_parts(b, a, b, tolerance));
 }
 
 /* ---- Sides of edges -------------------------------------------------------------------------- */
 
-/* Within which layers lies what is just left of every edge: known as soon as a sweep comes to it,
- * of a level one what is above. Returns false when edges cross, which they must not. */
+/* Finds the layers that contain the area just left of every edge (above, for a horizontal one), as
+ * the sweep reaches it. Returns false if edges cross, which they must not. */
 static bool find_layers(const struct orl_arrangement *a, uint32_t *words, uint32_t *ret_left)
 {
     struct orl_sweep_order order;
@@ -111,7 +112,7 @@ static bool in_first_alone(uint32_t layers)
     return layers == FIRST;
 }
 
-/* The border of one part, given the layers left of every edge. */
+/* Finds the border of one part from the layers left of every edge. */
 static void find_border(const struct orl_arrangement *a, const uint32_t *left, inside_fn *inside,
                         struct border *border)
 {
@@ -148,7 +149,7 @@ static bool add_vertex(struct orl_overlap *o, struct orl_vec3 place)
     return true;
 }
 
-/* One loop, appended and closed; taken back when it is but a strip. */
+/* Appends one closed loop; removes it again if it is only a thin strip. */
 static int follow(struct orl_overlap *o, struct border *border, int32_t start, double tolerance,
                   bool *ret_kept)
 {
@@ -172,7 +173,7 @@ static int follow(struct orl_overlap *o, struct border *border, int32_t start, d
     return 0;
 }
 
-/* All loops; each but the first is reached from the first's start, and left to it again. */
+/* Appends all loops; a seam from the first loop's start leads to each other loop and back. */
 static int follow_all(struct orl_overlap *o, struct border *border, double tolerance)
 {
     o->n = 0;
@@ -189,7 +190,8 @@ static int follow_all(struct orl_overlap *o, struct border *border, double toler
     return 0;
 }
 
-/* ---- Both together --------------------------------------------------------------------------- */
+/* ---- Combination
+ * ------------------------------------------------------------------------------ */
 
 static int arrange(struct orl_overlap *o, const struct orl_outline *a,
                    const struct orl_outline *others, const uint32_t *layers, size_t n)

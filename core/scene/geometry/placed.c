@@ -7,9 +7,10 @@
 
 #include "scene/geometry/quadric.h"
 
-/* ---- By number ------------------------------------------------------------------------------- */
+/* ---- By index
+ * --------------------------------------------------------------------------------- */
 
-/* The last whose first number is not above that of the facet. */
+/* Returns the last instance whose first facet is not above the given one. */
 const struct orl_placed *orl_placed_of(const struct orl_geometry *geometry, uint32_t facet)
 {
     size_t low = 0, high = geometry->n_placed;
@@ -133,7 +134,7 @@ static void include(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *hi
     *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
 }
 
-/* Of all corners, where they stand: for a turned box would be larger than what is in it. */
+/* Bounds of the transformed corners, which are tighter than a rotated box. */
 static void bound(struct orl_placed *placed)
 {
     const struct orl_geometry *const g = placed->prototype;
@@ -172,7 +173,7 @@ bool orl_placed_measure(struct orl_geometry *geometry, const struct orl_descript
         if (prototype->n_places++ == 0)
             prototype->first_place = i;
         if (orl_is_cancelled(description->cancel))
-            continue; /* whoever builds it sees so, too */
+            continue; /* the caller polls too */
         bound(placed);
         include(placed->low, low, high);
         include(placed->high, low, high);
@@ -194,7 +195,7 @@ int orl_placed_number(struct orl_geometry *geometry, struct orl_error *err)
         placed->low = orl_sub(placed->low, geometry->center);
         placed->high = orl_sub(placed->high, geometry->center);
         placed->from = orl_xform_inverse(&placed->to);
-        /* Rays are rounded to floats in the scene, and again in the prototype's coordinates. */
+        /* Rays are rounded to float in the scene, and again in the prototype's coordinates. */
         placed->offset = 0x1p-20 * (fmax(largest(placed->low), largest(placed->high)) +
                                     placed->to.scale * placed->prototype->radius);
         placed->first_facet = (uint32_t)facets;

@@ -10,7 +10,8 @@ static bool is_sphere(enum orl_surface_kind kind)
     return kind == ORL_SURFACE_SPHERE || kind == ORL_SURFACE_BUBBLE;
 }
 
-/* The axis, its length, and how the radius changes along it: cylinders are cones of equal radii. */
+/* The axis, its length, and the slope of the radius along it: cylinders are cones of equal
+ * radii. */
 struct axis {
     struct orl_vec3 direction;
     double length, slope, radius;
@@ -25,7 +26,8 @@ static struct axis axis_of(const struct orl_facet *facet)
                          facet->round->radius[0]};
 }
 
-/* Real roots of a t^2 + 2 h t + c, ascending, without cancellation; returns how many. */
+/* Finds the real roots of a t^2 + 2 h t + c, ascending, without cancellation; returns their
+ * number. */
 static int solve(double a, double h, double c, double roots[2])
 {
     const double discriminant = h * h - a * c;
@@ -47,8 +49,7 @@ static bool sphere_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_
 {
     double roots[2];
     const struct orl_vec3 m = orl_sub(o, f->round->center[0]);
-    /* The distance of the line to the centre, squared, is formed from the nearest point: exact far
-     * out. */
+    /* Uses the point of the line nearest to the centre, which is exact also far away. */
     const double h = orl_dot(m, d);
     const struct orl_vec3 nearest = orl_madd(m, d, -h);
     const double c = orl_dot(nearest, nearest) + h * h - f->round->radius[0] * f->round->radius[0];
@@ -208,7 +209,7 @@ void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
         *ret_normal = orl_neg(*ret_normal);
 }
 
-/* From 0 to 1, about the frame's normal. */
+/* Angle about the frame's normal, from 0 to 1. */
 static double turn(const struct orl_frame *frame, struct orl_vec3 way)
 {
     const double t = atan2(orl_dot(way, frame->v), orl_dot(way, frame->u)) / (2 * ORL_PI);

@@ -10,24 +10,25 @@
 
 enum side { LEFT, RIGHT };
 
-/* The lower part of a monotone polygon that is not in triangles yet: a chain of nodes on one side,
- * of which none bends inwards, but for its lowest, which is also the last of the other side. */
+/* The part of a monotone polygon that is not triangulated yet: a reflex chain of nodes on one side.
+ * Its lowest node is also the last of the other side. */
 struct funnel {
-    uint32_t top; /* into beads */
+    uint32_t top; /* index into beads */
     enum side side;
 };
 
 struct bead {
-    uint32_t node, below; /* below: into beads, or NONE */
+    uint32_t node, below; /* below: index into beads, or NONE */
 };
 
-/* An inside stretch. United ones wait for the next node, to which the diagonal will go. */
+/* An interval inside the polygon. United regions wait for the next node, which the diagonal will
+ * end at. */
 struct region {
-    struct funnel funnel, other; /* other: on the right of it, when united */
+    struct funnel funnel, other; /* other: the right funnel, if united */
     bool united;
 };
 
-/* An edge that the sweep cuts; region: what lies right of it, of those at even places. */
+/* An edge that the sweep line cuts; region: the one right of it, for edges at even positions. */
 struct cut {
     uint32_t edge, region;
 };
@@ -70,14 +71,14 @@ static struct funnel funnel_from(struct state *s, uint32_t low, uint32_t high, e
     return (struct funnel){push(s, high, push(s, low, NONE)), side};
 }
 
-/* Triangles from the node to the whole chain. */
+/* Emits triangles from the node to the whole chain. */
 static void fan(struct state *s, const struct funnel *f, uint32_t node)
 {
     for (uint32_t i = f->top; s->beads[i].below != NONE; i = s->beads[i].below)
         emit(s, node, s->beads[i].node, s->beads[s->beads[i].below].node);
 }
 
-/* The next node, on that side. */
+/* Adds the next node, on that side. */
 static void extend(struct state *s, struct funnel *f, uint32_t node, enum side side)
 {
     const uint32_t top = f->top;
@@ -135,7 +136,7 @@ static void close_region(struct state *s, uint32_t region, uint32_t node)
         fan(s, &r->other, node);
 }
 
-/* Divides it at a node within; returns the part on the right. */
+/* Splits a region at a node inside it; returns the right part. */
 static uint32_t divide(struct state *s, uint32_t region, uint32_t node)
 {
     struct region *r = &s->regions[region];
@@ -156,7 +157,7 @@ static uint32_t divide(struct state *s, uint32_t region, uint32_t node)
     return open_region(s, right);
 }
 
-/* Two regions meet at the node, the end of what was between them. */
+/* Merges two regions at the node where the boundary between them ends. */
 static void unite(struct state *s, uint32_t left, uint32_t right, uint32_t node)
 {
     extend_right(s, left, node);
@@ -167,7 +168,7 @@ static void unite(struct state *s, uint32_t left, uint32_t right, uint32_t node)
 
 /* ---- The sweep ------------------------------------------------------------------------------- */
 
-/* Puts the edges that start at the node in the place of the m that end there. */
+/* Replaces the m edges that end at the node by those that start there. */
 static void replace(struct state *s, size_t at, size_t m, uint32_t node, uint32_t right)
 {
     const uint32_t first = s->order.first_start[node];
@@ -185,7 +186,7 @@ static void replace(struct state *s, size_t at, size_t m, uint32_t node, uint32_
     }
 }
 
-/* Returns false when edges cross, which they must not. */
+/* Processes a node. Returns false if edges cross, which they must not. */
 static bool visit(struct state *s, uint32_t node)
 {
     const size_t at = orl_sweep_count_left(s->a, &s->cuts->edge, 2, s->n_cuts, node),
@@ -230,7 +231,8 @@ bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item)
     return true;
 }
 
-/* Every edge opens a region at most, and puts two beads into each of two funnels at either end. */
+/* Allocates the arrays. Every edge opens at most one region, and adds two beads to each of two
+ * funnels at either end. */
 static int lay_out(struct state *s)
 {
     const size_t n = s->a->n_nodes, e = s->a->n_edges, beads = 8 * (n + e) + 8;
