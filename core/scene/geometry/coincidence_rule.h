@@ -8,7 +8,7 @@
 
 #include "scene/description.h"
 
-/* Returns 2 for opaque materials, 1 for those that transmit light, 0 for none. */
+/* Returns 1 for materials that transmit light, else 2. A BSDF counts as 2 unless it is an aBSDF. */
 int orl_coincidence_class(const struct orl_material *m);
 
 /*

@@ -1,7 +1,7 @@
 /*
  * '!' lines, without a shell: a generator, "xform ... file", "cat file", "replmarks ... file" or
- * "obj2rad ... file", and any number of "| xform ..." or "| replmarks ..." behind. What the program
- * would print is read right away, in the scope that its transforms make.
+ * "obj2rad ... file", followed by any number of "| xform ..." or "| replmarks ...". The program's
+ * output is read immediately, in the scope that the transforms make.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "scene/parse/objects.h"
 #include "scene/parse/packages.h"
 
-/* One of the three, and what it needs. */
+/* A generator; exactly one of the three functions is set, by what it needs. */
 struct generator {
     const char *name;
     int (*run)(const char *const *words, size_t count, struct orl_text *text,
@@ -51,19 +51,19 @@ static const struct generator *find_generator(const char *name)
     return NULL;
 }
 
-/* A command under way: stage stage is about to be applied within scope. */
+/* A running command; `stage` is the next one to apply within `scope`. */
 struct run {
     struct orl_parser *parser;
     const struct orl_command *command;
     const struct orl_scope *scope;
     size_t stage;
     int line;
-    struct orl_text text; /* what its generator wrote, once: arrays read it again */
+    struct orl_text text; /* the generator's output, written once and read again by arrays */
 };
 
 static int run_stage(struct run *run, struct orl_error *err);
 
-/* The stage before the one at hand, within scope. */
+/* Runs the previous stage within scope. */
 static int run_before(struct run *run, const struct orl_scope *scope, struct orl_error *err)
 {
     const struct orl_scope *outer = run->scope;
@@ -98,7 +98,7 @@ int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner,
     return orl_parser_file(parser, &scope, &file, err);
 }
 
-/* Files as they are; behind '|', what comes. */
+/* Includes the files; behind '|', runs the previous stage. */
 static int concatenate(struct run *run, const char *const *words, size_t count,
                        struct orl_error *err)
 {
@@ -120,7 +120,7 @@ static int concatenate(struct run *run, const char *const *words, size_t count,
 
 /* ---- xform ----------------------------------------------------------------------------------- */
 
-/* The scope inside a use of xform; prefix is where a joined prefix may be written. */
+/* Returns the scope inside a use of xform; prefix: room for a joined prefix. */
 static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xform_use *use,
                               char prefix[ORL_PREFIX_BYTES])
 {
@@ -139,7 +139,8 @@ static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xf
     return inner;
 }
 
-/* A copy costs what its command's words cost to read again: as much text, for the bound on that. */
+/* Text that a copy counts as, for the limit of text read: reading a command's words again takes as
+ * long. */
 enum { WORD_COST = 64 };
 
 static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_error *err)
@@ -165,7 +166,7 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
     return code;
 }
 
-/* A file that a command's words name. */
+/* Reads a file that a command's words name. */
 static int read_arguments(void *ctx, const char *name, char **ret_text, struct orl_error *err)
 {
     struct run *run = ctx;
@@ -181,8 +182,8 @@ static int read_arguments(void *ctx, const char *name, char **ret_text, struct o
 
 /* ---- replmarks ------------------------------------------------------------------------------- */
 
-/* An octree or a mesh in a marker's place: the primitive that replmarks writes of it. The marker's
- * name goes before those inside an octree, and is that of a mesh. */
+/* Places an octree or a mesh at a marker, by the primitive that replmarks writes. The marker's name
+ * becomes the prefix of names inside an octree, or the name of a mesh. */
 static int place_compiled(struct orl_parser *parser, struct orl_scope *inner,
                           const struct orl_marker *marker, int line, struct orl_error *err)
 {
@@ -196,8 +197,8 @@ static int place_compiled(struct orl_parser *parser, struct orl_scope *inner,
     return orl_parser_read(parser, inner, text, (size_t)size, line, err);
 }
 
-/* Reads the object of the marker at hand, in the scope where the markers were named; its name goes
- * before those of the object, with the prefixes it has itself. */
+/* Reads the object of the current marker, in the scope of the replmarks command. The marker's name,
+ * with its own prefixes, becomes the prefix of the object's names. */
 static int replace_marker(struct orl_parser *parser, const struct orl_scope *scope,
                           const struct orl_marker *marker, struct orl_error *err)
 {
@@ -222,7 +223,8 @@ static int replace_marker(struct orl_parser *parser, const struct orl_scope *sco
     return code;
 }
 
-/* Markers are among what the files say, or what comes before '|'; objects go into the scope. */
+/* Reads files, or the output before '|', with markers replaced; objects are read in the command's
+ * scope. */
 static int replace_markers(struct run *run, const char *const *words, size_t count,
                            struct orl_error *err)
 {
@@ -243,7 +245,7 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
                              run->stage == 0 ? "replmarks has no file to read"
                                              : "replmarks behind '|' takes no files");
     if (code == 0 && run->stage > 0) {
-        markers->expand = true; /* xform has carried out what commands it found */
+        markers->expand = true; /* xform has already expanded the commands that it found */
         code = run_before(run, &inner, err);
     }
     for (size_t i = used + 1; i < count && code == 0; i++)
@@ -254,7 +256,7 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
 
 /* ---- Generators ------------------------------------------------------------------------------ */
 
-/* What the generator that words name writes, into run->text. */
+/* Runs the generator that the words name; stores its output in run->text. */
 static int write_text(struct run *run, const struct generator *generator, const char *const *words,
                       size_t count, struct orl_error *err)
 {
@@ -293,7 +295,7 @@ static int generate(struct run *run, const struct generator *generator, struct o
     return orl_parser_read(run->parser, run->scope, run->text.data, run->text.size, run->line, err);
 }
 
-/* obj2rad of a file, or behind a generator that writes one. */
+/* Runs obj2rad on a file, or on the output of a generator. */
 static int read_object(struct run *run, const char *const *words, size_t count,
                        struct orl_error *err)
 {
@@ -360,7 +362,7 @@ int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope,
     }
     orl_text_done(&run.text);
     orl_command_done(&command);
-    /* Errors inside what was read have their place already. */
+    /* Errors inside the text have their place already. */
     if (code < 0 && err->file[0] == '\0') {
         snprintf(name, sizeof name, "!%.200s", line);
         orl_error_at(err, scope->file, number, name);

@@ -24,7 +24,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-/* Past a mark of byte order and blanks. */
+/* Returns the offset behind a byte order mark and blanks. */
 static size_t find_text(const char *data, size_t size)
 {
     size_t at = size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
@@ -53,7 +53,7 @@ static int refuse(const struct orl_gltf_file *file, int code, const char *what, 
     return code;
 }
 
-/* The chunks of a .glb: JSON, which is the first, and BIN. */
+/* Reads the chunks of a .glb: JSON, which is the first, and BIN. */
 static int read_chunks(struct orl_gltf_file *file, const char *data, size_t size,
                        struct orl_gltf_bytes *ret_json, struct orl_error *err)
 {
@@ -91,7 +91,7 @@ static int read_json(struct orl_gltf_file *file, const char *text, size_t size,
     json_error_t where;
     const size_t begin = find_text(text, size);
     while (size > begin && (text[size - 1] == '\0' || is_blank(text[size - 1])))
-        size--; /* what a chunk is filled up with */
+        size--; /* strips the chunk's padding */
     if (orl_json_weight(text + begin, size - begin) > ORL_LIMIT_JSON_MEMORY)
         return refuse(file, ORL_ERR_LIMIT, "its JSON has too many values",
                       "export it as .glb, or in several files", err);
@@ -127,7 +127,8 @@ static int heed_version(const struct orl_gltf_file *file, struct orl_error *err)
                         "export it again as glTF 2.0", err);
 }
 
-/* Colours, textures and lamps, which are passed over anyway; and those that are read. */
+/* Returns true for extensions that only concern ignored content (colours, textures, lights), or
+ * that are supported. */
 static bool is_known(const char *name)
 {
     static const char *const known[] = {"KHR_materials_",
@@ -167,7 +168,7 @@ static int heed_extensions(const struct orl_gltf_file *file, struct orl_error *e
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
 
-/* "a%20b" is "a b"; false: it is too long. */
+/* Decodes "a%20b" to "a b"; false if the name is too long. */
 static bool decode_name(const char *name, char ret_name[NAME_BYTES])
 {
     size_t n = 0;
@@ -184,7 +185,7 @@ static bool decode_name(const char *name, char ret_name[NAME_BYTES])
     return *name == '\0';
 }
 
-/* "data:...;base64,...", with or without the '=' at its end. */
+/* Decodes "data:...;base64,...", with or without '=' at its end. */
 static int decode_text(const struct orl_gltf_item *at, const char *uri,
                        struct orl_gltf_buffer *buffer, struct orl_error *err)
 {

@@ -1,11 +1,11 @@
 /*
- * mirror. Radiance reflects sources by it, and shades all else by the material that it names, if it
- * names one.
+ * mirror. Radiance reflects light sources in it, and shades all other light by the alternate
+ * material, if it names one.
  */
 #include "scene/parse/material_readers.h"
 
-/* Radiance reflects sources by the mirror, and shades all else by what it is seen as. Where that
- * mirrors by itself, or lets light pass, suns are found in it here. */
+/* Returns true if the alternate material replaces the mirror for all light: it mirrors or transmits
+ * light itself, so suns are found through it. */
 static bool stands_alone(const struct orl_parser *parser, int32_t other)
 {
     const struct orl_material *const m = other < 0 ? NULL : parser->out->materials + other;

@@ -8,11 +8,11 @@
 
 #include "base/grow.h"
 
-/* Flags of a patch's vertices. */
+/* Flags of the vertex data in a patch. */
 enum { HAS_POINTS = 1, HAS_NORMALS = 2, HAS_PLACES = 4, ALL_FLAGS = 7 };
 enum { VERTICES_MAX = 256, LOCAL_MAX = 512, JOINERS_MAX = 256, PATCH_BYTES_MIN = 14 };
 
-/* One of 2^32 cells from low on; its middle is meant. */
+/* Returns the centre of one of 2^32 cells from low on. */
 static double cell(int64_t number, double low, double size)
 {
     return low + ((uint32_t)number + 0.5) * (1.0 / 4294967296.0) * size;
@@ -43,8 +43,9 @@ static int add_vertex(struct orl_patches *patches, struct orl_vec3 v, struct orl
 }
 
 /*
- * A direction in 32 bits: three signs, which of x and y is the smaller in size, whether z is
- * smaller than the other; then both smaller ones, the third following from the length. 0: none.
+ * Decodes a direction in 32 bits: three signs, a flag for the smaller of x and y, a flag for
+ * whether z is smaller than the other; then both smaller components. The third follows from the
+ * length. 0: no normal.
  */
 static struct orl_vec3 read_normal(struct orl_binary *binary)
 {
@@ -59,7 +60,7 @@ static struct orl_vec3 read_normal(struct orl_binary *binary)
     return orl_normalize(orl_v3(code & 1 ? -x : x, code & 2 ? -y : y, code & 4 ? -z : z));
 }
 
-/* A first number of 0 stands for none. */
+/* A first number of 0 means no (u, v). */
 static void read_place(struct orl_binary *binary, const struct orl_patch_frame *frame,
                        double ret_place[2])
 {
@@ -105,8 +106,7 @@ static uint32_t read_local(struct orl_binary *binary, uint32_t patch)
     return patch << 8 | ((uint32_t)orl_binary_int(binary, 1) & 0xff);
 }
 
-/* Triangles whose corners all lie in the patch, then their materials: one for all, or each its own.
- */
+/* Reads triangles with all corners in the patch, then their materials: one for all, or one each. */
 static int read_local_triangles(struct orl_binary *binary, uint32_t patch,
                                 struct orl_patches *patches, struct orl_error *err)
 {
@@ -132,7 +132,7 @@ static int read_local_triangles(struct orl_binary *binary, uint32_t patch,
     return 0;
 }
 
-/* Triangles with so many corners in other patches, which come first. */
+/* Reads triangles whose first `others` corners are in other patches. */
 static int read_joiners(struct orl_binary *binary, uint32_t patch, int others,
                         struct orl_patches *patches, struct orl_error *err)
 {

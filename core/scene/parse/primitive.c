@@ -22,7 +22,7 @@ const char *orl_primitive_string(const struct orl_primitive *primitive, size_t i
     return primitive->text + primitive->at[HEAD_WORDS + i];
 }
 
-/* Fills err with place and primitive; the head may be half read. */
+/* Sets err with place and primitive; the head may be incomplete. */
 static int fail(const struct orl_primitive *primitive, const struct orl_lexer *lexer, int line,
                 struct orl_error *err, int code, const char *message, const char *word)
 {
@@ -38,7 +38,7 @@ static int fail(const struct orl_primitive *primitive, const struct orl_lexer *l
     return code;
 }
 
-/* Makes room for count items of item bytes. */
+/* Grows a buffer to at least count items of item bytes. */
 static int reserve(void *buffer, size_t *room, size_t count, size_t item)
 {
     void **pointer = buffer;
@@ -97,7 +97,7 @@ int orl_primitive_read_head(struct orl_primitive *primitive, struct orl_lexer *l
     return 0;
 }
 
-/* text may move while strings are added: the head's pointers follow. */
+/* Updates the head's pointers, because text may have moved. */
 static void settle(struct orl_primitive *primitive)
 {
     primitive->modifier = primitive->text + primitive->at[0];

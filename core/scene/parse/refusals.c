@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of one kind are those of one type, or one command, that are refused for one reason. */
+/* Refusals are of one kind if they have the same type or command, and the same reason. */
 void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err)
 {
     struct orl_refusal refusal = {.count = 1, .first = *err};
@@ -27,9 +27,9 @@ void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err
         refusals->others++;
 }
 
-/* A text that is filled up to its room, and ends in dots when that was too little. */
+/* A text of bounded length that ends in dots if it was cut. */
 struct list {
-    char text[ORL_ERROR_TEXT_MAX - 16]; /* less a few words before it */
+    char text[ORL_ERROR_TEXT_MAX - 16]; /* leaves room for a few words before it */
     size_t length;
 };
 
@@ -43,7 +43,7 @@ static void append(struct list *list, const char *separator, const char *item)
         return;
     }
     snprintf(list->text + list->length, 4, "...");
-    list->length = sizeof list->text; /* room is 0 from here on */
+    list->length = sizeof list->text; /* marks the list as full */
 }
 
 static void list_kind(struct list *list, const struct orl_refusal *refusal)

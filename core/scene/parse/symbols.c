@@ -6,8 +6,8 @@
 
 #include <oriel/error.h>
 
-/* SipHash under a key of the table's own: nobody can send names that meet in one slot. Where a name
- * lies changes nothing that anyone sees. */
+/* SipHash with a random key per table, so that input cannot force collisions. The position of a
+ * name does not affect results. */
 static uint64_t hash(const struct orl_symbols *symbols, const char *name)
 {
     uint64_t h;
@@ -17,7 +17,7 @@ static uint64_t hash(const struct orl_symbols *symbols, const char *name)
     return h;
 }
 
-/* The slot that holds name, or the free one where it belongs. n_slots is a power of two. */
+/* Returns the slot that holds name, or the free one where it belongs. n_slots is a power of two. */
 static struct orl_symbol *slot_of(const struct orl_symbols *symbols, struct orl_symbol *slots,
                                   size_t n_slots, const char *name)
 {
